@@ -1,0 +1,353 @@
+#include "base/hdf5_tree.h"
+
+#include <hdf5.h>
+#include <unistd.h>
+
+#include <algorithm>
+#include <cstdio>
+#include <filesystem>
+
+#include "base/text.h"
+
+namespace sinew {
+namespace {
+
+constexpr std::size_t kMostValues = std::size_t{1} << 28;  // 2 GiB of doubles: beyond it a header is surely corrupt
+constexpr int kDeepest = 32;
+
+// Closes an HDF5 identifier at the end of its scope.
+class Handle {
+ public:
+  using Closer = herr_t (*)(hid_t);
+  Handle(hid_t id, Closer closer) : id_(id), closer_(closer) {}
+  ~Handle() {
+    if (id_ >= 0) closer_(id_);
+  }
+  Handle(const Handle&) = delete;
+  Handle& operator=(const Handle&) = delete;
+  [[nodiscard]] hid_t get() const { return id_; }
+  explicit operator bool() const { return id_ >= 0; }
+
+ private:
+  hid_t id_;
+  Closer closer_;
+};
+
+hid_t NewTextType() {
+  const hid_t type = H5Tcopy(H5T_C_S1);
+  H5Tset_size(type, H5T_VARIABLE);
+  H5Tset_cset(type, H5T_CSET_UTF8);
+  return type;
+}
+
+// ---- reading -------------------------------------------------------------------------------------------------------
+
+struct Extent {
+  std::vector<std::size_t> shape;
+  std::size_t count = 0;
+};
+
+Result<Extent> ReadExtent(hid_t space, const std::string& where) {
+  const int rank = H5Sget_simple_extent_ndims(space);
+  if (rank < 0 || rank > 8) return Fail("{}: its shape cannot be read", where);
+  std::vector<hsize_t> sizes(static_cast<std::size_t>(rank));
+  if (rank > 0 && H5Sget_simple_extent_dims(space, sizes.data(), nullptr) < 0) {
+    return Fail("{}: its shape cannot be read", where);
+  }
+  Extent extent;
+  std::size_t count = 1;
+  for (const hsize_t size : sizes) {
+    if (size != 0 && count > kMostValues / size) return Fail("{}: more than {} values", where, kMostValues);
+    count *= size;
+    extent.shape.push_back(size);
+  }
+  extent.count = count;
+  return extent;
+}
+
+// Reads text of fixed or variable length through `read`, which is H5Dread or H5Aread bound to its object.
+template <class Read>
+Result<std::vector<std::string>> ReadTexts(hid_t stored_type, hid_t space, std::size_t count, Read read,
+                                           const std::string& where) {
+  std::vector<std::string> texts;
+  if (count == 0) return texts;
+  const htri_t variable = H5Tis_variable_str(stored_type);
+  if (variable > 0) {
+    const Handle type(H5Tcopy(stored_type), H5Tclose);
+    std::vector<char*> pointers(count, nullptr);
+    if (read(type.get(), pointers.data()) < 0) return Fail("{}: its text cannot be read", where);
+    for (const char* pointer : pointers) texts.emplace_back(pointer != nullptr ? pointer : "");
+    H5Dvlen_reclaim(type.get(), space, H5P_DEFAULT, pointers.data());
+    return texts;
+  }
+  const std::size_t size = H5Tget_size(stored_type);
+  if (size == 0 || size > kMostValues / count) return Fail("{}: its text cannot be read", where);
+  std::vector<char> bytes(size * count);
+  if (read(stored_type, bytes.data()) < 0) return Fail("{}: its text cannot be read", where);
+  for (std::size_t i = 0; i < count; ++i) {
+    std::string_view piece(bytes.data() + i * size, size);
+    piece = piece.substr(0, piece.find('\0'));
+    texts.emplace_back(piece);
+  }
+  return texts;
+}
+
+Result<Hdf5Attribute> ReadAttribute(hid_t attribute, const std::string& where) {
+  const Handle type(H5Aget_type(attribute), H5Tclose);
+  const Handle space(H5Aget_space(attribute), H5Sclose);
+  if (!type || !space) return Fail("{}: cannot be read", where);
+  SINEW_ASSIGN(const Extent extent, ReadExtent(space.get(), where));
+  if (extent.count != 1) return Fail("{}: holds {} values, expected one", where, extent.count);
+  switch (H5Tget_class(type.get())) {
+    case H5T_INTEGER:
+    case H5T_ENUM: {  // h5py writes a bool as an enum
+      std::int64_t number = 0;
+      if (H5Tget_class(type.get()) == H5T_ENUM) {
+        signed char small = 0;
+        if (H5Tget_size(type.get()) != 1 || H5Aread(attribute, type.get(), &small) < 0) {
+          return Fail("{}: an enumeration that cannot be read", where);
+        }
+        return Hdf5Attribute(std::int64_t{small});
+      }
+      if (H5Aread(attribute, H5T_NATIVE_INT64, &number) < 0) return Fail("{}: cannot be read", where);
+      return Hdf5Attribute(number);
+    }
+    case H5T_FLOAT: {
+      double number = 0;
+      if (H5Aread(attribute, H5T_NATIVE_DOUBLE, &number) < 0) return Fail("{}: cannot be read", where);
+      return Hdf5Attribute(number);
+    }
+    case H5T_STRING: {
+      auto read = [&](hid_t memory_type, void* buffer) { return H5Aread(attribute, memory_type, buffer); };
+      SINEW_ASSIGN(const auto texts, ReadTexts(type.get(), space.get(), 1, read, where));
+      return Hdf5Attribute(texts.front());
+    }
+    default:
+      return Fail("{}: is neither a number nor text", where);
+  }
+}
+
+Status ReadAttributes(hid_t object, const std::string& where, Hdf5Node& node) {
+  H5O_info_t info;
+  if (H5Oget_info(object, &info) < 0) return Fail("{}: cannot be read", where);
+  for (hsize_t i = 0; i < info.num_attrs; ++i) {
+    const Handle attribute(
+        H5Aopen_by_idx(object, ".", H5_INDEX_NAME, H5_ITER_INC, i, H5P_DEFAULT, H5P_DEFAULT), H5Aclose);
+    if (!attribute) return Fail("{}: an attribute cannot be read", where);
+    std::string name(static_cast<std::size_t>(H5Aget_name(attribute.get(), 0, nullptr)), '\0');
+    H5Aget_name(attribute.get(), name.size() + 1, name.data());
+    SINEW_ASSIGN(node.attributes[name], ReadAttribute(attribute.get(), where + " attribute '" + name + "'"));
+  }
+  return {};
+}
+
+Status ReadDataset(hid_t dataset, const std::string& where, Hdf5Node& node) {
+  const Handle type(H5Dget_type(dataset), H5Tclose);
+  const Handle space(H5Dget_space(dataset), H5Sclose);
+  if (!type || !space) return Fail("{}: cannot be read", where);
+  SINEW_ASSIGN(const Extent extent, ReadExtent(space.get(), where));
+  switch (H5Tget_class(type.get())) {
+    case H5T_INTEGER:
+    case H5T_FLOAT: {
+      Hdf5Array array{extent.shape, std::vector<double>(extent.count)};
+      if (H5Dread(dataset, H5T_NATIVE_DOUBLE, H5S_ALL, H5S_ALL, H5P_DEFAULT, array.values.data()) < 0) {
+        return Fail("{}: its numbers cannot be read (truncated file?)", where);
+      }
+      node.data = std::move(array);
+      return {};
+    }
+    case H5T_STRING: {
+      auto read = [&](hid_t memory_type, void* buffer) {
+        return H5Dread(dataset, memory_type, H5S_ALL, H5S_ALL, H5P_DEFAULT, buffer);
+      };
+      SINEW_ASSIGN(auto texts, ReadTexts(type.get(), space.get(), extent.count, read, where));
+      if (extent.shape.empty() && texts.size() == 1) {
+        node.data = std::move(texts.front());
+      } else {
+        node.data = std::move(texts);
+      }
+      return {};
+    }
+    default:
+      return Fail("{}: holds neither numbers nor text", where);
+  }
+}
+
+Status ReadNode(hid_t object, const std::string& where, int depth, Hdf5Node& node) {
+  if (depth > kDeepest) return Fail("{}: groups nested more than {} deep", where, kDeepest);
+  SINEW_TRY(ReadAttributes(object, where, node));
+  if (H5Iget_type(object) == H5I_DATASET) return ReadDataset(object, where, node);
+  if (H5Iget_type(object) != H5I_GROUP) return {};  // a named type: no data
+
+  H5G_info_t info;
+  if (H5Gget_info(object, &info) < 0) return Fail("{}: cannot be read", where);
+  for (hsize_t i = 0; i < info.nlinks; ++i) {
+    const auto length = H5Lget_name_by_idx(object, ".", H5_INDEX_NAME, H5_ITER_INC, i, nullptr, 0, H5P_DEFAULT);
+    if (length < 0) return Fail("{}: a member cannot be read", where);
+    std::string name(static_cast<std::size_t>(length), '\0');
+    H5Lget_name_by_idx(object, ".", H5_INDEX_NAME, H5_ITER_INC, i, name.data(), name.size() + 1, H5P_DEFAULT);
+    const Handle member(H5Oopen(object, name.c_str(), H5P_DEFAULT), H5Oclose);
+    if (!member) return Fail("{}: member '{}' cannot be read (truncated file?)", where, name);
+    SINEW_TRY(ReadNode(member.get(), where + (where.back() == '/' ? "" : "/") + name, depth + 1, node.children[name]));
+  }
+  return {};
+}
+
+// ---- writing -------------------------------------------------------------------------------------------------------
+
+bool WriteAttribute(hid_t object, const std::string& name, const Hdf5Attribute& value) {
+  const Handle space(H5Screate(H5S_SCALAR), H5Sclose);
+  auto write = [&](hid_t type, const void* buffer) {
+    const Handle attribute(H5Acreate2(object, name.c_str(), type, space.get(), H5P_DEFAULT, H5P_DEFAULT), H5Aclose);
+    return attribute && H5Awrite(attribute.get(), type, buffer) >= 0;
+  };
+  if (const auto* integer = std::get_if<std::int64_t>(&value)) return write(H5T_NATIVE_INT64, integer);
+  if (const auto* number = std::get_if<double>(&value)) return write(H5T_NATIVE_DOUBLE, number);
+  const Handle type(NewTextType(), H5Tclose);
+  const char* pointer = std::get<std::string>(value).c_str();
+  return write(type.get(), &pointer);
+}
+
+bool WriteNumbers(hid_t dataset, const Hdf5Array& array) {
+  return H5Dwrite(dataset, H5T_NATIVE_DOUBLE, H5S_ALL, H5S_ALL, H5P_DEFAULT, array.values.data()) >= 0;
+}
+
+bool WriteNode(hid_t parent, const std::string& name, const Hdf5Node& node);
+
+bool WriteAttributes(hid_t object, const Hdf5Node& node) {
+  for (const auto& [name, value] : node.attributes) {
+    if (!WriteAttribute(object, name, value)) return false;
+  }
+  return true;
+}
+
+bool WriteGroup(hid_t group, const Hdf5Node& node) {
+  if (!WriteAttributes(group, node)) return false;
+  for (const auto& [name, child] : node.children) {
+    if (!WriteNode(group, name, child)) return false;
+  }
+  return true;
+}
+
+bool WriteNode(hid_t parent, const std::string& name, const Hdf5Node& node) {
+  const auto* array = node.array();
+  const auto* text = node.text();
+  const auto* texts = node.texts();
+  if (array == nullptr && text == nullptr && texts == nullptr) {
+    const Handle group(H5Gcreate2(parent, name.c_str(), H5P_DEFAULT, H5P_DEFAULT, H5P_DEFAULT), H5Gclose);
+    return group && WriteGroup(group.get(), node);
+  }
+
+  std::vector<hsize_t> shape;
+  if (array != nullptr) shape.assign(array->shape.begin(), array->shape.end());
+  if (texts != nullptr) shape.push_back(texts->size());
+  const Handle space(shape.empty() ? H5Screate(H5S_SCALAR)
+                                   : H5Screate_simple(static_cast<int>(shape.size()), shape.data(), nullptr),
+                     H5Sclose);
+  const Handle text_type(NewTextType(), H5Tclose);
+  const hid_t type = array != nullptr ? H5T_NATIVE_DOUBLE : text_type.get();
+
+  // Long arrays are compressed in one chunk per MiB.
+  const Handle options(H5Pcreate(H5P_DATASET_CREATE), H5Pclose);
+  H5Pset_obj_track_times(options.get(), false);  // so that equal content gives equal bytes
+  if (array != nullptr && array->values.size() > 512) {
+    std::vector<hsize_t> chunk = shape;
+    const hsize_t row = static_cast<hsize_t>(array->values.size()) / shape[0];
+    chunk[0] = std::max<hsize_t>(1, std::min<hsize_t>(shape[0], (hsize_t{1} << 17) / std::max<hsize_t>(1, row)));
+    H5Pset_chunk(options.get(), static_cast<int>(chunk.size()), chunk.data());
+    H5Pset_shuffle(options.get());
+    H5Pset_deflate(options.get(), 4);
+  }
+  const Handle dataset(
+      H5Dcreate2(parent, name.c_str(), type, space.get(), H5P_DEFAULT, options.get(), H5P_DEFAULT), H5Dclose);
+  if (!dataset || !WriteAttributes(dataset.get(), node)) return false;
+  if (array != nullptr) return array->values.empty() || WriteNumbers(dataset.get(), *array);
+  std::vector<const char*> pointers;
+  if (text != nullptr) pointers.push_back(text->c_str());
+  if (texts != nullptr) {
+    for (const std::string& piece : *texts) pointers.push_back(piece.c_str());
+  }
+  return pointers.empty() || H5Dwrite(dataset.get(), type, H5S_ALL, H5S_ALL, H5P_DEFAULT, pointers.data()) >= 0;
+}
+
+}  // namespace
+
+Hdf5Node& Hdf5Node::At(std::string_view path) {
+  Hdf5Node* node = this;
+  for (const std::string_view part : Split(path, '/')) {
+    if (!part.empty()) node = &node->children[std::string(part)];
+  }
+  return *node;
+}
+
+const Hdf5Node* Hdf5Node::Find(std::string_view path) const {
+  const Hdf5Node* node = this;
+  for (const std::string_view part : Split(path, '/')) {
+    if (part.empty()) continue;
+    const auto child = node->children.find(std::string(part));
+    if (child == node->children.end()) return nullptr;
+    node = &child->second;
+  }
+  return node;
+}
+
+void Hdf5Node::SetVector(std::vector<double> values) {
+  const std::size_t size = values.size();
+  data = Hdf5Array{{size}, std::move(values)};
+}
+
+void Hdf5Node::SetScalar(double value) { data = Hdf5Array{{}, {value}}; }
+
+void Hdf5Node::SetMatrix(std::size_t rows, std::size_t columns, std::vector<double> values) {
+  data = Hdf5Array{{rows, columns}, std::move(values)};
+}
+
+double Hdf5Node::Number(const std::string& attribute, double fallback) const {
+  const auto found = attributes.find(attribute);
+  if (found == attributes.end()) return fallback;
+  if (const auto* integer = std::get_if<std::int64_t>(&found->second)) return static_cast<double>(*integer);
+  if (const auto* number = std::get_if<double>(&found->second)) return *number;
+  return fallback;
+}
+
+std::string Hdf5Node::Text(const std::string& attribute, const std::string& fallback) const {
+  const auto found = attributes.find(attribute);
+  if (found == attributes.end()) return fallback;
+  const auto* text = std::get_if<std::string>(&found->second);
+  return text != nullptr ? *text : fallback;
+}
+
+Result<Hdf5Node> ReadHdf5(const std::string& path) {
+  std::error_code code;
+  if (!std::filesystem::exists(path, code)) return Fail("{}: no such file", path);
+  if (std::filesystem::is_directory(path, code)) return Fail("{}: is a folder, expected an HDF5 file", path);
+  H5Eset_auto2(H5E_DEFAULT, nullptr, nullptr);  // its errors become ours, not a stack trace on stderr
+  if (H5Fis_hdf5(path.c_str()) <= 0) return Fail("{}: is not an HDF5 file", path);
+  const Handle file(H5Fopen(path.c_str(), H5F_ACC_RDONLY, H5P_DEFAULT), H5Fclose);
+  if (!file) return Fail("{}: cannot be opened as HDF5 (truncated or damaged)", path);
+  const Handle group(H5Gopen2(file.get(), "/", H5P_DEFAULT), H5Gclose);
+  if (!group) return Fail("{}: has no root group (damaged file)", path);
+  Hdf5Node root;
+  const Status status = ReadNode(group.get(), "/", 0, root);
+  if (!status) return Fail("{}: {}", path, status.error().message);
+  return root;
+}
+
+Status WriteHdf5(const std::string& path, const Hdf5Node& root) {
+  H5Eset_auto2(H5E_DEFAULT, nullptr, nullptr);
+  const std::string beside = path + "." + std::to_string(getpid()) + ".tmp";
+  bool written = false;
+  {
+    const Handle file(H5Fcreate(beside.c_str(), H5F_ACC_TRUNC, H5P_DEFAULT, H5P_DEFAULT), H5Fclose);
+    if (!file) return Fail("{}: cannot be written (does its folder exist?)", path);
+    const Handle group(H5Gopen2(file.get(), "/", H5P_DEFAULT), H5Gclose);
+    written = group && WriteGroup(group.get(), root) && H5Fflush(file.get(), H5F_SCOPE_GLOBAL) >= 0;
+  }
+  if (!written || std::rename(beside.c_str(), path.c_str()) != 0) {
+    std::remove(beside.c_str());
+    return Fail("{}: cannot be written (disk full, or no permission)", path);
+  }
+  return {};
+}
+
+}  // namespace sinew

@@ -1,0 +1,33 @@
+// Reading numbers and words from text, and finding the name that somebody meant.
+#pragma once
+
+#include <optional>
+#include <string>
+#include <string_view>
+#include <vector>
+
+namespace sinew {
+
+/// Without blanks, tabs, carriage returns and newlines at both ends.
+[[nodiscard]] std::string_view Trim(std::string_view text);
+
+/// Pieces between single separators; empty pieces are kept. "a,,b" -> {"a", "", "b"}; "" -> {""}.
+[[nodiscard]] std::vector<std::string_view> Split(std::string_view text, char separator);
+
+/// Words between runs of blanks and tabs; no empty pieces.
+[[nodiscard]] std::vector<std::string_view> SplitBlanks(std::string_view text);
+
+/// The whole text as a number ("nan" and "inf" in any case included); nothing if it is not one, in any locale.
+[[nodiscard]] std::optional<double> ParseNumber(std::string_view text);
+[[nodiscard]] std::optional<long> ParseInteger(std::string_view text);
+
+[[nodiscard]] std::string Join(const std::vector<std::string>& parts, std::string_view separator);
+[[nodiscard]] std::string Lowercase(std::string_view text);
+
+/// The candidate that was probably meant (fewest edits, at most a third of the letters), or nothing.
+[[nodiscard]] std::optional<std::string> ClosestName(std::string_view name, const std::vector<std::string>& candidates);
+
+/// "; did you mean 'stiffness'?" or, when nothing is close, "; expected one of a, b, c".
+[[nodiscard]] std::string Suggestion(std::string_view name, const std::vector<std::string>& candidates);
+
+}  // namespace sinew

@@ -1,0 +1,17 @@
+# What every target of ours is compiled with. C++17: Simbody 3.7's headers do not compile as C++20.
+add_library(sinew_compiler INTERFACE)
+target_compile_features(sinew_compiler INTERFACE cxx_std_17)
+target_compile_options(sinew_compiler INTERFACE
+  $<BUILD_INTERFACE:-Wall -Wextra -Wpedantic -Wshadow -Wnon-virtual-dtor -Woverloaded-virtual>
+  # Lets "#pragma omp simd" reorder the sums of the loops that ask for it; no OpenMP runtime is involved.
+  $<BUILD_INTERFACE:-fopenmp-simd>)
+if(SINEW_WERROR)
+  target_compile_options(sinew_compiler INTERFACE $<BUILD_INTERFACE:-Werror>)
+endif()
+set(CMAKE_CXX_EXTENSIONS OFF)
+set(CMAKE_POSITION_INDEPENDENT_CODE ON)
+find_program(SINEW_CCACHE ccache)
+if(SINEW_CCACHE)
+  set(CMAKE_C_COMPILER_LAUNCHER ${SINEW_CCACHE})
+  set(CMAKE_CXX_COMPILER_LAUNCHER ${SINEW_CCACHE})
+endif()
