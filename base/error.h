@@ -41,16 +41,16 @@ template <class... Args>
 #define SINEW_CONCAT(a, b) SINEW_CONCAT_INNER(a, b)
 
 /// Returns the error of a Status or Result from the enclosing function, if there is one.
-#define SINEW_TRY(expression)                                                    \
-  do {                                                                           \
-    auto&& sinew_status = (expression);                                          \
-    if (!sinew_status) return tl::unexpected(std::move(sinew_status).error());   \
+#define SINEW_TRY(expression)                                                  \
+  do {                                                                         \
+    auto&& sinew_status = (expression);                                        \
+    if (!sinew_status) return tl::unexpected(std::move(sinew_status).error()); \
   } while (false)
 
 /// `SINEW_ASSIGN(auto trial, ReadTrial(file));` declares trial, or returns the error.
 #define SINEW_ASSIGN(target, expression) \
   SINEW_ASSIGN_INNER(SINEW_CONCAT(sinew_result_, __LINE__), target, expression)
-#define SINEW_ASSIGN_INNER(result, target, expression)             \
-  auto result = (expression);                                      \
-  if (!result) return tl::unexpected(std::move(result).error());   \
+#define SINEW_ASSIGN_INNER(result, target, expression)           \
+  auto result = (expression);                                    \
+  if (!result) return tl::unexpected(std::move(result).error()); \
   target = std::move(*result)

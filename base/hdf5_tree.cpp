@@ -12,7 +12,8 @@
 namespace sinew {
 namespace {
 
-constexpr std::size_t kMostValues = std::size_t{1} << 28;  // 2 GiB of doubles: beyond it a header is surely corrupt
+constexpr std::size_t kMostValues = std::size_t{1}
+                                    << 28;  // 2 GiB of doubles: beyond it a header is surely corrupt
 constexpr int kDeepest = 32;
 
 // Closes an HDF5 identifier at the end of its scope.
@@ -40,7 +41,8 @@ hid_t NewTextType() {
   return type;
 }
 
-// ---- reading -------------------------------------------------------------------------------------------------------
+// ---- reading
+// -------------------------------------------------------------------------------------------------------
 
 struct Extent {
   std::vector<std::size_t> shape;
@@ -182,23 +184,27 @@ Status ReadNode(hid_t object, const std::string& where, int depth, Hdf5Node& nod
   H5G_info_t info;
   if (H5Gget_info(object, &info) < 0) return Fail("{}: cannot be read", where);
   for (hsize_t i = 0; i < info.nlinks; ++i) {
-    const auto length = H5Lget_name_by_idx(object, ".", H5_INDEX_NAME, H5_ITER_INC, i, nullptr, 0, H5P_DEFAULT);
+    const auto length =
+        H5Lget_name_by_idx(object, ".", H5_INDEX_NAME, H5_ITER_INC, i, nullptr, 0, H5P_DEFAULT);
     if (length < 0) return Fail("{}: a member cannot be read", where);
     std::string name(static_cast<std::size_t>(length), '\0');
     H5Lget_name_by_idx(object, ".", H5_INDEX_NAME, H5_ITER_INC, i, name.data(), name.size() + 1, H5P_DEFAULT);
     const Handle member(H5Oopen(object, name.c_str(), H5P_DEFAULT), H5Oclose);
     if (!member) return Fail("{}: member '{}' cannot be read (truncated file?)", where, name);
-    SINEW_TRY(ReadNode(member.get(), where + (where.back() == '/' ? "" : "/") + name, depth + 1, node.children[name]));
+    SINEW_TRY(ReadNode(member.get(), where + (where.back() == '/' ? "" : "/") + name, depth + 1,
+                       node.children[name]));
   }
   return {};
 }
 
-// ---- writing -------------------------------------------------------------------------------------------------------
+// ---- writing
+// -------------------------------------------------------------------------------------------------------
 
 bool WriteAttribute(hid_t object, const std::string& name, const Hdf5Attribute& value) {
   const Handle space(H5Screate(H5S_SCALAR), H5Sclose);
   auto write = [&](hid_t type, const void* buffer) {
-    const Handle attribute(H5Acreate2(object, name.c_str(), type, space.get(), H5P_DEFAULT, H5P_DEFAULT), H5Aclose);
+    const Handle attribute(H5Acreate2(object, name.c_str(), type, space.get(), H5P_DEFAULT, H5P_DEFAULT),
+                           H5Aclose);
     return attribute && H5Awrite(attribute.get(), type, buffer) >= 0;
   };
   if (const auto* integer = std::get_if<std::int64_t>(&value)) return write(H5T_NATIVE_INT64, integer);
@@ -253,7 +259,8 @@ bool WriteNode(hid_t parent, const std::string& name, const Hdf5Node& node) {
   if (array != nullptr && array->values.size() > 512) {
     std::vector<hsize_t> chunk = shape;
     const hsize_t row = static_cast<hsize_t>(array->values.size()) / shape[0];
-    chunk[0] = std::max<hsize_t>(1, std::min<hsize_t>(shape[0], (hsize_t{1} << 17) / std::max<hsize_t>(1, row)));
+    chunk[0] =
+        std::max<hsize_t>(1, std::min<hsize_t>(shape[0], (hsize_t{1} << 17) / std::max<hsize_t>(1, row)));
     H5Pset_chunk(options.get(), static_cast<int>(chunk.size()), chunk.data());
     H5Pset_shuffle(options.get());
     H5Pset_deflate(options.get(), 4);
@@ -267,7 +274,8 @@ bool WriteNode(hid_t parent, const std::string& name, const Hdf5Node& node) {
   if (texts != nullptr) {
     for (const std::string& piece : *texts) pointers.push_back(piece.c_str());
   }
-  return pointers.empty() || H5Dwrite(dataset.get(), type, H5S_ALL, H5S_ALL, H5P_DEFAULT, pointers.data()) >= 0;
+  return pointers.empty() ||
+         H5Dwrite(dataset.get(), type, H5S_ALL, H5S_ALL, H5P_DEFAULT, pointers.data()) >= 0;
 }
 
 }  // namespace
@@ -296,7 +304,9 @@ void Hdf5Node::SetVector(std::vector<double> values) {
   data = Hdf5Array{{size}, std::move(values)};
 }
 
-void Hdf5Node::SetScalar(double value) { data = Hdf5Array{{}, {value}}; }
+void Hdf5Node::SetScalar(double value) {
+  data = Hdf5Array{{}, {value}};
+}
 
 void Hdf5Node::SetMatrix(std::size_t rows, std::size_t columns, std::vector<double> values) {
   data = Hdf5Array{{rows, columns}, std::move(values)};

@@ -1,6 +1,7 @@
 // An HDF5 file as a value: a tree of groups, arrays, texts and attributes, read and written whole.
-// Our files are small (a few MB), so a tree in memory keeps HDF5's handles out of all other code, and lets a file be
-// replaced in one step: whoever reads it, or kills the writer, finds the old file or the new one, never half of one.
+// Our files are small (a few MB), so a tree in memory keeps HDF5's handles out of all other code, and lets a
+// file be replaced in one step: whoever reads it, or kills the writer, finds the old file or the new one,
+// never half of one.
 #pragma once
 
 #include <cstdint>
@@ -51,7 +52,8 @@ struct Hdf5Node {
 /// Errors: no such file, not HDF5, truncated, a dataset that is neither numbers nor text.
 Result<Hdf5Node> ReadHdf5(const std::string& path);
 
-/// Writes beside the target and renames over it. Errors: the folder cannot be written; the old file then still stands.
+/// Writes beside the target and renames over it. Errors: the folder cannot be written; the old file then
+/// still stands.
 Status WriteHdf5(const std::string& path, const Hdf5Node& root);
 
 }  // namespace sinew

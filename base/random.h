@@ -6,8 +6,9 @@
 
 namespace sinew {
 
-/// Uniform and normal numbers from a 64-bit Mersenne twister (Matsumoto, Nishimura 1998), whose output the standard
-/// fixes; the distributions of <random> it leaves open, so they are ours. Passed by reference, never global.
+/// Uniform and normal numbers from a 64-bit Mersenne twister (Matsumoto, Nishimura 1998), whose output the
+/// standard fixes; the distributions of <random> it leaves open, so they are ours. Passed by reference, never
+/// global.
 class Random {
  public:
   explicit Random(std::uint64_t seed) : engine_(seed) {}

@@ -10,11 +10,13 @@ Result<NaturalCubicSpline> NaturalCubicSpline::Fit(std::vector<double> time, std
   if (values.size() != n) return Fail("spline: {} times but {} values", n, values.size());
   if (n < 2) return Fail("spline: {} sample(s), expected at least 2", n);
   for (std::size_t i = 0; i < n; ++i) {
-    if (!std::isfinite(time[i]) || !std::isfinite(values[i])) return Fail("spline: sample {} is not finite", i);
+    if (!std::isfinite(time[i]) || !std::isfinite(values[i]))
+      return Fail("spline: sample {} is not finite", i);
     if (i > 0 && time[i] <= time[i - 1]) return Fail("spline: time does not increase at sample {}", i);
   }
 
-  // Tridiagonal system for the second derivatives (Thomas algorithm; diagonally dominant, so it needs no pivots).
+  // Tridiagonal system for the second derivatives (Thomas algorithm; diagonally dominant, so it needs no
+  // pivots).
   std::vector<double> second(n, 0.0);
   std::vector<double> upper(n, 0.0);
   for (std::size_t i = 1; i + 1 < n; ++i) {

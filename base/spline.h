@@ -7,8 +7,8 @@
 
 namespace sinew {
 
-/// Piecewise cubic that passes through every sample, has continuous second derivatives, and zero second derivative
-/// at both ends. Source: de Boor, A Practical Guide to Splines (1978), ch. IV.
+/// Piecewise cubic that passes through every sample, has continuous second derivatives, and zero second
+/// derivative at both ends. Source: de Boor, A Practical Guide to Splines (1978), ch. IV.
 class NaturalCubicSpline {
  public:
   struct Value {
@@ -17,8 +17,8 @@ class NaturalCubicSpline {
     double second = 0;  ///< d2/dt2
   };
 
-  /// @param time    [N, s, strictly increasing, N >= 2]; @param values [N]. Errors: sizes differ, fewer than two
-  /// samples, time not increasing, a value that is not finite.
+  /// @param time    [N, s, strictly increasing, N >= 2]; @param values [N]. Errors: sizes differ, fewer than
+  /// two samples, time not increasing, a value that is not finite.
   static Result<NaturalCubicSpline> Fit(std::vector<double> time, std::vector<double> values);
 
   /// Value and derivatives at t; outside the samples the end cubic continues as a straight line (its second

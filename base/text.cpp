@@ -67,8 +67,12 @@ std::vector<std::string_view> SplitBlanks(std::string_view text) {
   }
 }
 
-std::optional<double> ParseNumber(std::string_view text) { return ParseWhole<double>(text); }
-std::optional<long> ParseInteger(std::string_view text) { return ParseWhole<long>(text); }
+std::optional<double> ParseNumber(std::string_view text) {
+  return ParseWhole<double>(text);
+}
+std::optional<long> ParseInteger(std::string_view text) {
+  return ParseWhole<long>(text);
+}
 
 std::string Join(const std::vector<std::string>& parts, std::string_view separator) {
   std::string joined;

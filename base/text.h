@@ -17,7 +17,8 @@ namespace sinew {
 /// Words between runs of blanks and tabs; no empty pieces.
 [[nodiscard]] std::vector<std::string_view> SplitBlanks(std::string_view text);
 
-/// The whole text as a number ("nan" and "inf" in any case included); nothing if it is not one, in any locale.
+/// The whole text as a number ("nan" and "inf" in any case included); nothing if it is not one, in any
+/// locale.
 [[nodiscard]] std::optional<double> ParseNumber(std::string_view text);
 [[nodiscard]] std::optional<long> ParseInteger(std::string_view text);
 
@@ -25,7 +26,8 @@ namespace sinew {
 [[nodiscard]] std::string Lowercase(std::string_view text);
 
 /// The candidate that was probably meant (fewest edits, at most a third of the letters), or nothing.
-[[nodiscard]] std::optional<std::string> ClosestName(std::string_view name, const std::vector<std::string>& candidates);
+[[nodiscard]] std::optional<std::string> ClosestName(std::string_view name,
+                                                     const std::vector<std::string>& candidates);
 
 /// "; did you mean 'stiffness'?" or, when nothing is close, "; expected one of a, b, c".
 [[nodiscard]] std::string Suggestion(std::string_view name, const std::vector<std::string>& candidates);

@@ -1,0 +1,133 @@
+#include "cli/binding.h"
+
+#include "base/text.h"
+#include "cli/terminal.h"
+#include "datasets/dataset_hash.h"
+#include "datasets/io/dataset_file.h"
+
+namespace sinew {
+
+void BindingOptions::AddTo(CLI::App& command) {
+  command.add_option("problem", problem, "One of `sinew list problems`")->required()->type_name("PROBLEM");
+  command.add_option("--data", data, "Data set (HDF5, docs/dataset_file.md)")->required()->type_name("F.h5");
+  command
+      .add_option("--config", config, "Settings of the problem; default: PROBLEM.yaml inside the data set")
+      ->type_name("C.yaml");
+}
+
+void FitOptions::AddTo(CLI::App& command) {
+  command.add_option("--free", free, "Fit these parameters only")->delimiter(',')->type_name("A,B");
+  command.add_option("--fix", fix, "Hold a parameter at a value")->delimiter(',')->type_name("A=V");
+  command.add_option("--bounds", bounds, "Other bounds")->delimiter(',')->type_name("A=LO:HI");
+  command.add_option("--start", start, "Another start")->delimiter(',')->type_name("A=V");
+  command.add_option("--release", release, "Release an effect (`sinew list effects PROBLEM`)")
+      ->delimiter(',')
+      ->type_name("EFFECT");
+  command.add_option("--seed", seed, "Seed of everything random")->capture_default_str();
+  command.add_option("--threads", threads, "Threads; the answer does not depend on it")
+      ->check(CLI::Range(1, 1024))
+      ->capture_default_str();
+  command.add_option("--max-evaluations", max_evaluations, "Budget")
+      ->check(CLI::NonNegativeNumber)
+      ->type_name("N");
+  command.add_option("--max-seconds", max_seconds, "Budget")->check(CLI::NonNegativeNumber)->type_name("S");
+  command.add_flag("--quiet", quiet, "Print no progress");
+}
+
+Result<std::pair<std::string, double>> ParseAssignment(const std::string& option, const std::string& text) {
+  const auto at = text.find('=');
+  const auto value =
+      at == std::string::npos ? std::nullopt : ParseNumber(std::string_view(text).substr(at + 1));
+  if (at == 0 || !value) return Fail("{} {}: expected NAME=VALUE", option, text);
+  return std::pair{text.substr(0, at), *value};
+}
+
+Result<FitRequest> FitOptions::Request() const {
+  FitRequest request;
+  request.free = free;
+  request.release = release;
+  for (const std::string& text : fix) {
+    SINEW_ASSIGN(auto assignment, ParseAssignment("--fix", text));
+    request.fix.push_back(std::move(assignment));
+  }
+  for (const std::string& text : start) {
+    SINEW_ASSIGN(auto assignment, ParseAssignment("--start", text));
+    request.start.push_back(std::move(assignment));
+  }
+  for (const std::string& text : bounds) {
+    const auto parts = Split(text, '=');
+    const auto limits = parts.size() == 2 ? Split(parts[1], ':') : std::vector<std::string_view>();
+    const auto lower = limits.size() == 2 ? ParseNumber(limits[0]) : std::nullopt;
+    const auto upper = limits.size() == 2 ? ParseNumber(limits[1]) : std::nullopt;
+    if (!lower || !upper) return Fail("--bounds {}: expected NAME=LOW:HIGH", text);
+    request.bounds.push_back({std::string(parts[0]), {*lower, *upper}});
+  }
+  return request;
+}
+
+Budget FitOptions::ToBudget() const {
+  Budget budget;
+  if (max_evaluations) budget.max_evaluations = *max_evaluations;
+  if (max_seconds) budget.max_seconds = *max_seconds;
+  return budget;
+}
+
+SolverOptions FitOptions::ToSolverOptions() const {
+  SolverOptions options;
+  options.seed = seed;
+  options.threads = threads;
+  return options;
+}
+
+Provenance Binding::ToProvenance(const BindingOptions& options, const std::string& command) const {
+  Provenance provenance;
+  provenance.problem = entry->name;
+  provenance.command = command;
+  provenance.data_file = options.data;
+  provenance.data_hash = DatasetHash(data);
+  provenance.title = data.title;
+  provenance.config = config_text;
+  provenance.synthetic = data.synthetic;
+  return provenance;
+}
+
+std::string Binding::DescribeData() const {
+  int train = 0;
+  int validate = 0;
+  for (const auto& [name, trial] : data.trials) ++(trial.role == Role::kTrain ? train : validate);
+  return fmt::format("{}{} train + {} validate trials", data.synthetic ? "synthetic, " : "", train, validate);
+}
+
+Result<Binding> Bind(const BindingOptions& options, bool with_sensor_effects) {
+  Binding binding;
+  SINEW_ASSIGN(binding.entry, FindProblem(options.problem));
+  SINEW_ASSIGN(binding.data, ReadDataset(options.data));
+  std::string config_name = options.config;
+  if (!options.config.empty()) {
+    SINEW_ASSIGN(binding.config_text, ReadText(options.config));
+  } else {
+    config_name = options.problem + ".yaml";
+    const auto file = binding.data.files.find(config_name);
+    if (file == binding.data.files.end()) {
+      return Fail("{}: holds no settings '{}'; give --config, or import the file into the data set",
+                  options.data, config_name);
+    }
+    binding.config_text = file->second;
+    config_name = options.data + "/files/" + config_name;
+  }
+  SINEW_ASSIGN(const YamlReader settings, YamlReader::Parse(binding.config_text, config_name));
+  const auto bound = [&]() -> Result<BoundProblem> {
+    return binding.entry->bind(binding.data, settings, with_sensor_effects);
+  };
+  auto result = bound();
+  if (!result) {
+    // Errors that have a place of their own keep it; all others are about the data.
+    const bool has_place = result.error().message.rfind(config_name, 0) == 0;
+    return has_place ? tl::unexpected(result.error())
+                     : tl::unexpected(Error{options.data + ": " + result.error().message});
+  }
+  binding.bound = std::move(*result);
+  return binding;
+}
+
+}  // namespace sinew

@@ -1,0 +1,65 @@
+// From the command line to a problem that is ready to be evaluated: what identify, simulate and compare have
+// in common.
+#pragma once
+
+#include <CLI/CLI.hpp>
+#include <optional>
+#include <string>
+#include <utility>
+#include <vector>
+
+#include "identify/fit_setup.h"
+#include "identify/results/run_file.h"
+#include "identify/solvers/solver.h"
+#include "problems/registry.h"
+
+namespace sinew {
+
+/// The words of a command that name a problem, its data and its settings.
+struct BindingOptions {
+  std::string problem;
+  std::string data;
+  std::string config;
+  void AddTo(CLI::App& command);
+};
+
+/// The words of a command that say what is fitted and how.
+struct FitOptions {
+  std::vector<std::string> free;
+  std::vector<std::string> fix;
+  std::vector<std::string> bounds;
+  std::vector<std::string> start;
+  std::vector<std::string> release;
+  std::uint64_t seed = 1;
+  int threads = 1;
+  std::optional<long> max_evaluations;
+  std::optional<double> max_seconds;
+  bool quiet = false;
+  void AddTo(CLI::App& command);
+
+  /// Errors: a word that is not NAME=VALUE or NAME=LOW:HIGH.
+  [[nodiscard]] Result<FitRequest> Request() const;
+  [[nodiscard]] Budget ToBudget() const;
+  [[nodiscard]] SolverOptions ToSolverOptions() const;
+};
+
+/// Data, settings and problem, bound together.
+struct Binding {
+  const ProblemEntry* entry = nullptr;
+  Dataset data;
+  std::string config_text;
+  BoundProblem bound;
+
+  [[nodiscard]] const Problem& problem() const { return *bound.problem; }
+  [[nodiscard]] Provenance ToProvenance(const BindingOptions& options, const std::string& command) const;
+  /// "synthetic, 3 train + 2 validate trials"
+  [[nodiscard]] std::string DescribeData() const;
+};
+
+/// Settings come from --config, or from the file PROBLEM.yaml in the data set.
+Result<Binding> Bind(const BindingOptions& options, bool with_sensor_effects);
+
+/// "NAME=VALUE". Errors say what was expected of which option.
+Result<std::pair<std::string, double>> ParseAssignment(const std::string& option, const std::string& text);
+
+}  // namespace sinew

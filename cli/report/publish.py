@@ -1,0 +1,157 @@
+"""From checked files to a folder of notebooks and pages, all or nothing."""
+import asyncio
+import os
+
+import nbformat
+
+import notebook
+import page
+import run_file
+
+RUN_PARTS = (("fit", "run_fit"), ("parameters", "run_parameters"), ("correlation", "run_correlation"),
+             ("convergence", "run_convergence"), ("starts", "run_starts"), ("contact", "run_contact"))
+OVERVIEW = "index"
+
+
+class ReportFailed(Exception):
+    """The input is fine, yet the report could not be made."""
+
+
+def publish(paths, out_dir):
+    """Writes the report and returns the path of the page to open first.
+
+    One file: index.ipynb and index.html. Several: a pair per file, named like it, and an index that compares them.
+    Raises run_file.BadInput before anything is written, ReportFailed after undoing what was written.
+    """
+    files = [run_file.read(path) for path in paths]
+    seen = set()
+    for file in files:
+        if os.path.realpath(file.path) in seen:
+            raise run_file.BadInput(f"{file.path}: is given twice")
+        seen.add(os.path.realpath(file.path))
+
+    folder = os.path.realpath(out_dir)
+    made = _make_folder(out_dir, folder)
+    try:
+        return _publish_into(folder, out_dir, files)
+    except BaseException:
+        _remove_empty(made)
+        raise
+
+
+def _publish_into(folder, out_dir, files):
+    notebooks = {}
+    if len(files) == 1:
+        notebooks[OVERVIEW] = _notebook_of(files[0], folder)
+    else:
+        names = _names(files)
+        for file, name in zip(files, names):
+            notebooks[name] = _notebook_of(file, folder)
+        notebooks[OVERVIEW] = _overview(files, names, folder)
+    try:
+        asyncio.run(_execute_all(notebooks, folder))
+    except notebook.NotebookFailed as error:
+        raise ReportFailed(str(error)) from error
+
+    texts = {}
+    for name, content in notebooks.items():
+        home = f"{OVERVIEW}.html" if len(files) > 1 and name != OVERVIEW else ""
+        texts[f"{name}.ipynb"] = nbformat.writes(content) + "\n"
+        texts[f"{name}.html"] = page.render(content, f"{name}.ipynb", home)
+    _write_all(folder, texts)
+    return os.path.join(out_dir, f"{OVERVIEW}.html")
+
+
+def _make_folder(out_dir, folder):
+    """Makes the folder and its parents; returns those made, innermost first."""
+    made = []
+    path = folder
+    while not os.path.lexists(path):
+        made.append(path)
+        path = os.path.dirname(path)
+    try:
+        os.makedirs(folder, exist_ok=True)
+    except OSError as error:
+        _remove_empty(made)
+        raise run_file.BadInput(f"{out_dir}: cannot be made as a folder: {error.strerror}") from error
+    if not os.access(folder, os.W_OK | os.X_OK):
+        raise run_file.BadInput(f"{out_dir}: nothing can be written there")
+    return made
+
+
+def _remove_empty(folders):
+    """Takes back folders that were made for nothing, innermost first."""
+    for path in folders:
+        if os.path.isdir(path) and not os.listdir(path):
+            os.rmdir(path)
+
+
+def _names(files):
+    """A page name per file: its stem, with the folder before it where stems repeat."""
+    def stem(path):
+        return os.path.splitext(os.path.basename(path))[0]
+
+    stems = [stem(file.path) for file in files]
+    names = []
+    for file, name in zip(files, stems):
+        if stems.count(name) > 1 or name == OVERVIEW:
+            name = f"{os.path.basename(os.path.dirname(os.path.realpath(file.path)))}_{name}"
+        base, number = name, 2
+        while name in names or name == OVERVIEW:
+            name, number = f"{base}_{number}", number + 1
+        names.append(name)
+    return names
+
+
+def _relative(path, folder):
+    return os.path.relpath(os.path.realpath(path), folder)
+
+
+def _notebook_of(file, folder):
+    cells = ["study"]
+    if file.kind == run_file.RUN:
+        cells = ["run_start"] + [cells for part, cells in RUN_PARTS if part in file.has] + ["run_end"]
+    return notebook.build(cells, file.title, {"RUN_FILE": _relative(file.path, folder)})
+
+
+def _overview(files, names, folder):
+    paths = {kind: {name: _relative(file.path, folder) for file, name in zip(files, names) if file.kind == kind}
+             for kind in (run_file.RUN, run_file.STUDY)}
+    return notebook.build(["comparison"], f"{len(files)} results compared",
+                          {"RUN_FILES": paths[run_file.RUN], "STUDY_FILES": paths[run_file.STUDY]})
+
+
+async def _execute_all(notebooks, folder):
+    """As many kernels at once as the machine has processors; the first failure ends all."""
+    free = asyncio.Semaphore(os.cpu_count() or 1)
+
+    async def execute(name, content):
+        async with free:
+            try:
+                await notebook.execute(content, folder)
+            except notebook.NotebookFailed as error:
+                raise notebook.NotebookFailed(f"{name}.ipynb: {error}") from error
+
+    tasks = [asyncio.ensure_future(execute(*entry)) for entry in notebooks.items()]
+    try:
+        await asyncio.gather(*tasks)
+    finally:
+        for task in tasks:
+            task.cancel()
+        await asyncio.gather(*tasks, return_exceptions=True)  # let every kernel go down before leaving
+
+
+def _write_all(folder, texts):
+    """Everything under temporary names first, then renamed: a full disk leaves the old report as it was."""
+    waiting = {name: os.path.join(folder, f".{name}.tmp") for name in texts}
+    try:
+        for name, temporary in waiting.items():
+            with open(temporary, "w", encoding="utf-8") as file:
+                file.write(texts[name])
+        for name, temporary in waiting.items():
+            os.replace(temporary, os.path.join(folder, name))
+    except OSError as error:
+        for temporary in waiting.values():
+            if os.path.exists(temporary):
+                os.remove(temporary)
+        raise ReportFailed(f"{folder}: cannot be written: {error.strerror}") from error

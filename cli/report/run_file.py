@@ -1,0 +1,187 @@
+"""What the report needs to find in a run or study file, checked before anything is drawn (docs/run_file.md)."""
+import multiprocessing
+import os
+from dataclasses import dataclass
+
+import h5py
+
+RUN, STUDY = "run", "study"
+SCHEMAS = {RUN: "run/1", STUDY: "study/1"}
+RUN_ATTRIBUTES = ("problem", "solver", "seed", "threads", "version", "command", "data_file", "data_hash", "finished",
+                  "stop_reason", "stop_test", "converged", "usable", "evaluations", "failures", "iterations", "seconds",
+                  "cost", "objective", "synthetic", "title")
+PARAMETER_COLUMNS = ("name", "unit", "meaning", "kind", "scale", "lower", "upper", "start", "value", "free")
+UNCERTAINTY_COLUMNS = ("name", "verdict", "reason", "remedy", "interval", "std_error", "ci95_lower", "ci95_upper")
+VERDICTS = ("identifiable", "weak", "not_identifiable", "at_bound")
+STUDY_COLUMNS = ("solver", "seed", "cost", "success", "evaluations", "evaluations_to_target", "seconds",
+                 "seconds_to_target", "stop_reason", "values")
+CONTACT_ARRAYS = ("time", "outline", "pressure", "slip", "centre_of_pressure")
+CHECK_SECONDS = 30  # a check reads names and sizes, not data: it takes milliseconds
+
+
+class BadInput(Exception):
+    """A file that cannot be reported on; the message is one line for a person."""
+
+
+@dataclass
+class ReportFile:
+    """A checked file: what it is, and which parts of it there are to draw."""
+    path: str
+    kind: str          # RUN or STUDY
+    title: str
+    has: frozenset     # of "fit", "parameters", "correlation", "convergence", "starts", "contact"
+
+
+def read(path):
+    """Checks a file.
+
+    Raises BadInput: no such file, not HDF5, damaged, not a run or study file, a part missing or misshapen.
+    """
+    if not os.path.exists(path):
+        raise BadInput(f"{path}: no such file")
+    if os.path.isdir(path):
+        raise BadInput(f"{path}: is a folder, expected a file that sinew identify or sinew compare wrote")
+    answer = _in_own_process(_look, path)
+    if answer is None:
+        raise BadInput(f"{path}: is damaged: the HDF5 library cannot read it")
+    if isinstance(answer, str):
+        raise BadInput(answer)
+    return answer
+
+
+def _look(path):
+    """The checked file, or the sentence that says what is wrong with it."""
+    try:
+        with h5py.File(path, "r") as file:
+            return _check(path, file)
+    except BadInput as error:
+        return str(error)
+    except Exception as error:  # whatever damaged bytes make the library raise
+        return f"{path}: cannot be read as HDF5: {_one_line(error)}"
+
+
+def _in_own_process(function, argument):
+    """function(argument), or None where it crashes or hangs: the HDF5 library does both on damaged bytes."""
+    context = multiprocessing.get_context("fork")
+    receiver, sender = context.Pipe(duplex=False)
+    process = context.Process(target=lambda: sender.send(function(argument)))
+    process.start()
+    sender.close()
+    try:
+        return receiver.recv() if receiver.poll(CHECK_SECONDS) else None
+    except EOFError:
+        return None
+    finally:
+        process.kill()
+        process.join()
+
+
+def _one_line(error):
+    return " ".join(str(error).split())
+
+
+def _schema(node):
+    value = node.attrs.get("sinew_schema", "")
+    return value.decode() if isinstance(value, bytes) else str(value)
+
+
+def _check(path, file):
+    for kind, schema in SCHEMAS.items():
+        node = file.get(kind)
+        if isinstance(node, h5py.Group) and "sinew_schema" in node.attrs:
+            if _schema(node) != schema:
+                raise BadInput(f"{path}: /{kind} has schema '{_schema(node)}', expected '{schema}'")
+            return _check_run(path, file) if kind == RUN else _check_study(path, file)
+    found = f"it is a {_schema(file)} file" if "sinew_schema" in file.attrs else "it has neither /run nor /study"
+    raise BadInput(f"{path}: is not a run file ({found}); expected what sinew identify or sinew compare writes")
+
+
+def _columns(path, file, group, names):
+    """All columns there, and as long as the first. Returns that length."""
+    node = file.get(group)
+    if not isinstance(node, h5py.Group):
+        raise BadInput(f"{path}: {group} is missing")
+    for name in names:
+        if not isinstance(node.get(name), h5py.Dataset):
+            raise BadInput(f"{path}: {group}/{name} is missing")
+        if not node[name].shape:
+            raise BadInput(f"{path}: {group}/{name} is a single value, expected a list")
+        if node[name].shape[0] != node[names[0]].shape[0]:
+            raise BadInput(f"{path}: {group}/{name} has {node[name].shape[0]} entries, "
+                           f"{group}/{names[0]} has {node[names[0]].shape[0]}")
+    return node[names[0]].shape[0]
+
+
+def _attributes(path, node, where, names):
+    for name in names:
+        if name not in node.attrs:
+            raise BadInput(f"{path}: {where} has no attribute '{name}'")
+
+
+def _texts(node):
+    return [str(text) for text in node.asstr()[()]]
+
+
+def _check_run(path, file):
+    info = file["run"]
+    _attributes(path, info, "/run", RUN_ATTRIBUTES)
+    _columns(path, file, "/parameters", PARAMETER_COLUMNS)
+    has = {"parameters"}
+    for trial, channels in file.get("prediction", {}).items():
+        for channel, node in channels.items():
+            where = f"/prediction/{trial}/{channel}"
+            _columns(path, file, where, ("time", "simulated", "measured"))
+            _attributes(path, node, where, ("unit", "role", "n", "rmse", "r2"))
+            residual = f"/residual/{trial}/{channel}"
+            if residual in file:
+                _columns(path, file, residual, ("time", "residual"))
+            has.add("fit")
+    if "uncertainty" in file and "name" in file["uncertainty"]:
+        count = _columns(path, file, "/uncertainty", UNCERTAINTY_COLUMNS)
+        for verdict in _texts(file["uncertainty/verdict"]):
+            if verdict not in VERDICTS:
+                raise BadInput(f"{path}: /uncertainty/verdict is '{verdict}', expected one of {', '.join(VERDICTS)}")
+        kinds = dict(zip(_texts(file["parameters/name"]), _texts(file["parameters/kind"])))
+        if sum(kinds.get(name) != "nuisance" for name in _texts(file["uncertainty/name"])) >= 2 \
+                and "correlation" in file["uncertainty"]:
+            if file["uncertainty/correlation"].shape != (count, count):
+                raise BadInput(f"{path}: /uncertainty/correlation is {file['uncertainty/correlation'].shape}, "
+                               f"expected {(count, count)}")
+            has.add("correlation")
+    if "trace" in file and _columns(path, file, "/trace", ("cost", "seconds")) > 0:
+        has.add("convergence")
+    if "stages" in file and _columns(path, file, "/stages", ("solver", "cost", "evaluations")) > 1 \
+            and "multistart" in str(info.attrs["solver"]):
+        has.add("starts")
+    for trial, regions in file.get("details/contact", {}).items():
+        for region in regions:
+            _check_region(path, file, f"/details/contact/{trial}/{region}")
+            has.add("contact")
+    return ReportFile(path, RUN, f"{info.attrs['problem']}: {info.attrs['title']}", frozenset(has))
+
+
+def _check_region(path, file, where):
+    _columns(path, file, where, ("time", "pressure", "slip", "centre_of_pressure"))
+    _attributes(path, file[where], where, ("body", "plate"))
+    shapes = {name: file[f"{where}/{name}"].shape for name in CONTACT_ARRAYS if f"{where}/{name}" in file}
+    instants = shapes["time"][0]
+    faces = shapes.get("outline", (0,))[0]
+    expected = {"time": (instants,), "outline": (faces, 3, 2), "pressure": (instants, faces),
+                "slip": (instants, faces), "centre_of_pressure": (instants, 2)}
+    for name in CONTACT_ARRAYS:
+        if shapes.get(name) != expected[name] or instants == 0 or faces == 0:
+            raise BadInput(f"{path}: {where}/{name} has shape {shapes.get(name)}, "
+                           f"expected {expected[name]}, not empty")
+
+
+def _check_study(path, file):
+    info = file["study"]
+    _attributes(path, info, "/study", ("problem", "target"))
+    runs = _columns(path, file, "/study/runs", STUDY_COLUMNS)
+    if runs == 0:
+        raise BadInput(f"{path}: /study/runs is empty")
+    parameters = _columns(path, file, "/study/parameters", ("name",))
+    if file["study/runs/values"].shape != (runs, parameters):
+        raise BadInput(f"{path}: /study/runs/values is {file['study/runs/values'].shape}, "
+                       f"expected {(runs, parameters)}")
+    return ReportFile(path, STUDY, f"{info.attrs['problem']}: solvers compared", frozenset())

@@ -1,0 +1,60 @@
+"""sinew report: executed notebooks and HTML pages of run and study files.
+
+    sinew_report.py FILE.h5... --out-dir DIR
+
+Exit status: 0 done; 1 the report could not be made (the message says why); 2 bad input or usage, one line on stderr.
+Nothing is written unless everything could be made.
+"""
+import argparse
+import os
+import sys
+
+sys.dont_write_bytecode = True  # the folder may be installed read-only, or be a source tree
+sys.path.insert(0, os.path.dirname(os.path.realpath(__file__)))
+
+DONE, FAILED, BAD_INPUT = 0, 1, 2
+
+
+class OneLineParser(argparse.ArgumentParser):
+    """Bad usage is one line on stderr, as everywhere in sinew."""
+
+    def error(self, message):
+        print(f"sinew: error: {message}", file=sys.stderr)
+        sys.exit(BAD_INPUT)
+
+
+def parse(arguments):
+    parser = OneLineParser(prog="sinew report", description="Draws run and study files: executed notebooks and HTML.")
+    parser.add_argument("files", nargs="+", metavar="FILE.h5", help="what sinew identify or sinew compare wrote")
+    parser.add_argument("--out-dir", required=True, metavar="DIR", help="the folder for notebooks and pages")
+    return parser.parse_args(arguments)
+
+
+def main(arguments=None):
+    options = parse(arguments)
+    try:
+        import publish
+        from run_file import BadInput
+    except ImportError as error:
+        print(f"sinew: the report could not be made: Python package missing: {error.name} "
+              "(the list is in packages.txt)", file=sys.stderr)
+        return FAILED
+    try:
+        entry = publish.publish(options.files, options.out_dir)
+    except BadInput as error:
+        print(f"sinew: error: {error}", file=sys.stderr)
+        return BAD_INPUT
+    except publish.ReportFailed as error:
+        print(f"sinew: the report could not be made: {error}", file=sys.stderr)
+        return FAILED
+    except KeyboardInterrupt:
+        print("sinew: the report was interrupted; nothing was written", file=sys.stderr)
+        return FAILED
+    print(f"Report: {entry}")
+    return DONE
+
+
+if __name__ == "__main__":
+    if not sys.flags.isolated:  # again, without PYTHONPATH and packages of the user
+        os.execv(sys.executable, [sys.executable, "-I", os.path.realpath(__file__), *sys.argv[1:]])
+    sys.exit(main())

@@ -1,0 +1,56 @@
+// What the program prints while it works, and how Ctrl-C reaches it.
+#pragma once
+
+#include <atomic>
+#include <chrono>
+#include <string>
+#include <vector>
+
+#include "identify/execution/evaluator.h"
+
+namespace sinew {
+
+/// Set by the first Ctrl-C; the second one ends the process. Installs the handler on first use.
+const std::atomic<bool>& InterruptFlag();
+
+/// Progress of a search on stderr: one line that is rewritten on a terminal, a plain line every few seconds
+/// when redirected, nothing when quiet.
+class ProgressLine {
+ public:
+  ProgressLine(std::string title, bool quiet);
+  ~ProgressLine() { Clear(); }
+  ProgressLine(const ProgressLine&) = delete;
+  ProgressLine& operator=(const ProgressLine&) = delete;
+
+  void Show(const Progress& progress, const Budget& budget);
+  /// Any other work: so many of so many done.
+  void Show(int done, int all);
+  void Clear();
+
+ private:
+  bool Due();
+  void Print(const std::string& line);
+
+  std::string title_;
+  bool quiet_;
+  bool on_terminal_;
+  bool shown_ = false;
+  std::chrono::steady_clock::time_point last_;
+};
+
+/// "3 ms", "1.2 s", "4 min 10 s".
+[[nodiscard]] std::string Duration(double seconds);
+
+/// Breaks a sentence over lines of at most `width`, each with the indent.
+[[nodiscard]] std::string Wrapped(const std::string& sentence, int indent, int width = 110);
+
+/// Columns padded to equal width; the first row is the header.
+[[nodiscard]] std::string Table(const std::vector<std::vector<std::string>>& rows, int indent);
+
+/// Writes text to a file, or to standard output if the name is "-".
+Status WriteText(const std::string& path, const std::string& text);
+
+/// The whole text of a file. Errors: no such file, a folder.
+Result<std::string> ReadText(const std::string& path);
+
+}  // namespace sinew

@@ -1,0 +1,83 @@
+#include "datasets/cut.h"
+
+#include <algorithm>
+#include <cmath>
+
+#include "base/text.h"
+
+namespace sinew {
+namespace {
+
+constexpr double kSameInstant_s = 1e-9;  // times are not told apart below it: 0.1 + 0.2 is still inside 0.3
+
+bool KeepsMargin(const std::string& name, const Grid& grid) {
+  if (name == "coordinates" || name == "markers") return true;
+  return !grid.channels.empty() &&
+         std::all_of(grid.channels.begin(), grid.channels.end(),
+                     [](const auto& channel) { return channel.second.kind == ChannelKind::kInput; });
+}
+
+// Samples [first, last) of every channel.
+Grid Slice(const Grid& grid, std::ptrdiff_t first, std::ptrdiff_t last) {
+  Grid slice;
+  slice.time.assign(grid.time.begin() + first, grid.time.begin() + last);
+  for (const auto& [name, channel] : grid.channels) {
+    Channel part = channel;
+    part.values.assign(channel.values.begin() + first, channel.values.begin() + last);
+    slice.channels.emplace(name, std::move(part));
+  }
+  return slice;
+}
+
+struct Range {
+  std::ptrdiff_t first;
+  std::ptrdiff_t last;
+};
+
+Range SamplesWithin(const Grid& grid, double start, double end) {
+  const auto first = std::lower_bound(grid.time.begin(), grid.time.end(), start - kSameInstant_s);
+  const auto last = std::upper_bound(first, grid.time.end(), end + kSameInstant_s);
+  return {first - grid.time.begin(), last - grid.time.begin()};
+}
+
+}  // namespace
+
+Status CutTrial(Dataset& dataset, const TrialWindow& window) {
+  const auto source = dataset.trials.find(window.trial);
+  if (source == dataset.trials.end()) {
+    std::vector<std::string> names;
+    for (const auto& [name, trial] : dataset.trials) names.push_back(name);
+    return Fail("no trial '{}'{}", window.trial,
+                names.empty() ? "; there is none" : Suggestion(window.trial, names));
+  }
+  if (dataset.trials.count(window.name) != 0) return Fail("there is a trial '{}' already", window.name);
+  if (!(window.margin_s >= 0) || !std::isfinite(window.margin_s)) {
+    return Fail("the margin is {} s, expected 0 or more", window.margin_s);
+  }
+  if (!std::isfinite(window.start_s) || !std::isfinite(window.end_s)) {
+    return Fail("the window {}:{} s is not finite", window.start_s, window.end_s);
+  }
+
+  const Trial& whole = source->second;
+  Trial part;
+  part.role = window.role.value_or(whole.role);
+  part.task = whole.task;
+  part.conditions = whole.conditions;
+  part.conditions["window_start_s"] = window.start_s;
+  part.conditions["window_end_s"] = window.end_s;
+  for (const auto& [name, grid] : whole.grids) {
+    if (grid.time.empty()) return Fail("trial '{}': grid '{}' holds no samples", window.trial, name);
+    const Range inside = SamplesWithin(grid, window.start_s, window.end_s);
+    if (window.end_s <= window.start_s || inside.first >= inside.last) {
+      return Fail("the window {}:{} s holds no sample of '{}' in trial '{}', which covers {}:{} s",
+                  window.start_s, window.end_s, name, window.trial, grid.time.front(), grid.time.back());
+    }
+    const double margin = KeepsMargin(name, grid) ? window.margin_s : 0;
+    const Range kept = SamplesWithin(grid, window.start_s - margin, window.end_s + margin);
+    part.grids.emplace(name, Slice(grid, kept.first, kept.last));
+  }
+  dataset.trials.emplace(window.name, std::move(part));
+  return {};
+}
+
+}  // namespace sinew

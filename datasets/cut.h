@@ -1,0 +1,31 @@
+// Several stances out of one recording: a window of a trial becomes a trial of its own.
+#pragma once
+
+#include <optional>
+#include <string>
+
+#include "base/error.h"
+#include "datasets/dataset.h"
+
+namespace sinew {
+
+/// What CutTrial keeps, and under which name.
+struct TrialWindow {
+  std::string trial;              ///< the source, which stays as it is
+  double start_s = 0;             ///< first instant that is kept
+  double end_s = 0;               ///< last instant that is kept, > start_s
+  std::string name;               ///< of the new trial
+  std::optional<Role> role = {};  ///< that of the source, if not given
+  double margin_s = 0.25;         ///< see CutTrial, >= 0
+};
+
+/// Adds the part of a trial within [start_s, end_s] as a new trial, and writes the window to its conditions
+/// `window_start_s` and `window_end_s`.
+///
+/// The grids `markers`, `coordinates`, and those that hold inputs only keep margin_s more on both sides, so
+/// that splines and filters have no end effects inside the window and delayed inputs have their past. Errors:
+/// no such trial; the new name is taken; the window is empty, or a grid has no sample in it (the message
+/// states the range that there is). The dataset is then unchanged.
+Status CutTrial(Dataset& dataset, const TrialWindow& window);
+
+}  // namespace sinew

@@ -1,0 +1,14 @@
+// A short name for the content of a dataset, so that a result can say what it was computed from.
+#pragma once
+
+#include <string>
+
+#include "datasets/dataset.h"
+
+namespace sinew {
+
+/// 16 hexadecimal digits that depend on everything in the dataset and on nothing else: not on the file's
+/// name, its compression or the order of writing. All NaN are equal. 64-bit FNV-1a (Fowler, Noll, Vo 1991).
+[[nodiscard]] std::string DatasetHash(const Dataset& dataset);
+
+}  // namespace sinew

@@ -1,0 +1,161 @@
+#include "identify/execution/evaluator.h"
+
+#include <algorithm>
+#include <cmath>
+
+namespace sinew {
+namespace {
+
+constexpr double kInfinity = std::numeric_limits<double>::infinity();
+// A constraint counts as satisfied up to this share of the size of its terms: rounding, and the last step of
+// an interior-point search.
+constexpr double kConstraintTolerance = 1e-9;
+
+}  // namespace
+
+Evaluator::Evaluator(const LeastSquares& problem, Options options)
+    : problem_(problem),
+      options_(std::move(options)),
+      workspace_(problem.NewWorkspace()),
+      gradient_jacobian_(problem.NewJacobian()) {}
+
+double Evaluator::seconds() const {
+  return std::chrono::duration<double>(std::chrono::steady_clock::now() - options_.began).count();
+}
+
+Budget Evaluator::remaining() const {
+  return {evaluation_limit() - evaluations(), options_.budget.max_seconds - seconds()};
+}
+
+long Evaluator::evaluation_limit() const {
+  return std::min(options_.budget.max_evaluations, share_end_);
+}
+
+void Evaluator::BeginShare(long evaluations_allowed) {
+  share_end_ = evaluations() + evaluations_allowed;
+}
+
+void Evaluator::EndShare() {
+  share_end_ = std::numeric_limits<long>::max();
+  if (stop_cause_ == StopCause::kEvaluations) stop_cause_ = StopCause::kNone;
+}
+
+bool Evaluator::MustStop() {
+  if (stop_cause_ != StopCause::kNone) return true;
+  if (has_best() && best().cost <= options_.target_cost) stop_cause_ = StopCause::kTarget;
+  if (evaluations() >= evaluation_limit()) stop_cause_ = StopCause::kEvaluations;
+  if (std::isfinite(options_.budget.max_seconds) && seconds() >= options_.budget.max_seconds) {
+    stop_cause_ = StopCause::kSeconds;
+  }
+  if (options_.interrupt != nullptr && options_.interrupt->load(std::memory_order_relaxed)) {
+    stop_cause_ = StopCause::kInterrupted;
+  }
+  return stop_cause_ != StopCause::kNone;
+}
+
+const TraceEntry* Evaluator::Replayed(const Vector& x) const {
+  if (trace_.size() >= options_.replay.size()) return nullptr;
+  const TraceEntry& entry = options_.replay[trace_.size()];
+  return entry.x.size() == x.size() && entry.x == x ? &entry : nullptr;
+}
+
+const Constraint* Evaluator::Violated(const Vector& x) const {
+  if (problem_.constraints() == 0) return nullptr;
+  const Vector parameters = problem_.Parameters(x);
+  for (const Constraint& constraint : problem_.problem().constraints()) {
+    const double value = constraint.offset + constraint.coefficients.dot(parameters);
+    const double size = std::abs(constraint.offset) +
+                        constraint.coefficients.cwiseAbs().dot(parameters.cwiseAbs());
+    if (value > kConstraintTolerance * size) return &constraint;
+  }
+  return nullptr;
+}
+
+void Evaluator::Keep(TraceEntry entry) {
+  trace_.push_back(std::move(entry));
+  const TraceEntry& kept = trace_.back();
+  const bool better = std::isfinite(kept.cost) && (best_ < 0 || kept.cost < best().cost);
+  if (better && Violated(kept.x) == nullptr) best_ = static_cast<long>(trace_.size()) - 1;
+}
+
+void Evaluator::Record(const Vector& x, double cost) {
+  Keep({seconds(), cost, x});
+  if (options_.progress) {
+    options_.progress({evaluations(), trace_.back().seconds, has_best() ? best().cost : kInfinity}, *this);
+  }
+}
+
+Evaluator::Outcome Evaluator::RecordFailure(const Vector& x, const Error& error) {
+  if (failures_++ == 0) first_failure_ = error.message;
+  Record(x, kInfinity);
+  return Outcome::kFailed;
+}
+
+Evaluator::Outcome Evaluator::Admit(const Vector& x, Infeasible infeasible) {
+  if (MustStop()) return Outcome::kStop;
+  const Constraint* violated = Violated(x);
+  if (violated == nullptr) return Outcome::kOk;
+  ++infeasible_;
+  if (infeasible == Infeasible::kEvaluate) return Outcome::kOk;
+  return RecordFailure(x, {"constraint '" + violated->name + "' is violated"});
+}
+
+Evaluator::Outcome Evaluator::Cost(const Vector& x, double& cost, Infeasible infeasible) {
+  cost = kInfinity;
+  const Outcome admitted = Admit(x, infeasible);
+  if (admitted != Outcome::kOk) return admitted;
+  if (const TraceEntry* known = Replayed(x)) {
+    cost = known->cost;
+    if (!std::isfinite(cost)) return RecordFailure(x, {"failed in the run that is resumed"});
+    Record(x, cost);
+    return Outcome::kOk;
+  }
+  const Result<double> result = problem_.Cost(x, workspace_);
+  if (!result) return RecordFailure(x, result.error());
+  cost = *result;
+  Record(x, cost);
+  return Outcome::kOk;
+}
+
+Evaluator::Outcome Evaluator::Residuals(const Vector& x, Vector& residuals, SparseJacobian* jacobian,
+                                        Infeasible infeasible) {
+  const Outcome admitted = Admit(x, infeasible);
+  if (admitted != Outcome::kOk) return admitted;
+  const Status status = problem_.Evaluate(x, workspace_, residuals, jacobian);
+  if (!status) return RecordFailure(x, status.error());
+  if (jacobian != nullptr) {
+    for (const SparseJacobian::Piece& piece : jacobian->pieces) {
+      if (!piece.values.allFinite()) return RecordFailure(x, {"a derivative is not finite"});
+    }
+  }
+  Record(x, 0.5 * residuals.squaredNorm());
+  return Outcome::kOk;
+}
+
+Evaluator::Outcome Evaluator::Gradient(const Vector& x, double& cost, Vector& gradient,
+                                       Infeasible infeasible) {
+  cost = kInfinity;
+  const Outcome outcome = Residuals(x, workspace_.residuals, &gradient_jacobian_, infeasible);
+  if (outcome != Outcome::kOk) return outcome;
+  cost = 0.5 * workspace_.residuals.squaredNorm();
+  gradient.setZero(problem_.variables());
+  for (const SparseJacobian::Piece& piece : gradient_jacobian_.pieces) {
+    const auto rows = workspace_.residuals.segment(piece.first_row, piece.values.rows());
+    for (std::size_t k = 0; k < piece.variables.size(); ++k) {
+      gradient[piece.variables[k]] += piece.values.col(static_cast<Eigen::Index>(k)).dot(rows);
+    }
+  }
+  return outcome;
+}
+
+void Evaluator::Absorb(const Evaluator& child) {
+  for (const TraceEntry& entry : child.trace_) Keep(entry);
+  failures_ += child.failures_;
+  infeasible_ += child.infeasible_;
+  if (first_failure_.empty()) first_failure_ = child.first_failure_;
+  if (options_.progress) {
+    options_.progress({evaluations(), seconds(), has_best() ? best().cost : kInfinity}, *this);
+  }
+}
+
+}  // namespace sinew

@@ -1,0 +1,80 @@
+#include "identify/fit_setup.h"
+
+#include <algorithm>
+#include <set>
+
+#include "base/text.h"
+
+namespace sinew {
+namespace {
+
+Result<const Effect*> FindEffect(const Problem& problem, const std::string& name) {
+  std::vector<std::string> names;
+  for (const Effect& effect : problem.effects()) {
+    if (effect.name == name) return &effect;
+    names.push_back(effect.name);
+  }
+  if (names.empty()) return Fail("effect '{}' does not exist: this problem declares none", name);
+  return Fail("effect '{}' does not exist{}", name, Suggestion(name, names));
+}
+
+}  // namespace
+
+bool FitSetup::IsFree(int parameter) const {
+  return std::binary_search(free.begin(), free.end(), parameter);
+}
+
+Result<FitSetup> MakeFitSetup(const Problem& problem, const FitRequest& request) {
+  FitSetup setup;
+  setup.parameters = problem.parameters();
+  std::set<int> free;
+  for (std::size_t i = 0; i < setup.parameters.size(); ++i) {
+    const Parameter& p = setup.parameters[i];
+    const bool listed = request.free.empty() ? p.kind == ParameterKind::kBase : false;
+    if (listed || p.kind == ParameterKind::kNuisance) free.insert(static_cast<int>(i));
+  }
+  for (const std::string& name : request.free) {
+    SINEW_ASSIGN(const int index, FindParameter(setup.parameters, name));
+    free.insert(index);
+  }
+  for (const std::string& name : request.release) {
+    SINEW_ASSIGN(const Effect* effect, FindEffect(problem, name));
+    free.insert(effect->parameters.begin(), effect->parameters.end());
+  }
+
+  for (const auto& [name, interval] : request.bounds) {
+    SINEW_ASSIGN(const int index, FindParameter(setup.parameters, name));
+    Parameter& p = setup.parameters[static_cast<std::size_t>(index)];
+    p.lower = interval.first;
+    p.upper = interval.second;
+  }
+  for (const auto& [name, value] : request.start) {
+    SINEW_ASSIGN(const int index, FindParameter(setup.parameters, name));
+    setup.parameters[static_cast<std::size_t>(index)].start = value;
+  }
+  for (const auto& [name, value] : request.fix) {
+    SINEW_ASSIGN(const int index, FindParameter(setup.parameters, name));
+    if (std::find(request.free.begin(), request.free.end(), name) != request.free.end()) {
+      return Fail("parameter '{}' is asked to be both free and fixed", name);
+    }
+    Parameter& p = setup.parameters[static_cast<std::size_t>(index)];
+    if (!(value >= p.lower && value <= p.upper)) {
+      return Fail("parameter '{}': fixed at {}, outside its bounds {} .. {} [{}]", name, value, p.lower,
+                  p.upper, p.unit);
+    }
+    p.start = value;
+    if (p.kind == ParameterKind::kEffect) p.null_value = value;
+    free.erase(index);
+  }
+  SINEW_TRY(CheckParameters(setup.parameters));
+
+  setup.free.assign(free.begin(), free.end());
+  setup.rest.resize(static_cast<Eigen::Index>(setup.parameters.size()));
+  for (std::size_t i = 0; i < setup.parameters.size(); ++i) {
+    const Parameter& p = setup.parameters[i];
+    setup.rest[static_cast<Eigen::Index>(i)] = free.count(static_cast<int>(i)) > 0 ? p.start : p.rest_value();
+  }
+  return setup;
+}
+
+}  // namespace sinew

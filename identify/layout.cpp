@@ -1,0 +1,76 @@
+#include "identify/layout.h"
+
+#include <cmath>
+#include <limits>
+
+namespace sinew {
+namespace {
+
+Status CheckBlock(const Block& block, int parameters) {
+  if (block.prediction_time.empty()) return Fail("it has no times");
+  for (std::size_t i = 1; i < block.prediction_time.size(); ++i) {
+    if (!(block.prediction_time[i] > block.prediction_time[i - 1]))
+      return Fail("time does not increase at {}", i);
+  }
+  if (block.sample.size() != block.measured.size()) {
+    return Fail("{} sample indices but {} measured values", block.sample.size(), block.measured.size());
+  }
+  for (std::size_t i = 0; i < block.sample.size(); ++i) {
+    const int previous = i == 0 ? -1 : block.sample[i - 1];
+    if (block.sample[i] <= previous || block.sample[i] >= block.predictions())
+      return Fail("bad sample index {}", i);
+    if (!std::isfinite(block.measured[i])) return Fail("measured value {} is not finite", i);
+  }
+  if (block.role != BlockRole::kPredicted && block.measured.empty()) return Fail("it has no measured value");
+  if (!(block.weight > 0) || !std::isfinite(block.weight)) return Fail("its weight is {}", block.weight);
+  if (block.sigma && !(*block.sigma > 0))
+    return Fail("its noise level is {}, expected above 0", *block.sigma);
+  for (std::size_t i = 0; i < block.columns.size(); ++i) {
+    const int previous = i == 0 ? -1 : block.columns[i - 1];
+    if (block.columns[i] <= previous || block.columns[i] >= parameters)
+      return Fail("bad parameter column {}", i);
+  }
+  return {};
+}
+
+}  // namespace
+
+const char* ToString(BlockRole role) {
+  switch (role) {
+    case BlockRole::kTrain:
+      return "train";
+    case BlockRole::kValidate:
+      return "validate";
+    case BlockRole::kPredicted:
+      return "predicted";
+  }
+  return "?";
+}
+
+Status CheckLayout(const Layout& layout, int parameters) {
+  for (const Block& block : layout) {
+    const Status status = CheckBlock(block, parameters);
+    if (!status) return Fail("block {}/{}: {}", block.trial, block.channel, status.error().message);
+  }
+  return {};
+}
+
+Prediction::Prediction(const Layout& layout) {
+  Eigen::Index size = 0;
+  for (const Block& block : layout) {
+    rows_.push_back(block.predictions());
+    columns_.push_back(static_cast<Eigen::Index>(block.columns.size()));
+    value_offset_.push_back(size);
+    size += rows_.back();
+    derivative_offset_.push_back(size);
+    size += rows_.back() * columns_.back();
+  }
+  data_.resize(size);
+  Poison();
+}
+
+void Prediction::Poison() {
+  data_.setConstant(std::numeric_limits<double>::quiet_NaN());
+}
+
+}  // namespace sinew

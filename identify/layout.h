@@ -1,0 +1,78 @@
+// Which channels of which trials a problem predicts, and how they meet the measurement: residuals come in
+// blocks.
+#pragma once
+
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "base/error.h"
+#include "base/linear_algebra.h"
+
+namespace sinew {
+
+/// Train: in the cost. Validate: predicted and compared, never fitted. Predicted: the model can tell it but
+/// it is not compared (not measured, or not asked for); used to say what measuring it would bring.
+enum class BlockRole { kTrain, kValidate, kPredicted };
+
+[[nodiscard]] const char* ToString(BlockRole role);
+
+/// One channel of one trial.
+///
+/// The problem predicts it on `prediction_time`, which may be denser and longer than the measurement so that
+/// a sensor effect (a delay, a low-pass) can look beyond it. The residual of sample i is `weight *
+/// (prediction[sample[i]] - measured[i])`.
+struct Block {
+  std::string trial;
+  std::string channel;
+  std::string quantity;  ///< what it measures, for people: "vertical force"; alike for both plates. Empty: the channel
+  std::string unit;
+  BlockRole role = BlockRole::kTrain;
+  std::vector<double> prediction_time;  ///< [M, s, increasing]
+  std::vector<int> sample;              ///< [N] indices into prediction_time, increasing; gaps are left out
+  std::vector<double> measured;         ///< [N, unit], finite; empty for kPredicted without measurement
+  double weight = 1;                    ///< [1/unit], > 0
+  std::optional<double> sigma;          ///< [unit] noise level, if known
+  std::vector<int> columns;             ///< parameters that it may depend on, increasing
+
+  [[nodiscard]] int samples() const { return static_cast<int>(measured.size()); }
+  [[nodiscard]] int predictions() const { return static_cast<int>(prediction_time.size()); }
+};
+
+using Layout = std::vector<Block>;
+
+/// Sizes, order, finiteness and weights of every block; the error names the block.
+[[nodiscard]] Status CheckLayout(const Layout& layout, int parameters);
+
+/// Predicted values and derivatives of every block, in one allocation that is made once and used again and
+/// again.
+class Prediction {
+ public:
+  explicit Prediction(const Layout& layout);
+
+  /// Predicted channel of block b [M].
+  Eigen::Map<Vector> values(int b) { return {data_.data() + value_offset_[b], rows_[b]}; }
+  [[nodiscard]] Eigen::Map<const Vector> values(int b) const {
+    return {data_.data() + value_offset_[b], rows_[b]};
+  }
+
+  /// Its derivative for each parameter in the block's `columns` [M x columns, column-major].
+  Eigen::Map<Matrix> derivatives(int b) {
+    return {data_.data() + derivative_offset_[b], rows_[b], columns_[b]};
+  }
+  [[nodiscard]] Eigen::Map<const Matrix> derivatives(int b) const {
+    return {data_.data() + derivative_offset_[b], rows_[b], columns_[b]};
+  }
+
+  /// Fills everything with NaN, so that what a problem forgot to set is found.
+  void Poison();
+
+ private:
+  std::vector<Eigen::Index> rows_;
+  std::vector<Eigen::Index> columns_;
+  std::vector<Eigen::Index> value_offset_;
+  std::vector<Eigen::Index> derivative_offset_;
+  Vector data_;
+};
+
+}  // namespace sinew

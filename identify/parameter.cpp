@@ -1,0 +1,58 @@
+#include "identify/parameter.h"
+
+#include <cmath>
+#include <set>
+
+#include "base/text.h"
+
+namespace sinew {
+namespace {
+
+Status CheckOne(const Parameter& p) {
+  if (p.name.empty()) return Fail("a parameter has no name");
+  if (!std::isfinite(p.lower) || !std::isfinite(p.upper) || !(p.lower < p.upper)) {
+    return Fail("parameter '{}': bounds {} .. {} are not a finite interval [{}]", p.name, p.lower, p.upper,
+                p.unit);
+  }
+  if (p.scale == Scale::kLog && p.lower <= 0) {
+    return Fail("parameter '{}': lower bound {} must be above 0 on a logarithmic scale", p.name, p.lower);
+  }
+  if (!(p.start >= p.lower && p.start <= p.upper)) {
+    return Fail("parameter '{}': start {} lies outside its bounds {} .. {} [{}]", p.name, p.start, p.lower,
+                p.upper, p.unit);
+  }
+  if (p.kind == ParameterKind::kEffect) {
+    if (p.effect.empty()) return Fail("parameter '{}' belongs to no effect", p.name);
+    if (!(p.null_value >= p.lower && p.null_value <= p.upper)) {
+      return Fail("parameter '{}': null value {} lies outside its bounds {} .. {}", p.name, p.null_value,
+                  p.lower, p.upper);
+    }
+  }
+  if (p.prior && !(p.prior->standard_deviation > 0)) {
+    return Fail("parameter '{}': its prior has standard deviation {}, expected above 0", p.name,
+                p.prior->standard_deviation);
+  }
+  return {};
+}
+
+}  // namespace
+
+Status CheckParameters(const std::vector<Parameter>& parameters) {
+  std::set<std::string> names;
+  for (const Parameter& p : parameters) {
+    SINEW_TRY(CheckOne(p));
+    if (!names.insert(p.name).second) return Fail("parameter '{}' stands there twice", p.name);
+  }
+  return {};
+}
+
+Result<int> FindParameter(const std::vector<Parameter>& parameters, const std::string& name) {
+  std::vector<std::string> names;
+  for (std::size_t i = 0; i < parameters.size(); ++i) {
+    if (parameters[i].name == name) return static_cast<int>(i);
+    names.push_back(parameters[i].name);
+  }
+  return Fail("parameter '{}' does not exist{}", name, Suggestion(name, names));
+}
+
+}  // namespace sinew

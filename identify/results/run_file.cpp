@@ -1,0 +1,273 @@
+#include "identify/results/run_file.h"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+
+#include "base/text.h"
+#include "base/version.h"
+
+namespace sinew {
+namespace {
+
+constexpr double kNaN = std::numeric_limits<double>::quiet_NaN();
+
+std::vector<std::string> FreeNames(const FitSetup& setup) {
+  std::vector<std::string> names;
+  for (const int index : setup.free) names.push_back(setup.parameters[static_cast<std::size_t>(index)].name);
+  return names;
+}
+
+void WriteProvenance(const Provenance& provenance, const std::string& solver, std::uint64_t seed, int threads,
+                     Hdf5Node& run) {
+  run.attributes["sinew_schema"] = std::string("run/1");
+  run.attributes["problem"] = provenance.problem;
+  run.attributes["solver"] = solver;
+  run.attributes["seed"] = static_cast<std::int64_t>(seed);
+  run.attributes["threads"] = std::int64_t{threads};
+  run.attributes["version"] = std::string(kVersion);
+  run.attributes["command"] = provenance.command;
+  run.attributes["data_file"] = provenance.data_file;
+  run.attributes["data_hash"] = provenance.data_hash;
+  run.attributes["title"] = provenance.title;
+  run.attributes["synthetic"] = std::int64_t{provenance.synthetic ? 1 : 0};
+  if (!provenance.config.empty()) run.At("config").data = provenance.config;
+}
+
+void WriteParameters(const FitSetup& setup, const Vector& values, Hdf5Node& node) {
+  std::vector<std::string> name, unit, meaning, source, kind, effect, trial, scale;
+  std::vector<double> lower, upper, start, value, free;
+  for (std::size_t i = 0; i < setup.parameters.size(); ++i) {
+    const Parameter& p = setup.parameters[i];
+    name.push_back(p.name);
+    unit.push_back(p.unit);
+    meaning.push_back(p.meaning);
+    source.push_back(p.source);
+    kind.emplace_back(p.kind == ParameterKind::kBase       ? "base"
+                      : p.kind == ParameterKind::kNuisance ? "nuisance"
+                                                           : "effect");
+    effect.push_back(p.effect);
+    trial.push_back(p.trial);
+    scale.emplace_back(p.scale == Scale::kLog ? "log" : "linear");
+    lower.push_back(p.lower);
+    upper.push_back(p.upper);
+    start.push_back(p.start);
+    value.push_back(values[static_cast<Eigen::Index>(i)]);
+    free.push_back(setup.IsFree(static_cast<int>(i)) ? 1 : 0);
+  }
+  const std::pair<const char*, std::vector<std::string>*> texts[] = {
+      {"name", &name}, {"unit", &unit},     {"meaning", &meaning}, {"source", &source},
+      {"kind", &kind}, {"effect", &effect}, {"trial", &trial},     {"scale", &scale}};
+  for (const auto& [key, column] : texts) node.At(key).data = std::move(*column);
+  const std::pair<const char*, std::vector<double>*> numbers[] = {
+      {"lower", &lower}, {"upper", &upper}, {"start", &start}, {"value", &value}, {"free", &free}};
+  for (const auto& [key, column] : numbers) node.At(key).SetVector(std::move(*column));
+}
+
+void WriteTrace(const std::vector<TraceEntry>& trace, const std::vector<std::string>& variables,
+                Hdf5Node& node) {
+  std::vector<double> seconds, cost, x;
+  for (const TraceEntry& entry : trace) {
+    seconds.push_back(entry.seconds);
+    cost.push_back(entry.cost);
+    x.insert(x.end(), entry.x.data(), entry.x.data() + entry.x.size());
+  }
+  node.attributes["variables"] = Join(variables, ",");
+  node.At("seconds").SetVector(std::move(seconds));
+  node.At("cost").SetVector(std::move(cost));
+  node.At("x").SetMatrix(trace.size(), variables.size(), std::move(x));
+}
+
+void WriteStages(const std::vector<Stage>& stages, Hdf5Node& node) {
+  std::vector<std::string> solver, stop;
+  std::vector<double> cost, evaluations, x;
+  for (const Stage& stage : stages) {
+    solver.push_back(stage.solver);
+    stop.emplace_back(ToString(stage.stop.kind));
+    cost.push_back(stage.cost);
+    evaluations.push_back(static_cast<double>(stage.evaluations));
+    x.insert(x.end(), stage.x.data(), stage.x.data() + stage.x.size());
+  }
+  const std::size_t width = stages.empty() ? 0 : static_cast<std::size_t>(stages.front().x.size());
+  node.At("solver").data = std::move(solver);
+  node.At("stop_reason").data = std::move(stop);
+  node.At("cost").SetVector(std::move(cost));
+  node.At("evaluations").SetVector(std::move(evaluations));
+  node.At("x").SetMatrix(stages.size(), width, std::move(x));
+}
+
+void WritePredictions(const Layout& layout, const FullPrediction& prediction, Hdf5Node& root) {
+  for (std::size_t b = 0; b < layout.size(); ++b) {
+    const Block& block = layout[b];
+    const Vector& simulated = prediction.values[b];
+    std::vector<double> measured(block.prediction_time.size(), kNaN);
+    std::vector<double> residual_time, residual;
+    for (std::size_t i = 0; i < block.measured.size(); ++i) {
+      const auto at = static_cast<std::size_t>(block.sample[i]);
+      measured[at] = block.measured[i];
+      residual_time.push_back(block.prediction_time[at]);
+      residual.push_back(simulated[block.sample[i]] - block.measured[i]);
+    }
+    const auto quality = std::find_if(
+        prediction.quality.begin(), prediction.quality.end(),
+        [&](const FitQuality& q) { return q.trial == block.trial && q.channel == block.channel; });
+    const bool compared = quality != prediction.quality.end();
+    const std::string place = block.trial + "/" + block.channel;
+    Hdf5Node& node = root.At("prediction/" + place);
+    node.attributes["unit"] = block.unit;
+    node.attributes["quantity"] = block.quantity;
+    node.attributes["role"] = std::string(ToString(block.role));
+    node.attributes["n"] = std::int64_t{block.samples()};
+    node.attributes["rmse"] = compared ? quality->rmse : kNaN;
+    node.attributes["r2"] = compared ? quality->r2 : kNaN;
+    node.At("time").SetVector(block.prediction_time);
+    node.At("simulated").SetVector({simulated.data(), simulated.data() + simulated.size()});
+    node.At("measured").SetVector(std::move(measured));
+    if (!compared) continue;
+    Hdf5Node& rest = root.At("residual/" + place);
+    rest.attributes["unit"] = block.unit;
+    rest.attributes["role"] = std::string(ToString(block.role));
+    rest.At("time").SetVector(std::move(residual_time));
+    rest.At("residual").SetVector(std::move(residual));
+  }
+}
+
+std::vector<double> RowMajor(const Matrix& matrix) {
+  std::vector<double> values;
+  for (Eigen::Index i = 0; i < matrix.rows(); ++i) {
+    for (Eigen::Index j = 0; j < matrix.cols(); ++j) values.push_back(matrix(i, j));
+  }
+  return values;
+}
+
+void WriteUncertainty(const FitSetup& setup, const Uncertainty& uncertainty, Hdf5Node& node) {
+  std::vector<std::string> name, verdict, reason, remedy, interval;
+  std::vector<double> error, robust, lower, upper;
+  for (const ParameterVerdict& v : uncertainty.parameters) {
+    name.push_back(setup.parameters[static_cast<std::size_t>(v.parameter)].name);
+    verdict.emplace_back(ToString(v.verdict));
+    reason.push_back(v.reason);
+    remedy.push_back(v.remedy);
+    interval.emplace_back(ToString(v.interval));
+    error.push_back(std::isfinite(v.std_error) ? v.std_error : kNaN);
+    robust.push_back(std::isfinite(v.std_error_robust) ? v.std_error_robust : kNaN);
+    lower.push_back(v.interval == IntervalKind::kNone ? kNaN : v.ci95_lower);
+    upper.push_back(v.interval == IntervalKind::kNone ? kNaN : v.ci95_upper);
+  }
+  const std::size_t n = uncertainty.parameters.size();
+  node.At("name").data = std::move(name);
+  node.At("verdict").data = std::move(verdict);
+  node.At("reason").data = std::move(reason);
+  node.At("remedy").data = std::move(remedy);
+  node.At("interval").data = std::move(interval);
+  node.At("directions").data = uncertainty.directions;
+  node.At("std_error").SetVector(std::move(error));
+  node.At("std_error_robust").SetVector(std::move(robust));
+  node.At("ci95_lower").SetVector(std::move(lower));
+  node.At("ci95_upper").SetVector(std::move(upper));
+  node.At("covariance").SetMatrix(n, n, RowMajor(uncertainty.covariance));
+  node.At("correlation").SetMatrix(n, n, RowMajor(uncertainty.correlation));
+  const Vector& s = uncertainty.singular_values;
+  node.At("singular_values").SetVector({s.data(), s.data() + s.size()});
+}
+
+}  // namespace
+
+Result<Hdf5Node> RunTree(const Problem& problem, const Identification& identification,
+                         const Provenance& provenance) {
+  Hdf5Node root;
+  Hdf5Node& run = root.At("run");
+  WriteProvenance(provenance, identification.solver, identification.solver_options.seed,
+                  identification.solver_options.threads, run);
+  const SolverResult& result = identification.result;
+  run.attributes["finished"] = std::int64_t{result.stop.kind == Termination::kInterrupted ? 0 : 1};
+  run.attributes["stop_reason"] = std::string(ToString(result.stop.kind));
+  run.attributes["stop_test"] = result.stop.test;
+  run.attributes["converged"] = std::int64_t{result.stop.converged() ? 1 : 0};
+  run.attributes["usable"] = std::int64_t{result.stop.usable() ? 1 : 0};
+  run.attributes["evaluations"] = static_cast<std::int64_t>(identification.trace.size());
+  run.attributes["failures"] = static_cast<std::int64_t>(identification.failures);
+  run.attributes["iterations"] = std::int64_t{result.iterations};
+  run.attributes["seconds"] = identification.seconds;
+  run.attributes["cost"] = result.cost;
+  run.attributes["objective"] = problem.objective();
+  run.At("findings").data = identification.findings;
+  run.At("warnings").data = identification.warnings;
+  WriteTrace(identification.trace, FreeNames(identification.setup), root.At("trace"));
+  if (!result.stages.empty()) WriteStages(result.stages, root.At("stages"));
+  if (!result.stop.usable()) return root;
+
+  WriteParameters(identification.setup, identification.parameters, root.At("parameters"));
+  WritePredictions(problem.layout(), identification.prediction, root);
+  WriteUncertainty(identification.setup, identification.uncertainty, root.At("uncertainty"));
+  SINEW_TRY(problem.Describe(identification.parameters, root.At("details")));
+  return root;
+}
+
+Hdf5Node UnfinishedRunTree(const LeastSquares& problem, const IdentificationOptions& options,
+                           const Provenance& provenance, const Evaluator& evaluator) {
+  Hdf5Node root;
+  Hdf5Node& run = root.At("run");
+  WriteProvenance(provenance, options.solver, options.solver_options.seed, options.solver_options.threads,
+                  run);
+  run.attributes["finished"] = std::int64_t{0};
+  run.attributes["stop_reason"] = std::string("running");
+  run.attributes["stop_test"] = std::string();
+  run.attributes["converged"] = std::int64_t{0};
+  run.attributes["usable"] = std::int64_t{evaluator.has_best() ? 1 : 0};
+  run.attributes["evaluations"] = static_cast<std::int64_t>(evaluator.evaluations());
+  run.attributes["cost"] = evaluator.has_best() ? evaluator.best().cost : kNaN;
+  run.attributes["objective"] = problem.problem().objective();
+  WriteTrace(evaluator.trace(), FreeNames(problem.setup()), root.At("trace"));
+  const Vector best = evaluator.has_best() ? problem.Parameters(evaluator.best().x) : problem.setup().rest;
+  WriteParameters(problem.setup(), best, root.At("parameters"));
+  return root;
+}
+
+Result<RecordedRun> ReadRun(const std::string& path) {
+  SINEW_ASSIGN(const Hdf5Node root, ReadHdf5(path));
+  const Hdf5Node* run = root.Find("run");
+  if (run == nullptr || run->Text("sinew_schema") != "run/1") {
+    return Fail("{}: is not a run file: expected /run with attribute sinew_schema = run/1", path);
+  }
+  RecordedRun recorded;
+  recorded.problem = run->Text("problem");
+  recorded.solver = run->Text("solver");
+  recorded.data_hash = run->Text("data_hash");
+  recorded.seed = static_cast<std::uint64_t>(run->Number("seed", 1));
+  recorded.finished = run->Number("finished", 0) == 1;
+
+  const Hdf5Node* names = root.Find("parameters/name");
+  const Hdf5Node* values = root.Find("parameters/value");
+  if (names != nullptr && values != nullptr) {
+    if (names->texts() == nullptr || values->array() == nullptr ||
+        names->texts()->size() != values->array()->values.size()) {
+      return Fail("{}: /parameters/name and /parameters/value do not belong together", path);
+    }
+    for (std::size_t i = 0; i < names->texts()->size(); ++i) {
+      recorded.values.emplace_back((*names->texts())[i], values->array()->values[i]);
+    }
+  }
+  const Hdf5Node* trace = root.Find("trace");
+  const Hdf5Node* cost = root.Find("trace/cost");
+  const Hdf5Node* seconds = root.Find("trace/seconds");
+  const Hdf5Node* x = root.Find("trace/x");
+  if (trace == nullptr || cost == nullptr || seconds == nullptr || x == nullptr || cost->array() == nullptr ||
+      seconds->array() == nullptr || x->array() == nullptr || x->array()->shape.size() != 2 ||
+      x->array()->shape[0] != cost->array()->values.size() ||
+      seconds->array()->values.size() != cost->array()->values.size()) {
+    return Fail("{}: /trace is not complete: expected seconds [E], cost [E] and x [E, n]", path);
+  }
+  for (const auto name : Split(trace->Text("variables"), ',')) {
+    if (!name.empty()) recorded.variables.emplace_back(name);
+  }
+  const auto width = static_cast<Eigen::Index>(x->array()->shape[1]);
+  for (std::size_t i = 0; i < cost->array()->values.size(); ++i) {
+    const double* row = x->array()->values.data() + i * x->array()->shape[1];
+    recorded.trace.push_back(
+        {seconds->array()->values[i], cost->array()->values[i], Eigen::Map<const Vector>(row, width)});
+  }
+  return recorded;
+}
+
+}  // namespace sinew

@@ -1,0 +1,176 @@
+#include "identify/solvers/nlopt_solver.h"
+
+#include <nlopt.h>
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <mutex>
+#include <vector>
+
+#include "base/text.h"
+#include "identify/solvers/objective.h"
+
+namespace sinew {
+namespace {
+
+constexpr double kStepTolerance = 1e-10;           // in the unit box
+constexpr int kDefaultGlobalEvaluations = 20000;   // global searches without a budget
+constexpr double kCostWithoutAnyPrediction = 1e100;  // until one point has a cost
+
+using Handle = std::unique_ptr<nlopt_opt_s, void (*)(nlopt_opt)>;
+
+bool Contains(const std::string& name, const char* part) {
+  return name.find(part) != std::string::npos;
+}
+
+// What NLopt's callbacks share.
+struct Call {
+  Call(Evaluator& to, Evaluator::Infeasible infeasible, nlopt_opt of)
+      : evaluator(to), objective(to, infeasible), handle(of) {}
+
+  Evaluator& evaluator;
+  Objective objective;
+  nlopt_opt handle;
+  Vector x;
+  Vector gradient;
+  Vector constraint_values;
+  Matrix constraint_jacobian;
+  double best = std::numeric_limits<double>::infinity();
+  double last_improvement = 0;  // relative
+};
+
+double CostForNlopt(unsigned n, const double* x, double* gradient, void* data) {
+  Call& call = *static_cast<Call*>(data);
+  call.x = Eigen::Map<const Vector>(x, n);
+  double cost = 0;
+  if (gradient == nullptr) {
+    cost = call.objective.Cost(call.x);
+  } else {
+    cost = call.objective.Gradient(call.x, call.gradient);
+    Eigen::Map<Vector>(gradient, n) = call.gradient;
+  }
+  if (call.objective.stopped()) nlopt_force_stop(call.handle);
+  if (!std::isfinite(cost)) {
+    return std::isfinite(call.objective.worst()) ? 2 * call.objective.worst() : kCostWithoutAnyPrediction;
+  }
+  if (cost < call.best) {
+    call.last_improvement = std::isfinite(call.best) ? (call.best - cost) / std::abs(cost) : 1;
+    call.best = cost;
+  }
+  return cost;
+}
+
+void ConstraintsForNlopt(unsigned m, double* values, unsigned n, const double* x, double* gradient, void* data) {
+  Call& call = *static_cast<Call*>(data);
+  const Vector at = Eigen::Map<const Vector>(x, n);
+  call.evaluator.problem().Constraints(at, call.constraint_values,
+                                       gradient == nullptr ? nullptr : &call.constraint_jacobian);
+  Eigen::Map<Vector>(values, m) = call.constraint_values;
+  if (gradient == nullptr) return;
+  for (unsigned i = 0; i < m; ++i) {
+    for (unsigned k = 0; k < n; ++k) gradient[i * n + k] = call.constraint_jacobian(i, k);
+  }
+}
+
+class NloptSolver : public Solver {
+ public:
+  NloptSolver(nlopt_algorithm algorithm, std::string name, std::uint64_t seed, double cost_tolerance)
+      : algorithm_(algorithm), name_(std::move(name)), seed_(seed), cost_tolerance_(cost_tolerance) {}
+
+  [[nodiscard]] bool ToleratesFailedStart() const override { return global() || TakesConstraints(); }
+
+ private:
+  [[nodiscard]] bool global() const { return name_[0] == 'G'; }
+
+  // NLopt itself says so.
+  [[nodiscard]] bool TakesConstraints() const {
+    const Handle handle(nlopt_create(algorithm_, 1), &nlopt_destroy);
+    const auto constraint = [](unsigned, double*, unsigned, const double*, double*, void*) {};
+    return nlopt_add_inequality_mconstraint(handle.get(), 1, constraint, nullptr, nullptr) == NLOPT_SUCCESS;
+  }
+
+  void SetStops(nlopt_opt handle) const {
+    nlopt_set_ftol_rel(handle, cost_tolerance_);
+    nlopt_set_xtol_abs1(handle, kStepTolerance);
+  }
+
+  Search DoSolve(Evaluator& evaluator, const Vector& start) const override {
+    static std::mutex generator;
+    const std::lock_guard<std::mutex> lock(generator);
+    nlopt_srand(static_cast<unsigned long>(seed_));
+
+    const auto n = static_cast<unsigned>(start.size());
+    const Handle handle(nlopt_create(algorithm_, n), &nlopt_destroy);
+    nlopt_opt opt = handle.get();
+    nlopt_set_lower_bounds1(opt, 0);
+    nlopt_set_upper_bounds1(opt, 1);
+    SetStops(opt);
+    const bool limited = evaluator.options().budget.max_evaluations != Budget{}.max_evaluations;
+    if (global() && !limited) nlopt_set_maxeval(opt, kDefaultGlobalEvaluations);
+    if (Contains(name_, "MLSL") || Contains(name_, "AUGLAG")) {
+      const bool gradient = name_[1] == 'D';
+      const Handle local(nlopt_create(gradient ? NLOPT_LD_LBFGS : NLOPT_LN_BOBYQA, n), &nlopt_destroy);
+      SetStops(local.get());
+      nlopt_set_local_optimizer(opt, local.get());
+    }
+    const auto constraints = static_cast<unsigned>(evaluator.problem().constraints());
+    const bool aware = constraints > 0 && TakesConstraints();
+    Call call(evaluator, aware ? Evaluator::Infeasible::kEvaluate : Evaluator::Infeasible::kReject, opt);
+    if (aware) nlopt_add_inequality_mconstraint(opt, constraints, ConstraintsForNlopt, &call, nullptr);
+    nlopt_set_min_objective(opt, CostForNlopt, &call);
+
+    Vector x = start;
+    double cost = 0;
+    const nlopt_result result = nlopt_optimize(opt, x.data(), &cost);
+    return {StopFromNlopt(result, opt, call), nlopt_get_numevals(opt), {}};
+  }
+
+  [[nodiscard]] Stop StopFromNlopt(nlopt_result result, nlopt_opt opt, const Call& call) const {
+    const std::string last = fmt::format("last improvement {:.3g} of the cost", call.last_improvement);
+    switch (result) {
+      case NLOPT_FTOL_REACHED:
+        return {Termination::kCostChange,
+                fmt::format("relative cost change <= {:.3g}; {}", cost_tolerance_, last)};
+      case NLOPT_XTOL_REACHED:
+        return {Termination::kStepSize,
+                fmt::format("step <= {:.3g} of every range; {}", kStepTolerance, last)};
+      case NLOPT_ROUNDOFF_LIMITED:
+        return {Termination::kStepSize, "rounding limits the progress; " + last};
+      case NLOPT_SUCCESS:
+        return {name_[1] == 'D' ? Termination::kGradient : Termination::kCostChange,
+                "NLopt's own test of convergence; " + last};
+      case NLOPT_MAXEVAL_REACHED:
+        return {Termination::kMaxEvaluations,
+                fmt::format("{} evaluations, the default for a global search without a budget; {}",
+                            kDefaultGlobalEvaluations, last)};
+      default: {
+        const char* words = nlopt_get_errmsg(opt);
+        return {Termination::kSolverFailed,
+                fmt::format("NLopt: {}{}{}; {}", Lowercase(nlopt_result_to_string(result)),
+                            words == nullptr ? "" : ", ", words == nullptr ? "" : words, last)};
+      }
+    }
+  }
+
+  nlopt_algorithm algorithm_;
+  std::string name_;
+  std::uint64_t seed_;
+  double cost_tolerance_;
+};
+
+}  // namespace
+
+Result<std::unique_ptr<Solver>> MakeNlopt(const std::string& algorithm, const SolverOptions& options) {
+  const nlopt_algorithm known = nlopt_algorithm_from_string(algorithm.c_str());
+  if (known == NLOPT_NUM_ALGORITHMS || static_cast<int>(known) < 0) {
+    std::vector<std::string> names;
+    for (int i = 0; i < NLOPT_NUM_ALGORITHMS; ++i) {
+      names.emplace_back(nlopt_algorithm_to_string(static_cast<nlopt_algorithm>(i)));
+    }
+    return Fail("solver 'nlopt:{}': NLopt has no such algorithm{}", algorithm, Suggestion(algorithm, names));
+  }
+  return std::make_unique<NloptSolver>(known, algorithm, options.seed, options.cost_tolerance);
+}
+
+}  // namespace sinew

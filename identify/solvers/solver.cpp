@@ -1,0 +1,127 @@
+#include "identify/solvers/solver.h"
+
+#include <cmath>
+#include <limits>
+
+namespace sinew {
+namespace {
+
+constexpr double kInfinity = std::numeric_limits<double>::infinity();
+
+// A link of a chain begins where the one before ended: that point is not predicted again.
+bool IsEvaluated(const Evaluator& evaluator, const Vector& x) {
+  if (evaluator.has_best() && evaluator.best().x == x) return true;
+  return !evaluator.trace().empty() && evaluator.trace().front().x == x;
+}
+
+Stop StopWithoutAnswer(const Evaluator& evaluator) {
+  if (evaluator.trace().empty()) {
+    return {Termination::kNoPrediction, "not even the start was evaluated: " + StopFrom(evaluator).test};
+  }
+  if (evaluator.infeasible() > 0) {
+    return {Termination::kInfeasible, fmt::format("{} of {} points violate a constraint, no other has a cost",
+                                                  evaluator.infeasible(), evaluator.evaluations())};
+  }
+  return {Termination::kNoPrediction, fmt::format("{} of {} points have no prediction; the first: {}",
+                                                  evaluator.failures(), evaluator.evaluations(),
+                                                  evaluator.first_failure())};
+}
+
+}  // namespace
+
+const char* ToString(Termination termination) {
+  switch (termination) {
+    case Termination::kCostChange:
+      return "cost_change";
+    case Termination::kGradient:
+      return "gradient";
+    case Termination::kStepSize:
+      return "step_size";
+    case Termination::kAnnealed:
+      return "annealed";
+    case Termination::kStartsDone:
+      return "starts_done";
+    case Termination::kTarget:
+      return "target";
+    case Termination::kNothingFree:
+      return "nothing_free";
+    case Termination::kMaxEvaluations:
+      return "max_evaluations";
+    case Termination::kMaxSeconds:
+      return "max_seconds";
+    case Termination::kInterrupted:
+      return "interrupted";
+    case Termination::kSolverFailed:
+      return "solver_failed";
+    case Termination::kInfeasible:
+      return "infeasible";
+    case Termination::kNoPrediction:
+      return "no_prediction";
+  }
+  return "?";
+}
+
+bool Stop::converged() const {
+  switch (kind) {
+    case Termination::kCostChange:
+    case Termination::kGradient:
+    case Termination::kStepSize:
+    case Termination::kAnnealed:
+    case Termination::kStartsDone:
+    case Termination::kTarget:
+    case Termination::kNothingFree:
+      return true;
+    default:
+      return false;
+  }
+}
+
+Stop StopFrom(const Evaluator& evaluator) {
+  switch (evaluator.stop_cause()) {
+    case Evaluator::StopCause::kEvaluations:
+      return {Termination::kMaxEvaluations,
+              fmt::format("{} evaluations, {} left", evaluator.evaluations(),
+                          evaluator.remaining().max_evaluations)};
+    case Evaluator::StopCause::kSeconds:
+      return {Termination::kMaxSeconds,
+              fmt::format("{:.3g} s >= {:.3g} s", evaluator.seconds(), evaluator.options().budget.max_seconds)};
+    case Evaluator::StopCause::kInterrupted:
+      return {Termination::kInterrupted,
+              fmt::format("interrupted after {} evaluations", evaluator.evaluations())};
+    case Evaluator::StopCause::kTarget:
+      return {Termination::kTarget,
+              fmt::format("cost {:.6g} <= {:.6g}", evaluator.best().cost, evaluator.options().target_cost)};
+    case Evaluator::StopCause::kNone:
+      break;
+  }
+  return {Termination::kSolverFailed, "the search ended without a reason"};
+}
+
+SolverResult Solver::Solve(Evaluator& evaluator, const Vector& start) const {
+  SolverResult result;
+  double cost = kInfinity;
+  if (!IsEvaluated(evaluator, start)) evaluator.Cost(start, cost);
+
+  const bool evaluated = evaluator.stop_cause() == Evaluator::StopCause::kNone;
+  if (evaluated && evaluator.problem().variables() == 0) {
+    result.stop = {Termination::kNothingFree, "no parameter is free; the start was evaluated"};
+  } else if (evaluated && (evaluator.has_best() || ToleratesFailedStart())) {
+    Search search = DoSolve(evaluator, start);
+    result.stop = std::move(search.stop);
+    result.iterations = search.iterations;
+    result.stages = std::move(search.stages);
+  }
+  if (evaluator.stop_cause() != Evaluator::StopCause::kNone) result.stop = StopFrom(evaluator);
+
+  if (!evaluator.has_best()) {
+    result.stop = StopWithoutAnswer(evaluator);
+    result.x = start;
+    result.cost = kInfinity;
+    return result;
+  }
+  result.x = evaluator.best().x;
+  result.cost = evaluator.best().cost;
+  return result;
+}
+
+}  // namespace sinew

@@ -1,0 +1,109 @@
+#include "identify/uncertainty/covariance.h"
+
+#include <algorithm>
+#include <cmath>
+
+namespace sinew {
+namespace {
+
+// Andrews, Monahan 1992 bound the autoregression, so that recolouring stays finite: 1 / (1 - 0.97) = 33.
+constexpr double kLargestCorrelation = 0.97;
+
+/// Consecutive rows of one block.
+struct Span {
+  Eigen::Index first = 0;
+  Eigen::Index count = 0;
+};
+
+/// Lag-one autocorrelation of each column, over all spans [k].
+Vector LagOne(const Matrix& series, const std::vector<Span>& spans) {
+  Vector correlation = Vector::Zero(series.cols());
+  for (Eigen::Index j = 0; j < series.cols(); ++j) {
+    double pairs = 0;
+    double squares = 0;
+    for (const Span& s : spans) {
+      if (s.count < 2) continue;
+      const auto from = series.col(j).segment(s.first, s.count - 1);
+      pairs += from.dot(series.col(j).segment(s.first + 1, s.count - 1));
+      squares += from.squaredNorm();
+    }
+    if (squares > 0) correlation[j] = std::clamp(pairs / squares, -kLargestCorrelation, kLargestCorrelation);
+  }
+  return correlation;
+}
+
+/// Number of lags for the Bartlett kernel over n rows.
+Eigen::Index AutomaticLag(const Matrix& series, const std::vector<Span>& spans, double n) {
+  const Eigen::ArrayXd rho = LagOne(series, spans).array();
+  // Every column counts alike: weights of one over the square of its variance.
+  const double numerator = (4 * rho.square() / ((1 - rho).pow(6) * (1 + rho).square())).sum();
+  const double denominator = (1 / (1 - rho).pow(4)).sum();
+  const double andrews = 1.1447 * std::cbrt(numerator / denominator * n);
+  const double newey_west = 4 * std::pow(n / 100, 2.0 / 9);
+  return static_cast<Eigen::Index>(std::max(andrews, newey_west));
+}
+
+/// Sum over spans of the Bartlett-weighted autocovariances of the rows [k x k], not divided by their number.
+Matrix BartlettSum(const Matrix& series, const std::vector<Span>& spans, Eigen::Index lags) {
+  Matrix sum = Matrix::Zero(series.cols(), series.cols());
+  for (const Span& s : spans) {
+    const auto rows = series.middleRows(s.first, s.count);
+    sum += rows.transpose() * rows;
+    for (Eigen::Index l = 1; l <= std::min(lags, s.count - 1); ++l) {
+      const double weight = 1 - static_cast<double>(l) / static_cast<double>(lags + 1);
+      const Matrix lagged = rows.bottomRows(s.count - l).transpose() * rows.topRows(s.count - l);
+      sum += weight * (lagged + lagged.transpose());
+    }
+  }
+  return sum;
+}
+
+/// The series less `correlation` times its own past; the first row of each span is dropped from it.
+Matrix Whitened(const Matrix& series, const Vector& correlation, std::vector<Span>& spans) {
+  Matrix white = series;
+  std::vector<Span> shorter;
+  for (const Span& s : spans) {
+    if (s.count < 2) continue;
+    white.middleRows(s.first + 1, s.count - 1) -=
+        series.middleRows(s.first, s.count - 1) * correlation.asDiagonal();
+    shorter.push_back({s.first + 1, s.count - 1});
+  }
+  spans = std::move(shorter);
+  return white;
+}
+
+Matrix LongRunCovariance(const Matrix& scores, std::vector<Span> spans) {
+  const auto n = static_cast<double>(scores.rows());
+  const Vector correlation = LagOne(scores, spans);
+  const Matrix white = Whitened(scores, correlation, spans);
+  double rows = 0;
+  for (const Span& s : spans) rows += static_cast<double>(s.count);
+  if (rows == 0) return scores.transpose() * scores;  // one sample per block: nothing to correlate with
+  const Vector recolour = (1 - correlation.array()).inverse();
+  const Matrix sum = BartlettSum(white, spans, AutomaticLag(white, spans, rows));
+  return n / rows * recolour.asDiagonal() * sum * recolour.asDiagonal();
+}
+
+}  // namespace
+
+Matrix PlainCovariance(const Information& info, const Vector& deviation) {
+  const Matrix root = deviation.asDiagonal() * info.columns * info.inverse;
+  return root.transpose() * root;
+}
+
+Matrix RobustCovariance(const Information& info, const Linearization& at, const Vector& deviation) {
+  const Eigen::Index n = at.data_rows;
+  const Eigen::Index priors = at.residuals.size() - n;
+  std::vector<Span> spans;
+  for (const Linearization::Rows& rows : at.blocks) spans.push_back({rows.first, rows.count});
+
+  const Matrix scores = at.residuals.head(n).asDiagonal() * info.columns.topRows(n);
+  const double degrees = static_cast<double>(n) - info.leverage.head(n).sum();
+  const double correction = static_cast<double>(n) / std::max(degrees, 1.0);
+  const Matrix prior_rows = deviation.tail(priors).asDiagonal() * info.columns.bottomRows(priors);
+  const Matrix long_run =
+      correction * LongRunCovariance(scores, std::move(spans)) + prior_rows.transpose() * prior_rows;
+  return info.inverse * long_run * info.inverse;
+}
+
+}  // namespace sinew

@@ -1,0 +1,31 @@
+// Covariance of the estimates: the plain one, which believes that residuals are independent, and one that
+// does not.
+#pragma once
+
+#include <vector>
+
+#include "base/linear_algebra.h"
+#include "identify/uncertainty/information.h"
+#include "identify/uncertainty/linearization.h"
+
+namespace sinew {
+
+/// Covariance of the minimiser of the weighted cost for independent residuals with the given deviations:
+/// G P' diag(d^2) P G, with P = columns and G = inverse of `info`. It is s^2 (J'J)^-1 for one channel, and
+/// stays right when the weights of the channels are not one over their noise.
+/// @param deviation [m] of the weighted residuals @return [k x k] unit box
+[[nodiscard]] Matrix PlainCovariance(const Information& info, const Vector& deviation);
+
+/// Consistent under heteroskedastic and autocorrelated residuals: G S G, where S is the long-run covariance
+/// of the scores (rows of P times residual). Rows of different blocks count as independent; within a block,
+/// neighbours in the list of samples count as neighbours in time, also across a gap.
+///
+/// S is the Bartlett-kernel estimate of Newey, West 1987 of scores that were made nearly white by a
+/// first-order autoregression per parameter (Andrews, Monahan 1992, eq 2.1-2.4, diagonal), since the kernel
+/// alone is far too small for residuals with a correlation of 0.8 in a few hundred samples. Its lag is the
+/// larger of 4 (n/100)^(2/9) (Newey, West 1994) and the AR(1) plug-in of Andrews 1991, eq 6.4. Scaled by n /
+/// (n - leverage). Rows of priors enter as in PlainCovariance.
+[[nodiscard]] Matrix RobustCovariance(const Information& info, const Linearization& at,
+                                      const Vector& deviation);
+
+}  // namespace sinew

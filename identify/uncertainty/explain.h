@@ -1,0 +1,56 @@
+// Why a parameter is determined or not, in words.
+#pragma once
+
+#include <string>
+#include <vector>
+
+#include "base/linear_algebra.h"
+#include "identify/uncertainty/information.h"
+#include "identify/uncertainty/linearization.h"
+#include "identify/uncertainty/noise.h"
+#include "identify/uncertainty/verdict.h"
+
+namespace sinew {
+
+/// All must outlive this object.
+class Explainer {
+ public:
+  /// @param info of the data alone, without the priors of findings @param quantile of a 95 % interval
+  Explainer(const LeastSquares& problem, const Linearization& at, const Information& info, const Noise& noise,
+            double quantile)
+      : problem_(problem), at_(at), info_(info), noise_(noise), quantile_(quantile) {}
+
+  /// For a variable that no fitted channel depends on, or that takes part in a lost direction.
+  [[nodiscard]] std::string WhyUndetermined(int variable) const;
+  /// For an interval that is too wide. @param plain, widest errors in the unit
+  /// box: for independent residuals, and the one that the interval is made of
+  [[nodiscard]] std::string WhyWide(int variable, const Interval& interval, double plain,
+                                    double robust) const;
+  [[nodiscard]] std::string WhyAtBound(int variable) const;
+  [[nodiscard]] std::string WhyIdentifiable(int variable, const Interval& interval) const;
+
+  /// Combinations that are lost, or that make one of the given variables (with intervals that are too wide)
+  /// what it is: "stiffness up by 10 % with dissipation down by 7 % leaves every residual the same".
+  [[nodiscard]] std::vector<std::string> OpenDirections(const std::vector<int>& wide_variables) const;
+
+ private:
+  [[nodiscard]] const Parameter& parameter(int variable) const { return at_.parameter(problem_, variable); }
+  [[nodiscard]] double value(int variable) const;
+  /// Standard error of one variable if the columns of all others did not exist, unit box.
+  [[nodiscard]] double ErrorAlone(const VectorRef& column) const;
+  [[nodiscard]] bool WideWith(int variable, double error) const;
+  /// The direction that makes up most of the variance of the variable at place j.
+  [[nodiscard]] int DominantDirection(const Information& info, int j) const;
+  [[nodiscard]] std::string Partners(const Information& info, int j, int direction) const;
+  [[nodiscard]] std::string NuisancePartners(const Information& info, int j) const;
+  [[nodiscard]] std::string DirectionInWords(int direction) const;
+  [[nodiscard]] std::string Width(int variable, const Interval& interval) const;
+
+  const LeastSquares& problem_;
+  const Linearization& at_;
+  const Information& info_;
+  const Noise& noise_;
+  double quantile_;
+};
+
+}  // namespace sinew

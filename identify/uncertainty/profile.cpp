@@ -1,0 +1,170 @@
+#include "identify/uncertainty/profile.h"
+
+#include <tbb/enumerable_thread_specific.h>
+#include <tbb/parallel_for.h>
+#include <tbb/task_arena.h>
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <utility>
+
+#include "identify/uncertainty/local_fit.h"
+
+namespace sinew {
+namespace {
+
+// Ends are found to this share of their distance: far below what a 95 % interval is worth.
+constexpr double kEndTolerance = 2e-3;
+// Refits stop when the next step would change the rise by this share; half of it is the error of the end.
+constexpr double kRefitTolerance = 1e-3;
+constexpr int kMaxPoints = 30;
+constexpr long kMaxRefitEvaluations = 60;
+constexpr double kInfinity = std::numeric_limits<double>::infinity();
+
+/// A point on the profile: distance from the minimum, and root of the rise of the cost over the one allowed.
+struct Point {
+  double distance = 0;
+  double height = 0;
+  Vector x;
+  bool converged = true;
+};
+
+/// The search for one end.
+class EndSearch {
+ public:
+  EndSearch(LocalFit& fit, const Vector& minimum, double cost, const ProfileRequest& request, double sign,
+            long max_evaluations, const std::atomic<bool>* interrupt)
+      : fit_(fit),
+        minimum_(minimum),
+        cost_(cost),
+        request_(request),
+        sign_(sign),
+        last_(fit.evaluations() + max_evaluations),
+        interrupt_(interrupt),
+        inner_{0, 0, minimum, true},
+        lowest_(cost) {}
+
+  ProfileEnd Run() {
+    const double here = minimum_[request_.variable];
+    const double room = sign_ > 0 ? 1 - here : here;
+    if (room <= 0) return {here, true, {}};
+    double distance = std::min(request_.step, room);
+    for (int i = 0; i < kMaxPoints; ++i) {
+      if (interrupt_ != nullptr && interrupt_->load(std::memory_order_relaxed))
+        return Failure("it was stopped");
+      if (fit_.evaluations() >= last_) return Failure("its evaluations were used up");
+      Point point = Evaluate(distance);
+      if (std::abs(point.height - 1) <= kEndTolerance || (point.height < 1 && distance >= room)) {
+        if (!point.converged) return Failure("a refit of the other values did not converge");
+        return {At(distance), point.height < 1 && distance >= room, {}};
+      }
+      Narrow(std::move(point));
+      if (has_outer_ && outer_.distance - inner_.distance <= kEndTolerance * outer_.distance) {
+        if (std::isinf(outer_.height)) return Failure("there is no prediction at its end");
+        return {At(outer_.distance), false, {}};  // the cost jumps here
+      }
+      distance = Next(room);
+    }
+    return Failure("the cost is too rough");
+  }
+
+  [[nodiscard]] double lowest() const { return lowest_; }
+
+ private:
+  [[nodiscard]] double At(double distance) const {
+    return std::clamp(minimum_[request_.variable] + sign_ * distance, 0.0, 1.0);
+  }
+  static ProfileEnd Failure(const char* why) { return {0, false, why}; }
+
+  /// Refits all others with this variable at a distance. They start from the straight line through the
+  /// minimum and the point that is known next to it; from the tangent if there is none.
+  Point Evaluate(double distance) {
+    Vector start = minimum_;
+    if (inner_.distance > 0) {
+      start += (inner_.x - minimum_) * (distance / inner_.distance);
+    } else {
+      start += sign_ * distance * request_.tangent;
+    }
+    start[request_.variable] = At(distance);
+    const LocalFit::Outcome outcome =
+        fit_.Minimize(start, request_.variable, {kRefitTolerance * request_.rise, 0},
+                      std::min(kMaxRefitEvaluations, last_ - fit_.evaluations()));
+    lowest_ = std::min(lowest_, outcome.cost);
+    const double rise = (outcome.cost - cost_) / request_.rise;
+    return {distance, std::isfinite(rise) ? std::sqrt(std::max(rise, 0.0)) : kInfinity, outcome.x,
+            outcome.converged};
+  }
+
+  void Narrow(Point point) {
+    const bool inside = point.height < 1;
+    // Illinois: an end that stays twice in a row loses half of its weight.
+    if (inside && last_was_inside_ == 1) outer_weight_ *= 0.5;
+    if (!inside && last_was_inside_ == 0) inner_weight_ *= 0.5;
+    (inside ? inner_weight_ : outer_weight_) = 1;
+    last_was_inside_ = inside ? 1 : 0;
+    has_outer_ = has_outer_ || !inside;
+    (inside ? inner_ : outer_) = std::move(point);
+  }
+
+  [[nodiscard]] double Next(double room) const {
+    if (!has_outer_) {
+      constexpr double kSmallestGrowth = 1.2;
+      constexpr double kLargestGrowth = 4;
+      const double growth = inner_.height > 0 ? 1.02 / inner_.height : kLargestGrowth;
+      return std::min(room, inner_.distance * std::clamp(growth, kSmallestGrowth, kLargestGrowth));
+    }
+    const double width = outer_.distance - inner_.distance;
+    if (std::isinf(outer_.height)) return inner_.distance + 0.5 * width;
+    const double below = (1 - inner_.height) * inner_weight_;
+    const double above = (outer_.height - 1) * outer_weight_;
+    return inner_.distance + width * std::clamp(below / (below + above), 0.02, 0.98);
+  }
+
+  LocalFit& fit_;
+  const Vector& minimum_;
+  double cost_;
+  const ProfileRequest& request_;
+  double sign_;
+  long last_;
+  const std::atomic<bool>* interrupt_;
+  Point inner_;
+  Point outer_;
+  bool has_outer_ = false;
+  int last_was_inside_ = -1;
+  double inner_weight_ = 1;
+  double outer_weight_ = 1;
+  double lowest_;
+};
+
+}  // namespace
+
+std::vector<Profile> ProfileIntervals(const LeastSquares& problem, const Vector& minimum, double cost,
+                                      const std::vector<ProfileRequest>& requests,
+                                      const ProfileOptions& options, long& evaluations) {
+  const std::size_t ends = 2 * requests.size();
+  std::vector<Profile> profiles(requests.size());
+  if (ends == 0) return profiles;
+  const long part = std::max(1L, options.max_evaluations / static_cast<long>(ends));
+  std::vector<double> lowest(ends);
+  std::vector<long> used(ends);
+  tbb::task_arena arena(std::max(1, options.threads));
+  arena.execute([&] {
+    tbb::enumerable_thread_specific<LocalFit> fits([&] { return LocalFit(problem, options.penalty); });
+    tbb::parallel_for(std::size_t{0}, ends, [&](std::size_t i) {
+      LocalFit& fit = fits.local();
+      const long before = fit.evaluations();
+      EndSearch search(fit, minimum, cost, requests[i / 2], i % 2 == 0 ? -1 : 1, part, options.interrupt);
+      (i % 2 == 0 ? profiles[i / 2].lower : profiles[i / 2].upper) = search.Run();
+      lowest[i] = search.lowest();
+      used[i] = fit.evaluations() - before;
+    });
+  });
+  for (std::size_t i = 0; i < ends; ++i) evaluations += used[i];
+  for (std::size_t i = 0; i < requests.size(); ++i) {
+    profiles[i].lowest_cost = std::min(lowest[2 * i], lowest[2 * i + 1]);
+  }
+  return profiles;
+}
+
+}  // namespace sinew

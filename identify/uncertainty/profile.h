@@ -1,0 +1,51 @@
+// Profile likelihood: how far one value can move, all others refitted, before the fit becomes worse than
+// noise allows.
+#pragma once
+
+#include <atomic>
+#include <string>
+#include <vector>
+
+#include "base/linear_algebra.h"
+#include "identify/least_squares.h"
+
+namespace sinew {
+
+/// One parameter to be profiled.
+struct ProfileRequest {
+  int variable = 0;
+  double rise = 0;  ///< of the cost at which the interval ends, > 0
+  double step = 0;  ///< half-width of the linear interval, unit box, > 0
+  Vector tangent;   ///< [n] how all variables move per unit of this one, to first order
+};
+
+/// One end of an interval.
+struct ProfileEnd {
+  double x = 0;         ///< unit box
+  bool open = false;    ///< the bound was reached before the cost rose enough
+  std::string failure;  ///< why the end was not found; empty if it was
+};
+
+struct Profile {
+  ProfileEnd lower;
+  ProfileEnd upper;
+  double lowest_cost = 0;  ///< on the way; below that of the minimum if the fit was not at its best
+};
+
+struct ProfileOptions {
+  int threads = 1;
+  long max_evaluations = 2000;                   ///< for all ends together; each has an equal part
+  double penalty = 0;                            ///< LocalFit's
+  const std::atomic<bool>* interrupt = nullptr;  ///< ends every search that still runs
+};
+
+/// Both ends of every request, by the roots of sqrt(rise so far / rise) = 1, which is linear for a linear
+/// model: bracket, then Illinois steps (Dowell, Jarratt 1971). Every point refits all other variables,
+/// nuisance included. A point without a prediction counts as a rise without end; if the end then lies at such
+/// a place, that is its failure. The answer does not depend on the number of threads.
+/// @param minimum [n] @param cost there (of LocalFit) @param evaluations is added to.
+[[nodiscard]] std::vector<Profile> ProfileIntervals(const LeastSquares& problem, const Vector& minimum,
+                                                    double cost, const std::vector<ProfileRequest>& requests,
+                                                    const ProfileOptions& options, long& evaluations);
+
+}  // namespace sinew

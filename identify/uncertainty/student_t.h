@@ -1,0 +1,14 @@
+// Quantiles of the t distribution: how far 95 % reaches when the noise level is itself an estimate.
+#pragma once
+
+namespace sinew {
+
+/// P(T <= t) of Student's t with `degrees_of_freedom` > 0; infinity is the standard normal distribution.
+/// By the incomplete beta function: Abramowitz, Stegun 1964, 26.7.1 and 26.5.8.
+[[nodiscard]] double StudentTCdf(double t, double degrees_of_freedom);
+
+/// The t with P(T <= t) = probability; its square is the quantile of F(1, degrees_of_freedom), of chi-squared
+/// with one degree for infinity. NaN unless 0 < probability < 1 and degrees_of_freedom > 0.
+[[nodiscard]] double StudentTQuantile(double probability, double degrees_of_freedom);
+
+}  // namespace sinew

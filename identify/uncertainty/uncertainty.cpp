@@ -1,0 +1,410 @@
+#include "identify/uncertainty/uncertainty.h"
+
+#include <Eigen/Cholesky>
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <utility>
+
+#include "base/text.h"
+#include "identify/uncertainty/covariance.h"
+#include "identify/uncertainty/explain.h"
+#include "identify/uncertainty/information.h"
+#include "identify/uncertainty/interval.h"
+#include "identify/uncertainty/linearization.h"
+#include "identify/uncertainty/local_fit.h"
+#include "identify/uncertainty/profile.h"
+#include "identify/uncertainty/remedy.h"
+#include "identify/uncertainty/student_t.h"
+
+namespace sinew {
+namespace {
+
+constexpr double kInfinity = std::numeric_limits<double>::infinity();
+constexpr double kUpperProbability = 0.975;  // of a two-sided 95 % interval
+constexpr long kPolishEvaluations = 100;
+// Gain in cost at which the local search stops, over that which one standard error makes.
+constexpr double kPolishTolerance = 1e-8;
+// A gain of the local search that is worth a word, on the same scale: a tenth of a standard error is 0.01.
+constexpr double kNotedGain = 0.01;
+// Ratio of robust to plain error from which a reader is told.
+constexpr double kNotedRatio = 1.5;
+
+/// What one finding looks like before it is put into words.
+struct Finding {
+  int variable = 0;
+  bool determined = false;   ///< by the data
+  double plain = kInfinity;  ///< errors in the unit box
+  double robust = kInfinity;
+  double normal = 0;  ///< (J'J)^-1 of it
+  Interval interval;
+  IntervalKind kind = IntervalKind::kNone;
+  std::string no_profile;  ///< why the interval is linear
+
+  double widest = kInfinity;  ///< the error that the interval is made of
+};
+
+class Analysis {
+ public:
+  Analysis(const LeastSquares& problem, const UncertaintyOptions& options)
+      : problem_(problem), options_(options) {}
+
+  Result<Uncertainty> Run(const Vector& x);
+
+ private:
+  Status FindMinimum(const Vector& x);
+  void MakeInformations();
+  void Unmeasurable(const Vector& x, const std::string& why);
+  void FindErrors();
+  void FindCovariance();
+  void FindIntervals();
+  void Profiles();
+  [[nodiscard]] Vector Tangent(const Matrix& normal, int variable) const;
+  void Describe(const Vector& x);
+  void AddNotes();
+
+  [[nodiscard]] const Parameter& parameter(int variable) const { return at_.parameter(problem_, variable); }
+  [[nodiscard]] int parameter_index(int variable) const {
+    return problem_.setup().free[static_cast<std::size_t>(variable)];
+  }
+  [[nodiscard]] Standing standing(int variable) const {
+    return at_.standing[static_cast<std::size_t>(variable)];
+  }
+  [[nodiscard]] bool OnBound(int variable) const {
+    return standing(variable) == Standing::kAtLower || standing(variable) == Standing::kAtUpper;
+  }
+
+  const LeastSquares& problem_;
+  const UncertaintyOptions& options_;
+  Uncertainty answer_;
+  Linearization at_;
+  double cost_ = 0;  // of LocalFit at the minimum
+  double penalty_ = 0;
+  std::vector<int> inner_nuisance_;
+  Information all_;   // with priors: errors
+  Information data_;  // without the priors of findings: verdicts
+  Noise noise_;
+  double quantile_ = 0;
+  Matrix plain_;  // [k of all_]
+  std::vector<Finding> findings_;
+};
+
+Status Analysis::FindMinimum(const Vector& x) {
+  LocalFit fit(problem_);
+  double cost = 0;
+  {
+    LeastSquares::Workspace workspace = problem_.NewWorkspace();
+    SINEW_ASSIGN(cost, problem_.Cost(x, workspace));
+  }
+  const LocalFit::Outcome outcome =
+      fit.Minimize(x, -1, {0, kPolishTolerance / problem_.residuals()}, kPolishEvaluations);
+  if (!outcome.failure.empty()) return Fail("{}", outcome.failure);
+  cost_ = outcome.cost;
+  penalty_ = fit.penalty();
+  SINEW_ASSIGN(at_, Linearize(problem_, outcome.x));
+  answer_.evaluations += fit.evaluations() + 2;
+  answer_.minimum = at_.parameters;
+
+  double signal = 0;  // sum of squares
+  for (const Linearization::Rows& rows : at_.blocks) signal += rows.count * rows.signal * rows.signal;
+  if (cost - cost_ >
+      std::max(kNotedGain * cost_ / problem_.residuals(), kNoDependence * kNoDependence * signal)) {
+    answer_.notes.push_back(
+        fmt::format("the solution was not a minimum: a local search lowered the cost from {:.6g} to {:.6g}; "
+                    "errors and intervals are about the better point",
+                    cost, cost_));
+  }
+  if (!outcome.converged) {
+    answer_.notes.push_back(
+        "a local search from the solution did not come to rest: errors and intervals are rough");
+  }
+  return {};
+}
+
+void Analysis::MakeInformations() {
+  const auto inner = [&](const std::vector<int>& variables, bool with_priors) {
+    std::vector<int> kept;
+    for (const int v : variables) {
+      const bool by_prior = with_priors && standing(v) == Standing::kNoDependence && parameter(v).prior;
+      if (standing(v) == Standing::kInside || by_prior) kept.push_back(v);
+    }
+    return kept;
+  };
+  inner_nuisance_ = inner(at_.nuisance, true);
+  all_ = MakeInformation(at_.jacobian, inner(at_.reported, true), inner_nuisance_);
+
+  Matrix data_only = at_.jacobian;
+  for (std::size_t i = 0; i < at_.prior_variable.size(); ++i) {
+    if (parameter(at_.prior_variable[i]).kind == ParameterKind::kNuisance) continue;
+    data_only.row(at_.data_rows + static_cast<Eigen::Index>(i)).setZero();
+  }
+  data_ = MakeInformation(data_only, inner(at_.reported, false), inner_nuisance_);
+}
+
+void Analysis::FindErrors() {
+  plain_ = PlainCovariance(all_, noise_.deviation);
+  const Matrix robust = RobustCovariance(all_, at_, noise_.deviation);
+  for (const int v : at_.reported) {
+    Finding finding;
+    finding.variable = v;
+    const int in_data = data_.index_of(v);
+    finding.determined = in_data >= 0 && data_.determined[static_cast<std::size_t>(in_data)];
+    if (const int j = all_.index_of(v); j >= 0 && all_.determined[static_cast<std::size_t>(j)]) {
+      finding.plain = std::sqrt(plain_(j, j));
+      finding.robust = std::sqrt(std::max(robust(j, j), 0.0));
+      finding.widest = std::max(finding.plain, finding.robust);
+      finding.normal = all_.inverse(j, j);
+    } else if (OnBound(v)) {
+      // As if the bound were not there. Its interval is that of the plain error: the misfit that a bound
+      // causes looks like correlated noise, and is none.
+      std::vector<int> released = all_.variables;
+      released.push_back(v);
+      const Information info = MakeInformation(at_.jacobian, released, inner_nuisance_);
+      const auto last = static_cast<Eigen::Index>(released.size()) - 1;
+      finding.determined = info.determined.back();
+      if (finding.determined) {
+        finding.plain = std::sqrt(PlainCovariance(info, noise_.deviation)(last, last));
+        finding.robust = std::sqrt(std::max(RobustCovariance(info, at_, noise_.deviation)(last, last), 0.0));
+        finding.widest = finding.plain;
+        finding.normal = info.inverse(last, last);
+      }
+    }
+    findings_.push_back(std::move(finding));
+  }
+}
+
+void Analysis::FindCovariance() {
+  const auto k = static_cast<Eigen::Index>(findings_.size());
+  answer_.covariance = Matrix::Zero(k, k);
+  answer_.correlation = Matrix::Identity(k, k);
+  for (Eigen::Index a = 0; a < k; ++a) {
+    const Finding& one = findings_[static_cast<std::size_t>(a)];
+    const double slope = at_.slopes[one.variable];
+    answer_.covariance(a, a) = std::pow(one.plain * slope, 2);
+    const int i = all_.index_of(one.variable);
+    for (Eigen::Index b = 0; b < a; ++b) {
+      const Finding& other = findings_[static_cast<std::size_t>(b)];
+      const int j = all_.index_of(other.variable);
+      if (i < 0 || j < 0 || !std::isfinite(one.plain) || !std::isfinite(other.plain)) continue;
+      const double covariance = plain_(i, j) * slope * at_.slopes[other.variable];
+      answer_.covariance(a, b) = answer_.covariance(b, a) = covariance;
+      const double both = one.plain * other.plain;
+      answer_.correlation(a, b) = answer_.correlation(b, a) = both > 0 ? plain_(i, j) / both : 0;
+    }
+  }
+}
+
+Vector Analysis::Tangent(const Matrix& normal, int variable) const {
+  // Enough to survive rank loss among the others, too little to bend the tangent.
+  constexpr double kRidge = 1e-10;
+  std::vector<int> moving;
+  for (int v = 0; v < problem_.variables(); ++v) {
+    if (v != variable && !OnBound(v) && normal(v, v) > 0) moving.push_back(v);
+  }
+  const auto n = static_cast<Eigen::Index>(moving.size());
+  Vector tangent = Vector::Zero(problem_.variables());
+  Matrix scaled(n, n);
+  Vector pull(n);
+  for (Eigen::Index i = 0; i < n; ++i) {
+    const double scale = std::sqrt(normal(moving[i], moving[i]));
+    pull[i] = -normal(moving[i], variable) / scale;
+    for (Eigen::Index j = 0; j < n; ++j) {
+      scaled(i, j) = normal(moving[i], moving[j]) / scale / std::sqrt(normal(moving[j], moving[j]));
+    }
+    scaled(i, i) += kRidge;
+  }
+  if (n == 0) return tangent;
+  const Vector solution = scaled.ldlt().solve(pull);
+  for (Eigen::Index i = 0; i < n; ++i)
+    tangent[moving[i]] = solution[i] / std::sqrt(normal(moving[i], moving[i]));
+  return tangent;
+}
+
+void Analysis::Profiles() {
+  const Matrix normal = at_.jacobian.transpose() * at_.jacobian;
+  std::vector<ProfileRequest> requests;
+  std::vector<std::size_t> finding_of;
+  for (std::size_t f = 0; f < findings_.size(); ++f) {
+    const Finding& finding = findings_[f];
+    if (finding.kind == IntervalKind::kNone || !(finding.widest > 0)) continue;
+    const double rise = 0.5 * std::pow(quantile_ * finding.widest, 2) / finding.normal;
+    requests.push_back(
+        {finding.variable, rise, quantile_ * finding.widest, Tangent(normal, finding.variable)});
+    finding_of.push_back(f);
+  }
+  const std::vector<Profile> profiles =
+      ProfileIntervals(problem_, at_.x, cost_, requests,
+                       {options_.threads, options_.max_profile_evaluations, penalty_, options_.interrupt},
+                       answer_.evaluations);
+  double lowest = cost_;
+  for (std::size_t i = 0; i < profiles.size(); ++i) {
+    const Profile& profile = profiles[i];
+    Finding& finding = findings_[finding_of[i]];
+    lowest = std::min(lowest, profile.lowest_cost);
+    if (!profile.lower.failure.empty() || !profile.upper.failure.empty()) {
+      finding.no_profile = profile.lower.failure.empty() ? profile.upper.failure : profile.lower.failure;
+      continue;
+    }
+    finding.kind = IntervalKind::kProfile;
+    finding.interval = MakeInterval(problem_, at_.x, finding.variable, profile.lower.x, profile.upper.x);
+  }
+  if (cost_ - lowest > kNotedGain * cost_ / problem_.residuals()) {
+    answer_.notes.push_back(
+        fmt::format("there is a better fit: on the way to an interval the cost fell from {:.6g} to {:.6g}; "
+                    "search again, with "
+                    "more starts or a global solver",
+                    cost_, lowest));
+  }
+}
+
+void Analysis::FindIntervals() {
+  for (Finding& finding : findings_) {
+    const bool finite = std::isfinite(finding.widest);
+    finding.kind = finite ? IntervalKind::kLinear : IntervalKind::kNone;
+    finding.interval = LinearInterval(problem_, at_.x, finding.variable, quantile_ * finding.widest);
+  }
+  if (options_.profile) Profiles();
+}
+
+void Analysis::Describe(const Vector& x) {
+  const Explainer explainer(problem_, at_, data_, noise_, quantile_);
+  const Vector values = problem_.Parameters(x);
+  const RemedyFinder remedies(problem_, at_, noise_, quantile_);
+  std::vector<int> wide;
+  for (const Finding& finding : findings_) {
+    const int v = finding.variable;
+    const Parameter& p = parameter(v);
+    ParameterVerdict verdict;
+    verdict.parameter = parameter_index(v);
+    verdict.value = values[verdict.parameter];
+    verdict.std_error = finding.plain * at_.slopes[v];
+    verdict.std_error_robust = finding.robust * at_.slopes[v];
+    verdict.ci95_lower = finding.interval.lower;
+    verdict.ci95_upper = finding.interval.upper;
+    verdict.lower_open = finding.interval.lower_open;
+    verdict.upper_open = finding.interval.upper_open;
+    verdict.interval = finding.kind;
+    verdict.verdict =
+        Judge(p, {finding.determined, OnBound(v), at_.parameters[verdict.parameter], finding.interval});
+    switch (verdict.verdict) {
+      case Verdict::kIdentifiable:
+        verdict.reason = explainer.WhyIdentifiable(v, finding.interval);
+        break;
+      case Verdict::kAtBound:
+        verdict.reason = explainer.WhyAtBound(v);
+        verdict.remedy =
+            "another bound if physics allows one; else look for what else makes the model need it";
+        break;
+      case Verdict::kWeak:
+      case Verdict::kNotIdentifiable:
+        verdict.reason = finding.determined
+                             ? explainer.WhyWide(v, finding.interval, finding.plain, finding.widest)
+                             : explainer.WhyUndetermined(v);
+        verdict.remedy = remedies.For(v);
+        wide.push_back(v);
+        break;
+    }
+    if (!finding.no_profile.empty()) {
+      verdict.reason +=
+          fmt::format("; the interval is linear, its profile could not be followed: {}", finding.no_profile);
+    }
+    answer_.parameters.push_back(std::move(verdict));
+  }
+  answer_.directions = explainer.OpenDirections(wide);
+}
+
+void Analysis::AddNotes() {
+  double largest = 1;
+  for (const Finding& finding : findings_) {
+    if (std::isfinite(finding.plain) && finding.plain > 0) {
+      largest = std::max(largest, finding.robust / finding.plain);
+    }
+  }
+  if (largest > kNotedRatio) {
+    std::vector<std::string> channels;
+    for (const ChannelNoise& channel : noise_.channels) {
+      channels.push_back(fmt::format("{} {:.2f}", channel.channel, channel.correlation));
+    }
+    answer_.notes.push_back(
+        fmt::format("the residuals are not independent noise (correlation of neighbours: {}): intervals were "
+                    "widened by up to {:.1f} times",
+                    Join(channels, ", "), largest));
+  }
+  Vector constraint;
+  problem_.Constraints(at_.x, constraint, nullptr);
+  for (Eigen::Index i = 0; i < constraint.size(); ++i) {
+    const Constraint& c = problem_.problem().constraints()[static_cast<std::size_t>(i)];
+    const double scale = std::abs(c.offset) + c.coefficients.cwiseProduct(at_.parameters).cwiseAbs().sum();
+    if (constraint[i] < -kBoundTolerance * scale) continue;
+    answer_.notes.push_back(
+        fmt::format("constraint {} is active: standard errors are as if it were not there", c.name));
+  }
+}
+
+void Analysis::Unmeasurable(const Vector& x, const std::string& why) {
+  const Vector values = problem_.Parameters(x);
+  const auto k = static_cast<Eigen::Index>(at_.reported.size());
+  answer_.covariance = Matrix::Zero(k, k);
+  answer_.covariance.diagonal().setConstant(kInfinity);
+  answer_.correlation = Matrix::Identity(k, k);
+  for (const int v : at_.reported) {
+    ParameterVerdict verdict;
+    verdict.parameter = parameter_index(v);
+    verdict.value = values[verdict.parameter];
+    verdict.std_error = verdict.std_error_robust = kInfinity;
+    verdict.ci95_lower = parameter(v).lower;
+    verdict.ci95_upper = parameter(v).upper;
+    verdict.lower_open = verdict.upper_open = true;
+    verdict.reason = why;
+    verdict.remedy = "more samples than fitted values, or a stated noise level";
+    answer_.parameters.push_back(std::move(verdict));
+  }
+}
+
+Result<Uncertainty> Analysis::Run(const Vector& x) {
+  if (x.size() != problem_.variables()) {
+    return Fail("the solution has {} variables, expected {}", x.size(), problem_.variables());
+  }
+  if (problem_.train_blocks().empty()) return Fail("nothing is fitted: no block has the role train");
+  const Status found = FindMinimum(x);
+  if (!found) return Fail("the solution cannot be analysed: {}", found.error().message);
+  MakeInformations();
+  answer_.singular_values = data_.singular_values;
+  Result<Noise> noise = EstimateNoise(problem_, at_, all_.leverage);
+  if (!noise) {
+    Unmeasurable(x, noise.error().message);
+    return std::move(answer_);
+  }
+  noise_ = std::move(*noise);
+  quantile_ = StudentTQuantile(kUpperProbability, noise_.degrees_of_freedom);
+  answer_.noise = noise_.channels;
+  answer_.residual_scale = noise_.residual_scale;
+  answer_.degrees_of_freedom = noise_.degrees_of_freedom;
+  FindErrors();
+  FindCovariance();
+  FindIntervals();
+  Describe(x);
+  AddNotes();
+  return std::move(answer_);
+}
+
+}  // namespace
+
+const char* ToString(IntervalKind kind) {
+  switch (kind) {
+    case IntervalKind::kProfile:
+      return "profile";
+    case IntervalKind::kLinear:
+      return "linear";
+    case IntervalKind::kNone:
+      return "none";
+  }
+  return "?";
+}
+
+Result<Uncertainty> AnalyseUncertainty(const LeastSquares& problem, const Vector& x,
+                                       const UncertaintyOptions& options) {
+  return Analysis(problem, options).Run(x);
+}
+
+}  // namespace sinew

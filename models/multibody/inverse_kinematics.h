@@ -1,0 +1,56 @@
+// Inverse kinematics: the coordinates that bring a model's markers closest to the measured ones.
+#pragma once
+
+#include <functional>
+#include <string>
+#include <vector>
+
+#include "models/multibody/ik_setup.h"
+#include "models/multibody/multibody_model.h"
+
+namespace sinew {
+
+/// Measured markers in ground axes. A marker with a NaN component was not seen in that frame.
+struct MarkerTrajectories {
+  std::vector<double> times;                 ///< [N, s]
+  std::vector<std::string> names;            ///< [M]
+  std::vector<std::vector<Vec3>> positions;  ///< [N][M, m]
+};
+
+struct IkOptions {
+  /// A frame is solved when no coordinate would move by more than this [rad or m].
+  double accuracy = 1e-9;
+  int max_iterations = 200;
+  /// Called after each frame with frames done and frames in all; may be empty.
+  std::function<void(int, int)> progress;
+};
+
+struct IkResult {
+  std::vector<double> times;                  ///< [N, s]
+  std::vector<std::string> coordinate_names;  ///< [C], the model's
+  Matrix coordinates;                         ///< [N x C, rad or m]; NaN in frames without any marker
+  Vector marker_rms_m;                        ///< [N], over the tracked markers seen in the frame, unweighted
+  Vector marker_max_m;                        ///< [N]
+  std::vector<std::string> tracked;           ///< markers with a positive weight in model and measurement
+  std::vector<std::string> unmatched;         ///< measured markers that the model lacks
+  std::vector<std::string> undetermined;      ///< free coordinates that no tracked marker or task ever moves
+  std::vector<int> unconverged;               ///< frames that stopped at max_iterations
+};
+
+/// Minimises in each frame `sum w_i |m_i(q) - o_i|^2 / sum w_i + sum w_c (q_c - target_c)^2` over the free
+/// coordinates q (Lu, O'Connor 1999; the weighting is OpenSim's). Locked coordinates stay at their default,
+/// clamped ones in their range, dependent ones follow their couplers exactly. Each frame starts from the one
+/// before; the first is tried from several headings of the joints on ground, so that a person may walk in any
+/// direction. The answer is the same on every run.
+///
+/// The solver is Gauss-Newton with Levenberg's damping and projection on the ranges, on the markers' analytic
+/// Jacobian.
+///
+/// @param setup  weights; markers without a task are not tracked. Null: every marker has weight 1.
+/// Errors: model and measurement share no marker (both sets of names are shown), no marker has a positive
+/// weight, arrays of different sizes, a coordinate task that names an unknown coordinate or takes its values
+/// from a file.
+Result<IkResult> SolveInverseKinematics(const MultibodyModel& model, const MarkerTrajectories& markers,
+                                        const IkSetup* setup = nullptr, const IkOptions& options = {});
+
+}  // namespace sinew

@@ -1,0 +1,107 @@
+#include "models/multibody/kinematic_state.h"
+
+namespace sinew {
+
+void ApplyCouplers(const SimbodyModel& model, Vector& values) {
+  for (const SimbodyModel::Coupler& coupler : model.couplers)
+    values[coupler.dependent] = coupler.function.At(values[coupler.independent]).value;
+}
+
+void ApplyCouplers(const SimbodyModel& model, CoordinateState& coordinates) {
+  for (const SimbodyModel::Coupler& coupler : model.couplers) {
+    const auto f = coupler.function.At(coordinates.values[coupler.independent]);
+    const double rate = coordinates.rates[coupler.independent];
+    coordinates.values[coupler.dependent] = f.value;
+    coordinates.rates[coupler.dependent] = f.first * rate;
+    coordinates.accelerations[coupler.dependent] =
+        f.second * rate * rate + f.first * coordinates.accelerations[coupler.independent];
+  }
+}
+
+KinematicState::KinematicState(const SimbodyModel& model)
+    : model_(model), state_(model.system.getDefaultState()) {
+  model_.system.realize(state_, SimTK::Stage::Model);
+  for (const SimbodyModel::Coordinate& coordinate : model_.coordinates) {
+    const SimTK::QIndex first = model_.matter.getMobilizedBody(coordinate.body).getFirstQIndex(state_);
+    q_index_.emplace_back(first + coordinate.q);
+  }
+}
+
+void KinematicState::SetValues(const Vector& values) {
+  SimTK::Vector& q = state_.updQ();
+  for (std::size_t i = 0; i < q_index_.size(); ++i) q[q_index_[i]] = values[static_cast<Eigen::Index>(i)];
+  model_.system.realize(state_, SimTK::Stage::Position);
+}
+
+Vec3 KinematicState::MarkerPosition(std::size_t marker) const {
+  const SimbodyModel::Marker& m = model_.markers[marker];
+  return FromSimbody(model_.matter.getMobilizedBody(m.body).findStationLocationInGround(state_, m.location));
+}
+
+Matrix KinematicState::MarkerJacobian(const std::vector<std::size_t>& markers) const {
+  SimTK::Array_<SimTK::MobilizedBodyIndex> bodies;
+  SimTK::Array_<SimTK::Vec3> stations;
+  for (const std::size_t marker : markers) {
+    bodies.push_back(model_.markers[marker].body);
+    stations.push_back(model_.markers[marker].location);
+  }
+  SimTK::Matrix by_speed;
+  model_.matter.calcStationJacobian(state_, bodies, stations, by_speed);
+  Matrix jacobian(by_speed.nrow(), static_cast<Eigen::Index>(q_index_.size()));
+  for (Eigen::Index column = 0; column < jacobian.cols(); ++column) {
+    const int u = q_index_[static_cast<std::size_t>(column)];
+    for (Eigen::Index row = 0; row < jacobian.rows(); ++row)
+      jacobian(row, column) = by_speed(static_cast<int>(row), u);
+  }
+  return jacobian;
+}
+
+Result<std::vector<BodyMotion>> KinematicState::Motions(CoordinateState coordinates,
+                                                        const std::vector<int>& bodies) {
+  for (const int body : bodies) {
+    if (body < 0 || body >= static_cast<int>(model_.bodies.size()))
+      return Fail("body index {}, expected 0..{}", body, model_.bodies.size() - 1);
+  }
+  ApplyCouplers(model_, coordinates);
+  try {
+    SetValues(coordinates.values);
+    SimTK::Vector& u = state_.updU();
+    SimTK::Vector udot(state_.getNU());
+    for (std::size_t i = 0; i < q_index_.size(); ++i) {
+      u[q_index_[i]] = coordinates.rates[static_cast<Eigen::Index>(i)];
+      udot[q_index_[i]] = coordinates.accelerations[static_cast<Eigen::Index>(i)];
+    }
+    model_.system.realize(state_, SimTK::Stage::Velocity);
+    SimTK::Vector_<SimTK::SpatialVec> accelerations;
+    model_.matter.calcBodyAccelerationFromUDot(state_, udot, accelerations);
+
+    std::vector<BodyMotion> motions;
+    motions.reserve(bodies.size());
+    for (const int body : bodies) {
+      const SimTK::MobilizedBodyIndex index = model_.bodies[static_cast<std::size_t>(body)];
+      const SimTK::MobilizedBody& mobilized = model_.matter.getMobilizedBody(index);
+      const SimTK::SpatialVec& velocity = mobilized.getBodyVelocity(state_);
+      motions.push_back({FromSimbody(mobilized.getBodyOriginLocation(state_)),
+                         FromSimbody(mobilized.getBodyRotation(state_).asMat33()), FromSimbody(velocity[1]),
+                         FromSimbody(velocity[0]), FromSimbody(accelerations[index][1]),
+                         FromSimbody(accelerations[index][0])});
+    }
+    return motions;
+  } catch (const std::exception& problem) {
+    return Fail("kinematics of model '{}' failed: {}", model_.name, problem.what());
+  }
+}
+
+Result<std::vector<Vec3>> KinematicState::MarkerPositions(Vector values) {
+  ApplyCouplers(model_, values);
+  try {
+    SetValues(values);
+    std::vector<Vec3> positions;
+    for (std::size_t i = 0; i < model_.markers.size(); ++i) positions.push_back(MarkerPosition(i));
+    return positions;
+  } catch (const std::exception& problem) {
+    return Fail("kinematics of model '{}' failed: {}", model_.name, problem.what());
+  }
+}
+
+}  // namespace sinew

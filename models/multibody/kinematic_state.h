@@ -1,0 +1,38 @@
+// The scratch space in which a model's kinematics are computed; one per thread. Internal to models/.
+#pragma once
+
+#include <vector>
+
+#include "models/multibody/coordinate_trajectory.h"
+#include "models/multibody/multibody_model.h"
+#include "models/multibody/simbody_model.h"
+
+namespace sinew {
+
+/// Sets every dependent coordinate to what its coupler says.
+void ApplyCouplers(const SimbodyModel& model, Vector& values);
+/// The same for values, rates and accelerations.
+void ApplyCouplers(const SimbodyModel& model, CoordinateState& coordinates);
+
+/// Works on a copy of the system's state. Vectors passed in have the model's number of coordinates.
+class KinematicState {
+ public:
+  /// The model's topology is realized; the model outlives this.
+  explicit KinematicState(const SimbodyModel& model);
+
+  Result<std::vector<BodyMotion>> Motions(CoordinateState coordinates, const std::vector<int>& bodies);
+  Result<std::vector<Vec3>> MarkerPositions(Vector values);
+
+  /// Places the bodies; for values whose couplers are already applied.
+  void SetValues(const Vector& values);
+  [[nodiscard]] Vec3 MarkerPosition(std::size_t marker) const;
+  /// d marker positions / d coordinates [3 x markers, coordinates], every coordinate taken as free.
+  [[nodiscard]] Matrix MarkerJacobian(const std::vector<std::size_t>& markers) const;
+
+ private:
+  const SimbodyModel& model_;
+  SimTK::State state_;
+  std::vector<SimTK::QIndex> q_index_;  // of each coordinate; u and udot have the same
+};
+
+}  // namespace sinew

@@ -1,0 +1,77 @@
+// The least-squares problem of one frame of inverse kinematics, and its solver. Internal to models/.
+#pragma once
+
+#include <vector>
+
+#include "models/multibody/kinematic_state.h"
+#include "models/multibody/multibody_model.h"
+
+namespace sinew {
+
+/// A marker that is tracked.
+struct TrackedMarker {
+  std::size_t in_model = 0;
+  std::size_t in_data = 0;
+  double weight = 1;  ///< > 0
+};
+
+/// A coordinate that is drawn to a value.
+struct CoordinateGoal {
+  int coordinate = 0;
+  double target = 0;
+  double weight = 0;
+};
+
+/// Weighted distance between a model's markers and those of one frame.
+class MarkerFit {
+ public:
+  struct Solution {
+    Vector values;  ///< all coordinates
+    double cost = 0;
+    bool converged = false;
+  };
+
+  MarkerFit(const MultibodyModel& model, std::vector<TrackedMarker> markers,
+            std::vector<CoordinateGoal> goals);
+
+  /// @param observed  [markers of the data, m], NaN where not seen.
+  /// @return whether any tracked marker is seen.
+  bool SetFrame(const std::vector<Vec3>& observed);
+
+  /// Minimises from `start` (all coordinates); stops when no coordinate would move by more than `accuracy`.
+  Solution Solve(const Vector& start, double accuracy, int max_iterations);
+
+  /// Distances [m] of the markers seen, unweighted.
+  std::vector<double> Distances(const Vector& values);
+
+  /// Coordinates that are neither locked nor decided by a coupler.
+  [[nodiscard]] const std::vector<int>& free_coordinates() const { return free_; }
+  /// Of each free coordinate: whether it has ever moved a marker that was seen, or has a goal.
+  [[nodiscard]] const std::vector<bool>& ever_determined() const { return ever_determined_; }
+
+ private:
+  struct Linearization {
+    Vector residuals;
+    Matrix jacobian;  // [residuals x free]
+  };
+
+  void Place(const Vector& values);
+  [[nodiscard]] Vector Residuals(const Vector& values);
+  [[nodiscard]] Linearization Linearize(const Vector& values);
+  [[nodiscard]] Vector WithStep(const Vector& values, const Vector& step) const;
+  [[nodiscard]] std::vector<bool> Blocked(const Vector& values, const Vector& gradient) const;
+
+  const MultibodyModel& model_;
+  KinematicState state_;
+  std::vector<TrackedMarker> markers_;
+  std::vector<CoordinateGoal> goals_;
+  std::vector<int> free_;
+  std::vector<bool> ever_determined_;
+
+  // Of the present frame.
+  std::vector<std::size_t> seen_;  // markers, as in the model
+  std::vector<Vec3> observed_;
+  std::vector<double> root_weights_;
+};
+
+}  // namespace sinew

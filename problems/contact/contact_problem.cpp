@@ -1,0 +1,250 @@
+#include "problems/contact/contact_problem.h"
+
+#include <algorithm>
+#include <array>
+#include <limits>
+
+namespace sinew {
+namespace {
+
+constexpr int kParametersPerGroup = 5;
+constexpr std::size_t kChannels = ContactProblem::kChannels;
+
+struct ContactWorkspace final : Problem::Workspace {
+  std::vector<std::vector<ContactSums::Workspace>> parts;  // per stance, per part
+};
+
+// Order of kContactChannels.
+enum Channel { kFx, kFy, kFz, kCopX, kCopZ, kFreeMoment };
+// Parameters of a group that each channel depends on: normal forces know stiffness and dissipation only.
+constexpr std::array<Eigen::Index, kChannels> kColumnsPerGroup{5, 2, 5, 2, 2, 5};
+
+WrenchParts PartsFor(const std::array<bool, kChannels>& wanted) {
+  if (wanted[kCopX] || wanted[kCopZ] || wanted[kFreeMoment]) return WrenchParts::kAll;
+  return wanted[kFx] || wanted[kFz] ? WrenchParts::kForce : WrenchParts::kVertical;
+}
+
+// Channels of a plate from the load on it, and the derivative of each for one parameter from that of the
+// load.
+struct PlateChannels {
+  std::array<double, kChannels> value{};
+
+  PlateChannels(const ContactLoad& load, const std::array<double, 2>& resting_cop) : load_(load) {
+    presses_ = load[kForceY] > 0;
+    value[kFx] = load[kForceX];
+    value[kFy] = load[kForceY];
+    value[kFz] = load[kForceZ];
+    value[kCopX] = presses_ ? load[kFirstMomentX] / load[kForceY] : resting_cop[0];
+    value[kCopZ] = presses_ ? load[kFirstMomentZ] / load[kForceY] : resting_cop[1];
+    // The moment about the vertical through the centre of pressure.
+    value[kFreeMoment] = load[kMomentY] - (value[kCopZ] * load[kForceX] - value[kCopX] * load[kForceZ]);
+  }
+
+  [[nodiscard]] std::array<double, kChannels> Derivative(const ContactLoad& d) const {
+    std::array<double, kChannels> slope{};
+    slope[kFx] = d[kForceX];
+    slope[kFy] = d[kForceY];
+    slope[kFz] = d[kForceZ];
+    if (!presses_) return slope;
+    slope[kCopX] = (d[kFirstMomentX] - value[kCopX] * d[kForceY]) / load_[kForceY];
+    slope[kCopZ] = (d[kFirstMomentZ] - value[kCopZ] * d[kForceY]) / load_[kForceY];
+    slope[kFreeMoment] = d[kMomentY] - (slope[kCopZ] * load_[kForceX] + value[kCopZ] * d[kForceX] -
+                                        slope[kCopX] * load_[kForceZ] - value[kCopX] * d[kForceZ]);
+    return slope;
+  }
+
+ private:
+  const ContactLoad& load_;
+  bool presses_ = false;
+};
+
+std::vector<Parameter> MakeParameters(const ContactSettings& settings) {
+  struct Kind {
+    const char* name;
+    const char* unit;
+    const char* meaning;
+    Scale scale;
+    const char* source;
+  };
+  constexpr std::array<Kind, kParametersPerGroup> kKinds{{
+      {"stiffness", "N/m3", "pressure per depth of the sole's bed of springs", Scale::kLog, "thesis eq 5.1"},
+      {"dissipation", "s/m", "growth of the pressure with the depth rate", Scale::kLinear, "thesis eq 5.1"},
+      {"static_friction", "1", "friction at the transition velocity", Scale::kLinear,
+       "Hollars; thesis eq 5.2"},
+      {"dynamic_friction", "1", "friction at fast slip", Scale::kLinear, "Hollars; thesis eq 5.2"},
+      {"viscous_friction", "s/m", "growth of the friction with slip speed", Scale::kLinear,
+       "Hollars; thesis eq 5.2"},
+  }};
+  std::vector<Parameter> parameters;
+  const auto groups = settings.Groups();
+  for (const std::string& group : groups) {
+    for (const Kind& kind : kKinds) {
+      const ParameterRange& range = settings.parameters.at(kind.name);
+      Parameter p;
+      p.name = groups.size() == 1 ? kind.name : group + "." + kind.name;
+      p.unit = kind.unit;
+      p.meaning = kind.meaning;
+      p.lower = range.lower;
+      p.upper = range.upper;
+      p.start = range.start;
+      p.scale = kind.scale == Scale::kLog && range.lower > 0 ? Scale::kLog : Scale::kLinear;
+      p.source = kind.source;
+      parameters.push_back(std::move(p));
+    }
+  }
+  return parameters;
+}
+
+}  // namespace
+
+std::vector<Parameter> DefaultContactParameters() {
+  ContactSettings settings;
+  settings.parameters = DefaultContactRanges();
+  settings.regions.emplace_back();
+  return MakeParameters(settings);
+}
+
+ContactProblem::ContactProblem(ContactSettings settings, ContactData data)
+    : settings_(std::move(settings)), data_(std::move(data)), parameters_(MakeParameters(settings_)) {}
+
+Result<std::unique_ptr<ContactProblem>> ContactProblem::Make(const Dataset& data, ContactSettings settings,
+                                                             double margin) {
+  SINEW_ASSIGN(auto prepared, PrepareContactData(data, settings, margin));
+  std::unique_ptr<ContactProblem> problem(new ContactProblem(std::move(settings), std::move(prepared)));
+  SINEW_TRY(CheckParameters(problem->parameters_));
+  SINEW_TRY(CheckLayout(problem->layout(), static_cast<int>(problem->parameters_.size())));
+  return problem;
+}
+
+std::unique_ptr<Problem::Workspace> ContactProblem::NewWorkspace() const {
+  auto workspace = std::make_unique<ContactWorkspace>();
+  for (const Stance& stance : data_.stances) {
+    auto& parts = workspace->parts.emplace_back();
+    for (const Stance::Part& part : stance.parts) parts.push_back(part.sums.NewWorkspace());
+  }
+  return workspace;
+}
+
+ElasticFoundation ContactProblem::Foundation(const Vector& parameters, int group) {
+  const Eigen::Index first = group * kParametersPerGroup;
+  return {parameters[first], parameters[first + 1], parameters[first + 2], parameters[first + 3],
+          parameters[first + 4]};
+}
+
+Status ContactProblem::Predict(const Query& query, Workspace& workspace, Prediction& prediction) const {
+  auto& scratch = static_cast<ContactWorkspace&>(workspace);
+  for (std::size_t s = 0; s < data_.stances.size(); ++s) {
+    const Stance& stance = data_.stances[s];
+    std::array<bool, kChannels> wanted{};
+    for (std::size_t c = 0; c < kChannels; ++c)
+      wanted[c] = query.blocks[static_cast<std::size_t>(stance.blocks[c])];
+    if (std::find(wanted.begin(), wanted.end(), true) == wanted.end()) continue;
+    for (int t = 0; t < static_cast<int>(stance.time.size()); ++t) {
+      PredictInstant(stance, t, wanted, query, scratch.parts[s], prediction);
+    }
+  }
+  return {};
+}
+
+void ContactProblem::PredictInstant(const Stance& stance, int t, const std::array<bool, kChannels>& wanted,
+                                    const Query& query, std::vector<ContactSums::Workspace>& scratch,
+                                    Prediction& prediction) const {
+  const WrenchParts parts = PartsFor(wanted);
+  ContactLoad load = ContactLoad::Zero();
+  ContactLoadJacobian jacobian;
+  for (std::size_t p = 0; p < stance.parts.size(); ++p) {
+    const Stance::Part& part = stance.parts[p];
+    part.sums.Add(t, Foundation(query.parameters, part.group), parts, scratch[p], load,
+                  query.derivatives ? &jacobian : nullptr);
+  }
+  const PlateChannels channels(load, stance.resting_cop);
+  for (std::size_t c = 0; c < kChannels; ++c) {
+    if (wanted[c]) prediction.values(stance.blocks[c])[t] = channels.value[c];
+  }
+  if (!query.derivatives) return;
+
+  for (std::size_t p = 0; p < stance.parts.size(); ++p) {
+    // Channels are quotients of the whole load: with several groups, each group's Jacobian is needed after
+    // the whole.
+    if (stance.parts.size() > 1) {
+      ContactLoad unused = ContactLoad::Zero();
+      const Stance::Part& part = stance.parts[p];
+      part.sums.Add(t, Foundation(query.parameters, part.group), parts, scratch[p], unused, &jacobian);
+    }
+    for (Eigen::Index k = 0; k < kParametersPerGroup; ++k) {
+      const auto slope = channels.Derivative(jacobian.col(k));
+      for (std::size_t c = 0; c < kChannels; ++c) {
+        const Eigen::Index columns = kColumnsPerGroup[c];
+        if (!wanted[c] || k >= columns) continue;
+        prediction.derivatives(stance.blocks[c])(t, static_cast<Eigen::Index>(p) * columns + k) = slope[c];
+      }
+    }
+  }
+}
+
+std::string ContactProblem::objective() const {
+  switch (settings_.objective) {
+    case ContactObjective::kThesis:
+      return "sum of squared errors, unweighted; its square root is eq 5.4 of the thesis";
+    case ContactObjective::kNormalised:
+      return "sum over channels of mean squared error / variance of the channel";
+    case ContactObjective::kLikelihood:
+      return "sum of squared errors / noise variance";
+  }
+  return {};
+}
+
+Status ContactProblem::Describe(const Vector& parameters, Hdf5Node& details) const {
+  const auto groups = settings_.Groups();
+  for (const Stance& stance : data_.stances) {
+    for (const auto& [index, kinematics] : stance.regions) {
+      const ContactRegionSettings& settings = settings_.regions[static_cast<std::size_t>(index)];
+      const ContactMesh& mesh = settings.region.mesh;
+      const int group =
+          static_cast<int>(std::find(groups.begin(), groups.end(), settings.group) - groups.begin());
+      const ElasticFoundation foundation = Foundation(parameters, group);
+
+      std::vector<double> outline;
+      std::vector<int> soles;  // faces that look down: the sides and the top of the mesh never press
+      for (int face = 0; face < mesh.face_count(); ++face) {
+        if (mesh.Normal(face).y() > -0.5) continue;
+        soles.push_back(face);
+        for (const int corner : mesh.faces[static_cast<std::size_t>(face)]) {
+          outline.push_back(mesh.vertices[static_cast<std::size_t>(corner)].x());
+          outline.push_back(mesh.vertices[static_cast<std::size_t>(corner)].z());
+        }
+      }
+      std::vector<double> pressure;
+      std::vector<double> slip;
+      std::vector<double> centre;
+      std::vector<FaceLoad> loads;
+      for (int t = 0; t < kinematics.instants; ++t) {
+        ContactWrenchAt(kinematics, t, foundation, settings_.transition_velocity, &loads);
+        double total = 0;
+        Vec3 moment = Vec3::Zero();
+        for (const int face : soles) {
+          const FaceLoad& load = loads[static_cast<std::size_t>(face)];
+          pressure.push_back(load.pressure);
+          slip.push_back(load.slip);
+          total += load.pressure * mesh.Area(face);
+          moment += load.pressure * mesh.Area(face) * mesh.Centre(face);
+        }
+        centre.push_back(total > 0 ? moment.x() / total : std::numeric_limits<double>::quiet_NaN());
+        centre.push_back(total > 0 ? moment.z() / total : std::numeric_limits<double>::quiet_NaN());
+      }
+      const auto instants = static_cast<std::size_t>(kinematics.instants);
+      Hdf5Node& node = details.At("contact/" + stance.trial + "/" + settings.region.name);
+      node.attributes["body"] = settings.body;
+      node.attributes["plate"] = settings.plate;
+      node.attributes["group"] = settings.group;
+      node.At("time").SetVector(stance.time);
+      node.At("outline").data = Hdf5Array{{soles.size(), 3, 2}, std::move(outline)};
+      node.At("pressure").SetMatrix(instants, soles.size(), std::move(pressure));
+      node.At("slip").SetMatrix(instants, soles.size(), std::move(slip));
+      node.At("centre_of_pressure").SetMatrix(instants, 2, std::move(centre));
+    }
+  }
+  return {};
+}
+
+}  // namespace sinew

@@ -1,0 +1,313 @@
+#include "problems/contact/contact_synthesis.h"
+
+#include <cmath>
+
+#include "base/numbers.h"
+#include "base/random.h"
+#include "base/text.h"
+#include "models/contact/contact_sums.h"
+#include "models/multibody/coordinate_trajectory.h"
+#include "models/multibody/multibody_model.h"
+#include "models/multibody/osim_reader.h"
+#include "problems/contact/nao_like_osim.h"
+#include "problems/contact/stepping_robot.h"
+
+namespace sinew {
+namespace {
+
+constexpr double kPlateRate = 960;  // [Hz]
+constexpr int kEvery = 16;          // the export keeps 60 Hz
+constexpr double kMargin = 0.2;     // [s] of motion before and after the stance
+constexpr double kTransitionVelocity = 0.01;
+const Vec3 kSoleSize(0.16, 0.02, 0.09);
+const Vec3 kSolePosition(0.02, -0.04519, 0);
+
+const char* const kSettingsText =
+    R"(# How the contact problem sees this robot: one box per sole, both with the same parameters.
+contact:
+  model: model.osim
+  floor_height: 0.0
+  transition_velocity: 0.01
+  objective: thesis
+  fit: [force_y]
+  regions:
+    - name: right_sole
+      body: calcn_r
+      plate: right
+      position: [0.02, -0.04519, 0.0]
+      mesh: {box: {size: [0.16, 0.02, 0.09], strips: [12, 7]}}
+    - name: left_sole
+      body: calcn_l
+      plate: left
+      position: [0.02, -0.04519, 0.0]
+      mesh: {box: {size: [0.16, 0.02, 0.09], strips: [12, 7]}}
+  parameters:
+    stiffness: {lower: 1.0e4, upper: 1.0e7, start: 1.0e5}
+    dissipation: {lower: 0, upper: 600, start: 10}
+)";
+
+// Everything that --set takes, with its default and range.
+struct Setting {
+  const char* name;
+  double value;
+  double lower;
+  double upper;
+  const char* says;
+};
+constexpr Setting kSettings[] = {
+    {"stiffness", 9e5, 1e4, 1e7, "true stiffness [N/m3]"},
+    {"dissipation", 40, 0, 600, "true dissipation [s/m]"},
+    {"static_friction", 0.9, 0, 15, "true static friction"},
+    {"dynamic_friction", 0.6, 0, 15, "true dynamic friction"},
+    {"viscous_friction", 0.5, 0, 15, "true viscous friction [s/m]"},
+    {"train", 3, 1, 20, "number of training stances"},
+    {"validate", 2, 0, 20, "number of validation stances"},
+    {"slip", 0.05, 0, 0.5, "speed of sliding after strike and at push-off [m/s]"},
+    {"force_noise", 0.9, 0, 100, "of the vertical force [N]; a half of it along x and z"},
+    {"marker_noise", 2e-5, 0, 0.01, "of every marker coordinate [m]"},
+    {"encoders", 0, 0, 1, "1: the coordinates are recorded too, without noise (joint encoders)"},
+    {"fine", 1, 0, 1, "0: the truth has the mesh of the fitted model (no difference between the two models)"},
+};
+
+// Distortions of the exported vertical force, for tests of the diagnosis; in the order offset, gain, time
+// offset, drift.
+struct Distortion {
+  double offset = 0;
+  double gain = 1;
+  double time_offset = 0;
+  double drift = 0;
+};
+
+using Values = std::map<std::string, double>;
+
+Result<Values> ReadSettings(const SynthesisRequest& request) {
+  Values values;
+  std::vector<std::string> names;
+  for (const Setting& setting : kSettings) {
+    values[setting.name] = setting.value;
+    names.emplace_back(setting.name);
+  }
+  for (const auto& [name, value] : request.set) {
+    const auto* setting = std::find_if(std::begin(kSettings), std::end(kSettings),
+                                       [&, &wanted = name](const Setting& s) { return wanted == s.name; });
+    if (setting == std::end(kSettings))
+      return Fail("--set: '{}' does not exist{}", name, Suggestion(name, names));
+    if (!(value >= setting->lower && value <= setting->upper)) {
+      return Fail("--set {}={}: expected {} to {}", name, value, setting->lower, setting->upper);
+    }
+    values[name] = value;
+  }
+  if (request.noise) {
+    if (!(*request.noise >= 0)) return Fail("--noise {}: expected a factor of at least 0", *request.noise);
+    values["force_noise"] *= *request.noise;
+    values["marker_noise"] *= *request.noise;
+  }
+  return values;
+}
+
+Result<Distortion> ReadDistortion(const SynthesisRequest& request) {
+  Distortion distortion;
+  const std::map<std::string, double*> known{{"force_y.offset", &distortion.offset},
+                                             {"force_y.gain", &distortion.gain},
+                                             {"force_y.time_offset", &distortion.time_offset},
+                                             {"force_y.drift", &distortion.drift}};
+  std::vector<std::string> names;
+  for (const auto& [name, target] : known) names.push_back(name);
+  for (const auto& [name, parameters] : request.effects) {
+    const auto found = known.find(name);
+    if (found == known.end()) return Fail("--effect: '{}' does not exist{}", name, Suggestion(name, names));
+    if (parameters.size() != 1 || parameters.begin()->first != "value" ||
+        !std::isfinite(parameters.begin()->second)) {
+      return Fail("--effect {}: expected {}:value=NUMBER", name, name);
+    }
+    *found->second = parameters.begin()->second;
+  }
+  return distortion;
+}
+
+Step DrawStep(Random& random, bool right, double slip) {
+  Step step;
+  step.right = right;
+  step.walking_speed *= random.Uniform(0.9, 1.1);
+  step.depth *= random.Uniform(0.93, 1.07);
+  step.strike_pitch *= random.Uniform(0.8, 1.2);
+  step.push_off_pitch *= random.Uniform(0.8, 1.2);
+  step.slip_speed = slip * random.Uniform(0.8, 1.2);
+  step.roll *= random.Uniform(0.5, 1.5);
+  return step;
+}
+
+// Coordinates of the robot, `rate` times a second from -kMargin to the end of the stance plus kMargin.
+struct Motion {
+  std::vector<double> time;
+  Matrix values;  // [time x coordinates of the model]
+};
+
+Result<Motion> Move(const Step& step, const MultibodyModel& model, double rate) {
+  Motion motion;
+  const int count = static_cast<int>(std::floor((step.duration + 2 * kMargin) * rate + 1e-9)) + 1;
+  const auto& names = model.coordinate_names();
+  motion.values.resize(count, static_cast<Eigen::Index>(names.size()));
+  for (int i = 0; i < count; ++i) {
+    motion.time.push_back(-kMargin + i / rate);
+    SINEW_ASSIGN(const auto pose, SteppingPose(step, motion.time.back()));
+    for (std::size_t k = 0; k < names.size(); ++k) {
+      const auto found = pose.find(names[k]);
+      motion.values(i, static_cast<Eigen::Index>(k)) = found != pose.end() ? found->second : 0;
+    }
+  }
+  return motion;
+}
+
+// The true load on the plate at the given times.
+Result<std::vector<ContactLoad>> TrueLoads(const MultibodyModel& model, const CoordinateTrajectory& motion,
+                                           bool right, const Values& values,
+                                           const std::vector<double>& times) {
+  SINEW_ASSIGN(const int body, model.BodyIndex(right ? "calcn_r" : "calcn_l"));
+  SINEW_ASSIGN(const auto motions, model.BodyMotions(times, motion, {body}));
+  std::vector<BodyMotion> of_foot;
+  for (const auto& bodies : motions) of_foot.push_back(bodies.front());
+  ContactRegion region;
+  const bool fine = values.at("fine") != 0;
+  SINEW_ASSIGN(region.mesh, BoxMesh(kSoleSize, fine ? 36 : 12, fine ? 20 : 7));
+  region.position = kSolePosition;
+  const ContactKinematics kinematics = ComputeContactKinematics(region, of_foot, 0);
+  const ContactSums sums({&kinematics}, kTransitionVelocity);
+  const ElasticFoundation truth{values.at("stiffness"), values.at("dissipation"),
+                                values.at("static_friction"), values.at("dynamic_friction"),
+                                values.at("viscous_friction")};
+  auto workspace = sums.NewWorkspace();
+  std::vector<ContactLoad> loads(times.size(), ContactLoad::Zero());
+  for (std::size_t i = 0; i < times.size(); ++i) {
+    sums.Add(static_cast<int>(i), truth, WrenchParts::kAll, workspace, loads[i], nullptr);
+  }
+  return loads;
+}
+
+Channel NewChannel(const std::string& unit, double sigma) {
+  Channel channel;
+  channel.unit = unit;
+  if (sigma > 0) channel.sigma = sigma;
+  return channel;
+}
+
+Grid RecordForces(const std::vector<ContactLoad>& loads, const std::vector<double>& time,
+                  const std::string& plate, const Values& values, const Distortion& distortion,
+                  Random& random) {
+  Grid grid;
+  const double noise = values.at("force_noise");
+  Channel fx = NewChannel("N", 0.5 * noise);
+  Channel fy = NewChannel("N", noise);
+  Channel fz = NewChannel("N", 0.5 * noise);
+  const double middle = 0.5 * (time.front() + time.back());
+  for (std::size_t i = 0; i < time.size(); ++i) {
+    // The plate measures every sample; the export keeps one in sixteen.
+    const double ex = random.Normal();
+    const double ey = random.Normal();
+    const double ez = random.Normal();
+    if (i % kEvery != 0) continue;
+    grid.time.push_back(time[i]);
+    fx.values.push_back(loads[i][kForceX] + 0.5 * noise * ex);
+    fy.values.push_back(distortion.gain * loads[i][kForceY] + distortion.offset +
+                        distortion.drift * (time[i] - middle) + noise * ey);
+    fz.values.push_back(loads[i][kForceZ] + 0.5 * noise * ez);
+  }
+  grid.channels[plate + "_force_x"] = std::move(fx);
+  grid.channels[plate + "_force_y"] = std::move(fy);
+  grid.channels[plate + "_force_z"] = std::move(fz);
+  return grid;
+}
+
+Result<Grid> RecordMarkers(const MultibodyModel& model, const Motion& motion, double noise, Random& random) {
+  Grid grid;
+  grid.time = motion.time;
+  for (Eigen::Index i = 0; i < motion.values.rows(); ++i) {
+    SINEW_ASSIGN(const auto positions, model.MarkerPositions(motion.values.row(i).transpose()));
+    for (std::size_t m = 0; m < positions.size(); ++m) {
+      for (int axis = 0; axis < 3; ++axis) {
+        Channel& channel = grid.channels[model.marker_names()[m] + "_" + "xyz"[axis]];
+        channel.unit = "m";
+        channel.values.push_back(positions[m][axis] + noise * random.Normal());
+      }
+    }
+  }
+  return grid;
+}
+
+Result<Trial> RecordStance(const MultibodyModel& model, const Step& step, const Values& values,
+                           const Distortion& distortion, Random& random) {
+  SINEW_ASSIGN(const Motion true_motion, Move(step, model, kPlateRate));
+  SINEW_ASSIGN(
+      const auto trajectory,
+      CoordinateTrajectory::Fit(model, true_motion.time, model.coordinate_names(), true_motion.values));
+  std::vector<double> plate_time;
+  std::vector<double> measured_at;
+  for (double t = 0; t < step.duration - 0.5 / kPlateRate; t += 1 / kPlateRate) {
+    plate_time.push_back(t);
+    measured_at.push_back(t - distortion.time_offset);
+  }
+  SINEW_ASSIGN(const auto loads, TrueLoads(model, trajectory, step.right, values, measured_at));
+
+  Trial trial;
+  trial.task = step.right ? "right stance" : "left stance";
+  trial.conditions["walking_speed_m_per_s"] = step.walking_speed;
+  trial.grids["forces"] =
+      RecordForces(loads, plate_time, step.right ? "right" : "left", values, distortion, random);
+  SINEW_ASSIGN(const Motion seen_motion, Move(step, model, kPlateRate / kEvery));
+  SINEW_ASSIGN(trial.grids["markers"], RecordMarkers(model, seen_motion, values.at("marker_noise"), random));
+  if (values.at("encoders") != 0) {
+    Grid& grid = trial.grids["coordinates"];
+    grid.time = seen_motion.time;
+    for (std::size_t k = 0; k < model.coordinate_names().size(); ++k) {
+      const std::string& name = model.coordinate_names()[k];
+      const auto column = seen_motion.values.col(static_cast<Eigen::Index>(k));
+      grid.channels[name] = {model.IsRotational(name) ? "rad" : "m", ChannelKind::kInput, std::nullopt,
+                             std::vector<double>(column.data(), column.data() + column.size())};
+    }
+  }
+  return trial;
+}
+
+}  // namespace
+
+Result<Dataset> SynthesizeContact(const SynthesisRequest& request) {
+  SINEW_ASSIGN(const Values values, ReadSettings(request));
+  SINEW_ASSIGN(const Distortion distortion, ReadDistortion(request));
+  SINEW_ASSIGN(const OsimModel osim, ReadOsim(kNaoLikeOsim, "nao_like.osim"));
+  SINEW_ASSIGN(const MultibodyModel model, MultibodyModel::Build(osim));
+
+  Dataset data;
+  data.title = "a small humanoid robot stepping";
+  data.subject = "robot with the proportions of NAO, 5.8 kg, 0.573 m";
+  data.source = fmt::format("sinew data synthesize contact --seed {}", request.seed);
+  data.licence = "Apache-2.0";
+  data.synthetic = true;
+  data.constants["body_mass"] = {model.total_mass_kg(), "kg"};
+  data.files["model.osim"] = kNaoLikeOsim;
+  data.files["contact.yaml"] = kSettingsText;
+
+  Random random(request.seed);
+  const int train = static_cast<int>(values.at("train"));
+  const int stances = train + static_cast<int>(values.at("validate"));
+  for (int i = 0; i < stances; ++i) {
+    const Step step = DrawStep(random, i % 2 == 0, values.at("slip"));
+    SINEW_ASSIGN(Trial trial, RecordStance(model, step, values, distortion, random));
+    trial.role = i < train ? Role::kTrain : Role::kValidate;
+    const std::string name =
+        i < train ? fmt::format("train_{}", i + 1) : fmt::format("validate_{}", i - train + 1);
+    data.trials[name] = std::move(trial);
+  }
+  SINEW_TRY(data.Check());
+  return data;
+}
+
+std::vector<std::pair<std::string, std::string>> ContactExperiment() {
+  std::vector<std::pair<std::string, std::string>> settings;
+  for (const Setting& setting : kSettings) {
+    settings.emplace_back(setting.name,
+                          fmt::format("{} (default {})", setting.says, Readable(setting.value)));
+  }
+  return settings;
+}
+
+}  // namespace sinew

@@ -1,0 +1,52 @@
+#include "problems/registry.h"
+
+#include <set>
+
+#include "base/text.h"
+#include "identify/observation/sensor_effects.h"
+#include "problems/contact/contact_problem.h"
+#include "problems/contact/contact_synthesis.h"
+
+namespace sinew {
+namespace {
+
+// How far the contact problem predicts beyond its samples when a sensor may be late: the reach of
+// CHANNEL.time_offset.
+constexpr double kSensorMargin = 0.1;
+
+Result<BoundProblem> BindContact(const Dataset& data, const YamlReader& settings, bool with_sensor_effects) {
+  SINEW_ASSIGN(const YamlReader section, settings.At("contact"));
+  SINEW_ASSIGN(ContactSettings contact, ReadContactSettings(section, data.files));
+  SINEW_ASSIGN(auto problem,
+               ContactProblem::Make(data, std::move(contact), with_sensor_effects ? kSensorMargin : 0));
+  BoundProblem bound;
+  bound.notes = problem->data().notes;
+  if (with_sensor_effects) {
+    bound.problem = std::make_unique<SensorEffects>(std::move(problem));
+  } else {
+    bound.problem = std::move(problem);
+  }
+  return bound;
+}
+
+}  // namespace
+
+const std::vector<ProblemEntry>& ProblemRegistry() {
+  static const std::vector<ProblemEntry> kProblems{
+      {"contact", "contact parameters of soles from ground reaction forces under a measured motion",
+       DescribeContactChannels(), BindContact, SynthesizeContact, DefaultContactParameters,
+       ContactExperiment},
+  };
+  return kProblems;
+}
+
+Result<const ProblemEntry*> FindProblem(const std::string& name) {
+  std::vector<std::string> names;
+  for (const ProblemEntry& entry : ProblemRegistry()) {
+    if (entry.name == name) return &entry;
+    names.push_back(entry.name);
+  }
+  return Fail("problem '{}' does not exist{}", name, Suggestion(name, names));
+}
+
+}  // namespace sinew

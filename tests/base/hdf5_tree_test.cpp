@@ -1,0 +1,94 @@
+#include "base/hdf5_tree.h"
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+#include <unistd.h>
+
+#include <filesystem>
+#include <fstream>
+
+namespace sinew {
+namespace {
+
+using ::testing::HasSubstr;
+
+class Hdf5Tree : public ::testing::Test {
+ protected:
+  void SetUp() override {
+    folder_ = std::filesystem::temp_directory_path() /
+              ("sinew_hdf5_" + std::to_string(::getpid()) +
+               ::testing::UnitTest::GetInstance()->current_test_info()->name());
+    std::filesystem::create_directory(folder_);
+  }
+  void TearDown() override { std::filesystem::remove_all(folder_); }
+  std::string Path(const std::string& name) { return (folder_ / name).string(); }
+
+  static Hdf5Node Example() {
+    Hdf5Node root;
+    root.attributes["schema"] = std::string("dataset/1");
+    root.attributes["synthetic"] = std::int64_t{1};
+    root.attributes["sigma"] = 0.25;
+    root.At("trials/walk/time").SetVector({0, 0.5, 1});
+    std::vector<double> many(5000);
+    for (std::size_t i = 0; i < many.size(); ++i) many[i] = 0.1 * static_cast<double>(i);
+    root.At("trials/walk/poses").SetMatrix(1000, 5, many);
+    root.At("trials/walk/poses").attributes["unit"] = std::string("m");
+    root.At("files/model").data = std::string("<xml>\n</xml>");
+    root.At("names").data = std::vector<std::string>{"k", "", "mu_s"};
+    root.At("mass").SetScalar(5.8);
+    root.At("empty").SetVector({});
+    root.At("group_without_members");
+    return root;
+  }
+
+  std::filesystem::path folder_;
+};
+
+TEST_F(Hdf5Tree, ReadsWhatItWrote) {
+  const Hdf5Node written = Example();
+  ASSERT_TRUE(WriteHdf5(Path("a.h5"), written));
+  const auto read = ReadHdf5(Path("a.h5"));
+  ASSERT_TRUE(read) << read.error().message;
+  EXPECT_EQ(read->attributes, written.attributes);
+  EXPECT_EQ(read->Find("trials/walk/poses")->array()->values,
+            written.Find("trials/walk/poses")->array()->values);
+  EXPECT_EQ(read->Find("trials/walk/poses")->array()->shape, (std::vector<std::size_t>{1000, 5}));
+  EXPECT_EQ(read->Find("trials/walk/poses")->Text("unit"), "m");
+  EXPECT_EQ(*read->Find("files/model")->text(), "<xml>\n</xml>");
+  EXPECT_EQ(*read->Find("names")->texts(), (std::vector<std::string>{"k", "", "mu_s"}));
+  EXPECT_TRUE(read->Find("mass")->array()->shape.empty());
+  EXPECT_TRUE(read->Find("empty")->array()->values.empty());
+  EXPECT_NE(read->Find("group_without_members"), nullptr);
+  EXPECT_EQ(read->Find("trials/run"), nullptr);
+  EXPECT_EQ(read->Number("synthetic", 0), 1);
+}
+
+TEST_F(Hdf5Tree, SaysWhatIsWrongWithAFile) {
+  EXPECT_THAT(ReadHdf5(Path("none.h5")).error().message, HasSubstr("no such file"));
+  std::ofstream(Path("text.h5")) << "time,force\n";
+  EXPECT_THAT(ReadHdf5(Path("text.h5")).error().message, HasSubstr("is not an HDF5 file"));
+  EXPECT_THAT(ReadHdf5(folder_.string()).error().message, HasSubstr("is a folder"));
+}
+
+TEST_F(Hdf5Tree, ATruncatedFileIsAnErrorAtEveryLength) {
+  ASSERT_TRUE(WriteHdf5(Path("a.h5"), Example()));
+  const auto size = std::filesystem::file_size(Path("a.h5"));
+  for (std::uintmax_t length = 0; length < size; length += 97) {
+    std::filesystem::copy_file(Path("a.h5"), Path("cut.h5"),
+                               std::filesystem::copy_options::overwrite_existing);
+    std::filesystem::resize_file(Path("cut.h5"), length);
+    EXPECT_FALSE(ReadHdf5(Path("cut.h5"))) << length;
+  }
+}
+
+TEST_F(Hdf5Tree, AFailedWriteLeavesTheOldFileAndNothingElse) {
+  EXPECT_THAT(WriteHdf5(Path("no/such/folder.h5"), Example()).error().message,
+              HasSubstr("cannot be written"));
+  ASSERT_TRUE(WriteHdf5(Path("a.h5"), Example()));
+  ASSERT_TRUE(WriteHdf5(Path("a.h5"), Hdf5Node{}));  // replaced whole
+  EXPECT_TRUE(ReadHdf5(Path("a.h5"))->children.empty());
+  EXPECT_EQ(std::distance(std::filesystem::directory_iterator(folder_), {}), 1);
+}
+
+}  // namespace
+}  // namespace sinew

@@ -1,0 +1,252 @@
+"""The report, through its command line, on fabricated files.
+
+    /usr/bin/python3 -B -m unittest discover -s tests/cli/report
+"""
+import json
+import os
+import random
+import re
+import shutil
+import subprocess
+import sys
+import tempfile
+import unittest
+from pathlib import Path
+
+import h5py
+import numpy as np
+
+HERE = Path(__file__).resolve().parent
+PROGRAM = HERE.parents[2] / "cli" / "report" / "sinew_report.py"
+sys.path[:0] = [str(HERE), str(PROGRAM.parent)]
+
+import fabricated_files  # noqa: E402
+import run_file  # noqa: E402
+
+
+def report(*arguments, **changes):
+    """Runs the report; returns status, stdout, stderr. changes: of the environment."""
+    done = subprocess.run([sys.executable, str(PROGRAM), *map(str, arguments)], capture_output=True, text=True,
+                          env={**os.environ, **changes}, check=False)
+    return done.returncode, done.stdout, done.stderr
+
+
+class WithFolder(unittest.TestCase):
+    def setUp(self):
+        self.folder = Path(tempfile.mkdtemp())
+        self.addCleanup(shutil.rmtree, self.folder)
+        self.run_path = self.folder / "run.h5"
+        self.out = self.folder / "pages" / "demo"
+
+    def check_notebook(self, path):
+        """Executed from first to last cell, without an error. Returns all text of its outputs."""
+        notebook = json.loads(path.read_text())
+        text = []
+        for cell in notebook["cells"]:
+            if cell["cell_type"] != "code":
+                continue
+            self.assertIsNotNone(cell["execution_count"])
+            for output in cell["outputs"]:
+                self.assertNotEqual(output["output_type"], "error")
+                self.assertNotEqual(output.get("name"), "stderr", output)
+                text.append("".join(output.get("data", {}).get("text/html", "")))
+        return " ".join(text)
+
+    def check_page(self, path):
+        """Loads nothing from anywhere. Returns its text."""
+        page = path.read_text()
+        self.assertNotRegex(page, r"<(script|link|iframe|object|embed)\b")
+        self.assertNotRegex(page, r"""(src|srcset|data|action)\s*=\s*["']?\s*(https?:|//|file:)""")
+        self.assertNotRegex(page, r"""href\s*=\s*["']?\s*(https?:|//|file:)""")
+        self.assertNotRegex(page, r"(@import|url\s*\()")
+        return page
+
+
+class OneRun(WithFolder):
+    def test_says_the_findings_and_draws_every_part(self):
+        fabricated_files.write_run(self.run_path, contact=("left_sole", "right_sole"))
+        status, said, complaint = report(self.run_path, "--out-dir", self.out)
+        self.assertEqual((status, complaint), (0, ""))
+        self.assertEqual(said.strip(), f"Report: {self.out}/index.html")
+        self.assertEqual(sorted(os.listdir(self.out)), ["index.html", "index.ipynb"])
+
+        text = self.check_notebook(self.out / "index.ipynb")
+        page = self.check_page(self.out / "index.html")
+        for where in (text, page):
+            self.assertIn("Measuring the tangential force would determine all three friction parameters.", where)
+            self.assertIn("2 simulations failed &lt; 1 % of the time", where)  # texts are escaped
+            self.assertIn("synthetic data", where)
+            self.assertIn("8.97e5", where)
+            self.assertIn("± 1.1e4", where)
+            self.assertEqual(where.count("○ not identifiable"), 3)
+        self.assertIn("made-up stances &#38; &#60;nothing measured&#62;", page.replace("&amp;", "&#38;")
+                      .replace("&lt;", "&#60;").replace("&gt;", "&#62;"))
+        for section in ("Measured against simulated", "Parameters", "Correlations", "Search", "Pressure under the sole"):
+            self.assertIn(section, page)
+        # fit, predicted only, bounds, correlation, convergence, two of the sole
+        self.assertEqual(page.count("data:image/png;base64,"), 7)
+        self.assertLess(page.index("vertical force on level ground"), page.index("data:image/png"))
+
+    def test_notebook_names_the_run_file_relative_to_itself(self):
+        fabricated_files.write_run(self.run_path, contact=())
+        self.assertEqual(report(self.run_path, "--out-dir", self.out)[0], 0)
+        self.assertIn('RUN_FILE = \\"../../run.h5\\"', (self.out / "index.ipynb").read_text())
+
+    def test_unfinished_and_bare_run_is_reported_and_says_so(self):
+        fabricated_files.write_run(self.run_path, contact=(), finished=0, usable=0)
+        with h5py.File(self.run_path, "a") as file:
+            for part in ("prediction", "residual", "uncertainty", "stages", "trace", "run/config"):
+                del file[part]
+        status, _, complaint = report(self.run_path, "--out-dir", self.out)
+        self.assertEqual((status, complaint), (0, ""))
+        page = self.check_page(self.out / "index.html")
+        self.assertIn("This run has not finished", page)
+        self.assertIn("not usable", page)
+        self.assertNotIn("Measured against simulated", page)
+
+    def test_environment_of_the_user_changes_nothing(self):
+        fabricated_files.write_run(self.run_path)
+        self.assertEqual(report(self.run_path, "--out-dir", self.out)[0], 0)
+        hostile = self.folder / "hostile"
+        for path, text in {"bin/python3": "#!/bin/sh\nexit 9\n", "numpy.py": "raise ImportError('wrong numpy')\n",
+                           "profile_default/startup/first.py": "import sys\nsys.exit(9)\n",
+                           "kernels/python3/kernel.json": '{"argv": ["/bin/false"], "display_name": "no", "language": "x"}',
+                           "matplotlibrc": "text.usetex: True\n"}.items():
+            (hostile / path).parent.mkdir(parents=True, exist_ok=True)
+            (hostile / path).write_text(text)
+        (hostile / "bin/python3").chmod(0o755)
+        other = self.folder / "pages" / "other"
+        status, _, complaint = report(self.run_path, "--out-dir", other, PATH=f"{hostile}/bin:{os.environ['PATH']}",
+                                      PYTHONPATH=str(hostile), IPYTHONDIR=str(hostile), JUPYTER_PATH=str(hostile),
+                                      MATPLOTLIBRC=str(hostile), MPLBACKEND="pdf")
+        self.assertEqual((status, complaint), (0, ""))
+        for name in ("index.ipynb", "index.html"):
+            self.assertEqual((self.out / name).read_bytes(), (other / name).read_bytes())
+
+    def test_failure_to_draw_is_status_1_and_leaves_the_old_report(self):
+        fabricated_files.write_run(self.run_path)
+        with h5py.File(self.run_path, "a") as file:
+            file["run"].attrs["seconds"] = "soon"
+        status, _, complaint = report(self.run_path, "--out-dir", self.out)
+        self.assertEqual(status, 1)
+        self.assertRegex(complaint, r"^sinew: the report could not be made: index\.ipynb: TypeError: [^\n]+\n$")
+        self.assertFalse(self.out.parent.exists())
+
+        self.out.mkdir(parents=True)
+        (self.out / "index.html").write_text("old")
+        self.assertEqual(report(self.run_path, "--out-dir", self.out)[0], 1)
+        self.assertEqual(os.listdir(self.out), ["index.html"])
+        self.assertEqual((self.out / "index.html").read_text(), "old")
+
+
+class SeveralFiles(WithFolder):
+    def test_each_has_its_page_and_the_overview_compares_them(self):
+        second = self.folder / "second" / "run.h5"
+        second.parent.mkdir()
+        fabricated_files.write_run(self.run_path, contact=())
+        fabricated_files.write_run(second, contact=(), stiffness=5e5, starts=12, findings=["Another sentence."])
+        study = self.folder / "my study.h5"
+        fabricated_files.write_study(study)
+        status, _, complaint = report(self.run_path, second, study, "--out-dir", self.out)
+        self.assertEqual((status, complaint), (0, ""))
+        names = ["index", f"{self.folder.name}_run", "my study", "second_run"]
+        self.assertEqual(sorted(os.listdir(self.out)),
+                         sorted(f"{name}.{kind}" for name in names for kind in ("html", "ipynb")))
+        pages = {name: self.check_page(self.out / f"{name}.html") for name in names}
+        for name in names:
+            self.check_notebook(self.out / f"{name}.ipynb")
+        self.assertIn("Another sentence.", pages["index"])
+        self.assertIn('href="my%20study.html"', pages["index"])
+        self.assertIn('href="second_run.html"', pages["index"])
+        self.assertIn('href="index.html"', pages["second_run"])
+        self.assertIn("ceres reached the target in 10 of 10 runs", pages["my study"])
+        self.assertIn("nlopt:LN_COBYLA never reached the target in 10 runs", pages["my study"])
+
+
+class BadInput(WithFolder):
+    def check_refused(self, expected, *arguments):
+        status, said, complaint = report(*arguments, "--out-dir", self.out)
+        self.assertEqual((status, said), (2, ""), complaint)
+        self.assertRegex(complaint, r"^sinew: error: [^\n]+\n$")
+        self.assertIn(expected, complaint)
+        self.assertFalse(self.out.parent.exists())
+
+    def test_files_that_are_no_run_files(self):
+        self.check_refused("no such file", self.folder / "missing.h5")
+        self.check_refused("is a folder", self.folder)
+        text = self.folder / "text.h5"
+        text.write_text("time force\n0 1\n")
+        self.check_refused("cannot be read as HDF5", text)
+        with h5py.File(self.folder / "data.h5", "w") as file:
+            file.attrs["sinew_schema"] = "dataset/1"
+        self.check_refused("it is a dataset/1 file", self.folder / "data.h5")
+        with h5py.File(self.folder / "other.h5", "w") as file:
+            file["numbers"] = [1.0]
+        self.check_refused("neither /run nor /study", self.folder / "other.h5")
+
+    def test_one_bad_file_among_good_ones(self):
+        fabricated_files.write_run(self.run_path)
+        self.check_refused("no such file", self.run_path, self.folder / "missing.h5")
+        self.check_refused("is given twice", self.run_path, self.folder / "." / "run.h5")
+
+    def test_run_files_with_a_part_missing_or_misshapen(self):
+        def drop_title(file):
+            del file["run"].attrs["title"]
+
+        def drop_values(file):
+            del file["parameters/value"]
+
+        def shorten(file):
+            del file["prediction/stance_1/plate_force_y/measured"]
+            file["prediction/stance_1/plate_force_y/measured"] = np.zeros(3)
+
+        def misname(file):
+            file["uncertainty/verdict"][0] = "probably"
+
+        def new_schema(file):
+            file["run"].attrs["sinew_schema"] = "run/9"
+
+        for damage, expected in ((drop_title, "no attribute 'title'"), (drop_values, "/parameters/value is missing"),
+                                 (shorten, "plate_force_y/measured has 3 entries"), (misname, "'probably'"),
+                                 (new_schema, "schema 'run/9', expected 'run/1'")):
+            with self.subTest(expected):
+                fabricated_files.write_run(self.run_path)
+                with h5py.File(self.run_path, "a") as file:
+                    damage(file)
+                self.check_refused(expected, self.run_path)
+
+    def test_usage(self):
+        self.check_refused("FILE.h5")
+        self.check_refused("--colour", self.run_path, "--colour")
+        status, _, complaint = report(self.run_path)
+        self.assertEqual(status, 2)
+        self.assertRegex(complaint, r"^sinew: error: [^\n]*--out-dir[^\n]*\n$")
+
+    def test_out_dir_that_is_a_file(self):
+        fabricated_files.write_run(self.run_path)
+        occupied = self.folder / "occupied"
+        occupied.write_text("mine")
+        status, _, complaint = report(self.run_path, "--out-dir", occupied)
+        self.assertEqual(status, 2)
+        self.assertRegex(complaint, r"^sinew: error: [^\n]*occupied[^\n]*\n$")
+        self.assertEqual(occupied.read_text(), "mine")
+
+    def test_damaged_bytes_never_escape_as_another_error(self):
+        fabricated_files.write_run(self.run_path)
+        whole = self.run_path.read_bytes()
+        damaged = self.folder / "damaged.h5"
+        chance = random.Random(5)
+        for trial in range(60):
+            data = bytearray(whole[:chance.randrange(len(whole))] if trial % 3 == 0 else whole)
+            for _ in range(chance.randrange(1, 40)):
+                if data:
+                    data[chance.randrange(len(data))] = chance.randrange(256)
+            damaged.write_bytes(data)
+            try:
+                run_file.read(str(damaged))
+            except run_file.BadInput as error:
+                self.assertRegex(str(error), r"^[^\n]*damaged\.h5: [^\n]+$")
+
+
+if __name__ == "__main__":
+    unittest.main()

@@ -1,0 +1,78 @@
+#include "datasets/cut.h"
+
+#include "tests/datasets/support.h"
+
+namespace sinew {
+namespace {
+
+using testing::ElementsAre;
+using testing::HasSubstr;
+
+// 0 .. 4 s in steps of 0.1 s on every grid.
+Dataset Recording() {
+  Dataset dataset;
+  Trial& trial = dataset.trials["walk"];
+  trial.task = "walking";
+  trial.conditions["speed_m_per_s"] = 1.2;
+  for (const char* name : {"forces", "coordinates", "markers", "emg"}) {
+    Grid& grid = trial.grids[name];
+    Channel& channel = grid.channels[std::string(name) + "_channel"];
+    channel.unit = "1";
+    channel.kind = std::string(name) == "emg" ? ChannelKind::kInput : ChannelKind::kMeasured;
+    for (int i = 0; i <= 40; ++i) {
+      grid.time.push_back(0.1 * i);
+      channel.values.push_back(i);
+    }
+  }
+  return dataset;
+}
+
+TEST(CutTrial, KeepsTheWindowAndAMarginForSplinesAndInputs) {
+  Dataset dataset = Recording();
+  ASSERT_EQ(ErrorOf(CutTrial(dataset, {"walk", 1.0, 1.3, "stance", Role::kValidate})), "");
+  const Trial& stance = dataset.trials.at("stance");
+  EXPECT_EQ(stance.role, Role::kValidate);
+  EXPECT_EQ(stance.task, "walking");
+  EXPECT_THAT(stance.grids.at("forces").channels.at("forces_channel").values, ElementsAre(10, 11, 12, 13));
+  EXPECT_EQ(stance.grids.at("forces").time.size(), 4U);
+  for (const char* name : {"coordinates", "markers", "emg"}) {  // 0.75 .. 1.55 s
+    EXPECT_THAT(stance.grids.at(name).channels.at(std::string(name) + "_channel").values,
+                ElementsAre(8, 9, 10, 11, 12, 13, 14, 15))
+        << name;
+  }
+  EXPECT_EQ(stance.conditions.at("window_start_s"), 1.0);
+  EXPECT_EQ(stance.conditions.at("window_end_s"), 1.3);
+  EXPECT_EQ(stance.conditions.at("speed_m_per_s"), 1.2);
+  EXPECT_EQ(dataset.trials.at("walk").grids.at("forces").time.size(), 41U);
+  EXPECT_EQ(ErrorOf(dataset.Check()), "");
+}
+
+TEST(CutTrial, RoleIsThatOfTheSourceAndTheMarginCanBeNone) {
+  Dataset dataset = Recording();
+  dataset.trials["walk"].role = Role::kValidate;
+  ASSERT_EQ(ErrorOf(CutTrial(dataset, {"walk", 1.0, 1.1, "stance", {}, 0})), "");
+  EXPECT_EQ(dataset.trials.at("stance").role, Role::kValidate);
+  EXPECT_EQ(dataset.trials.at("stance").grids.at("markers").time.size(), 2U);
+}
+
+TEST(CutTrial, BadWindowsAreErrorsAndChangeNothing) {
+  const std::pair<TrialWindow, std::string> cases[] = {
+      {{"walkk", 1, 2, "stance"}, "no trial 'walkk'; did you mean 'walk'?"},
+      {{"walk", 1, 2, "walk"}, "there is a trial 'walk' already"},
+      {{"walk", 5, 6, "stance"},
+       "the window 5:6 s holds no sample of 'coordinates' in trial 'walk', which covers 0:4 s"},
+      {{"walk", 2, 1, "stance"}, "the window 2:1 s holds no sample"},
+      {{"walk", 1, 1, "stance"}, "the window 1:1 s holds no sample"},
+      {{"walk", 1.01, 1.05, "stance"}, "covers 0:4 s"},
+      {{"walk", 1, std::nan(""), "stance"}, "not finite"},
+      {{"walk", 1, 2, "stance", {}, -1}, "the margin is -1 s"},
+  };
+  for (const auto& [window, message] : cases) {
+    Dataset dataset = Recording();
+    EXPECT_THAT(ErrorOf(CutTrial(dataset, window)), HasSubstr(message));
+    EXPECT_EQ(dataset.trials.size(), 1U);
+  }
+}
+
+}  // namespace
+}  // namespace sinew

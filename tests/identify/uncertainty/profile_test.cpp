@@ -1,0 +1,185 @@
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <atomic>
+#include <cmath>
+
+#include "base/random.h"
+#include "identify/uncertainty/student_t.h"
+#include "identify/uncertainty/uncertainty.h"
+#include "tests/identify/support/toy_problem.h"
+
+namespace sinew {
+namespace {
+
+using testing::HasSubstr;
+using toy::MakeBlock;
+using toy::MakeParameter;
+using toy::ToyFit;
+using toy::ToyProblem;
+using toy::Values;
+
+// kEndTolerance and kRefitTolerance of the profile, and the step of the grid that it is compared with.
+constexpr double kProfileEnd = 5e-3;
+
+/// height = amplitude exp(-rate t), seen for less than one time constant.
+Result<double> Decay(const Block& /*block*/, double t, const Vector& p, Vector* gradient) {
+  const double shape = std::exp(-p[1] * t);
+  if (gradient != nullptr) *gradient << shape, -p[0] * t * shape;
+  return p[0] * shape;
+}
+
+ToyProblem DecayProblem(double sigma) {
+  ToyProblem problem({MakeParameter("amplitude", 0, 50, 3), MakeParameter("rate", 0, 20, 1)},
+                     {MakeBlock("one", "height", 25, 2)}, Decay);
+  Random random(11);
+  problem.Measure(Values({3, 1.2}), [&](const Block&, int) { return sigma * random.Normal(); });
+  return problem;
+}
+
+/// Cost at a rate with the best amplitude, in closed form.
+double CostAtRate(const Block& block, double rate) {
+  double ss = 0;
+  double sy = 0;
+  double yy = 0;
+  for (std::size_t i = 0; i < block.measured.size(); ++i) {
+    const double shape = std::exp(-rate * block.prediction_time[i]);
+    ss += shape * shape;
+    sy += shape * block.measured[i];
+    yy += block.measured[i] * block.measured[i];
+  }
+  return 0.5 * (yy - sy * sy / ss);
+}
+
+TEST(Profile, OfADecayMatchesABruteForceGridAndIsAsymmetric) {
+  const ToyProblem problem = DecayProblem(0.8);
+  const ToyFit fit(problem);
+  const Result<Uncertainty> answer = AnalyseUncertainty(fit.view, fit.view.Start(), {});
+  ASSERT_TRUE(answer);
+  const ParameterVerdict& rate = answer->parameters[1];
+  ASSERT_EQ(rate.interval, IntervalKind::kProfile) << rate.reason;
+
+  const Block& block = problem.layout()[0];
+  const double best = answer->minimum[1];
+  const double q = StudentTQuantile(0.975, 23);
+  const double widening = std::max(1.0, std::pow(rate.std_error_robust / rate.std_error, 2));
+  const double variance = 2 * CostAtRate(block, best) / 23;
+  const double limit = CostAtRate(block, best) + 0.5 * q * q * variance * widening;
+  const double step = 1e-4 * best;
+  double lower = best;
+  while (CostAtRate(block, lower) < limit) lower -= step;
+  double upper = best;
+  while (CostAtRate(block, upper) < limit) upper += step;
+
+  EXPECT_NEAR(rate.ci95_lower, lower, kProfileEnd * (best - lower));
+  EXPECT_NEAR(rate.ci95_upper, upper, kProfileEnd * (upper - best));
+  EXPECT_GT(rate.ci95_upper - best, 1.2 * (best - rate.ci95_lower));  // a fast decay is harder to rule out
+}
+
+TEST(Profile, IsTheSameForAnyNumberOfThreads) {
+  const ToyProblem problem = DecayProblem(0.3);
+  const ToyFit fit(problem);
+  UncertaintyOptions options;
+  const Result<Uncertainty> one = AnalyseUncertainty(fit.view, fit.view.Start(), options);
+  options.threads = 4;
+  const Result<Uncertainty> four = AnalyseUncertainty(fit.view, fit.view.Start(), options);
+  ASSERT_TRUE(one && four);
+  EXPECT_EQ(one->evaluations, four->evaluations);
+  for (std::size_t i = 0; i < 2; ++i) {
+    EXPECT_EQ(one->parameters[i].ci95_lower, four->parameters[i].ci95_lower);
+    EXPECT_EQ(one->parameters[i].ci95_upper, four->parameters[i].ci95_upper);
+  }
+}
+
+TEST(Profile, NeedsFewEvaluations) {
+  const ToyProblem problem = DecayProblem(0.3);
+  const ToyFit fit(problem);
+  const Result<Uncertainty> answer = AnalyseUncertainty(fit.view, fit.view.Start(), {});
+  ASSERT_TRUE(answer);
+  // Four ends of about five points with two or three evaluations each, and the first search.
+  EXPECT_LT(answer->evaluations, 80);
+}
+
+TEST(Profile, FallsBackToTheLinearIntervalWhenTheBudgetIsGone) {
+  const ToyProblem problem = DecayProblem(0.3);
+  const ToyFit fit(problem);
+  UncertaintyOptions options;
+  options.max_profile_evaluations = 4;
+  const Result<Uncertainty> answer = AnalyseUncertainty(fit.view, fit.view.Start(), options);
+  ASSERT_TRUE(answer);
+  const ParameterVerdict& rate = answer->parameters[1];
+  EXPECT_EQ(rate.interval, IntervalKind::kLinear);
+  EXPECT_THAT(rate.reason, HasSubstr("its profile could not be followed"));
+  const double half = StudentTQuantile(0.975, 23) * std::max(rate.std_error, rate.std_error_robust);
+  EXPECT_NEAR(rate.ci95_upper - answer->minimum[1], half, 1e-9);  // rounding
+
+  const std::atomic<bool> stop{true};
+  options = {};
+  options.interrupt = &stop;
+  const Result<Uncertainty> stopped = AnalyseUncertainty(fit.view, fit.view.Start(), options);
+  ASSERT_TRUE(stopped);
+  EXPECT_THAT(stopped->parameters[1].reason, HasSubstr("it was stopped"));
+}
+
+TEST(Profile, EndsOpenAtABound) {
+  ToyProblem problem({MakeParameter("amplitude", 0, 50, 3), MakeParameter("rate", 0, 1.4, 1)},
+                     {MakeBlock("one", "height", 25, 2)}, Decay);
+  Random random(11);
+  problem.Measure(Values({3, 1.2}), [&](const Block&, int) { return 0.4 * random.Normal(); });
+  const ToyFit fit(problem);
+  const Result<Uncertainty> answer = AnalyseUncertainty(fit.view, fit.view.Start(), {});
+  ASSERT_TRUE(answer);
+  const ParameterVerdict& rate = answer->parameters[1];
+  EXPECT_TRUE(rate.upper_open);
+  EXPECT_EQ(rate.ci95_upper, 1.4);
+  EXPECT_FALSE(rate.lower_open);
+}
+
+TEST(Profile, SurvivesClampedContact) {
+  // Springs that never pull: force = sum over faces of k max(0, depth + shift), with kinks all over the
+  // range.
+  ToyProblem problem({MakeParameter("stiffness", 10, 1000, 200), MakeParameter("shift", -0.5, 0.5, 0.1)},
+                     {MakeBlock("one", "force", 60, 1)},
+                     [](const Block&, double t, const Vector& p, Vector* gradient) -> Result<double> {
+                       double sum = 0;
+                       int touching = 0;
+                       for (int face = 0; face < 8; ++face) {
+                         const double depth = std::sin(3 * t) - 0.15 * face + p[1];
+                         if (depth <= 0) continue;
+                         sum += depth;
+                         ++touching;
+                       }
+                       if (gradient != nullptr) *gradient << sum, p[0] * touching;
+                       return p[0] * sum;
+                     });
+  Random random(2);
+  problem.Measure(Values({300, 0.05}), [&](const Block&, int) { return 40 * random.Normal(); });
+  const ToyFit fit(problem);
+  const Result<Uncertainty> answer = AnalyseUncertainty(fit.view, fit.view.Start(), {});
+  ASSERT_TRUE(answer);
+  for (const ParameterVerdict& verdict : answer->parameters) {
+    EXPECT_EQ(verdict.interval, IntervalKind::kProfile) << verdict.reason;
+    const double half = 2 * std::max(verdict.std_error, verdict.std_error_robust);
+    EXPECT_NEAR(verdict.ci95_upper - verdict.ci95_lower, 2 * half, half);  // kinks bend it, but not by half
+  }
+}
+
+TEST(Profile, RegionWithoutPredictionIsNoEnd) {
+  // The simulation fails above a rate that is inside the interval.
+  ToyProblem problem({MakeParameter("amplitude", 0, 50, 3), MakeParameter("rate", 0, 20, 1)},
+                     {MakeBlock("one", "height", 25, 2)},
+                     [](const Block& block, double t, const Vector& p, Vector* gradient) -> Result<double> {
+                       if (p[1] > 1.5) return Fail("step under the minimum at t = {}", t);
+                       return Decay(block, t, p, gradient);
+                     });
+  Random random(11);
+  problem.Measure(Values({3, 1.2}), [&](const Block&, int) { return 0.8 * random.Normal(); });
+  const ToyFit fit(problem);
+  const Result<Uncertainty> answer = AnalyseUncertainty(fit.view, fit.view.Start(), {});
+  ASSERT_TRUE(answer);
+  EXPECT_EQ(answer->parameters[1].interval, IntervalKind::kLinear);
+  EXPECT_THAT(answer->parameters[1].reason, HasSubstr("there is no prediction at its end"));
+}
+
+}  // namespace
+}  // namespace sinew

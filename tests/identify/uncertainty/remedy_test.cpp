@@ -1,0 +1,161 @@
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <cmath>
+
+#include "base/random.h"
+#include "identify/uncertainty/uncertainty.h"
+#include "tests/identify/support/toy_problem.h"
+
+namespace sinew {
+namespace {
+
+using testing::HasSubstr;
+using testing::Not;
+using testing::StartsWith;
+using toy::MakeBlock;
+using toy::MakeParameter;
+using toy::ToyFit;
+using toy::ToyProblem;
+using toy::Values;
+
+// A foot on level ground: the vertical force holds the stiffness, the tangential one friction as well, and
+// the temperature of the plate neither. Two frictions show in one product only unless the speed is measured.
+enum { kStiffness, kStatic, kViscous };
+
+Result<double> Foot(const Block& block, double t, const Vector& p, Vector* gradient) {
+  const double depth = std::sin(t);
+  Vector unused = Vector::Zero(p.size());
+  Vector& g = gradient != nullptr ? *gradient : unused;
+  if (block.channel == "force_y") {
+    g[kStiffness] = depth;
+    return p[kStiffness] * depth;
+  }
+  if (block.channel == "force_x") {
+    const double slip = std::cos(5 * t);
+    g[kStiffness] = depth * (p[kStatic] + p[kViscous] * slip);
+    g[kStatic] = p[kStiffness] * depth;
+    g[kViscous] = p[kStiffness] * depth * slip;
+    return p[kStiffness] * depth * (p[kStatic] + p[kViscous] * slip);
+  }
+  if (block.channel == "heat") {
+    g[kStatic] = 1;
+    g[kViscous] = 1;
+    return p[kStatic] + p[kViscous];
+  }
+  return 20.0;  // temperature
+}
+
+ToyProblem FootProblem(Layout layout) {
+  ToyProblem problem({MakeParameter("stiffness", 10, 1000, 300), MakeParameter("static_friction", 0, 15, 0.8),
+                      MakeParameter("viscous_friction", 0, 15, 0.3)},
+                     std::move(layout), Foot);
+  Random random(17);
+  problem.Measure(Values({300, 0.8, 0.3}), [&](const Block&, int) { return 3 * random.Normal(); });
+  return problem;
+}
+
+Uncertainty Analyse(const ToyProblem& problem) {
+  const ToyFit fit(problem);
+  const Result<Uncertainty> answer = AnalyseUncertainty(fit.view, fit.view.Start(), {});
+  EXPECT_TRUE(answer) << answer.error().message;
+  return answer ? *answer : Uncertainty{};
+}
+
+TEST(Remedy, NamesTheChannelThatFixesEveryFriction) {
+  const Uncertainty answer =
+      Analyse(FootProblem({MakeBlock("stance", "force_y", 50, 1.5),
+                           MakeBlock("stance", "force_x", 50, 1.5, BlockRole::kPredicted),
+                           MakeBlock("stance", "temperature", 50, 1.5, BlockRole::kPredicted)}));
+  EXPECT_EQ(answer.parameters[kStiffness].verdict, Verdict::kIdentifiable);
+  EXPECT_TRUE(answer.parameters[kStiffness].remedy.empty());
+  for (const int friction : {kStatic, kViscous}) {
+    const ParameterVerdict& verdict = answer.parameters[static_cast<std::size_t>(friction)];
+    EXPECT_EQ(verdict.verdict, Verdict::kNotIdentifiable);
+    EXPECT_THAT(verdict.reason, HasSubstr("force_y stays the same whatever its value"));
+    EXPECT_THAT(verdict.remedy, StartsWith("measuring force_x would fix it (standard error 0.0"));
+    EXPECT_THAT(verdict.remedy, Not(HasSubstr("temperature")));
+  }
+}
+
+TEST(Remedy, ErrorIsTheOneThatMeasuringItGives) {
+  // Said before, against found after, with the noise that was stated.
+  Block tangential = MakeBlock("stance", "force_x", 50, 1.5, BlockRole::kPredicted);
+  tangential.sigma = 3;
+  Block vertical = MakeBlock("stance", "force_y", 50, 1.5);
+  vertical.sigma = 3;
+  const Uncertainty before = Analyse(FootProblem({vertical, tangential}));
+  tangential = MakeBlock("stance", "force_x", 50, 1.5);
+  tangential.sigma = 3;
+  const Uncertainty after = Analyse(FootProblem({vertical, tangential}));
+  const std::string& remedy = before.parameters[kViscous].remedy;
+  const std::string number = remedy.substr(remedy.find("error ") + 6);
+  // Two digits are printed, and the linearisation point differs by the noise.
+  EXPECT_NEAR(std::stod(number) / after.parameters[kViscous].std_error, 1, 0.06);
+}
+
+TEST(Remedy, NamesAValidationTrial) {
+  const Uncertainty answer =
+      Analyse(FootProblem({MakeBlock("stance", "force_y", 50, 1.5),
+                           MakeBlock("slide", "force_x", 50, 1.5, BlockRole::kValidate)}));
+  EXPECT_THAT(answer.parameters[kStatic].remedy, StartsWith("fitting trial slide too would fix it"));
+}
+
+TEST(Remedy, NamesAPairWhenNoSingleChannelIsEnough) {
+  // The heat gives the sum of both frictions; the weak tangential channel is drowned but for their
+  // difference.
+  const auto formula = [](const Block& block, double t, const Vector& p, Vector* gradient) -> Result<double> {
+    Vector unused = Vector::Zero(3);
+    Vector& g = gradient != nullptr ? *gradient : unused;
+    if (block.channel == "sum") {
+      g << 0, 1, 1;
+      return p[1] + p[2];
+    }
+    if (block.channel == "difference") {
+      g << 0, 1, -1;
+      return p[1] - p[2];
+    }
+    g << t, 0, 0;
+    return p[0] * t;
+  };
+  ToyProblem problem(
+      {MakeParameter("stiffness", 10, 1000, 300), MakeParameter("left", 0, 15, 2),
+       MakeParameter("right", 0, 15, 1)},
+      {MakeBlock("stance", "force_y", 50, 1.5), MakeBlock("stance", "sum", 50, 1.5, BlockRole::kPredicted),
+       MakeBlock("stance", "difference", 50, 1.5, BlockRole::kPredicted)},
+      formula);
+  Random random(17);
+  problem.Measure(Values({300, 2, 1}), [&](const Block&, int) { return 3 * random.Normal(); });
+  const Uncertainty answer = Analyse(problem);
+  EXPECT_THAT(answer.parameters[1].remedy,
+              StartsWith("measuring sum and measuring difference together would fix it"));
+}
+
+TEST(Remedy, SaysWhenNothingHelps) {
+  const Uncertainty answer =
+      Analyse(FootProblem({MakeBlock("stance", "force_y", 50, 1.5),
+                           MakeBlock("stance", "temperature", 50, 1.5, BlockRole::kPredicted)}));
+  EXPECT_EQ(answer.parameters[kStatic].remedy,
+            "no channel that this model predicts would fix it in these trials");
+}
+
+TEST(Remedy, CorrelatedResidualsAreToBeExplainedFirst) {
+  // A slow wave that no parameter can follow makes the robust error many times the plain one.
+  ToyProblem problem({MakeParameter("level", 0, 20, 1)}, {MakeBlock("one", "height", 400, 1)},
+                     [](const Block&, double, const Vector& p, Vector* gradient) -> Result<double> {
+                       if (gradient != nullptr) (*gradient)[0] = 1;
+                       return p[0];
+                     });
+  Random random(8);
+  double last = 0;
+  problem.Measure(Values({3}), [&](const Block&, int) { return last = 0.97 * last + 0.5 * random.Normal(); });
+  const Uncertainty answer = Analyse(problem);
+  const ParameterVerdict& level = answer.parameters[0];
+  ASSERT_EQ(level.verdict, Verdict::kWeak) << level.reason;
+  EXPECT_THAT(level.reason, HasSubstr("the residuals are not independent"));
+  EXPECT_THAT(level.remedy, HasSubstr("explain what is left in them first"));
+  EXPECT_THAT(answer.notes.back(), HasSubstr("intervals were widened"));
+}
+
+}  // namespace
+}  // namespace sinew
