@@ -79,10 +79,9 @@ SolverOptions FitOptions::ToSolverOptions() const {
   return options;
 }
 
-Provenance Binding::ToProvenance(const BindingOptions& options, const std::string& command) const {
+Provenance Binding::ToProvenance(const BindingOptions& options) const {
   Provenance provenance;
   provenance.problem = entry->name;
-  provenance.command = command;
   provenance.data_file = options.data;
   provenance.data_hash = DatasetHash(data);
   provenance.title = data.title;

@@ -51,7 +51,7 @@ struct Binding {
   BoundProblem bound;
 
   [[nodiscard]] const Problem& problem() const { return *bound.problem; }
-  [[nodiscard]] Provenance ToProvenance(const BindingOptions& options, const std::string& command) const;
+  [[nodiscard]] Provenance ToProvenance(const BindingOptions& options) const;
   /// "synthetic, 3 train + 2 validate trials"
   [[nodiscard]] std::string DescribeData() const;
 };

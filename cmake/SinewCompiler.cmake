@@ -3,6 +3,8 @@ add_library(sinew_compiler INTERFACE)
 target_compile_features(sinew_compiler INTERFACE cxx_std_17)
 target_compile_options(sinew_compiler INTERFACE
   $<BUILD_INTERFACE:-Wall -Wextra -Wpedantic -Wshadow -Wnon-virtual-dtor -Woverloaded-virtual>
+  # gcc 12 warns of every std::optional that it inlines (its bug 80635).
+  $<BUILD_INTERFACE:$<$<CXX_COMPILER_ID:GNU>:-Wno-maybe-uninitialized>>
   # Lets "#pragma omp simd" reorder the sums of the loops that ask for it; no OpenMP runtime is involved.
   $<BUILD_INTERFACE:-fopenmp-simd>)
 if(SINEW_WERROR)

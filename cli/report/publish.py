@@ -1,6 +1,8 @@
 """From checked files to a folder of notebooks and pages, all or nothing."""
 import asyncio
 import os
+import threading
+from concurrent.futures import ThreadPoolExecutor
 
 import nbformat
 
@@ -49,7 +51,7 @@ def _publish_into(folder, out_dir, files):
             notebooks[name] = _notebook_of(file, folder)
         notebooks[OVERVIEW] = _overview(files, names, folder)
     try:
-        asyncio.run(_execute_all(notebooks, folder))
+        _execute_apart(notebooks, folder)
     except notebook.NotebookFailed as error:
         raise ReportFailed(str(error)) from error
 
@@ -121,6 +123,29 @@ def _overview(files, names, folder):
                           {"RUN_FILES": paths[run_file.RUN], "STUDY_FILES": paths[run_file.STUDY]})
 
 
+def _execute_apart(notebooks, folder):
+    """Executes all notebooks in a thread of its own, so that a Ctrl-C ends the kernels in order.
+
+    In the main thread the notebook client would catch the Ctrl-C itself and leave half of it to chance.
+    """
+    begun = threading.Event()
+    running = {}
+
+    async def work():
+        running["loop"], running["task"] = asyncio.get_running_loop(), asyncio.current_task()
+        begun.set()
+        await _execute_all(notebooks, folder)
+
+    with ThreadPoolExecutor(max_workers=1) as pool:
+        outcome = pool.submit(lambda: asyncio.run(work()))
+        try:
+            outcome.result()
+        except KeyboardInterrupt:
+            begun.wait()
+            running["loop"].call_soon_threadsafe(running["task"].cancel)
+            raise
+
+
 async def _execute_all(notebooks, folder):
     """As many kernels at once as the machine has processors; the first failure ends all."""
     free = asyncio.Semaphore(os.cpu_count() or 1)
@@ -133,12 +158,15 @@ async def _execute_all(notebooks, folder):
                 raise notebook.NotebookFailed(f"{name}.ipynb: {error}") from error
 
     tasks = [asyncio.ensure_future(execute(*entry)) for entry in notebooks.items()]
+    done = ()
     try:
-        await asyncio.gather(*tasks)
+        done, _ = await asyncio.wait(tasks, return_when=asyncio.FIRST_EXCEPTION)
     finally:
         for task in tasks:
             task.cancel()
-        await asyncio.gather(*tasks, return_exceptions=True)  # let every kernel go down before leaving
+        await asyncio.gather(*tasks, return_exceptions=True)  # every kernel is down before we leave
+    for task in done:
+        task.result()
 
 
 def _write_all(folder, texts):

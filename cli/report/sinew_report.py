@@ -30,8 +30,7 @@ def parse(arguments):
     return parser.parse_args(arguments)
 
 
-def main(arguments=None):
-    options = parse(arguments)
+def make(options):
     try:
         import publish
         from run_file import BadInput
@@ -47,11 +46,17 @@ def main(arguments=None):
     except publish.ReportFailed as error:
         print(f"sinew: the report could not be made: {error}", file=sys.stderr)
         return FAILED
+    print(f"Report: {entry}")
+    return DONE
+
+
+def main(arguments=None):
+    options = parse(arguments)
+    try:
+        return make(options)
     except KeyboardInterrupt:
         print("sinew: the report was interrupted; nothing was written", file=sys.stderr)
         return FAILED
-    print(f"Report: {entry}")
-    return DONE
 
 
 if __name__ == "__main__":

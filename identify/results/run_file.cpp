@@ -18,15 +18,13 @@ std::vector<std::string> FreeNames(const FitSetup& setup) {
   return names;
 }
 
-void WriteProvenance(const Provenance& provenance, const std::string& solver, std::uint64_t seed, int threads,
+void WriteProvenance(const Provenance& provenance, const std::string& solver, std::uint64_t seed,
                      Hdf5Node& run) {
   run.attributes["sinew_schema"] = std::string("run/1");
   run.attributes["problem"] = provenance.problem;
   run.attributes["solver"] = solver;
   run.attributes["seed"] = static_cast<std::int64_t>(seed);
-  run.attributes["threads"] = std::int64_t{threads};
   run.attributes["version"] = std::string(kVersion);
-  run.attributes["command"] = provenance.command;
   run.attributes["data_file"] = provenance.data_file;
   run.attributes["data_hash"] = provenance.data_hash;
   run.attributes["title"] = provenance.title;
@@ -177,8 +175,7 @@ Result<Hdf5Node> RunTree(const Problem& problem, const Identification& identific
                          const Provenance& provenance) {
   Hdf5Node root;
   Hdf5Node& run = root.At("run");
-  WriteProvenance(provenance, identification.solver, identification.solver_options.seed,
-                  identification.solver_options.threads, run);
+  WriteProvenance(provenance, identification.solver, identification.solver_options.seed, run);
   const SolverResult& result = identification.result;
   run.attributes["finished"] = std::int64_t{result.stop.kind == Termination::kInterrupted ? 0 : 1};
   run.attributes["stop_reason"] = std::string(ToString(result.stop.kind));
@@ -208,8 +205,7 @@ Hdf5Node UnfinishedRunTree(const LeastSquares& problem, const IdentificationOpti
                            const Provenance& provenance, const Evaluator& evaluator) {
   Hdf5Node root;
   Hdf5Node& run = root.At("run");
-  WriteProvenance(provenance, options.solver, options.solver_options.seed, options.solver_options.threads,
-                  run);
+  WriteProvenance(provenance, options.solver, options.solver_options.seed, run);
   run.attributes["finished"] = std::int64_t{0};
   run.attributes["stop_reason"] = std::string("running");
   run.attributes["stop_test"] = std::string();

@@ -13,7 +13,6 @@ namespace sinew {
 /// Where a run came from.
 struct Provenance {
   std::string problem;
-  std::string command;
   std::string data_file;
   std::string data_hash;
   std::string title;

@@ -21,6 +21,8 @@ constexpr double kStepTolerance = 1e-14;
 constexpr double kGradientTolerance = 1e-16;
 // No search that makes progress needs so many; the budget of evaluations is what users set.
 constexpr int kMaxIterations = 100000;
+// Changes of the set of variables that are held at a bound.
+constexpr int kMaxRounds = 100;
 
 // Variables that Ceres sees as one parameter block: all shared ones, or those of one trial.
 struct Group {
@@ -28,55 +30,87 @@ struct Group {
   std::vector<double> values;  // Ceres writes the iterate here
 };
 
-std::vector<Group> GroupByTrial(const LeastSquares& problem) {
+// Variables that are held at their bound are left out.
+std::vector<Group> GroupByTrial(const LeastSquares& problem, const Vector& x, const std::vector<bool>& held) {
   std::map<std::string, Group> by_trial;
   const FitSetup& setup = problem.setup();
   for (std::size_t k = 0; k < setup.free.size(); ++k) {
-    const Parameter& parameter = setup.parameters[static_cast<std::size_t>(setup.free[k])];
-    by_trial[parameter.trial].variables.push_back(static_cast<int>(k));
+    if (held[k]) continue;
+    Group& group = by_trial[setup.parameters[static_cast<std::size_t>(setup.free[k])].trial];
+    group.variables.push_back(static_cast<int>(k));
+    group.values.push_back(x[static_cast<Eigen::Index>(k)]);
   }
   std::vector<Group> groups;
-  for (auto& [trial, group] : by_trial) {
-    group.values.resize(group.variables.size());
-    groups.push_back(std::move(group));
-  }
+  for (auto& [trial, group] : by_trial) groups.push_back(std::move(group));
   return groups;
 }
 
 // Predicts the iterate that stands in the groups once; the cost functions read the answer.
 class Iterate : public ceres::EvaluationCallback {
  public:
-  Iterate(Evaluator& evaluator, std::vector<Group>& groups, const Vector& start)
-      : evaluator_(evaluator), groups_(groups), x_(start), jacobian_(evaluator.problem().NewJacobian()) {
-    for (Group& group : groups_) {
-      for (std::size_t i = 0; i < group.variables.size(); ++i) group.values[i] = start[group.variables[i]];
-    }
-  }
+  Iterate(Evaluator& evaluator, const Vector& start)
+      : evaluator_(evaluator), x_(start), jacobian_(evaluator.problem().NewJacobian()) {}
+
+  void SetGroups(const std::vector<Group>* groups) { groups_ = groups; }
 
   // With derivatives at once: most trial points are accepted, and then they are needed.
   void PrepareForEvaluation(bool /*evaluate_jacobians*/, bool /*new_evaluation_point*/) override {
-    const Vector previous = x_;
-    for (const Group& group : groups_) {
-      for (std::size_t i = 0; i < group.variables.size(); ++i) x_[group.variables[i]] = group.values[i];
+    Vector x = x_;
+    for (const Group& group : *groups_) {
+      for (std::size_t i = 0; i < group.variables.size(); ++i) x[group.variables[i]] = group.values[i];
     }
-    if (evaluated_ && x_ == previous) return;
-    outcome_ = evaluator_.Residuals(x_, residuals_, &jacobian_);
+    if (evaluated_ && x == x_) return;
+    x_ = x;
     evaluated_ = true;
+    outcome_ = evaluator_.Residuals(x_, residuals_, &jacobian_);
   }
 
   [[nodiscard]] bool ok() const { return outcome_ == Evaluator::Outcome::kOk; }
+  [[nodiscard]] const Vector& x() const { return x_; }
   [[nodiscard]] const Vector& residuals() const { return residuals_; }
   [[nodiscard]] const SparseJacobian& jacobian() const { return jacobian_; }
 
+  // For every variable: the slope of the cost, and by how much the cost would fall if the variable alone went
+  // to the minimum of the linearised problem.
+  struct Slopes {
+    Vector gradient;
+    Vector gain;
+  };
+  [[nodiscard]] Slopes GetSlopes() const {
+    Slopes slopes{Vector::Zero(x_.size()), Vector::Zero(x_.size())};
+    Vector curvature = Vector::Zero(x_.size());
+    for (const SparseJacobian::Piece& piece : jacobian_.pieces) {
+      const auto rows = residuals_.segment(piece.first_row, piece.values.rows());
+      for (std::size_t k = 0; k < piece.variables.size(); ++k) {
+        const auto column = piece.values.col(static_cast<Eigen::Index>(k));
+        slopes.gradient[piece.variables[k]] += column.dot(rows);
+        curvature[piece.variables[k]] += column.squaredNorm();
+      }
+    }
+    for (Eigen::Index k = 0; k < x_.size(); ++k) {
+      if (curvature[k] > 0) slopes.gain[k] = 0.5 * slopes.gradient[k] * slopes.gradient[k] / curvature[k];
+    }
+    return slopes;
+  }
+
  private:
   Evaluator& evaluator_;
-  std::vector<Group>& groups_;
+  const std::vector<Group>* groups_ = nullptr;
   Vector x_;
   Vector residuals_;
   SparseJacobian jacobian_;
   bool evaluated_ = false;
   Evaluator::Outcome outcome_ = Evaluator::Outcome::kOk;
 };
+
+// Variables that the cost pushes against their bound.
+std::vector<bool> Pushed(const Vector& x, const Vector& gradient) {
+  std::vector<bool> pushed(static_cast<std::size_t>(x.size()));
+  for (Eigen::Index k = 0; k < x.size(); ++k) {
+    pushed[static_cast<std::size_t>(k)] = (x[k] == 0 && gradient[k] > 0) || (x[k] == 1 && gradient[k] < 0);
+  }
+  return pushed;
+}
 
 // Residuals of one piece of the Jacobian: a training block, or a prior.
 class PieceCost : public ceres::CostFunction {
@@ -131,17 +165,33 @@ class PieceCost : public ceres::CostFunction {
   std::vector<Columns> columns_;  // per group in groups_
 };
 
-// Ends the iterations once the evaluator said stop.
-class StopCallback : public ceres::IterationCallback {
+// Ends the iterations once the evaluator said stop, or a variable stays at a bound that it is pushed against.
+class IterationEnd : public ceres::IterationCallback {
  public:
-  explicit StopCallback(const Evaluator& evaluator) : evaluator_(evaluator) {}
-  ceres::CallbackReturnType operator()(const ceres::IterationSummary& /*summary*/) override {
-    return evaluator_.stop_cause() == Evaluator::StopCause::kNone ? ceres::SOLVER_CONTINUE
-                                                                  : ceres::SOLVER_TERMINATE_SUCCESSFULLY;
+  IterationEnd(const Evaluator& evaluator, const Iterate& iterate, const std::vector<bool>& held)
+      : evaluator_(evaluator), iterate_(iterate), held_(held), pushed_for_(held.size(), 0) {}
+
+  [[nodiscard]] bool found_active_bound() const { return found_active_bound_; }
+
+  ceres::CallbackReturnType operator()(const ceres::IterationSummary& summary) override {
+    if (evaluator_.stop_cause() != Evaluator::StopCause::kNone) return ceres::SOLVER_TERMINATE_SUCCESSFULLY;
+    if (summary.step_is_successful && iterate_.ok()) pushed_ = Pushed(iterate_.x(), iterate_.GetSlopes().gradient);
+    for (std::size_t k = 0; k < pushed_.size(); ++k) {
+      pushed_for_[k] = pushed_[k] && !held_[k] ? pushed_for_[k] + 1 : 0;
+      if (pushed_for_[k] >= kPatience) found_active_bound_ = true;
+    }
+    return found_active_bound_ ? ceres::SOLVER_TERMINATE_SUCCESSFULLY : ceres::SOLVER_CONTINUE;
   }
 
  private:
+  static constexpr int kPatience = 3;
+
   const Evaluator& evaluator_;
+  const Iterate& iterate_;
+  const std::vector<bool>& held_;
+  std::vector<bool> pushed_;
+  std::vector<int> pushed_for_;  // iterations in a row
+  bool found_active_bound_ = false;
 };
 
 bool StartsWith(const std::string& text, const std::string& beginning) {
@@ -170,17 +220,19 @@ void SilenceGlog() {
   (void)kLevel;
 }
 
-}  // namespace
+// One run of Ceres over the variables that are not held.
+struct Round {
+  ceres::Solver::Summary summary;
+  bool found_active_bound = false;
+};
 
-Search CeresSolver::DoSolve(Evaluator& evaluator, const Vector& start) const {
-  SilenceGlog();
-  std::vector<Group> groups = GroupByTrial(evaluator.problem());
-  Iterate iterate(evaluator, groups, start);
-  std::vector<std::unique_ptr<PieceCost>> costs;
-
+Round SolveFace(Evaluator& evaluator, Iterate& iterate, std::vector<Group>& groups, const std::vector<bool>& held,
+                double cost_tolerance) {
+  iterate.SetGroups(&groups);
   ceres::Problem::Options ownership;
   ownership.cost_function_ownership = ceres::DO_NOT_TAKE_OWNERSHIP;
   ownership.evaluation_callback = &iterate;
+  std::vector<std::unique_ptr<PieceCost>> costs;
   ceres::Problem problem(ownership);
   for (Group& group : groups) {
     const int size = static_cast<int>(group.values.size());
@@ -194,7 +246,7 @@ Search CeresSolver::DoSolve(Evaluator& evaluator, const Vector& start) const {
     costs.push_back(std::make_unique<PieceCost>(iterate, piece, groups));
     std::vector<double*> blocks;
     for (const std::size_t g : costs.back()->groups()) blocks.push_back(groups[g].values.data());
-    // A block that no free variable moves adds a constant to the cost.
+    // A piece that no variable of the face moves adds a constant to the cost.
     if (!blocks.empty()) problem.AddResidualBlock(costs.back().get(), nullptr, blocks);
   }
 
@@ -205,15 +257,67 @@ Search CeresSolver::DoSolve(Evaluator& evaluator, const Vector& start) const {
   options.num_threads = 1;
   options.logging_type = ceres::SILENT;
   options.max_num_iterations = kMaxIterations;
-  options.function_tolerance = cost_tolerance_;
+  options.function_tolerance = cost_tolerance;
   options.parameter_tolerance = kStepTolerance;
   options.gradient_tolerance = kGradientTolerance * evaluator.best().cost;
-  StopCallback stop(evaluator);
-  options.callbacks.push_back(&stop);
+  IterationEnd end(evaluator, iterate, held);
+  options.callbacks.push_back(&end);
 
-  ceres::Solver::Summary summary;
-  ceres::Solve(options, &problem, &summary);
-  return {StopFromSummary(summary), static_cast<int>(summary.iterations.size()), {}};
+  Round round;
+  ceres::Solve(options, &problem, &round.summary);
+  round.found_active_bound = end.found_active_bound();
+  return round;
+}
+
+}  // namespace
+
+// Ceres keeps to bounds by projecting its steps. Along an active bound these get poor, and it may stop where the
+// cost still falls along the others; so variables that are pushed against a bound are held there, and released
+// when they are no longer.
+Search CeresSolver::DoSolve(Evaluator& evaluator, const Vector& start) const {
+  SilenceGlog();
+  const auto n = static_cast<std::size_t>(start.size());
+  Iterate iterate(evaluator, start);
+  Vector x = start;
+  std::vector<bool> held(n, false);
+  Search search;
+  for (int rounds = 0; rounds < kMaxRounds; ++rounds) {
+    std::vector<Group> groups = GroupByTrial(evaluator.problem(), x, held);
+    Round round;
+    if (!groups.empty()) {
+      round = SolveFace(evaluator, iterate, groups, held, cost_tolerance_);
+      search.stop = StopFromSummary(round.summary);
+      search.iterations += static_cast<int>(round.summary.iterations.size());
+      if (evaluator.stop_cause() != Evaluator::StopCause::kNone) return search;
+      for (const Group& group : groups) {
+        for (std::size_t i = 0; i < group.variables.size(); ++i) x[group.variables[i]] = group.values[i];
+      }
+    }
+    const bool at_bound = (x.array() == 0 || x.array() == 1).any();
+    if (!at_bound || (!round.found_active_bound && !search.stop.converged() && !groups.empty())) return search;
+
+    iterate.PrepareForEvaluation(true, true);
+    if (!iterate.ok()) return search;
+    const Iterate::Slopes slopes = iterate.GetSlopes();
+    const std::vector<bool> pushed = Pushed(x, slopes.gradient);
+    double gain = 0;
+    for (std::size_t k = 0; k < n; ++k) {
+      if (!pushed[k]) gain = std::max(gain, slopes.gain[static_cast<Eigen::Index>(k)]);
+    }
+    const double allowed = cost_tolerance_ * evaluator.best().cost;
+    if (gain <= allowed) {
+      if (groups.empty() || !search.stop.converged()) {
+        search.stop = {Termination::kGradient,
+                       fmt::format("no variable alone lowers the cost by more than {:.3g} <= {:.3g}", gain, allowed)};
+      }
+      return search;
+    }
+    if (pushed == held) return search;
+    held = pushed;
+  }
+  search.stop = {Termination::kSolverFailed,
+                 fmt::format("the set of variables at their bounds did not settle in {} rounds", kMaxRounds)};
+  return search;
 }
 
 }  // namespace sinew

@@ -12,7 +12,8 @@ namespace sinew {
 /// form a parameter block of their own, so that many trials with nuisance values give a sparse Jacobian; the
 /// normal equations are then factorised sparsely (Cholesky), else the Jacobian is by dense QR. A point without
 /// prediction is a rejected step. Stops on the relative change of the cost, on the projected gradient relative
-/// to the first cost, and on the length of the step.
+/// to the first cost, and on the length of the step. Departure: variables that the cost pushes against a bound
+/// are held there while the others are searched (an active set); Ceres alone stops too early at active bounds.
 class CeresSolver : public Solver {
  public:
   explicit CeresSolver(double cost_tolerance) : cost_tolerance_(cost_tolerance) {}

@@ -14,8 +14,9 @@
 namespace sinew {
 namespace {
 
-constexpr double kStepTolerance = 1e-10;           // in the unit box
-constexpr int kDefaultGlobalEvaluations = 20000;   // global searches without a budget
+constexpr double kStepTolerance = 1e-10;             // in the unit box
+constexpr int kDefaultGlobalEvaluations = 20000;     // global searches without a budget
+constexpr long kMostStogoEvaluations = 100000;
 constexpr double kCostWithoutAnyPrediction = 1e100;  // until one point has a cost
 
 using Handle = std::unique_ptr<nlopt_opt_s, void (*)(nlopt_opt)>;
@@ -55,7 +56,7 @@ double CostForNlopt(unsigned n, const double* x, double* gradient, void* data) {
     return std::isfinite(call.objective.worst()) ? 2 * call.objective.worst() : kCostWithoutAnyPrediction;
   }
   if (cost < call.best) {
-    call.last_improvement = std::isfinite(call.best) ? (call.best - cost) / std::abs(cost) : 1;
+    call.last_improvement = std::isfinite(call.best) ? (call.best - cost) / call.best : 1;
     call.best = cost;
   }
   return cost;
@@ -107,7 +108,12 @@ class NloptSolver : public Solver {
     nlopt_set_upper_bounds1(opt, 1);
     SetStops(opt);
     const bool limited = evaluator.options().budget.max_evaluations != Budget{}.max_evaluations;
-    if (global() && !limited) nlopt_set_maxeval(opt, kDefaultGlobalEvaluations);
+    int most = global() && !limited ? kDefaultGlobalEvaluations : 0;
+    // StoGO heeds no nlopt_force_stop: when the evaluator says stop it goes on, on no cost, up to its own limit.
+    if (limited && Contains(name_, "STOGO")) {
+      most = static_cast<int>(std::min(evaluator.remaining().max_evaluations, kMostStogoEvaluations));
+    }
+    nlopt_set_maxeval(opt, most);
     if (Contains(name_, "MLSL") || Contains(name_, "AUGLAG")) {
       const bool gradient = name_[1] == 'D';
       const Handle local(nlopt_create(gradient ? NLOPT_LD_LBFGS : NLOPT_LN_BOBYQA, n), &nlopt_destroy);
@@ -128,6 +134,9 @@ class NloptSolver : public Solver {
 
   [[nodiscard]] Stop StopFromNlopt(nlopt_result result, nlopt_opt opt, const Call& call) const {
     const std::string last = fmt::format("last improvement {:.3g} of the cost", call.last_improvement);
+    // StoGO calls that a success.
+    const int most = nlopt_get_maxeval(opt);
+    if (most > 0 && nlopt_get_numevals(opt) >= most) result = NLOPT_MAXEVAL_REACHED;
     switch (result) {
       case NLOPT_FTOL_REACHED:
         return {Termination::kCostChange,
@@ -142,8 +151,7 @@ class NloptSolver : public Solver {
                 "NLopt's own test of convergence; " + last};
       case NLOPT_MAXEVAL_REACHED:
         return {Termination::kMaxEvaluations,
-                fmt::format("{} evaluations, the default for a global search without a budget; {}",
-                            kDefaultGlobalEvaluations, last)};
+                fmt::format("{} evaluations, the most that this search is given; {}", most, last)};
       default: {
         const char* words = nlopt_get_errmsg(opt);
         return {Termination::kSolverFailed,

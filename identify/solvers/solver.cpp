@@ -102,10 +102,10 @@ SolverResult Solver::Solve(Evaluator& evaluator, const Vector& start) const {
   double cost = kInfinity;
   if (!IsEvaluated(evaluator, start)) evaluator.Cost(start, cost);
 
-  const bool evaluated = evaluator.stop_cause() == Evaluator::StopCause::kNone;
+  const bool evaluated = IsEvaluated(evaluator, start);
   if (evaluated && evaluator.problem().variables() == 0) {
     result.stop = {Termination::kNothingFree, "no parameter is free; the start was evaluated"};
-  } else if (evaluated && (evaluator.has_best() || ToleratesFailedStart())) {
+  } else if (!evaluator.MustStop() && (evaluator.has_best() || ToleratesFailedStart())) {
     Search search = DoSolve(evaluator, start);
     result.stop = std::move(search.stop);
     result.iterations = search.iterations;

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 #include <set>
 #include <utility>
 
@@ -54,11 +55,17 @@ bool Explainer::WideWith(int variable, double error) const {
                 LinearInterval(problem_, at_.x, variable, quantile_ * error));
 }
 
-int Explainer::DominantDirection(const Information& info, int j) const {
-  int dominant = 0;
+double Explainer::ErrorTogether(int j) const {
+  if (!info_.determined[static_cast<std::size_t>(j)]) return std::numeric_limits<double>::infinity();
+  return (info_.columns * info_.inverse.col(j)).cwiseProduct(noise_.deviation).norm();
+}
+
+int Explainer::DominantDirection(int j) const {
+  const bool lost = !info_.determined[static_cast<std::size_t>(j)];
+  int dominant = lost ? info_.rank : 0;
   double largest = -1;
-  for (int i = 0; i < info.rank; ++i) {
-    const double share = std::abs(info.directions(j, i)) / info.singular_values[i];
+  for (int i = dominant; i < (lost ? static_cast<int>(info_.directions.cols()) : info_.rank); ++i) {
+    const double share = std::abs(info_.directions(j, i)) / (lost ? 1 : info_.singular_values[i]);
     if (share > largest) {
       largest = share;
       dominant = i;
@@ -67,13 +74,13 @@ int Explainer::DominantDirection(const Information& info, int j) const {
   return dominant;
 }
 
-std::string Explainer::Partners(const Information& info, int j, int direction) const {
-  const double largest = info.directions.col(direction).cwiseAbs().maxCoeff();
+std::string Explainer::Partners(int j, int direction) const {
+  const double largest = info_.directions.col(direction).cwiseAbs().maxCoeff();
   std::vector<std::pair<double, std::string>> partners;
-  for (std::size_t i = 0; i < info.variables.size(); ++i) {
-    const double loading = std::abs(info.directions(static_cast<Eigen::Index>(i), direction));
+  for (std::size_t i = 0; i < info_.variables.size(); ++i) {
+    const double loading = std::abs(info_.directions(static_cast<Eigen::Index>(i), direction));
     if (static_cast<int>(i) == j || loading < kNamedLoading * largest) continue;
-    partners.emplace_back(-loading, parameter(info.variables[i]).name);
+    partners.emplace_back(-loading, parameter(info_.variables[i]).name);
   }
   std::stable_sort(partners.begin(), partners.end(),
                    [](const auto& a, const auto& b) { return a.first < b.first; });
@@ -82,13 +89,13 @@ std::string Explainer::Partners(const Information& info, int j, int direction) c
   return names.empty() ? std::string{} : List(std::move(names));
 }
 
-std::string Explainer::NuisancePartners(const Information& info, int j) const {
-  const Vector share = info.nuisance_share.col(j);
+std::string Explainer::NuisancePartners(int j) const {
+  const Vector share = info_.nuisance_share.col(j);
   const double largest = share.maxCoeff();
   std::vector<std::string> names;
-  for (std::size_t i = 0; i < info.nuisance.size(); ++i) {
+  for (std::size_t i = 0; i < info_.nuisance.size(); ++i) {
     if (share[static_cast<Eigen::Index>(i)] >= kNamedLoading * largest) {
-      names.push_back(parameter(info.nuisance[i]).name);
+      names.push_back(parameter(info_.nuisance[i]).name);
     }
   }
   return List(std::move(names));
@@ -146,50 +153,44 @@ std::string Explainer::WhyUndetermined(int variable) const {
   }
   const int j = info_.index_of(variable);
   if (info_.lost_to_nuisance[static_cast<std::size_t>(j)]) {
-    return fmt::format("whatever it changes, {} can undo, which {} fitted as well{}",
-                       NuisancePartners(info_, j), info_.nuisance.size() == 1 ? "is" : "are", prior);
+    return fmt::format("whatever it changes, {} can undo, which {} fitted as well{}", NuisancePartners(j),
+                       info_.nuisance.size() == 1 ? "is" : "are", prior);
   }
-  int direction = info_.rank;
-  for (int i = info_.rank; i < info_.directions.cols(); ++i) {
-    if (std::abs(info_.directions(j, i)) > std::abs(info_.directions(j, direction))) direction = i;
-  }
-  return fmt::format("only a combination with {} is determined: {}{}", Partners(info_, j, direction),
+  const int direction = DominantDirection(j);
+  return fmt::format("only a combination with {} is determined: {}{}", Partners(j, direction),
                      DirectionInWords(direction), prior);
 }
 
-std::string Explainer::WhyWide(int variable, const Interval& interval, double plain, double widest) const {
+std::string Explainer::WhyWide(int variable, const Interval& interval, double error) const {
   const std::string width = Width(variable, interval);
-  const auto error = [&](double x) { return WithUnit(x * at_.slopes[variable], parameter(variable).unit); };
+  const auto in_units = [&](double x) {
+    return WithUnit(x * at_.slopes[variable], parameter(variable).unit);
+  };
+  const int j = info_.index_of(variable);
+  const double plain = ErrorTogether(j);
   if (!WideWith(variable, plain)) {
-    if (!WideWith(variable, widest)) return width + ": the fit worsens slowly away from the best value";
+    if (!WideWith(variable, error)) return width + ": the fit worsens slowly away from the best value";
     return fmt::format(
         "{}: the residuals are not independent; if they were, its standard error would be {} "
         "instead of {}",
-        width, error(plain), error(widest));
+        width, in_units(plain), in_units(error));
   }
+  const std::string instead = std::isfinite(plain) ? " instead of " + in_units(plain) : "";
   const double alone = ErrorAlone(at_.jacobian.col(variable));
   if (WideWith(variable, alone)) {
     return fmt::format(
         "{}: the excitation is too small, even if all other values were known its standard error "
         "would be {}",
-        width, error(alone));
+        width, in_units(alone));
   }
-  // A variable on its bound is not among those of info_.
-  std::vector<int> variables = info_.variables;
-  if (info_.index_of(variable) < 0) variables.push_back(variable);
-  const bool is_known = variables.size() == info_.variables.size();
-  const Information info = is_known ? info_ : MakeInformation(at_.jacobian, variables, info_.nuisance);
-  const int j = info.index_of(variable);
-  const double without_nuisance = ErrorAlone(info.columns.col(j));
+  const double without_nuisance = ErrorAlone(info_.columns.col(j));
   if (WideWith(variable, without_nuisance)) {
     return fmt::format(
-        "{}: {} can undo nearly all that it changes; if known, its standard error would be {} "
-        "instead of {}",
-        width, NuisancePartners(info, j), error(alone), error(plain));
+        "{}: {} can undo nearly all that it changes; if known, its standard error would be {}{}", width,
+        NuisancePartners(j), in_units(alone), instead);
   }
-  return fmt::format(
-      "{}: it is hard to tell from {}; with them known its standard error would be {} instead of {}", width,
-      Partners(info, j, DominantDirection(info, j)), error(without_nuisance), error(plain));
+  return fmt::format("{}: it is hard to tell from {}; with them known its standard error would be {}{}",
+                     width, Partners(j, DominantDirection(j)), in_units(without_nuisance), instead);
 }
 
 std::string Explainer::WhyAtBound(int variable) const {
@@ -223,8 +224,10 @@ std::vector<std::string> Explainer::OpenDirections(const std::vector<int>& wide_
   for (int i = info_.rank; i < info_.directions.cols(); ++i) directions.insert(i);
   for (const int variable : wide_variables) {
     const int j = info_.index_of(variable);
-    if (j < 0 || !info_.determined[static_cast<std::size_t>(j)]) continue;
-    if (!WideWith(variable, ErrorAlone(info_.columns.col(j)))) directions.insert(DominantDirection(info_, j));
+    if (j < 0) continue;
+    const bool together = WideWith(variable, ErrorTogether(j));
+    if (together && !WideWith(variable, ErrorAlone(info_.columns.col(j))))
+      directions.insert(DominantDirection(j));
   }
   std::vector<std::string> sentences;
   for (const int direction : directions) {

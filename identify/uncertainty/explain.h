@@ -15,17 +15,16 @@ namespace sinew {
 /// All must outlive this object.
 class Explainer {
  public:
-  /// @param info of the data alone, without the priors of findings @param quantile of a 95 % interval
+  /// @param info of the data alone, without the priors of findings, and as if no variable were on a bound
+  /// @param quantile of a 95 % interval
   Explainer(const LeastSquares& problem, const Linearization& at, const Information& info, const Noise& noise,
             double quantile)
       : problem_(problem), at_(at), info_(info), noise_(noise), quantile_(quantile) {}
 
   /// For a variable that no fitted channel depends on, or that takes part in a lost direction.
   [[nodiscard]] std::string WhyUndetermined(int variable) const;
-  /// For an interval that is too wide. @param plain, widest errors in the unit
-  /// box: for independent residuals, and the one that the interval is made of
-  [[nodiscard]] std::string WhyWide(int variable, const Interval& interval, double plain,
-                                    double robust) const;
+  /// For an interval that is too wide. @param error that it is made of, unit box
+  [[nodiscard]] std::string WhyWide(int variable, const Interval& interval, double error) const;
   [[nodiscard]] std::string WhyAtBound(int variable) const;
   [[nodiscard]] std::string WhyIdentifiable(int variable, const Interval& interval) const;
 
@@ -38,11 +37,13 @@ class Explainer {
   [[nodiscard]] double value(int variable) const;
   /// Standard error of one variable if the columns of all others did not exist, unit box.
   [[nodiscard]] double ErrorAlone(const VectorRef& column) const;
+  /// Standard error of the variable at place j with all others fitted, for independent residuals, unit box.
+  [[nodiscard]] double ErrorTogether(int j) const;
   [[nodiscard]] bool WideWith(int variable, double error) const;
   /// The direction that makes up most of the variance of the variable at place j.
-  [[nodiscard]] int DominantDirection(const Information& info, int j) const;
-  [[nodiscard]] std::string Partners(const Information& info, int j, int direction) const;
-  [[nodiscard]] std::string NuisancePartners(const Information& info, int j) const;
+  [[nodiscard]] int DominantDirection(int j) const;
+  [[nodiscard]] std::string Partners(int j, int direction) const;
+  [[nodiscard]] std::string NuisancePartners(int j) const;
   [[nodiscard]] std::string DirectionInWords(int direction) const;
   [[nodiscard]] std::string Width(int variable, const Interval& interval) const;
 

@@ -1,6 +1,7 @@
 #include "identify/uncertainty/profile.h"
 
 #include <tbb/enumerable_thread_specific.h>
+#include <tbb/info.h>
 #include <tbb/parallel_for.h>
 #include <tbb/task_arena.h>
 
@@ -148,7 +149,8 @@ std::vector<Profile> ProfileIntervals(const LeastSquares& problem, const Vector&
   const long part = std::max(1L, options.max_evaluations / static_cast<long>(ends));
   std::vector<double> lowest(ends);
   std::vector<long> used(ends);
-  tbb::task_arena arena(std::max(1, options.threads));
+  // More threads than the machine has only make TBB complain.
+  tbb::task_arena arena(std::clamp(options.threads, 1, tbb::info::default_concurrency()));
   arena.execute([&] {
     tbb::enumerable_thread_specific<LocalFit> fits([&] { return LocalFit(problem, options.penalty); });
     tbb::parallel_for(std::size_t{0}, ends, [&](std::size_t i) {

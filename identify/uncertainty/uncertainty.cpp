@@ -3,7 +3,9 @@
 #include <Eigen/Cholesky>
 #include <algorithm>
 #include <cmath>
+#include <iterator>
 #include <limits>
+#include <optional>
 #include <utility>
 
 #include "base/text.h"
@@ -23,8 +25,9 @@ namespace {
 constexpr double kInfinity = std::numeric_limits<double>::infinity();
 constexpr double kUpperProbability = 0.975;  // of a two-sided 95 % interval
 constexpr long kPolishEvaluations = 100;
-// Gain in cost at which the local search stops, over that which one standard error makes.
-constexpr double kPolishTolerance = 1e-8;
+// Gain in cost at which the local search stops, over that which one standard error makes: a millionth of an
+// error.
+constexpr double kPolishTolerance = 1e-12;
 // A gain of the local search that is worth a word, on the same scale: a tenth of a standard error is 0.01.
 constexpr double kNotedGain = 0.01;
 // Ratio of robust to plain error from which a reader is told.
@@ -81,8 +84,9 @@ class Analysis {
   double cost_ = 0;  // of LocalFit at the minimum
   double penalty_ = 0;
   std::vector<int> inner_nuisance_;
-  Information all_;   // with priors: errors
-  Information data_;  // without the priors of findings: verdicts
+  Information all_;       // with priors: errors
+  Information data_;      // without the priors of findings: verdicts
+  Information released_;  // the same, as if no variable were on a bound: reasons
   Noise noise_;
   double quantile_ = 0;
   Matrix plain_;  // [k of all_]
@@ -139,6 +143,10 @@ void Analysis::MakeInformations() {
     data_only.row(at_.data_rows + static_cast<Eigen::Index>(i)).setZero();
   }
   data_ = MakeInformation(data_only, inner(at_.reported, false), inner_nuisance_);
+  std::vector<int> released;
+  std::copy_if(at_.reported.begin(), at_.reported.end(), std::back_inserter(released),
+               [&](int v) { return standing(v) != Standing::kNoDependence; });
+  released_ = MakeInformation(data_only, released, inner_nuisance_);
 }
 
 void Analysis::FindErrors() {
@@ -267,9 +275,9 @@ void Analysis::FindIntervals() {
 }
 
 void Analysis::Describe(const Vector& x) {
-  const Explainer explainer(problem_, at_, data_, noise_, quantile_);
+  const Explainer explainer(problem_, at_, released_, noise_, quantile_);
   const Vector values = problem_.Parameters(x);
-  const RemedyFinder remedies(problem_, at_, noise_, quantile_);
+  std::optional<RemedyFinder> remedies;  // predicts all other channels: only if somebody needs it
   std::vector<int> wide;
   for (const Finding& finding : findings_) {
     const int v = finding.variable;
@@ -297,10 +305,10 @@ void Analysis::Describe(const Vector& x) {
         break;
       case Verdict::kWeak:
       case Verdict::kNotIdentifiable:
-        verdict.reason = finding.determined
-                             ? explainer.WhyWide(v, finding.interval, finding.plain, finding.widest)
-                             : explainer.WhyUndetermined(v);
-        verdict.remedy = remedies.For(v);
+        verdict.reason = finding.determined ? explainer.WhyWide(v, finding.interval, finding.widest)
+                                            : explainer.WhyUndetermined(v);
+        if (!remedies) remedies.emplace(problem_, at_, noise_, quantile_);
+        verdict.remedy = remedies->For(v);
         wide.push_back(v);
         break;
     }

@@ -30,9 +30,10 @@ enum class IntervalKind {
 [[nodiscard]] const char* ToString(IntervalKind kind);
 
 struct ParameterVerdict {
-  int parameter = 0;            ///< index into Problem::parameters()
-  double value = 0;             ///< at the solution; all figures in the parameter's unit
-  double std_error = 0;         ///< for independent residuals; infinite if not determined
+  int parameter = 0;  ///< index into Problem::parameters()
+  double value = 0;   ///< at the solution; all figures in the parameter's unit
+  /// For independent residuals, with values that are on a bound held there; infinite if not determined.
+  double std_error = 0;
   double std_error_robust = 0;  ///< for heteroskedastic and autocorrelated residuals, see RobustCovariance
   double ci95_lower = 0;
   double ci95_upper = 0;
@@ -58,7 +59,7 @@ struct Uncertainty {
   double degrees_of_freedom = 0;        ///< of the estimated noise; infinite if all levels are known
   Vector minimum;                       ///< [P] parameters at the minimum that the intervals are about
   std::vector<std::string> notes;       ///< what a reader of the intervals must know, one sentence each
-  long evaluations = 0;
+  long evaluations = 0;                 ///< of the local search and the profiles
 };
 
 struct UncertaintyOptions {

@@ -100,7 +100,7 @@ class Builder {
 
   Result<std::unique_ptr<SimbodyModel>> Build() {
     built_->name = model_.name;
-    SimTK::Force::Gravity(built_->forces, built_->matter, ToSimbody(model_.gravity));
+    const SimTK::Force::Gravity gravity(built_->forces, built_->matter, ToSimbody(model_.gravity));
     NameBodies();
     SINEW_TRY(CheckJoints());
     NumberCoordinates();
@@ -254,7 +254,8 @@ class Builder {
       bodies.push_back(built_->coordinates[static_cast<std::size_t>(index)].body);
       qs.push_back(built_->coordinates[static_cast<std::size_t>(index)].q);
     }
-    SimTK::Constraint::CoordinateCoupler(built_->matter, new CouplerFunction(function), bodies, qs);
+    const SimTK::Constraint::CoordinateCoupler coupler(built_->matter, new CouplerFunction(function), bodies,
+                                                       qs);
   }
 
   Status AddMarkers() {

@@ -25,8 +25,8 @@ for name, run in runs.items():
     findings = text_list(run["/run/findings"])[:3] if "/run/findings" in run else []
     doubts = [] if about[name]["finished"] else ["This run has not finished."]
     doubts += [] if about[name]["usable"] else ["The answer of this run is not usable."]
-    cards.append(f'<h3>{link(name)} <small>{escape(about[name]["title"])}</small></h3>' + items(findings, "findings")
-                 + (items(doubts, "warnings") if doubts else ""))
+    cards.append(f'<h3>{link(name)} <small>{escape(about[name]["title"])}</small></h3>'
+                 + (items(doubts, "warnings") if doubts else "") + items(findings, "findings"))
 for name, study in studies.items():
     solvers, success = np.array(text_list(study["/study/runs/solver"])), study["/study/runs/success"][:]
     shares = [f"{solver} reached the target in {int(success[mine].sum())} of {mine.sum()} runs."

@@ -1,6 +1,7 @@
 # %% setup
 # Libraries, the look of the figures, and how numbers are written for people.
 import re
+import textwrap
 from html import escape
 
 import h5py
@@ -71,8 +72,16 @@ def duration(seconds):
 
 
 def headline(figure, text):
-    """What the figure shows, in words, above it."""
-    figure.suptitle(text, x=0.0, ha="left")
+    """What the figure shows, in words, above it; returns the number of lines."""
+    lines = textwrap.wrap(text, 100)
+    figure.suptitle("\n".join(lines), x=0.0, ha="left")
+    return len(lines)
+
+
+def in_order(names):
+    """trial_2 before trial_10."""
+    return sorted(names, key=lambda name: [(not part.isdigit(), int(part) if part.isdigit() else 0, part)
+                                           for part in re.split(r"([0-9]+)", name)])
 
 
 def by_decades(axes, which):

@@ -28,7 +28,7 @@ regions = dict(sorted(regions.items(), key=lambda item: "left" in item[1]["side"
 time = next(iter(regions.values()))["time"]
 force = sum(np.interp(time, region["time"], region["force"]) for region in regions.values())
 instant = time[np.argmax(force)]  # any other instant of the trial [s]: change this
-highest = max(max(region["pressure"].max() for region in regions.values()), 1e-9)
+highest = max(region["pressure"].max() for region in regions.values()) or 1.0  # kPa
 colours = plt.get_cmap("magma_r").copy()
 colours.set_under("#efefef")  # faces that carry nothing
 

@@ -27,6 +27,8 @@ if reached.size:
     near = count[best <= reached[-1] + 0.01 * (reached[0] - reached[-1])][0]
     finding = f"99 % of the improvement came within the first {near} of {len(cost)} evaluations" \
         if reached[0] > reached[-1] else f"No evaluation was better than the first, out of {len(cost)}"
+else:
+    axis.set_yticks([])
 if failed.any():
     axis.plot(count[failed], np.zeros(failed.sum()), "|", color=VALIDATE, ms=8, transform=axis.get_xaxis_transform(),
               label=f"failed simulation ({failed.sum()})", clip_on=False)

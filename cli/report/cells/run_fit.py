@@ -25,7 +25,7 @@ def pooled_rmse(some):
     return np.sqrt(np.average([f["rmse"] ** 2 for f in known], weights=[f["n"] for f in known])) if known else np.nan
 
 
-def draw_channel(channel, most=6):
+def draw_channel(channel, most):
     """One channel: a panel per trial, at most `most` fitted and as many others, with the residual beneath."""
     every = [fit for fit in fits if fit["channel"] == channel and np.isfinite(fit["measured"]).any()]
     every.sort(key=lambda fit: fit["role"] == "validate")
@@ -35,11 +35,23 @@ def draw_channel(channel, most=6):
         part[i:i + 3] for part in (train[:most], validate[:most]) for i in range(0, len(part), 3)]
     unit = every[0]["unit"]
 
+    fitted, unseen = pooled_rmse(train), pooled_rmse(validate)
+    finding = f"{channel}: off by {number(fitted, 2)} {unit} (RMSE) where fitted"
+    if validate and train:
+        verdict = "holds" if unseen <= 1.25 * fitted else "gets worse"
+        finding += f", {number(unseen, 2)} {unit} where not: the fit {verdict} on trials it never saw"
+    elif validate:
+        finding = f"{channel}: off by {number(unseen, 2)} {unit} (RMSE) on trials it never saw"
+    shown = sum(map(len, rows))
+    if shown < len(every):
+        finding += f" ({shown} of {len(every)} trials shown)"
+
     height = 0.55 + 3.0 * len(rows)
     figure = plt.figure(figsize=(WIDTH, height))
+    lines = headline(figure, finding)
     figure.set_layout_engine("none")  # with many panels, fixed places are drawn much faster than fitted ones
     columns = max(map(len, rows))
-    bands = figure.add_gridspec(len(rows), columns, left=0.075, right=0.995, top=1 - 0.75 / height,
+    bands = figure.add_gridspec(len(rows), columns, left=0.075, right=0.995, top=1 - (0.57 + 0.18 * lines) / height,
                                 bottom=0.45 / height, wspace=0.08, hspace=0.42)
     values = np.concatenate([fit[key][np.isfinite(fit[key])] for fit in every for key in ("measured", "simulated")])
     low, high = values.min(), values.max()
@@ -51,7 +63,8 @@ def draw_channel(channel, most=6):
             upper = figure.add_subplot(panel[0])
             lower = figure.add_subplot(panel[1], sharex=upper)
             upper.plot(fit["time"], fit["simulated"], color=fit["colour"], lw=2.2, label="simulated")
-            sparse = np.isnan(fit["measured"]).mean() > 0.5  # sampled more coarsely than the simulation
+            known = np.isfinite(fit["measured"])
+            sparse = 2 * (known[1:] & known[:-1]).sum() < known.sum()  # single samples that no line would join
             upper.plot(fit["time"], fit["measured"], "." if sparse else "-", ms=3, lw=0.9, color=MEASURED,
                        label="measured")
             upper.set_ylim(low - 0.05 * (high - low or 1), high + 0.08 * (high - low or 1))
@@ -62,6 +75,9 @@ def draw_channel(channel, most=6):
             lower.plot(fit["residual_time"], fit["residual"], color=fit["colour"], lw=0.8)
             lower.axhline(0, color="#999999", lw=0.8)
             lower.set_ylim(-1.1 * worst, 1.1 * worst)
+            upper.locator_params(nbins=4)
+            lower.locator_params(axis="x", nbins=4)
+            lower.locator_params(axis="y", nbins=3)
             upper.tick_params(labelbottom=False, labelleft=c == 0)
             lower.tick_params(labelleft=c == 0)
             lower.set_xlabel("time (s)")
@@ -71,21 +87,11 @@ def draw_channel(channel, most=6):
                 figure.align_ylabels([upper, lower])
             if r == 0 and c == 0:
                 upper.legend(loc="best", handlelength=1.2)
-
-    fitted, unseen = pooled_rmse(train), pooled_rmse(validate)
-    finding = f"{channel}: off by {number(fitted, 2)} {unit} (RMSE) where fitted"
-    if validate and train:
-        verdict = "holds" if unseen <= 1.25 * fitted else "gets worse"
-        finding += f", {number(unseen, 2)} {unit} where not: the fit {verdict} on trials it never saw"
-    elif validate:
-        finding = f"{channel}: off by {number(unseen, 2)} {unit} (RMSE) on trials it never saw"
-    shown = sum(map(len, rows))
-    headline(figure, finding + (f"  ({shown} of {len(every)} trials shown)" if shown < len(every) else ""))
     plt.show()
 
 
 for channel in measured_channels:
-    draw_channel(channel)
+    draw_channel(channel, most=6 if len(measured_channels) <= 3 else 3)  # more: raise these
 
 # %% predicted only
 # What the model tells although nobody measured it.

@@ -18,7 +18,8 @@ def texts(path):
 
 
 def children(path):
-    return list(run[path]) if path in run else []
+    """The names in a group; none if it is absent."""
+    return in_order(run[path]) if path in run else []
 
 
 def table_of(group):
@@ -47,7 +48,8 @@ if not info["usable"]:
 elif info["finished"] and not info["converged"]:
     doubts.append(f"The solver stopped before it had converged: {why}.")
 
-findings = texts("/run/findings") or ["This run states no findings."]
-display(HTML(items(findings, "findings")))
-if doubts or texts("/run/warnings"):
-    display(HTML(items(doubts + texts("/run/warnings"), "warnings")))
+if doubts:  # whoever reads on must know
+    display(HTML(items(doubts, "warnings")))
+display(HTML(items(texts("/run/findings") or ["This run states no findings."], "findings")))
+if texts("/run/warnings"):
+    display(HTML(items(texts("/run/warnings"), "warnings")))

@@ -15,7 +15,7 @@ parameter_names = text_list(study["/study/parameters/name"])
 solvers = list(dict.fromkeys(runs["solver"]))
 of = {solver: np.array([name == solver for name in runs["solver"]]) for solver in solvers}  # which runs are whose
 success = runs["success"] > 0.5
-target = float(info["target"]) if np.isreal(info["target"]) else np.nan
+target = float(info["target"]) if isinstance(info["target"], (int, float, np.number)) else np.nan
 PALETTE = ["#0072B2", "#D55E00", "#009E73", "#CC79A7", "#B08900", "#56B4E9", "#444444"]
 MARKS = dict(zip(solvers, PALETTE * len(solvers)))
 
@@ -28,7 +28,7 @@ def median(values):
 
 def whole(count):
     """A median of counts, as a count."""
-    return number(np.round(count), 4) if count < 1e4 else number(count)
+    return f"{count:.0f}" if count < 1e4 else number(count)  # "–" if there is none
 
 
 # %% findings
@@ -43,8 +43,9 @@ for solver in ranked:
                         f"{whole(median(runs['evaluations_to_target'][mine]))} evaluations and "
                         f"{duration(median(runs['seconds_to_target'][mine]))}.")
     else:
-        findings.append(f"{solver} never reached the target in {total} runs; its best cost is "
-                        f"{number(np.nanmin(runs['cost'][mine]), 4)}.")
+        known = runs["cost"][mine][np.isfinite(runs["cost"][mine])]
+        best = f"its best cost is {number(known.min(), 4)}" if known.size else "none of them gave a cost"
+        findings.append(f"{solver} never reached the target in {total} run{'s' if total > 1 else ''}; {best}.")
 display(HTML(f'<p class="provenance">problem {escape(str(info["problem"]))} · {len(solvers)} solvers · '
              f"{len(success)} runs · target cost {number(target, 4)}</p>" + items(findings, "findings")))
 
@@ -57,8 +58,8 @@ for solver in ranked:
     mine, cost = of[solver], runs["cost"][of[solver]]
     entries = [f"{success[mine].sum()} of {mine.sum()}", whole(median(runs["evaluations_to_target"][mine])),
                duration(median(runs["seconds_to_target"][mine])), whole(median(runs["evaluations"][mine])),
-               duration(median(runs["seconds"][mine])), number(np.nanmin(cost), 4), number(median(cost), 4),
-               number(np.nanmax(cost), 4)]
+               duration(median(runs["seconds"][mine])), number(np.nanmin(cost), 4),
+               number(median(cost), 4), number(np.nanmax(cost), 4)]
     rows.append(f"<tr><td><b>{escape(solver)}</b></td>"
                 + "".join(f'<td class="value">{entry}</td>' for entry in entries) + "</tr>")
 heads = ("evaluations", "time", "evaluations", "time", "best", "median", "worst")

@@ -7,9 +7,11 @@ import os
 import random
 import re
 import shutil
+import signal
 import subprocess
 import sys
 import tempfile
+import time
 import unittest
 from pathlib import Path
 
@@ -102,6 +104,7 @@ class OneRun(WithFolder):
         page = self.check_page(self.out / "index.html")
         self.assertIn("This run has not finished", page)
         self.assertIn("not usable", page)
+        self.assertLess(page.index("not usable"), page.index("is matched to 2.1 N"))
         self.assertNotIn("Measured against simulated", page)
 
     def test_environment_of_the_user_changes_nothing(self):
@@ -137,6 +140,18 @@ class OneRun(WithFolder):
         self.assertEqual(report(self.run_path, "--out-dir", self.out)[0], 1)
         self.assertEqual(os.listdir(self.out), ["index.html"])
         self.assertEqual((self.out / "index.html").read_text(), "old")
+
+    def test_ctrl_c_ends_in_one_line_and_writes_nothing(self):
+        fabricated_files.write_run(self.run_path)
+        for seconds in (0.5, 2.0):  # while it starts, while the notebook runs
+            with subprocess.Popen([sys.executable, str(PROGRAM), str(self.run_path), "--out-dir", str(self.out)],
+                                  stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True) as program:
+                time.sleep(seconds)
+                program.send_signal(signal.SIGINT)
+                said, complaint = program.communicate()
+            self.assertEqual((program.returncode, said), (1, ""))
+            self.assertEqual(complaint, "sinew: the report was interrupted; nothing was written\n")
+            self.assertFalse(self.out.parent.exists())
 
 
 class SeveralFiles(WithFolder):

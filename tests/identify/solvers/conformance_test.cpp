@@ -73,8 +73,8 @@ TEST_P(Conformance, SameSeedSameSearchToTheLastBit) {
   FunctionProblem problem;
   Judge::MakeProblem(problem);
   const Fit fit(problem);
-  const Run first = Solve(fit.least_squares);
-  const Run second = Solve(fit.least_squares);
+  const Outcome first = Solve(fit.least_squares);
+  const Outcome second = Solve(fit.least_squares);
   EXPECT_EQ(first.result.x, second.result.x);
   EXPECT_EQ(first.result.cost, second.result.cost);
   EXPECT_EQ(first.result.stop.test, second.result.stop.test);
@@ -106,7 +106,7 @@ TEST_P(Conformance, NoBudgetNoAnswer) {
 
 TEST_P(Conformance, InterruptEndsItAtOnce) {
   FunctionProblem problem;
-  Judge::MakeProblem(problem);
+  MakeRosenbrock(problem);
   const Fit fit(problem);
   std::atomic<bool> interrupt = false;
   Evaluator::Options options;
@@ -121,12 +121,12 @@ TEST_P(Conformance, ResumesToTheSameAnswer) {
   FunctionProblem problem;
   Judge::MakeProblem(problem);
   const Fit fit(problem);
-  const Run whole = Solve(fit.least_squares);
+  const Outcome whole = Solve(fit.least_squares);
   Evaluator::Options options;
   options.budget.max_evaluations = kBudget;
   options.replay.assign(whole.trace.begin(),
                         whole.trace.begin() + static_cast<std::ptrdiff_t>(whole.trace.size() / 2));
-  const Run resumed = Solve(fit.least_squares, options);
+  const Outcome resumed = Solve(fit.least_squares, options);
   EXPECT_EQ(resumed.result.x, whole.result.x);
   EXPECT_EQ(resumed.result.cost, whole.result.cost);
   EXPECT_TRUE(SameTrace(resumed.trace, whole.trace));

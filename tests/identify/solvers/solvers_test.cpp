@@ -89,7 +89,8 @@ TEST(Ceres, PriorsAreResidualsToo) {
   const Fit fit(problem);
   Evaluator evaluator(fit.least_squares, {});
   const SolverResult result = SolveWith("ceres", fit.least_squares, evaluator);
-  EXPECT_NEAR(fit.least_squares.Parameters(result.x)[0], 1, 1e-9);  // equal weights: half way
+  // Equal weights: half way. A relative cost change of 1e-12 is a step of 1e-6 at most.
+  EXPECT_NEAR(fit.least_squares.Parameters(result.x)[0], 1, 1e-6);
 }
 
 TEST(Ceres, StopsAtAnActiveBound) {
@@ -244,7 +245,7 @@ TEST(Nlopt, GlobalSearchWithoutBudgetEnds) {
   const SolverResult result = SolveWith("nlopt:GN_ESCH", fit.least_squares, evaluator);
   EXPECT_LE(evaluator.evaluations(), 20000);
   EXPECT_EQ(result.stop.kind, Termination::kMaxEvaluations);
-  EXPECT_NE(result.stop.test.find("the default for a global search"), std::string::npos) << result.stop.test;
+  EXPECT_NE(result.stop.test.find("the most that this search is given"), std::string::npos) << result.stop.test;
 }
 
 TEST(GlobalSolvers, GiveUpWhereNothingCanBePredicted) {

@@ -178,14 +178,14 @@ TEST(Uncertainty, CollinearParametersNameEachOtherAndTheirDirection) {
 
 TEST(Uncertainty, NearlyCollinearParametersAreHardToTellApart) {
   // exp(-t) with 1 - t over a short time: only the curvature tells them apart, and it is within the noise.
-  ToyProblem problem({MakeParameter("decay", 0, 10, 2), MakeParameter("ramp", 0, 10, 2)},
+  ToyProblem problem({MakeParameter("decay", 0, 20, 5), MakeParameter("ramp", 0, 20, 5)},
                      {MakeBlock("one", "height", 40, 0.2)},
                      [](const Block&, double t, const Vector& p, Vector* gradient) -> Result<double> {
                        if (gradient != nullptr) *gradient << std::exp(-t), 1 - t;
                        return p[0] * std::exp(-t) + p[1] * (1 - t);
                      });
-  Random random(3);
-  problem.Measure(Values({2, 2}), [&](const Block&, int) { return 0.15 * random.Normal(); });
+  Random random(4);
+  problem.Measure(Values({5, 5}), [&](const Block&, int) { return 0.3 * random.Normal(); });
   const ToyFit fit(problem);
   const Uncertainty answer = Analyse(fit);
   for (const ParameterVerdict& verdict : answer.parameters) {
@@ -194,6 +194,23 @@ TEST(Uncertainty, NearlyCollinearParametersAreHardToTellApart) {
   }
   ASSERT_EQ(answer.directions.size(), 1u);
   EXPECT_THAT(answer.directions[0], HasSubstr("changes the residuals by less than their noise"));
+}
+
+TEST(Uncertainty, PartnerOnItsBoundIsStillNamed) {
+  // With the ramp held on its bound the decay would look well determined; the bound is not known to be true.
+  ToyProblem problem({MakeParameter("decay", 0, 20, 5), MakeParameter("ramp", 0, 20, 5)},
+                     {MakeBlock("one", "height", 40, 0.2)},
+                     [](const Block&, double t, const Vector& p, Vector* gradient) -> Result<double> {
+                       if (gradient != nullptr) *gradient << std::exp(-t), 1 - t;
+                       return p[0] * std::exp(-t) + p[1] * (1 - t);
+                     });
+  Random random(8);  // a draw that drives the ramp to its bound
+  problem.Measure(Values({5, 5}), [&](const Block&, int) { return 0.3 * random.Normal(); });
+  const ToyFit fit(problem);
+  const Uncertainty answer = Analyse(fit);
+  ASSERT_EQ(answer.parameters[1].verdict, Verdict::kAtBound);
+  EXPECT_EQ(answer.parameters[0].verdict, Verdict::kWeak);
+  EXPECT_THAT(answer.parameters[0].reason, HasSubstr("hard to tell from ramp"));
 }
 
 TEST(Uncertainty, TooLittleExcitationIsSaid) {

@@ -5,6 +5,7 @@
 
 #include <Eigen/Geometry>
 #include <cmath>
+#include <thread>
 
 #include "tests/models/multibody/test_models.h"
 
@@ -175,6 +176,28 @@ TEST(MultibodyModel, VelocitiesAndAccelerationsAgreeWithDifferences) {
     const Mat3 spin = (after[i].rotation - before[i].rotation) / (2 * kStep) * now[i].rotation.transpose();
     ExpectNear(now[i].angular_velocity, Vec3(spin(2, 1), spin(0, 2), spin(1, 0)), kTolerance, body);
   }
+}
+
+TEST(MultibodyModel, MayBeUsedFromManyThreads) {
+  const MultibodyModel model = BuildModel(kLeg);
+  const auto n = static_cast<Eigen::Index>(model.coordinate_names().size());
+  const int foot = *model.BodyIndex("foot");
+  const auto position = [&](int i) {
+    const Vector values = Vector::LinSpaced(n, -0.001 * i, 0.5);
+    return (*model.BodyMotionAt(values, values, {foot}))[0].position;
+  };
+  constexpr int kCalls = 400;
+  std::vector<Vec3> expected;
+  for (int i = 0; i < kCalls; ++i) expected.push_back(position(i));
+  std::vector<std::thread> threads;
+  std::vector<int> wrong(4, 0);
+  for (int& count : wrong) {
+    threads.emplace_back([&] {
+      for (int i = 0; i < kCalls; ++i) count += position(i) == expected[static_cast<std::size_t>(i)] ? 0 : 1;
+    });
+  }
+  for (std::thread& thread : threads) thread.join();
+  EXPECT_THAT(wrong, ElementsAre(0, 0, 0, 0));
 }
 
 TEST(MultibodyModel, DependentCoordinatesFollowTheirCoupler) {

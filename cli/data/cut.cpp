@@ -1,0 +1,104 @@
+// sinew data cut and drop: stances out of a recording.
+#include "datasets/cut.h"
+
+#include <algorithm>
+#include <cstdio>
+
+#include "base/numbers.h"
+#include "base/text.h"
+#include "cli/data/data_commands.h"
+#include "datasets/io/dataset_file.h"
+
+namespace sinew {
+namespace {
+
+struct CutWords {
+  std::string path;
+  std::string trial;
+  std::string window;
+  std::string as;
+  std::string role;
+  std::vector<std::string> only;
+};
+
+// Drops the measured channels of grids that hold none of the wanted prefixes' forces: a stance belongs to one
+// plate.
+void KeepPlates(Trial& trial, const std::vector<std::string>& plates) {
+  for (auto& [name, grid] : trial.grids) {
+    const auto is_plate = [](const std::string& channel) {
+      return channel.find("_force_") != std::string::npos || channel.find("_cop_") != std::string::npos ||
+             channel.find("_moment_") != std::string::npos;
+    };
+    for (auto it = grid.channels.begin(); it != grid.channels.end();) {
+      const bool wanted = std::any_of(plates.begin(), plates.end(), [&](const std::string& plate) {
+        return it->first.rfind(plate + "_", 0) == 0;
+      });
+      it = is_plate(it->first) && !wanted ? grid.channels.erase(it) : std::next(it);
+    }
+  }
+}
+
+Result<int> Cut(const CutWords& words) {
+  SINEW_ASSIGN(Dataset data, ReadDataset(words.path));
+  const auto ends = Split(words.window, ':');
+  const auto first = ends.size() == 2 ? ParseNumber(ends[0]) : std::nullopt;
+  const auto last = ends.size() == 2 ? ParseNumber(ends[1]) : std::nullopt;
+  if (!first || !last) return Fail("--window {}: expected FROM:TO in seconds, such as 0.6:1.3", words.window);
+  TrialWindow window;
+  window.trial = words.trial;
+  window.start_s = *first;
+  window.end_s = *last;
+  window.name = words.as;
+  SINEW_ASSIGN(window.role, ParseRole(words.role));
+  SINEW_TRY(CutTrial(data, window));
+  if (!words.only.empty()) {
+    for (const std::string& plate : words.only) {
+      if (!data.trials[words.as].Find(plate + "_force_y")) {
+        return Fail("--plate {}: trial '{}' has no channel {}_force_y", plate, words.trial, plate);
+      }
+    }
+    KeepPlates(data.trials[words.as], words.only);
+  }
+  SINEW_TRY(WriteDataset(words.path, data));
+  std::printf("%s: trial %s is %s s to %s s of %s\n", words.path.c_str(), words.as.c_str(),
+              Readable(*first).c_str(), Readable(*last).c_str(), words.trial.c_str());
+  return kDone;
+}
+
+Result<int> Drop(const std::string& path, const std::string& trial) {
+  SINEW_ASSIGN(Dataset data, ReadDataset(path));
+  if (data.trials.erase(trial) == 0) {
+    std::vector<std::string> names;
+    for (const auto& [name, unused] : data.trials) names.push_back(name);
+    return Fail("{}: trial '{}' does not exist{}", path, trial, Suggestion(trial, names));
+  }
+  SINEW_TRY(WriteDataset(path, data));
+  return kDone;
+}
+
+}  // namespace
+
+void AddCutCommand(CLI::App& data, const RunAction& run) {
+  auto words = std::make_shared<CutWords>();
+  auto* command = data.add_subcommand("cut", "A window of a trial becomes a trial of its own");
+  command->add_option("file", words->path)->required()->type_name("F.h5");
+  command->add_option("--trial", words->trial, "Trial to cut from")->required();
+  command->add_option("--window", words->window, "In seconds")->required()->type_name("FROM:TO");
+  command->add_option("--as", words->as, "Name of the new trial")->required();
+  command->add_option("--role", words->role, "train or validate; default: that of the source");
+  command->add_option("--plate", words->only, "Keep the forces of these plates only")
+      ->delimiter(',')
+      ->type_name("PLATE");
+  command->callback([=] { run([=] { return Cut(*words); }); });
+}
+
+void AddDropCommand(CLI::App& data, const RunAction& run) {
+  auto path = std::make_shared<std::string>();
+  auto trial = std::make_shared<std::string>();
+  auto* command = data.add_subcommand("drop", "Remove a trial (the recording that stances were cut from)");
+  command->add_option("file", *path)->required()->type_name("F.h5");
+  command->add_option("--trial", *trial)->required();
+  command->callback([=] { run([=] { return Drop(*path, *trial); }); });
+}
+
+}  // namespace sinew

@@ -1,0 +1,23 @@
+#include "cli/data/data_commands.h"
+
+namespace sinew {
+
+Result<std::optional<Role>> ParseRole(const std::string& word) {
+  if (word.empty()) return std::optional<Role>();
+  if (word == "train") return std::optional<Role>(Role::kTrain);
+  if (word == "validate") return std::optional<Role>(Role::kValidate);
+  return Fail("--role {}: expected train or validate", word);
+}
+
+void AddDataCommand(CLI::App& app, const RunAction& run) {
+  auto* data = app.add_subcommand("data", "Make, import, cut and inspect data sets");
+  data->require_subcommand(1);
+  AddSynthesizeCommand(*data, run);
+  AddImportCommand(*data, run);
+  AddInfoCommand(*data, run);
+  AddCutCommand(*data, run);
+  AddDropCommand(*data, run);
+  AddKinematicsCommand(*data, run);
+}
+
+}  // namespace sinew

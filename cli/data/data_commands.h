@@ -1,0 +1,22 @@
+// The subcommands of `sinew data`.
+#pragma once
+
+#include <optional>
+#include <string>
+
+#include "cli/command.h"
+#include "datasets/dataset.h"
+
+namespace sinew {
+
+void AddSynthesizeCommand(CLI::App& data, const RunAction& run);
+void AddImportCommand(CLI::App& data, const RunAction& run);
+void AddInfoCommand(CLI::App& data, const RunAction& run);
+void AddCutCommand(CLI::App& data, const RunAction& run);
+void AddDropCommand(CLI::App& data, const RunAction& run);
+void AddKinematicsCommand(CLI::App& data, const RunAction& run);
+
+/// The word of --role; nothing if it is empty. Errors: any other word than train and validate.
+Result<std::optional<Role>> ParseRole(const std::string& word);
+
+}  // namespace sinew

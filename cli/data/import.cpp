@@ -1,0 +1,118 @@
+// sinew data import: somebody's files become a trial of a data set.
+#include "datasets/io/import.h"
+
+#include <cstdio>
+#include <filesystem>
+
+#include "cli/data/data_commands.h"
+#include "cli/terminal.h"
+#include "datasets/io/dataset_file.h"
+#include "models/multibody/multibody_model.h"
+#include "models/multibody/osim_reader.h"
+
+namespace sinew {
+namespace {
+
+void PrintNotes(const std::vector<std::string>& notes) {
+  for (const std::string& note : notes) std::fputs(Wrapped("note: " + note, 0).c_str(), stderr);
+}
+
+struct ImportWords {
+  std::vector<std::string> files;
+  std::string out;
+  std::string map;
+  std::string trial;
+  std::string role;
+  std::vector<std::string> plates;
+  std::string external_loads;
+  std::string title;
+  std::string subject;
+  std::string source;
+  std::string licence;
+  bool append = false;
+};
+
+// Which columns of a motion file are angles is known from the model: the one imported with it, or one already
+// there.
+Result<std::shared_ptr<const MultibodyModel>> FindModel(const ImportWords& words, const Dataset& data) {
+  std::string text;
+  std::string name;
+  for (const std::string& file : words.files) {
+    if (std::filesystem::path(file).extension() != ".osim") continue;
+    SINEW_ASSIGN(text, ReadText(file));
+    name = file;
+  }
+  const auto stored = data.files.find("model.osim");
+  if (text.empty() && stored != data.files.end()) {
+    text = stored->second;
+    name = words.out + "/files/model.osim";
+  }
+  if (text.empty()) return std::shared_ptr<const MultibodyModel>();
+  SINEW_ASSIGN(const OsimModel osim, ReadOsim(text, name));
+  SINEW_ASSIGN(MultibodyModel model, MultibodyModel::Build(osim));
+  return std::shared_ptr<const MultibodyModel>(std::make_shared<MultibodyModel>(std::move(model)));
+}
+
+Result<int> Import(const ImportWords& words) {
+  Dataset data;
+  if (words.append && std::filesystem::exists(words.out)) {
+    SINEW_ASSIGN(data, ReadDataset(words.out));
+  }
+  ImportOptions options;
+  options.trial = words.trial;
+  SINEW_ASSIGN(options.role, ParseRole(words.role));
+  options.append = words.append;
+  SINEW_ASSIGN(const auto model, FindModel(words, data));
+  if (model) {
+    options.is_rotational = [model](std::string_view name) { return model->IsRotational(name); };
+    if (data.constants.count("body_mass") == 0) data.constants["body_mass"] = {model->total_mass_kg(), "kg"};
+  }
+  if (!words.map.empty()) {
+    SINEW_ASSIGN(options.map, ReadImportMap(words.map));
+  }
+  for (const std::string& text : words.plates) {
+    SINEW_ASSIGN(const auto plate, ParsePlates(text));
+    options.plates.insert(options.plates.end(), plate.begin(), plate.end());
+  }
+  if (!words.external_loads.empty()) {
+    SINEW_ASSIGN(options.external_loads, ReadExternalLoads(words.external_loads));
+  }
+  for (const auto& [text, target] :
+       {std::pair{&words.title, &data.title}, std::pair{&words.subject, &data.subject},
+        std::pair{&words.source, &data.source}, std::pair{&words.licence, &data.licence}}) {
+    if (!text->empty()) *target = *text;
+  }
+  std::vector<std::string> notes;
+  SINEW_TRY(ImportFiles(words.files, options, data, notes));
+  SINEW_TRY(WriteDataset(words.out, data));
+  PrintNotes(notes);
+  std::printf("%s: %zu trials, %zu files\n", words.out.c_str(), data.trials.size(), data.files.size());
+  return kDone;
+}
+
+}  // namespace
+
+void AddImportCommand(CLI::App& data, const RunAction& run) {
+  auto words = std::make_shared<ImportWords>();
+  auto* command = data.add_subcommand("import", "Somebody's files become a trial of a data set");
+  command->add_option("files", words->files, ".trc .mot .sto .csv .osim .xml .yaml .obj")
+      ->required()
+      ->type_name("FILE");
+  command->add_option("--out", words->out, "Data set to write")->required()->type_name("F.h5");
+  command->add_option("--map", words->map, "Which columns mean what (docs/import.md)")->type_name("MAP.yaml");
+  command->add_option("--trial", words->trial, "Name of the trial; default: that of the first file");
+  command->add_option("--role", words->role, "train or validate");
+  command->add_flag("--append", words->append, "Add to the data set if it exists");
+  command->add_option("--plates", words->plates, "Force plates: NAME=PREFIX of their columns")
+      ->delimiter(',')
+      ->type_name("right=PREFIX,left=PREFIX");
+  command->add_option("--external-loads", words->external_loads, "Force plates as OpenSim names them")
+      ->type_name("X.xml");
+  command->add_option("--title", words->title, "What these data are");
+  command->add_option("--subject", words->subject, "Whose");
+  command->add_option("--source", words->source, "From where");
+  command->add_option("--licence", words->licence, "Under which terms");
+  command->callback([=] { run([=] { return Import(*words); }); });
+}
+
+}  // namespace sinew

@@ -1,0 +1,129 @@
+// sinew identify: data and a problem in, parameters with verdicts out.
+#include <cstdio>
+
+#include "base/numbers.h"
+#include "base/text.h"
+#include "cli/binding.h"
+#include "cli/command.h"
+#include "cli/terminal.h"
+#include "identify/results/identification.h"
+
+namespace sinew {
+namespace {
+
+constexpr double kCheckpointInterval = 2;  // [s] between savings of a run that goes on
+
+struct IdentifyWords {
+  BindingOptions binding;
+  FitOptions fit;
+  std::string out;
+  std::string solver = "ceres";
+  std::string json;
+  bool resume = false;
+};
+
+// The evaluations of the run that is resumed; nothing if there is no such file yet.
+Result<std::vector<TraceEntry>> Recorded(const IdentifyWords& words, const Provenance& provenance,
+                                         const FitSetup& setup) {
+  const auto recorded = ReadRun(words.out);
+  if (!recorded) return tl::unexpected(recorded.error());
+  const auto differs = [&](const char* what, const std::string& then, const std::string& now) {
+    return Fail("--resume: {} was made with {} {}, not {}", words.out, what, then, now);
+  };
+  if (recorded->problem != provenance.problem)
+    return differs("problem", recorded->problem, provenance.problem);
+  if (recorded->solver != words.solver) return differs("solver", recorded->solver, words.solver);
+  if (recorded->data_hash != provenance.data_hash)
+    return differs("data", recorded->data_hash, provenance.data_hash);
+  if (recorded->seed != words.fit.seed) {
+    return differs("seed", std::to_string(recorded->seed), std::to_string(words.fit.seed));
+  }
+  std::vector<std::string> names;
+  for (const int index : setup.free) names.push_back(setup.parameters[static_cast<std::size_t>(index)].name);
+  if (recorded->variables != names)
+    return differs("free parameters", Join(recorded->variables, ","), Join(names, ","));
+  return recorded->trace;
+}
+
+std::string Headline(const Identification& identification) {
+  const SolverResult& result = identification.result;
+  return fmt::format("{}  {} evaluations  {}   {}: {}", identification.solver, identification.trace.size(),
+                     Duration(identification.seconds),
+                     result.stop.converged() ? "converged" : "NOT converged", result.stop.test);
+}
+
+void PrintFindings(const IdentifyWords& words, const Binding& binding, const Identification& identification) {
+  std::printf("identify %s on %s (%s)\n", words.binding.problem.c_str(), words.binding.data.c_str(),
+              binding.DescribeData().c_str());
+  std::fputs(Wrapped(Headline(identification), 2).c_str(), stdout);
+  for (const std::string& finding : identification.findings) std::fputs(Wrapped(finding, 2).c_str(), stdout);
+  for (const std::string& warning : identification.warnings)
+    std::fputs(Wrapped("warning: " + warning, 2).c_str(), stdout);
+  std::printf("  Run file: %s\n", words.out.c_str());
+}
+
+Result<int> RunIdentify(const IdentifyWords& words) {
+  SINEW_ASSIGN(const Binding binding, Bind(words.binding, !words.fit.release.empty()));
+  SINEW_ASSIGN(const FitRequest request, words.fit.Request());
+  SINEW_ASSIGN(FitSetup setup, MakeFitSetup(binding.problem(), request));
+  const Provenance provenance = binding.ToProvenance(words.binding);
+
+  IdentificationOptions options;
+  options.solver = words.solver;
+  options.solver_options = words.fit.ToSolverOptions();
+  options.evaluator.budget = words.fit.ToBudget();
+  options.evaluator.interrupt = &InterruptFlag();
+  SINEW_TRY(MakeSolver(options.solver, options.solver_options));  // a wrong name writes nothing
+  if (words.resume) {
+    SINEW_ASSIGN(options.evaluator.replay, Recorded(words, provenance, setup));
+  }
+
+  ProgressLine line("identify " + words.solver, words.fit.quiet);
+  double saved = 0;
+  const IdentificationOptions as_asked = options;
+  options.evaluator.progress = [&](const Progress& progress, const Evaluator& evaluator) {
+    line.Show(progress, as_asked.evaluator.budget);
+    if (progress.seconds - saved < kCheckpointInterval) return;
+    saved = progress.seconds;
+    // A checkpoint that cannot be written is no reason to stop: the answer itself will say so if it cannot
+    // either.
+    static_cast<void>(
+        WriteHdf5(words.out, UnfinishedRunTree(evaluator.problem(), as_asked, provenance, evaluator)));
+  };
+  SINEW_ASSIGN(Identification identification,
+               Identify(binding.problem(), std::move(setup), std::move(options)));
+  line.Clear();
+  for (const std::string& note : binding.bound.notes) identification.warnings.push_back(note);
+
+  SINEW_ASSIGN(const Hdf5Node tree, RunTree(binding.problem(), identification, provenance));
+  SINEW_TRY(WriteHdf5(words.out, tree));
+  if (words.json != "-") PrintFindings(words, binding, identification);
+  if (!words.json.empty())
+    SINEW_TRY(WriteText(words.json, RunJson(binding.problem(), identification, provenance)));
+  if (!identification.result.stop.usable()) {
+    std::fprintf(stderr, "sinew: no usable answer: %s\n", identification.result.stop.test.c_str());
+    return kNotUsable;
+  }
+  return kDone;
+}
+
+}  // namespace
+
+void AddIdentifyCommand(CLI::App& app, const RunAction& run) {
+  auto words = std::make_shared<IdentifyWords>();
+  auto* command = app.add_subcommand("identify", "Find the parameters that explain the training trials");
+  words->binding.AddTo(*command);
+  words->fit.AddTo(*command);
+  command->add_option("--out", words->out, "Run file to write (docs/run_file.md)")
+      ->required()
+      ->type_name("RUN.h5");
+  command->add_option("--solver", words->solver, "One of `sinew list solvers`, or a chain a+b")
+      ->capture_default_str()
+      ->type_name("S");
+  command->add_flag("--resume", words->resume, "Go on with an interrupted run file to the same answer");
+  command->add_option("--json", words->json, "Result for machines; - for standard output")
+      ->type_name("FILE|-");
+  command->callback([=] { run([=] { return RunIdentify(*words); }); });
+}
+
+}  // namespace sinew

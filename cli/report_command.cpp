@@ -1,0 +1,67 @@
+// sinew report: hands run files to the report's own program (cli/report, Python), which executes a notebook.
+#include <sys/wait.h>
+#include <unistd.h>
+
+#include <filesystem>
+
+#include "cli/command.h"
+
+namespace sinew {
+namespace {
+
+namespace fs = std::filesystem;
+
+// Debian's own interpreter, whose packages packages.txt names; another python may come first on PATH.
+constexpr const char* kPython = "/usr/bin/python3";
+
+// Beside an installed program, else in the source tree that it was built from.
+Result<std::string> FindScript() {
+  std::error_code code;
+  const fs::path program = fs::read_symlink("/proc/self/exe", code);
+  for (const fs::path& folder :
+       {program.parent_path().parent_path() / "share/sinew/report", fs::path(SINEW_REPORT_SOURCE)}) {
+    const fs::path script = folder / "sinew_report.py";
+    if (fs::exists(script, code)) return script.string();
+  }
+  return Fail(
+      "the report's program is not installed: expected share/sinew/report/sinew_report.py beside the "
+      "program");
+}
+
+Result<int> RunReport(const std::vector<std::string>& files, const std::string& out_dir) {
+  SINEW_ASSIGN(const std::string script, FindScript());
+  std::vector<std::string> words{kPython, script};
+  words.insert(words.end(), files.begin(), files.end());
+  words.insert(words.end(), {"--out-dir", out_dir});
+  std::vector<char*> arguments;
+  for (std::string& word : words) arguments.push_back(word.data());
+  arguments.push_back(nullptr);
+
+  const pid_t child = fork();
+  if (child < 0) return Fail("cannot start {}", kPython);
+  if (child == 0) {
+    execv(kPython, arguments.data());
+    _exit(127);
+  }
+  int status = 0;
+  waitpid(child, &status, 0);
+  if (!WIFEXITED(status)) return Fail("{} ended by signal {}", script, WTERMSIG(status));
+  if (WEXITSTATUS(status) == 127)
+    return Fail("{} is not there: install the packages of packages.txt", kPython);
+  return WEXITSTATUS(status);
+}
+
+}  // namespace
+
+void AddReportCommand(CLI::App& app, const RunAction& run) {
+  auto files = std::make_shared<std::vector<std::string>>();
+  auto out_dir = std::make_shared<std::string>();
+  auto* command = app.add_subcommand("report", "An executed notebook and a self-contained HTML page of runs");
+  command->add_option("files", *files, "Run or study files")->required()->type_name("FILE.h5");
+  command->add_option("--out-dir", *out_dir, "Folder for the notebook and the page")
+      ->required()
+      ->type_name("DIR");
+  command->callback([=] { run([=] { return RunReport(*files, *out_dir); }); });
+}
+
+}  // namespace sinew

@@ -1,0 +1,140 @@
+// sinew simulate: what a model predicts at given parameters.
+#include <cstdio>
+#include <filesystem>
+
+#include "base/text.h"
+#include "cli/binding.h"
+#include "cli/command.h"
+#include "cli/terminal.h"
+#include "datasets/io/dataset_file.h"
+#include "datasets/io/storage_file.h"
+
+namespace sinew {
+namespace {
+
+struct SimulateWords {
+  BindingOptions binding;
+  std::vector<std::string> set;
+  std::string from;
+  std::string out;
+};
+
+Result<Vector> Parameters(const SimulateWords& words, const Problem& problem) {
+  Vector parameters = RestPoint(problem);
+  const auto assign = [&](const std::string& name, double value) -> Status {
+    SINEW_ASSIGN(const int index, FindParameter(problem.parameters(), name));
+    const Parameter& p = problem.parameters()[static_cast<std::size_t>(index)];
+    if (!(value >= p.lower && value <= p.upper)) {
+      return Fail("parameter '{}' = {}: outside its bounds {} .. {} [{}]", name, value, p.lower, p.upper,
+                  p.unit);
+    }
+    parameters[index] = value;
+    return {};
+  };
+  if (!words.from.empty()) {
+    SINEW_ASSIGN(const RecordedRun recorded, ReadRun(words.from));
+    for (const auto& [name, value] : recorded.values) {
+      const Status status = assign(name, value);
+      if (!status) return Fail("{}: {}", words.from, status.error().message);
+    }
+  }
+  for (const std::string& text : words.set) {
+    SINEW_ASSIGN(const auto assignment, ParseAssignment("--set", text));
+    SINEW_TRY(assign(assignment.first, assignment.second));
+  }
+  return parameters;
+}
+
+// Blocks of one trial that share their times become one grid.
+std::map<std::string, Trial> ToTrials(const Binding& binding, const FullPrediction& prediction) {
+  std::map<std::string, Trial> trials;
+  const Layout& layout = binding.problem().layout();
+  for (std::size_t b = 0; b < layout.size(); ++b) {
+    const Block& block = layout[b];
+    Trial& trial = trials[block.trial];
+    trial.role = binding.data.trials.at(block.trial).role;
+    std::string name = "simulated";
+    for (int i = 2; trial.grids.count(name) > 0 && trial.grids[name].time != block.prediction_time; ++i) {
+      name = fmt::format("simulated_{}", i);
+    }
+    Grid& grid = trial.grids[name];
+    grid.time = block.prediction_time;
+    const Vector& values = prediction.values[b];
+    grid.channels[block.channel] = {block.unit, ChannelKind::kMeasured, std::nullopt,
+                                    std::vector<double>(values.data(), values.data() + values.size())};
+  }
+  return trials;
+}
+
+Status WriteStorages(const std::string& out, const std::map<std::string, Trial>& trials) {
+  std::size_t grids = 0;
+  for (const auto& [name, trial] : trials) grids += trial.grids.size();
+  for (const auto& [name, trial] : trials) {
+    for (const auto& [grid_name, grid] : trial.grids) {
+      Storage storage;
+      storage.title = name;
+      storage.in_degrees = false;
+      storage.time = grid.time;
+      for (const auto& [channel, values] : grid.channels) {
+        storage.names.push_back(channel);
+        storage.columns.push_back(values.values);
+      }
+      std::filesystem::path path(out);
+      if (grids > 1) {
+        path.replace_filename(fmt::format("{}_{}{}.sto", path.stem().string(), name,
+                                          trial.grids.size() > 1 ? "_" + grid_name : ""));
+      }
+      SINEW_TRY(WriteStorage(path.string(), storage));
+      std::printf("%s\n", path.string().c_str());
+    }
+  }
+  return {};
+}
+
+Result<int> RunSimulate(const SimulateWords& words) {
+  const std::string extension = std::filesystem::path(words.out).extension().string();
+  if (extension != ".h5" && extension != ".sto")
+    return Fail("--out {}: expected a name that ends with .h5 or .sto", words.out);
+  SINEW_ASSIGN(const Binding binding, Bind(words.binding, true));
+  SINEW_ASSIGN(const Vector parameters, Parameters(words, binding.problem()));
+  const auto prediction = PredictAll(binding.problem(), parameters);
+  if (!prediction) {
+    std::fprintf(stderr, "sinew: no usable answer: %s\n", prediction.error().message.c_str());
+    return kNotUsable;
+  }
+  std::vector<std::vector<std::string>> rows{{"trial", "role", "channel", "RMSE", "unit", "R2"}};
+  for (const FitQuality& q : prediction->quality) {
+    rows.push_back({q.trial, ToString(q.role), q.channel, fmt::format("{:.4g}", q.rmse), q.unit,
+                    fmt::format("{:.4f}", q.r2)});
+  }
+  const auto trials = ToTrials(binding, *prediction);
+  if (extension == ".sto") {
+    SINEW_TRY(WriteStorages(words.out, trials));
+  } else {
+    Dataset out;
+    out.title = "simulated: " + binding.data.title;
+    out.source = "sinew simulate " + words.binding.problem + " on " + words.binding.data;
+    out.synthetic = true;
+    out.trials = trials;
+    SINEW_TRY(WriteDataset(words.out, out));
+    std::printf("%s\n", words.out.c_str());
+  }
+  std::fputs(Table(rows, 2).c_str(), stdout);
+  return kDone;
+}
+
+}  // namespace
+
+void AddSimulateCommand(CLI::App& app, const RunAction& run) {
+  auto words = std::make_shared<SimulateWords>();
+  auto* command = app.add_subcommand("simulate", "Predict every channel at given parameters");
+  words->binding.AddTo(*command);
+  command->add_option("--set", words->set, "Parameters; all others rest at their start")
+      ->delimiter(',')
+      ->type_name("NAME=VALUE");
+  command->add_option("--from", words->from, "Parameters of a run file")->type_name("RUN.h5");
+  command->add_option("--out", words->out, "Predicted channels")->required()->type_name("OUT.h5|OUT.sto");
+  command->callback([=] { run([=] { return RunSimulate(*words); }); });
+}
+
+}  // namespace sinew
