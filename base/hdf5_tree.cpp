@@ -1,11 +1,17 @@
 #include "base/hdf5_tree.h"
 
+#include <fcntl.h>
 #include <hdf5.h>
+#include <sys/resource.h>
+#include <sys/wait.h>
 #include <unistd.h>
 
 #include <algorithm>
+#include <cerrno>
+#include <csignal>
 #include <cstdio>
 #include <filesystem>
+#include <mutex>
 
 #include "base/text.h"
 
@@ -14,7 +20,13 @@ namespace {
 
 constexpr std::size_t kMostValues = std::size_t{1}
                                     << 28;  // 2 GiB of doubles: beyond it a header is surely corrupt
+constexpr std::size_t kValuesPerNode = 64;  // what a group or dataset itself counts for: its place in memory
 constexpr int kDeepest = 32;
+constexpr unsigned kLongestReading =
+    30;  // [s] ours take milliseconds: beyond it a damaged file goes in circles
+
+// Held while a file is read or written: libhdf5 is not thread-safe in every build, and see SurvivesReading.
+std::mutex hdf5_mutex;
 
 // Closes an HDF5 identifier at the end of its scope.
 class Handle {
@@ -136,18 +148,30 @@ Status ReadAttributes(hid_t object, const std::string& where, Hdf5Node& node) {
     const Handle attribute(
         H5Aopen_by_idx(object, ".", H5_INDEX_NAME, H5_ITER_INC, i, H5P_DEFAULT, H5P_DEFAULT), H5Aclose);
     if (!attribute) return Fail("{}: an attribute cannot be read", where);
-    std::string name(static_cast<std::size_t>(H5Aget_name(attribute.get(), 0, nullptr)), '\0');
-    H5Aget_name(attribute.get(), name.size() + 1, name.data());
+    const ssize_t length = H5Aget_name(attribute.get(), 0, nullptr);
+    if (length < 0) return Fail("{}: the name of an attribute cannot be read", where);
+    std::string name(static_cast<std::size_t>(length), '\0');
+    if (H5Aget_name(attribute.get(), name.size() + 1, name.data()) != length)
+      return Fail("{}: the name of an attribute cannot be read", where);
     SINEW_ASSIGN(node.attributes[name], ReadAttribute(attribute.get(), where + " attribute '" + name + "'"));
   }
   return {};
 }
 
-Status ReadDataset(hid_t dataset, const std::string& where, Hdf5Node& node) {
+// Takes so many values out of what the rest of the file may still hold: links that lead back to their own
+// group make an endless tree of a small file.
+Status TakeRoom(std::size_t values, const std::string& where, std::size_t& room) {
+  if (values > room) return Fail("{}: the file holds more than {} values", where, kMostValues);
+  room -= values;
+  return {};
+}
+
+Status ReadDataset(hid_t dataset, const std::string& where, std::size_t& room, Hdf5Node& node) {
   const Handle type(H5Dget_type(dataset), H5Tclose);
   const Handle space(H5Dget_space(dataset), H5Sclose);
   if (!type || !space) return Fail("{}: cannot be read", where);
   SINEW_ASSIGN(const Extent extent, ReadExtent(space.get(), where));
+  SINEW_TRY(TakeRoom(extent.count, where, room));
   switch (H5Tget_class(type.get())) {
     case H5T_INTEGER:
     case H5T_FLOAT: {
@@ -175,10 +199,11 @@ Status ReadDataset(hid_t dataset, const std::string& where, Hdf5Node& node) {
   }
 }
 
-Status ReadNode(hid_t object, const std::string& where, int depth, Hdf5Node& node) {
+Status ReadNode(hid_t object, const std::string& where, int depth, std::size_t& room, Hdf5Node& node) {
   if (depth > kDeepest) return Fail("{}: groups nested more than {} deep", where, kDeepest);
+  SINEW_TRY(TakeRoom(kValuesPerNode, where, room));
   SINEW_TRY(ReadAttributes(object, where, node));
-  if (H5Iget_type(object) == H5I_DATASET) return ReadDataset(object, where, node);
+  if (H5Iget_type(object) == H5I_DATASET) return ReadDataset(object, where, room, node);
   if (H5Iget_type(object) != H5I_GROUP) return {};  // a named type: no data
 
   H5G_info_t info;
@@ -191,10 +216,64 @@ Status ReadNode(hid_t object, const std::string& where, int depth, Hdf5Node& nod
     H5Lget_name_by_idx(object, ".", H5_INDEX_NAME, H5_ITER_INC, i, name.data(), name.size() + 1, H5P_DEFAULT);
     const Handle member(H5Oopen(object, name.c_str(), H5P_DEFAULT), H5Oclose);
     if (!member) return Fail("{}: member '{}' cannot be read (truncated file?)", where, name);
-    SINEW_TRY(ReadNode(member.get(), where + (where.back() == '/' ? "" : "/") + name, depth + 1,
+    SINEW_TRY(ReadNode(member.get(), where + (where.back() == '/' ? "" : "/") + name, depth + 1, room,
                        node.children[name]));
   }
   return {};
+}
+
+Result<Hdf5Node> ReadTree(const std::string& path) {
+  const Handle file(H5Fopen(path.c_str(), H5F_ACC_RDONLY, H5P_DEFAULT), H5Fclose);
+  if (!file) return Fail("{}: cannot be opened as HDF5 (truncated or damaged)", path);
+  const Handle group(H5Gopen2(file.get(), "/", H5P_DEFAULT), H5Gclose);
+  if (!group) return Fail("{}: has no root group (damaged file)", path);
+  Hdf5Node root;
+  std::size_t room = kMostValues;
+  const Status status = ReadNode(group.get(), "/", 0, room, root);
+  if (!status) return Fail("{}: {}", path, status.error().message);
+  return root;
+}
+
+// What the forked process does: nothing of it may be seen or reach its parent. noexcept: an exception, such
+// as too little memory, ends it like a crash does.
+[[noreturn]] void ReadAndExit(const std::string& path) noexcept {
+  for (const int signal : {SIGALRM, SIGSEGV, SIGBUS, SIGFPE, SIGILL, SIGABRT}) std::signal(signal, SIG_DFL);
+  sigset_t time_up;
+  sigemptyset(&time_up);
+  sigaddset(&time_up, SIGALRM);
+  sigprocmask(SIG_UNBLOCK, &time_up, nullptr);
+  alarm(kLongestReading);
+  const rlimit no_core{0, 0};
+  setrlimit(RLIMIT_CORE, &no_core);
+  const int nowhere = open("/dev/null", O_WRONLY | O_CLOEXEC);
+  if (nowhere >= 0) {
+    dup2(nowhere, STDOUT_FILENO);
+    dup2(nowhere, STDERR_FILENO);
+  }
+  // The tree is freed at once, so that the allocator too finds what was overwritten.
+  static_cast<void>(ReadTree(path));
+  _exit(0);
+}
+
+// Whether reading the file leaves a process alive. libhdf5 1.10 trusts sizes and offsets in a file, and
+// damaged ones crash it; so the file is read in a forked process first, whose death does no harm. The two
+// processes are equal up to there, and so do the same.
+//
+// Fork copies the calling thread only: a lock that another thread holds stays locked in the copy. What the
+// copy needs is safe: no other thread is within libhdf5 (hdf5_mutex is held), the C library takes care of its
+// allocator and streams, and nothing else is called. Should it hang nevertheless, its alarm ends it. It
+// leaves through _exit, without the destructors and buffers of this process.
+Result<bool> SurvivesReading(const std::string& path) {
+  const pid_t child = fork();
+  if (child < 0) return Fail("{}: cannot be checked: no further process can be started", path);
+  if (child == 0) ReadAndExit(path);
+  int status = 0;
+  pid_t ended = -1;
+  do {
+    ended = waitpid(child, &status, 0);
+  } while (ended < 0 && errno == EINTR);
+  if (ended != child) return Fail("{}: cannot be checked: the process that reads it was lost", path);
+  return WIFEXITED(status) && WEXITSTATUS(status) == 0;
 }
 
 // ---- writing
@@ -331,19 +410,16 @@ Result<Hdf5Node> ReadHdf5(const std::string& path) {
   std::error_code code;
   if (!std::filesystem::exists(path, code)) return Fail("{}: no such file", path);
   if (std::filesystem::is_directory(path, code)) return Fail("{}: is a folder, expected an HDF5 file", path);
+  const std::lock_guard lock(hdf5_mutex);
   H5Eset_auto2(H5E_DEFAULT, nullptr, nullptr);  // its errors become ours, not a stack trace on stderr
   if (H5Fis_hdf5(path.c_str()) <= 0) return Fail("{}: is not an HDF5 file", path);
-  const Handle file(H5Fopen(path.c_str(), H5F_ACC_RDONLY, H5P_DEFAULT), H5Fclose);
-  if (!file) return Fail("{}: cannot be opened as HDF5 (truncated or damaged)", path);
-  const Handle group(H5Gopen2(file.get(), "/", H5P_DEFAULT), H5Gclose);
-  if (!group) return Fail("{}: has no root group (damaged file)", path);
-  Hdf5Node root;
-  const Status status = ReadNode(group.get(), "/", 0, root);
-  if (!status) return Fail("{}: {}", path, status.error().message);
-  return root;
+  SINEW_ASSIGN(const bool survives, SurvivesReading(path));
+  if (!survives) return Fail("{}: is damaged (HDF5 could not read it)", path);
+  return ReadTree(path);
 }
 
 Status WriteHdf5(const std::string& path, const Hdf5Node& root) {
+  const std::lock_guard lock(hdf5_mutex);
   H5Eset_auto2(H5E_DEFAULT, nullptr, nullptr);
   const std::string beside = path + "." + std::to_string(getpid()) + ".tmp";
   bool written = false;

@@ -7,7 +7,7 @@ import h5py
 
 RUN, STUDY = "run", "study"
 SCHEMAS = {RUN: "run/1", STUDY: "study/1"}
-RUN_ATTRIBUTES = ("problem", "solver", "seed", "threads", "version", "command", "data_file", "data_hash", "finished",
+RUN_ATTRIBUTES = ("problem", "solver", "seed", "version", "data_file", "data_hash", "finished",
                   "stop_reason", "stop_test", "converged", "usable", "evaluations", "failures", "iterations", "seconds",
                   "cost", "objective", "synthetic", "title")
 PARAMETER_COLUMNS = ("name", "unit", "meaning", "kind", "scale", "lower", "upper", "start", "value", "free")

@@ -64,8 +64,8 @@ const Constraint* Evaluator::Violated(const Vector& x) const {
   const Vector parameters = problem_.Parameters(x);
   for (const Constraint& constraint : problem_.problem().constraints()) {
     const double value = constraint.offset + constraint.coefficients.dot(parameters);
-    const double size = std::abs(constraint.offset) +
-                        constraint.coefficients.cwiseAbs().dot(parameters.cwiseAbs());
+    const double size =
+        std::abs(constraint.offset) + constraint.coefficients.cwiseAbs().dot(parameters.cwiseAbs());
     if (value > kConstraintTolerance * size) return &constraint;
   }
   return nullptr;

@@ -124,8 +124,8 @@ class Annealer {
 
 }  // namespace
 
-AnnealingResult Anneal(const AnnealingCost& cost, const Vector& lower, const Vector& upper, const Vector& start,
-                       double start_cost, const AnnealingSchedule& schedule,
+AnnealingResult Anneal(const AnnealingCost& cost, const Vector& lower, const Vector& upper,
+                       const Vector& start, double start_cost, const AnnealingSchedule& schedule,
                        const std::function<double()>& uniform) {
   return Annealer(cost, lower, upper, start, start_cost, schedule, uniform).Run();
 }

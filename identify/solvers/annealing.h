@@ -1,5 +1,5 @@
-// Simulated annealing over a box, after Corana et al. and Goffe, Ferrier, Rogers: the algorithm alone, without
-// problems, budgets or a generator of its own.
+// Simulated annealing over a box, after Corana et al. and Goffe, Ferrier, Rogers: the algorithm alone,
+// without problems, budgets or a generator of its own.
 #pragma once
 
 #include <functional>
@@ -8,7 +8,8 @@
 
 namespace sinew {
 
-/// Defaults are those of Corana et al. (1987). Names in brackets are those of the published program, simann.f.
+/// Defaults are those of Corana et al. (1987). Names in brackets are those of the published program,
+/// simann.f.
 struct AnnealingSchedule {
   double temperature = 1;         ///< [T, unit of the cost] at the start, > 0
   double cooling = 0.85;          ///< [RT] factor of the temperature, within 0..1
@@ -45,11 +46,11 @@ using AnnealingCost = std::function<bool(const Vector& x, double& cost)>;
 /// costs at NEPS successive temperatures agree with each other and with the best within EPS.
 ///
 /// @param start [n], @param start_cost there, infinite if it has none
-/// @param uniform random numbers in [0, 1); the order in which they are used is that of the published program.
-/// Source: Corana, Marchesi, Martini, Ridella (1987), ACM TOMS 13(3):262-280; Goffe, Ferrier, Rogers (1994),
-/// J. Econometrics 60:65-99, program simann.f 3.2. Departure: relative_tolerance.
-AnnealingResult Anneal(const AnnealingCost& cost, const Vector& lower, const Vector& upper, const Vector& start,
-                       double start_cost, const AnnealingSchedule& schedule,
+/// @param uniform random numbers in [0, 1); the order in which they are used is that of the published
+/// program. Source: Corana, Marchesi, Martini, Ridella (1987), ACM TOMS 13(3):262-280; Goffe, Ferrier, Rogers
+/// (1994), J. Econometrics 60:65-99, program simann.f 3.2. Departure: relative_tolerance.
+AnnealingResult Anneal(const AnnealingCost& cost, const Vector& lower, const Vector& upper,
+                       const Vector& start, double start_cost, const AnnealingSchedule& schedule,
                        const std::function<double()>& uniform);
 
 }  // namespace sinew

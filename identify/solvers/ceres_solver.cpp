@@ -175,7 +175,8 @@ class IterationEnd : public ceres::IterationCallback {
 
   ceres::CallbackReturnType operator()(const ceres::IterationSummary& summary) override {
     if (evaluator_.stop_cause() != Evaluator::StopCause::kNone) return ceres::SOLVER_TERMINATE_SUCCESSFULLY;
-    if (summary.step_is_successful && iterate_.ok()) pushed_ = Pushed(iterate_.x(), iterate_.GetSlopes().gradient);
+    if (summary.step_is_successful && iterate_.ok())
+      pushed_ = Pushed(iterate_.x(), iterate_.GetSlopes().gradient);
     for (std::size_t k = 0; k < pushed_.size(); ++k) {
       pushed_for_[k] = pushed_[k] && !held_[k] ? pushed_for_[k] + 1 : 0;
       if (pushed_for_[k] >= kPatience) found_active_bound_ = true;
@@ -199,8 +200,8 @@ bool StartsWith(const std::string& text, const std::string& beginning) {
 }
 
 // Ceres states the test with its figures in words, such as
-// "Function tolerance reached. |cost_change|/cost: 2.1e-13 <= 1.0e-12"; its summary has them for accepted steps
-// only.
+// "Function tolerance reached. |cost_change|/cost: 2.1e-13 <= 1.0e-12"; its summary has them for accepted
+// steps only.
 Stop StopFromSummary(const ceres::Solver::Summary& summary) {
   const std::string& words = summary.message;
   const std::size_t sentence = words.find(". ");
@@ -226,8 +227,8 @@ struct Round {
   bool found_active_bound = false;
 };
 
-Round SolveFace(Evaluator& evaluator, Iterate& iterate, std::vector<Group>& groups, const std::vector<bool>& held,
-                double cost_tolerance) {
+Round SolveFace(Evaluator& evaluator, Iterate& iterate, std::vector<Group>& groups,
+                const std::vector<bool>& held, double cost_tolerance) {
   iterate.SetGroups(&groups);
   ceres::Problem::Options ownership;
   ownership.cost_function_ownership = ceres::DO_NOT_TAKE_OWNERSHIP;
@@ -271,9 +272,9 @@ Round SolveFace(Evaluator& evaluator, Iterate& iterate, std::vector<Group>& grou
 
 }  // namespace
 
-// Ceres keeps to bounds by projecting its steps. Along an active bound these get poor, and it may stop where the
-// cost still falls along the others; so variables that are pushed against a bound are held there, and released
-// when they are no longer.
+// Ceres keeps to bounds by projecting its steps. Along an active bound these get poor, and it may stop where
+// the cost still falls along the others; so variables that are pushed against a bound are held there, and
+// released when they are no longer.
 Search CeresSolver::DoSolve(Evaluator& evaluator, const Vector& start) const {
   SilenceGlog();
   const auto n = static_cast<std::size_t>(start.size());
@@ -294,7 +295,8 @@ Search CeresSolver::DoSolve(Evaluator& evaluator, const Vector& start) const {
       }
     }
     const bool at_bound = (x.array() == 0 || x.array() == 1).any();
-    if (!at_bound || (!round.found_active_bound && !search.stop.converged() && !groups.empty())) return search;
+    if (!at_bound || (!round.found_active_bound && !search.stop.converged() && !groups.empty()))
+      return search;
 
     iterate.PrepareForEvaluation(true, true);
     if (!iterate.ok()) return search;
@@ -307,8 +309,9 @@ Search CeresSolver::DoSolve(Evaluator& evaluator, const Vector& start) const {
     const double allowed = cost_tolerance_ * evaluator.best().cost;
     if (gain <= allowed) {
       if (groups.empty() || !search.stop.converged()) {
-        search.stop = {Termination::kGradient,
-                       fmt::format("no variable alone lowers the cost by more than {:.3g} <= {:.3g}", gain, allowed)};
+        search.stop = {
+            Termination::kGradient,
+            fmt::format("no variable alone lowers the cost by more than {:.3g} <= {:.3g}", gain, allowed)};
       }
       return search;
     }

@@ -10,7 +10,7 @@ constexpr long kUnlimited = std::numeric_limits<long>::max();
 // Four fifths to the links before the last, in equal parts: a polish needs little, but it must get that.
 long ShareOfLink(long remaining, std::size_t links_left) {
   const long earlier_links = static_cast<long>(links_left) - 1;
-  return earlier_links == 0 ? remaining : remaining / 5 * 4 / earlier_links;
+  return earlier_links == 0 ? remaining : (remaining - remaining / 5) / earlier_links;
 }
 
 }  // namespace

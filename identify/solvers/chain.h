@@ -10,9 +10,9 @@
 
 namespace sinew {
 
-/// Runs every link in order and keeps each as a Stage. A budget of evaluations is shared: the links before the
-/// last get equal parts of four fifths of it, and what they leave goes to those after them. The chain's own
-/// reason to stop is that of its last link.
+/// Runs every link in order and keeps each as a Stage. A budget of evaluations is shared: the links before
+/// the last get equal parts of four fifths of it, and what they leave goes to those after them. The chain's
+/// own reason to stop is that of its last link.
 class Chain : public Solver {
  public:
   struct Link {
@@ -25,6 +25,9 @@ class Chain : public Solver {
 
   [[nodiscard]] bool ToleratesFailedStart() const override {
     return links_.front().solver->ToleratesFailedStart();
+  }
+  [[nodiscard]] bool ToleratesInfeasibleStart() const override {
+    return links_.front().solver->ToleratesInfeasibleStart();
   }
 
  private:

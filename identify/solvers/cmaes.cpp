@@ -128,7 +128,8 @@ Search CmaEs::DoSolve(Evaluator& evaluator, const Vector& start) const {
       if (objective.stopped()) return {{}, generation, {}};
     }
     std::iota(order.begin(), order.end(), 0);
-    std::stable_sort(order.begin(), order.end(), [&](std::size_t a, std::size_t b) { return costs[a] < costs[b]; });
+    std::stable_sort(order.begin(), order.end(),
+                     [&](std::size_t a, std::size_t b) { return costs[a] < costs[b]; });
     for (std::size_t i = 0; i < best.size(); ++i) best[i] = points[order[i]];
     distribution.Update(best, generation);
 
@@ -138,8 +139,8 @@ Search CmaEs::DoSolve(Evaluator& evaluator, const Vector& start) const {
     const double spread = std::max(*highest - *lowest, costs[order.back()] - costs[order.front()]);
     const double allowed = cost_tolerance_ * std::abs(*lowest);
     if (best_costs.size() == history && spread <= allowed) {
-      return {{Termination::kCostChange,
-               fmt::format("costs of {} generations agree within {:.3g} <= {:.3g}", history, spread, allowed)},
+      return {{Termination::kCostChange, fmt::format("costs of {} generations agree within {:.3g} <= {:.3g}",
+                                                     history, spread, allowed)},
               generation + 1,
               {}};
     }

@@ -1,9 +1,9 @@
 #include "identify/solvers/ipopt_solver.h"
 
+#include <algorithm>
 #include <coin/IpIpoptApplication.hpp>
 #include <coin/IpSolveStatistics.hpp>
 #include <coin/IpTNLP.hpp>
-#include <algorithm>
 #include <limits>
 #include <mutex>
 
@@ -15,8 +15,8 @@ using Ipopt::Number;
 
 constexpr double kTolerance = 1e-10;
 constexpr int kMaxIterations = 3000;
-// The start is moved this far (of the box) off a bound that it lies on; Ipopt's own 1e-2 would throw away most
-// of what an earlier search found.
+// The start is moved this far (of the box) off a bound that it lies on; Ipopt's own 1e-2 would throw away
+// most of what an earlier search found.
 constexpr double kBoundPush = 1e-6;
 
 // A fit as Ipopt's nonlinear program. The cost, its gradient and the Gauss-Newton Hessian come from one
@@ -208,8 +208,7 @@ Stop StopFromIpopt(Ipopt::ApplicationReturnStatus status, Ipopt::IpoptApplicatio
     case Ipopt::Search_Direction_Becomes_Too_Small:
       return {Termination::kStepSize, fmt::format("step is rounding, optimality error {:.3g}", error)};
     default:
-      return {Termination::kSolverFailed,
-              fmt::format("{}, optimality error {:.3g}", InWords(status), error)};
+      return {Termination::kSolverFailed, fmt::format("{}, optimality error {:.3g}", InWords(status), error)};
   }
 }
 

@@ -20,8 +20,7 @@ class IpoptSolver : public Solver {
 
   explicit IpoptSolver(Hessian hessian) : hessian_(hessian) {}
 
-  /// A start that violates a constraint is one that it can leave.
-  [[nodiscard]] bool ToleratesFailedStart() const override { return true; }
+  [[nodiscard]] bool ToleratesInfeasibleStart() const override { return true; }
 
  private:
   Search DoSolve(Evaluator& evaluator, const Vector& start) const override;

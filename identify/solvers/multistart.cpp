@@ -34,7 +34,8 @@ std::vector<Start> MakeStarts(const Vector& first, int count, long budget, std::
   std::vector<Start> starts(static_cast<std::size_t>(count));
   starts.front().x = first;
   const std::vector<Vector> others = LatinHypercube(count - 1, static_cast<int>(first.size()), seed);
-  for (int i = 1; i < count; ++i) starts[static_cast<std::size_t>(i)].x = others[static_cast<std::size_t>(i - 1)];
+  for (int i = 1; i < count; ++i)
+    starts[static_cast<std::size_t>(i)].x = others[static_cast<std::size_t>(i - 1)];
   if (budget == kUnlimited) return starts;
   for (int i = 0; i < count; ++i) {
     starts[static_cast<std::size_t>(i)].share = budget / count + (i < budget % count ? 1 : 0);
@@ -104,11 +105,11 @@ std::vector<Vector> LatinHypercube(int count, int variables, std::uint64_t seed)
 }
 
 Search MultiStart::DoSolve(Evaluator& evaluator, const Vector& start) const {
-  std::vector<Start> starts =
-      MakeStarts(start, options_.starts, evaluator.options().budget.max_evaluations == kUnlimited
+  std::vector<Start> starts = MakeStarts(start, options_.starts,
+                                         evaluator.options().budget.max_evaluations == kUnlimited
                                              ? kUnlimited
                                              : evaluator.remaining().max_evaluations,
-                 options_.seed);
+                                         options_.seed);
   Polishing polishing(evaluator, starts, options_.cost_tolerance);
   polishing.Run(options_.threads);
 
@@ -125,10 +126,11 @@ Search MultiStart::DoSolve(Evaluator& evaluator, const Vector& start) const {
   std::stable_sort(search.stages.begin(), search.stages.end(),
                    [](const Stage& a, const Stage& b) { return a.cost < b.cost; });
   const int asked = options_.starts;
-  search.stop.test = fmt::format("{} of {} starts: {} converged, {} without prediction, {} ran out of budget or "
-                                 "were stopped by the solver",
-                                 polishing.absorbed(), asked, converged, failed,
-                                 static_cast<int>(polishing.absorbed()) - converged - failed);
+  search.stop.test = fmt::format(
+      "{} of {} starts: {} converged, {} without prediction, {} ran out of budget or "
+      "were stopped by the solver",
+      polishing.absorbed(), asked, converged, failed,
+      static_cast<int>(polishing.absorbed()) - converged - failed);
   const bool all = static_cast<int>(polishing.absorbed()) == asked && converged + failed == asked;
   search.stop.kind = all ? Termination::kStartsDone : Termination::kMaxEvaluations;
   evaluator.MustStop();

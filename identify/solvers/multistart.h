@@ -10,8 +10,8 @@ namespace sinew {
 ///
 /// Shares are equal; a budget too small for at least 20 evaluations each lowers the number of starts, which
 /// the reason to stop then says. Evaluations are taken over in the order of the starts, and those of starts
-/// after one that reached the target are dropped: the answer and the trace, apart from times, do not depend on
-/// the number of threads. The stages are the waterfall: every start, best first.
+/// after one that reached the target are dropped: the answer and the trace, apart from times, do not depend
+/// on the number of threads. The stages are the waterfall: every start, best first.
 class MultiStart : public Solver {
  public:
   explicit MultiStart(const SolverOptions& options) : options_(options) {}

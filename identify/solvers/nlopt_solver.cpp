@@ -14,8 +14,8 @@
 namespace sinew {
 namespace {
 
-constexpr double kStepTolerance = 1e-10;             // in the unit box
-constexpr int kDefaultGlobalEvaluations = 20000;     // global searches without a budget
+constexpr double kStepTolerance = 1e-10;          // in the unit box
+constexpr int kDefaultGlobalEvaluations = 20000;  // global searches without a budget
 constexpr long kMostStogoEvaluations = 100000;
 constexpr double kCostWithoutAnyPrediction = 1e100;  // until one point has a cost
 
@@ -62,7 +62,8 @@ double CostForNlopt(unsigned n, const double* x, double* gradient, void* data) {
   return cost;
 }
 
-void ConstraintsForNlopt(unsigned m, double* values, unsigned n, const double* x, double* gradient, void* data) {
+void ConstraintsForNlopt(unsigned m, double* values, unsigned n, const double* x, double* gradient,
+                         void* data) {
   Call& call = *static_cast<Call*>(data);
   const Vector at = Eigen::Map<const Vector>(x, n);
   call.evaluator.problem().Constraints(at, call.constraint_values,
@@ -79,7 +80,8 @@ class NloptSolver : public Solver {
   NloptSolver(nlopt_algorithm algorithm, std::string name, std::uint64_t seed, double cost_tolerance)
       : algorithm_(algorithm), name_(std::move(name)), seed_(seed), cost_tolerance_(cost_tolerance) {}
 
-  [[nodiscard]] bool ToleratesFailedStart() const override { return global() || TakesConstraints(); }
+  [[nodiscard]] bool ToleratesFailedStart() const override { return global(); }
+  [[nodiscard]] bool ToleratesInfeasibleStart() const override { return global() || TakesConstraints(); }
 
  private:
   [[nodiscard]] bool global() const { return name_[0] == 'G'; }
@@ -109,7 +111,8 @@ class NloptSolver : public Solver {
     SetStops(opt);
     const bool limited = evaluator.options().budget.max_evaluations != Budget{}.max_evaluations;
     int most = global() && !limited ? kDefaultGlobalEvaluations : 0;
-    // StoGO heeds no nlopt_force_stop: when the evaluator says stop it goes on, on no cost, up to its own limit.
+    // StoGO heeds no nlopt_force_stop: when the evaluator says stop it goes on, on no cost, up to its own
+    // limit.
     if (limited && Contains(name_, "STOGO")) {
       most = static_cast<int>(std::min(evaluator.remaining().max_evaluations, kMostStogoEvaluations));
     }
@@ -170,15 +173,14 @@ class NloptSolver : public Solver {
 }  // namespace
 
 Result<std::unique_ptr<Solver>> MakeNlopt(const std::string& algorithm, const SolverOptions& options) {
-  const nlopt_algorithm known = nlopt_algorithm_from_string(algorithm.c_str());
-  if (known == NLOPT_NUM_ALGORITHMS || static_cast<int>(known) < 0) {
-    std::vector<std::string> names;
-    for (int i = 0; i < NLOPT_NUM_ALGORITHMS; ++i) {
-      names.emplace_back(nlopt_algorithm_to_string(static_cast<nlopt_algorithm>(i)));
-    }
-    return Fail("solver 'nlopt:{}': NLopt has no such algorithm{}", algorithm, Suggestion(algorithm, names));
+  std::vector<std::string> names;
+  for (int i = 0; i < NLOPT_NUM_ALGORITHMS; ++i) {
+    const auto known = static_cast<nlopt_algorithm>(i);
+    names.emplace_back(nlopt_algorithm_to_string(known));
+    if (names.back() != algorithm) continue;
+    return std::make_unique<NloptSolver>(known, algorithm, options.seed, options.cost_tolerance);
   }
-  return std::make_unique<NloptSolver>(known, algorithm, options.seed, options.cost_tolerance);
+  return Fail("solver 'nlopt:{}': NLopt has no such algorithm{}", algorithm, Suggestion(algorithm, names));
 }
 
 }  // namespace sinew

@@ -12,11 +12,11 @@ namespace sinew {
 /// optimization package, github.com/stevengj/nlopt.
 ///
 /// Gradients are J'r. Constraints go to the algorithms that take them; all others reject the points that
-/// violate one. A point without prediction is given twice the largest cost seen, as NLopt's models need finite
-/// numbers. Local searches (and those inside MLSL and AUGLAG: BOBYQA or L-BFGS) stop on the relative change of
-/// the cost or on a step of 1e-10 in the unit box. Global ones often have no such test: without a budget they
-/// get 20,000 evaluations. Solves in one process run one after another: NLopt's generator is global.
-/// Errors: a name that NLopt does not know.
+/// violate one. A point without prediction is given twice the largest cost seen, as NLopt's models need
+/// finite numbers. Local searches (and those inside MLSL and AUGLAG: BOBYQA or L-BFGS) stop on the relative
+/// change of the cost or on a step of 1e-10 in the unit box. Global ones often have no such test: without a
+/// budget they get 20,000 evaluations. Solves in one process run one after another: NLopt's generator is
+/// global. Errors: a name that NLopt does not know.
 Result<std::unique_ptr<Solver>> MakeNlopt(const std::string& algorithm, const SolverOptions& options);
 
 }  // namespace sinew

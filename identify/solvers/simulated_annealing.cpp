@@ -71,7 +71,8 @@ Search SimulatedAnnealing::DoSolve(Evaluator& evaluator, const Vector& start) co
   const double start_cost = objective.Cost(start);
   if (std::isfinite(start_cost)) costs.push_back(start_cost);
   Vector x(n);
-  const long probes = start_temperature_ ? 0 : std::clamp(budget / kBudgetPerProbe, kFewestProbes, kMostProbes);
+  const long probes =
+      start_temperature_ ? 0 : std::clamp(budget / kBudgetPerProbe, kFewestProbes, kMostProbes);
   for (long i = 0; i < probes; ++i) {
     for (double& value : x) value = random.Uniform();
     const double cost = objective.Cost(x);

@@ -22,9 +22,9 @@ Stop StopWithoutAnswer(const Evaluator& evaluator) {
     return {Termination::kInfeasible, fmt::format("{} of {} points violate a constraint, no other has a cost",
                                                   evaluator.infeasible(), evaluator.evaluations())};
   }
-  return {Termination::kNoPrediction, fmt::format("{} of {} points have no prediction; the first: {}",
-                                                  evaluator.failures(), evaluator.evaluations(),
-                                                  evaluator.first_failure())};
+  return {Termination::kNoPrediction,
+          fmt::format("{} of {} points have no prediction; the first: {}", evaluator.failures(),
+                      evaluator.evaluations(), evaluator.first_failure())};
 }
 
 }  // namespace
@@ -79,12 +79,11 @@ bool Stop::converged() const {
 Stop StopFrom(const Evaluator& evaluator) {
   switch (evaluator.stop_cause()) {
     case Evaluator::StopCause::kEvaluations:
-      return {Termination::kMaxEvaluations,
-              fmt::format("{} evaluations, {} left", evaluator.evaluations(),
-                          evaluator.remaining().max_evaluations)};
+      return {Termination::kMaxEvaluations, fmt::format("{} evaluations, {} left", evaluator.evaluations(),
+                                                        evaluator.remaining().max_evaluations)};
     case Evaluator::StopCause::kSeconds:
-      return {Termination::kMaxSeconds,
-              fmt::format("{:.3g} s >= {:.3g} s", evaluator.seconds(), evaluator.options().budget.max_seconds)};
+      return {Termination::kMaxSeconds, fmt::format("{:.3g} s >= {:.3g} s", evaluator.seconds(),
+                                                    evaluator.options().budget.max_seconds)};
     case Evaluator::StopCause::kInterrupted:
       return {Termination::kInterrupted,
               fmt::format("interrupted after {} evaluations", evaluator.evaluations())};
@@ -97,6 +96,11 @@ Stop StopFrom(const Evaluator& evaluator) {
   return {Termination::kSolverFailed, "the search ended without a reason"};
 }
 
+bool Solver::CanBegin(const Evaluator& evaluator, const Vector& start) const {
+  if (evaluator.has_best()) return true;
+  return evaluator.Violated(start) == nullptr ? ToleratesFailedStart() : ToleratesInfeasibleStart();
+}
+
 SolverResult Solver::Solve(Evaluator& evaluator, const Vector& start) const {
   SolverResult result;
   double cost = kInfinity;
@@ -105,7 +109,7 @@ SolverResult Solver::Solve(Evaluator& evaluator, const Vector& start) const {
   const bool evaluated = IsEvaluated(evaluator, start);
   if (evaluated && evaluator.problem().variables() == 0) {
     result.stop = {Termination::kNothingFree, "no parameter is free; the start was evaluated"};
-  } else if (!evaluator.MustStop() && (evaluator.has_best() || ToleratesFailedStart())) {
+  } else if (!evaluator.MustStop() && CanBegin(evaluator, start)) {
     Search search = DoSolve(evaluator, start);
     result.stop = std::move(search.stop);
     result.iterations = search.iterations;

@@ -90,11 +90,14 @@ class Solver {
   /// @param start [n, in 0..1]. The start is always evaluated and never lost: the result is at least as good.
   SolverResult Solve(Evaluator& evaluator, const Vector& start) const;
 
-  /// Whether the search can begin where the problem cannot be predicted (a global one looks elsewhere) or
-  /// where a constraint is violated (an interior-point one finds its way back).
+  /// The search can begin where the problem cannot be predicted: a global one looks elsewhere.
   [[nodiscard]] virtual bool ToleratesFailedStart() const { return false; }
+  /// The search can begin where a constraint is violated: it finds its way back.
+  [[nodiscard]] virtual bool ToleratesInfeasibleStart() const { return ToleratesFailedStart(); }
 
  private:
+  [[nodiscard]] bool CanBegin(const Evaluator& evaluator, const Vector& start) const;
+
   /// Searches from start, which has been evaluated. Every evaluation goes through the evaluator; on
   /// Outcome::kStop it returns at once, and Solve fills in why.
   virtual Search DoSolve(Evaluator& evaluator, const Vector& start) const = 0;
@@ -110,7 +113,7 @@ struct SolverEntry {
   bool gradient = false;
   /// Searches along Problem::constraints(). All others reject the points that violate one, and may get stuck.
   bool constraints = false;
-  std::string description;   ///< with author and year
+  std::string description;  ///< with author and year
 };
 
 [[nodiscard]] const std::vector<SolverEntry>& SolverRegistry();

@@ -76,7 +76,8 @@ struct UncertaintyOptions {
 /// the diagonal of (J'J)^-1. For one channel with independent residuals this is the likelihood ratio against
 /// F(1, m - p); scaling it by the variance that the estimate really has keeps it right for other weights and
 /// for correlated residuals, which otherwise cover 40 % instead of 95 % at a correlation of 0.8 (Kent 1982;
-/// Chandler, Bate 2007). Errors: no prediction at x, wrong size of x, nothing fitted.
+/// Chandler, Bate 2007). A parameter on a bound keeps its plain variance: the misfit that a bound causes
+/// looks like correlated noise, and is none. Errors: no prediction at x, wrong size of x, nothing fitted.
 Result<Uncertainty> AnalyseUncertainty(const LeastSquares& problem, const Vector& x,
                                        const UncertaintyOptions& options);
 

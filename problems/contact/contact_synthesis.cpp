@@ -56,7 +56,7 @@ struct Setting {
 };
 constexpr Setting kSettings[] = {
     {"stiffness", 9e5, 1e4, 1e7, "true stiffness [N/m3]"},
-    {"dissipation", 40, 0, 600, "true dissipation [s/m]"},
+    {"dissipation", 30, 0, 600, "true dissipation [s/m]"},
     {"static_friction", 0.9, 0, 15, "true static friction"},
     {"dynamic_friction", 0.6, 0, 15, "true dynamic friction"},
     {"viscous_friction", 0.5, 0, 15, "true viscous friction [s/m]"},

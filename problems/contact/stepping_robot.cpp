@@ -51,7 +51,7 @@ FootPose StanceFoot(const Step& step, double t, double side) {
   // Depth of the point that rolls along the sole from heel to toe; negative in the air.
   const double phase = (t - 0.5 * T) / (0.5 * T);
   const double depth =
-      step.depth * (1 - std::pow(phase, 4) +
+      step.depth * (1 - std::abs(phase * phase * phase) +
                     step.rocking * std::cos(4 * M_PI * t / T) * (1 - Rise(std::abs(phase), 0.7, 1.2)));
   const double rolling = 0.5 * (kHeel + kToe) - 0.5 * (kToe - kHeel) * std::tanh(pitch / 0.03);
   const double height = -depth - rolling * std::sin(pitch) + kSoleHeight * std::cos(pitch);
@@ -62,7 +62,7 @@ FootPose StanceFoot(const Step& step, double t, double side) {
       -swing_speed * RiseIntegral(-t, 0.03, 0.18) + swing_speed * RiseIntegral(t, T + 0.03, T + 0.18) +
       step.slip_speed * (std::min(t, 0.0) + (std::max(t, 0.0) - RiseIntegral(t, 0.0, 0.2))) -
       step.slip_speed * RiseIntegral(t, T - 0.2, T);
-  const double sideways = 0.1 * step.slip_speed * T * std::sin(2 * M_PI * t / T + 0.5);
+  const double sideways = 0.02 * step.slip_speed * T * std::sin(2 * M_PI * t / T + 0.5);
   return {Vec3(forward, height, side * kHipOffset + sideways), rotation};
 }
 

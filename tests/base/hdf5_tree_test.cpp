@@ -6,6 +6,9 @@
 
 #include <filesystem>
 #include <fstream>
+#include <iterator>
+
+#include "base/random.h"
 
 namespace sinew {
 namespace {
@@ -79,6 +82,31 @@ TEST_F(Hdf5Tree, ATruncatedFileIsAnErrorAtEveryLength) {
     std::filesystem::resize_file(Path("cut.h5"), length);
     EXPECT_FALSE(ReadHdf5(Path("cut.h5"))) << length;
   }
+}
+
+TEST_F(Hdf5Tree, DamagedBytesAreAnErrorOrOtherContentButNeverACrash) {
+  constexpr int kFiles = 300;
+  constexpr int kMostBytes = 16;
+  ASSERT_TRUE(WriteHdf5(Path("a.h5"), Example()));
+  std::ifstream whole(Path("a.h5"), std::ios::binary);
+  const std::string valid{std::istreambuf_iterator<char>(whole), {}};
+  Random random(1);
+  int errors = 0;
+  for (int i = 0; i < kFiles; ++i) {
+    std::string bytes = valid;
+    const std::uint64_t replaced = 1 + random.Index(kMostBytes);
+    for (std::uint64_t k = 0; k < replaced; ++k) {
+      bytes[random.Index(bytes.size())] = static_cast<char>(random.Index(256));
+    }
+    std::ofstream(Path("b.h5"), std::ios::binary) << bytes;
+    const auto read = ReadHdf5(Path("b.h5"));
+    if (read) continue;
+    ++errors;
+    EXPECT_EQ(read.error().message.rfind(Path("b.h5") + ": ", 0), 0U) << read.error().message;
+  }
+  EXPECT_GT(errors, 0);
+  EXPECT_LT(errors, kFiles);
+  EXPECT_TRUE(ReadHdf5(Path("a.h5"))) << "libhdf5 must still work";
 }
 
 TEST_F(Hdf5Tree, AFailedWriteLeavesTheOldFileAndNothingElse) {

@@ -3,7 +3,7 @@
 
 # %% origin
 rows = [("data set", info["title"]), ("data file", info["data_file"]), ("data hash", info["data_hash"]),
-        ("command", info["command"]), ("seed, threads", f"{info['seed']}, {info['threads']}"),
+        ("seed", info["seed"]),
         ("stopped because", f"{info['stop_reason']} ({info['stop_test']})"),
         ("counts", f"{info['evaluations']} evaluations, {info['iterations']} iterations, {info['failures']} failures"),
         ("cost", f"{number(info['cost'], 5)} ({info['objective']})"), ("time", duration(info["seconds"])),

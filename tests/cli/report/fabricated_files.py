@@ -17,8 +17,7 @@ def write_run(path, trials=("stance_1", "stance_2", "stance_3"), validate=("stan
         run = file.create_group("run")
         run.attrs.update({
             "sinew_schema": "run/1", "problem": "contact", "solver": "multistart+ceres" if starts else "sa+ceres",
-            "seed": seed, "threads": 2, "version": "0.1.0",
-            "command": "sinew identify contact --data stances.h5 --out run.h5",
+            "seed": seed, "version": "0.1.0",
             "data_file": "stances.h5", "data_hash": "0123abcd", "finished": finished,
             "stop_reason": "converged" if usable else "budget spent", "stop_test": "relative cost change 2e-13 < 1e-10",
             "converged": usable, "usable": usable, "evaluations": evaluations, "failures": 2, "iterations": 14,

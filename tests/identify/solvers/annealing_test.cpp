@@ -9,15 +9,15 @@
 namespace sinew {
 namespace {
 
-// simann.f 3.2 as published (its Judge example: T = 5, RT = 0.5, NS = 20, NT = 5, seeds 1 and 2), compiled with
-// gfortran 12, prints these figures.
+// simann.f 3.2 as published (its Judge example: T = 5, RT = 0.5, NS = 20, NT = 5, seeds 1 and 2), compiled
+// with gfortran 12, prints these figures.
 constexpr long kPublishedEvaluations = 5001;
 constexpr long kPublishedAccepted = 2263;
 constexpr long kPublishedOutOfBounds = 0;
 constexpr double kPublishedOptimum = 16.08173068624;
 constexpr double kPublishedFinalTemperature = 0.2980232238770e-6;
-// Its constants .6 and .4 are single precision: the steps are adjusted by 1e-8 differently, and the last digits
-// of the optimum, which is flat, follow.
+// Its constants .6 and .4 are single precision: the steps are adjusted by 1e-8 differently, and the last
+// digits of the optimum, which is flat, follow.
 constexpr double kSinglePrecisionConstants = 1e-10;
 // The same program with .6D0 and .4D0 in that place ends here.
 constexpr double kXInDouble[2] = {0.86479306394794575, 1.2357467408709701};

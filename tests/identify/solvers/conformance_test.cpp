@@ -4,11 +4,17 @@
 #include <algorithm>
 #include <atomic>
 #include <cmath>
+#include <ostream>
 
 #include "identify/solvers/solver.h"
 #include "tests/identify/support/classic_problems.h"
 
 namespace sinew {
+
+void PrintTo(const SolverEntry& entry, std::ostream* out) {
+  *out << entry.name;
+}
+
 namespace {
 
 constexpr long kBudget = 600;
@@ -48,9 +54,10 @@ double CostAtStart(const LeastSquares& problem) {
 }
 
 bool SameTrace(const std::vector<TraceEntry>& a, const std::vector<TraceEntry>& b) {
-  return std::equal(a.begin(), a.end(), b.begin(), b.end(), [](const TraceEntry& one, const TraceEntry& other) {
-    return one.x == other.x && one.cost == other.cost;
-  });
+  return std::equal(a.begin(), a.end(), b.begin(), b.end(),
+                    [](const TraceEntry& one, const TraceEntry& other) {
+                      return one.x == other.x && one.cost == other.cost;
+                    });
 }
 
 TEST_P(Conformance, ImprovesWithinTheBoxAndTheBudget) {
@@ -111,7 +118,9 @@ TEST_P(Conformance, InterruptEndsItAtOnce) {
   std::atomic<bool> interrupt = false;
   Evaluator::Options options;
   options.interrupt = &interrupt;
-  options.progress = [&](const Progress& progress, const Evaluator&) { interrupt = progress.evaluations >= 5; };
+  options.progress = [&](const Progress& progress, const Evaluator&) {
+    interrupt = progress.evaluations >= 5;
+  };
   const Outcome run = Solve(fit.least_squares, options);
   EXPECT_EQ(run.result.stop.kind, Termination::kInterrupted) << run.result.stop.test;
   EXPECT_LE(run.result.cost, CostAtStart(fit.least_squares));
@@ -163,7 +172,7 @@ TEST_P(Conformance, StartWithoutPrediction) {
     EXPECT_TRUE(std::isfinite(run.result.cost));
   } else {
     EXPECT_EQ(run.result.stop.kind, Termination::kNoPrediction);
-    EXPECT_NE(run.result.stop.test.find("x1 = -1.2 is out of reach"), std::string::npos) << run.result.stop.test;
+    EXPECT_NE(run.result.stop.test.find("is out of reach"), std::string::npos) << run.result.stop.test;
   }
 }
 

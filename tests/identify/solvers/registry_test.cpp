@@ -21,7 +21,9 @@ TEST(SolverRegistry, EveryEntryCanBeMade) {
   }
 }
 
-TEST(SolverRegistry, AnyNameThatNloptKnows) { EXPECT_EQ(ErrorOf("nlopt:LN_NEWUOA_BOUND"), ""); }
+TEST(SolverRegistry, AnyNameThatNloptKnows) {
+  EXPECT_EQ(ErrorOf("nlopt:LN_NEWUOA_BOUND"), "");
+}
 
 TEST(SolverRegistry, UnknownNamesAreAnsweredWithTheClosest) {
   EXPECT_EQ(ErrorOf("cers"), "solver 'cers' does not exist; did you mean 'ceres'?");

@@ -16,7 +16,8 @@ inline void MakeRosenbrock(FunctionProblem& problem, double fails_below = -1e9, 
   problem.Add("x1", -5, 10, -1.2).Add("x2", -5, 10, 1);
   problem.AddBlock("t", {0, 0}, {0, 1},
                    [=](const Vector& p, Eigen::Ref<Vector> values, Matrix* derivatives) -> Status {
-                     if (p[0] < fails_below || p[0] > fails_above) return Fail("x1 = {} is out of reach", p[0]);
+                     if (p[0] < fails_below || p[0] > fails_above)
+                       return Fail("x1 = {} is out of reach", p[0]);
                      values << 10 * (p[1] - p[0] * p[0]), 1 - p[0];
                      if (derivatives != nullptr) *derivatives << -20 * p[0], 10, -1, 0;
                      return {};

@@ -29,7 +29,8 @@ const std::vector<std::string>& NistNames();
 /// and the certified value beyond them.
 void MakeNist(const NistDataset& data, int start, FunctionProblem& problem);
 
-/// Digits in which a parameter agrees with its certified value, at most 11: -log10 of the relative difference.
+/// Digits in which a parameter agrees with its certified value, at most 11: -log10 of the relative
+/// difference.
 double CertifiedDigits(double value, double certified);
 
 }  // namespace sinew

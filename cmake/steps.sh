@@ -1,0 +1,75 @@
+# The steps of ./demo and ./check. Sourced from the root of the tree with `steps` set to their number.
+shopt -s nullglob
+
+# step N NAME COMMAND...: one line for a step that went well, its whole output for one that did not.
+step() {
+  local number=$1 name=$2 log began
+  shift 2
+  log=$(mktemp)
+  began=$SECONDS
+  printf '[%s/%s] %s ' "$number" "$steps" "$name"
+  # The command runs in a subshell of its own: inside a condition, bash would not stop at its first error.
+  local status=0
+  set +e
+  (set -e; "$@") >"$log" 2>&1
+  status=$?
+  set -e
+  if ((status != 0)); then
+    echo "... FAILED"
+    tail -n 200 "$log"
+    rm -f "$log"
+    exit 1
+  fi
+  local seconds=$((SECONDS - began))
+  echo "... ok ($((seconds / 60)) min $((seconds % 60)) s)$(grep '^summary: ' "$log" | tail -n 1 | sed 's/^summary:/,/')"
+  rm -f "$log"
+}
+
+install_packages() {
+  local wanted missing=() package
+  wanted=$(grep -v '^#' packages.txt)
+  for package in $wanted; do
+    dpkg-query -W -f '${Status}' "$package" 2>/dev/null | grep -q 'install ok installed' || missing+=("$package")
+  done
+  echo "summary: $(wc -w <<<"$wanted") packages, ${#missing[@]} installed now"
+  ((${#missing[@]} == 0)) && return 0
+  local as_root=()
+  if ((EUID != 0)); then as_root=(sudo); fi
+  "${as_root[@]}" apt-get update
+  "${as_root[@]}" env DEBIAN_FRONTEND=noninteractive apt-get install -y --no-install-recommends "${missing[@]}"
+}
+
+configure() { cmake --preset "$1" "${@:2}"; }
+
+# Users get the program alone; tests and benchmarks are left to ./check.
+build_program() {
+  configure release
+  cmake --build --preset release --target sinew_program
+}
+
+build_everything() {
+  configure release
+  cmake --build --preset release
+}
+
+run_preset() {
+  configure "$1"
+  cmake --build --preset "$1"
+}
+
+check_format() {
+  local files
+  mapfile -t files < <(git ls-files '*.h' '*.cpp')
+  clang-format-14 --dry-run --Werror "${files[@]}"
+}
+
+# What a user does who has sinew installed: find_package(sinew), derive from Problem, identify.
+check_installed() {
+  local prefix=$PWD/build/installed
+  rm -rf "$prefix" build/outside
+  cmake --install build/release --prefix "$prefix"
+  cmake -S docs/examples/outside -B build/outside -G Ninja -DCMAKE_PREFIX_PATH="$prefix" -DCMAKE_BUILD_TYPE=Release
+  cmake --build build/outside
+  build/outside/pendulum
+  "$prefix/bin/sinew" list solvers
+}

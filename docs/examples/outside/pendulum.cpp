@@ -1,0 +1,97 @@
+// Somebody else's model in about 100 lines: a pendulum that swings out, seen by a camera.
+//
+//   angle(t) = amplitude * exp(-damping t) * cos(frequency t + phase),    frequency = sqrt(g / length)
+//
+// One class says what the parameters are, how the channel follows from them, and what its derivatives are.
+// Solvers, verdicts and sensor effects come with it.
+#include <sinew/sinew.h>
+
+#include <cmath>
+#include <cstdio>
+
+namespace {
+
+using namespace sinew;
+
+constexpr double kGravity = 9.81;
+
+class Pendulum final : public Problem {
+ public:
+  Pendulum(std::vector<double> time, std::vector<double> angle) {
+    parameters_ = {Make("length", "m", 0.1, 2.0, 0.9), Make("damping", "1/s", 0.0, 2.0, 0.1),
+                   Make("amplitude", "rad", 0.01, 1.0, 0.2), Make("phase", "rad", -1.5, 1.5, 0.0),
+                   Make("mass", "kg", 0.1, 10.0, 1.0)};  // a pendulum's mass does not show: sinew will say so
+    Block block;
+    block.trial = "swing";
+    block.channel = "angle";
+    block.unit = "rad";
+    for (int i = 0; i < static_cast<int>(time.size()); ++i) block.sample.push_back(i);
+    block.prediction_time = std::move(time);
+    block.measured = std::move(angle);
+    block.columns = {0, 1, 2, 3, 4};
+    layout_.push_back(std::move(block));
+  }
+
+  const std::vector<Parameter>& parameters() const override { return parameters_; }
+  const Layout& layout() const override { return layout_; }
+
+  Status Predict(const Query& query, Workspace& /*workspace*/, Prediction& prediction) const override {
+    const double length = query.parameters[0];
+    const double damping = query.parameters[1];
+    const double amplitude = query.parameters[2];
+    const double phase = query.parameters[3];
+    const double frequency = std::sqrt(kGravity / length);
+    for (Eigen::Index i = 0; i < prediction.values(0).size(); ++i) {
+      const double t = layout_[0].prediction_time[static_cast<std::size_t>(i)];
+      const double decay = std::exp(-damping * t);
+      const double angle = amplitude * decay * std::cos(frequency * t + phase);
+      prediction.values(0)[i] = angle;
+      if (!query.derivatives) continue;
+      const double by_phase = -amplitude * decay * std::sin(frequency * t + phase);
+      prediction.derivatives(0).row(i) << by_phase * t * (-0.5 * frequency / length), -t * angle,
+          angle / amplitude, by_phase, 0;
+    }
+    return {};
+  }
+
+ private:
+  static Parameter Make(const char* name, const char* unit, double lower, double upper, double start) {
+    Parameter p;
+    p.name = name;
+    p.unit = unit;
+    p.lower = lower;
+    p.upper = upper;
+    p.start = start;
+    return p;
+  }
+
+  std::vector<Parameter> parameters_;
+  Layout layout_;
+};
+
+}  // namespace
+
+int main() {
+  // A synthetic recording: length 1 m, damping 0.15 1/s, noise of 5 mrad.
+  Random random(1);
+  std::vector<double> time;
+  std::vector<double> angle;
+  for (int i = 0; i < 200; ++i) {
+    time.push_back(0.05 * i);
+    angle.push_back(0.3 * std::exp(-0.15 * time.back()) * std::cos(std::sqrt(kGravity) * time.back() + 0.2) +
+                    0.005 * random.Normal());
+  }
+  const Pendulum pendulum(time, angle);
+
+  const auto setup = MakeFitSetup(pendulum, {});
+  IdentificationOptions options;
+  options.solver = "multistart";
+  const auto result = setup ? Identify(pendulum, *setup, options) : tl::unexpected(setup.error());
+  if (!result) {
+    std::fprintf(stderr, "%s\n", result.error().message.c_str());
+    return 1;
+  }
+  for (const std::string& finding : result->findings) std::printf("%s\n", finding.c_str());
+  const double length = result->parameters[0];
+  return result->result.stop.converged() && std::abs(length - 1) < 0.01 ? 0 : 1;
+}
