@@ -20,10 +20,16 @@ namespace {
 
 constexpr std::size_t kMostValues = std::size_t{1}
                                     << 28;  // 2 GiB of doubles: beyond it a header is surely corrupt
+// A byte holds at most so many values: deflate compresses no more than 1032 to 1, and a value has a byte.
+constexpr std::size_t kMostValuesPerByte = 1032;
+constexpr std::size_t kSmallFile = 4096;    // [bytes] so that a dataset that was never written may be there
 constexpr std::size_t kValuesPerNode = 64;  // what a group or dataset itself counts for: its place in memory
 constexpr int kDeepest = 32;
-constexpr unsigned kLongestReading =
-    30;  // [s] ours take milliseconds: beyond it a damaged file goes in circles
+// A damaged file can send libhdf5 in circles. Seconds that a reading may take, and one more for every
+// kBytesPerSecond of the file (a sound one is read a hundred times as fast).
+constexpr rlim_t kProcessorSeconds = 2;
+constexpr unsigned kSeconds = 30;  // with waiting for a disk and for other processes
+constexpr std::uintmax_t kBytesPerSecond = 1U << 20;
 
 // Held while a file is read or written: libhdf5 is not thread-safe in every build, and see SurvivesReading.
 std::mutex hdf5_mutex;
@@ -161,7 +167,7 @@ Status ReadAttributes(hid_t object, const std::string& where, Hdf5Node& node) {
 // Takes so many values out of what the rest of the file may still hold: links that lead back to their own
 // group make an endless tree of a small file.
 Status TakeRoom(std::size_t values, const std::string& where, std::size_t& room) {
-  if (values > room) return Fail("{}: the file holds more than {} values", where, kMostValues);
+  if (values > room) return Fail("{}: announces more values than the file can hold", where);
   room -= values;
   return {};
 }
@@ -227,8 +233,10 @@ Result<Hdf5Node> ReadTree(const std::string& path) {
   if (!file) return Fail("{}: cannot be opened as HDF5 (truncated or damaged)", path);
   const Handle group(H5Gopen2(file.get(), "/", H5P_DEFAULT), H5Gclose);
   if (!group) return Fail("{}: has no root group (damaged file)", path);
+  hsize_t bytes = 0;
+  if (H5Fget_filesize(file.get(), &bytes) < 0) return Fail("{}: its size cannot be read", path);
+  std::size_t room = std::min<std::size_t>(kMostValues, kMostValuesPerByte * (bytes + kSmallFile));
   Hdf5Node root;
-  std::size_t room = kMostValues;
   const Status status = ReadNode(group.get(), "/", 0, room, root);
   if (!status) return Fail("{}: {}", path, status.error().message);
   return root;
@@ -237,12 +245,17 @@ Result<Hdf5Node> ReadTree(const std::string& path) {
 // What the forked process does: nothing of it may be seen or reach its parent. noexcept: an exception, such
 // as too little memory, ends it like a crash does.
 [[noreturn]] void ReadAndExit(const std::string& path) noexcept {
-  for (const int signal : {SIGALRM, SIGSEGV, SIGBUS, SIGFPE, SIGILL, SIGABRT}) std::signal(signal, SIG_DFL);
+  for (const int signal : {SIGALRM, SIGXCPU, SIGSEGV, SIGBUS, SIGFPE, SIGILL, SIGABRT})
+    std::signal(signal, SIG_DFL);
   sigset_t time_up;
   sigemptyset(&time_up);
   sigaddset(&time_up, SIGALRM);
   sigprocmask(SIG_UNBLOCK, &time_up, nullptr);
-  alarm(kLongestReading);
+  std::error_code code;
+  const std::uintmax_t more = std::filesystem::file_size(path, code) / kBytesPerSecond;
+  alarm(kSeconds + static_cast<unsigned>(more));
+  const rlimit processor{kProcessorSeconds + more, kProcessorSeconds + more};
+  setrlimit(RLIMIT_CPU, &processor);
   const rlimit no_core{0, 0};
   setrlimit(RLIMIT_CORE, &no_core);
   const int nowhere = open("/dev/null", O_WRONLY | O_CLOEXEC);

@@ -1,4 +1,5 @@
 // sinew identify: data and a problem in, parameters with verdicts out.
+#include <algorithm>
 #include <cstdio>
 
 #include "base/numbers.h"
@@ -11,7 +12,9 @@
 namespace sinew {
 namespace {
 
-constexpr double kCheckpointInterval = 2;  // [s] between savings of a run that goes on
+constexpr double kCheckpointInterval = 2;  // [s] between savings of a run that goes on ...
+constexpr double kCheckpointShare =
+    20;  // ... but at least so many times what one saving takes: long traces are large
 
 struct IdentifyWords {
   BindingOptions binding;
@@ -79,16 +82,18 @@ Result<int> RunIdentify(const IdentifyWords& words) {
   }
 
   ProgressLine line("identify " + words.solver, words.fit.quiet);
-  double saved = 0;
+  double next_saving = kCheckpointInterval;
   const IdentificationOptions as_asked = options;
   options.evaluator.progress = [&](const Progress& progress, const Evaluator& evaluator) {
     line.Show(progress, as_asked.evaluator.budget);
-    if (progress.seconds - saved < kCheckpointInterval) return;
-    saved = progress.seconds;
+    if (progress.seconds < next_saving) return;
+    const double began = evaluator.seconds();
     // A checkpoint that cannot be written is no reason to stop: the answer itself will say so if it cannot
     // either.
     static_cast<void>(
         WriteHdf5(words.out, UnfinishedRunTree(evaluator.problem(), as_asked, provenance, evaluator)));
+    const double ended = evaluator.seconds();
+    next_saving = ended + std::max(kCheckpointInterval, kCheckpointShare * (ended - began));
   };
   SINEW_ASSIGN(Identification identification,
                Identify(binding.problem(), std::move(setup), std::move(options)));

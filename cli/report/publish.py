@@ -10,7 +10,8 @@ import notebook
 import page
 import run_file
 
-RUN_PARTS = (("fit", "run_fit"), ("parameters", "run_parameters"), ("correlation", "run_correlation"),
+RUN_PARTS = (("prediction", "run_prediction"), ("fit", "run_fit"), ("unused", "run_unused"),
+             ("unmeasured", "run_unmeasured"), ("parameters", "run_parameters"), ("correlation", "run_correlation"),
              ("convergence", "run_convergence"), ("starts", "run_starts"), ("contact", "run_contact"))
 OVERVIEW = "index"
 

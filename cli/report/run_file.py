@@ -13,6 +13,7 @@ RUN_ATTRIBUTES = ("problem", "solver", "seed", "version", "data_file", "data_has
 PARAMETER_COLUMNS = ("name", "unit", "meaning", "kind", "scale", "lower", "upper", "start", "value", "free")
 UNCERTAINTY_COLUMNS = ("name", "verdict", "reason", "remedy", "interval", "std_error", "ci95_lower", "ci95_upper")
 VERDICTS = ("identifiable", "weak", "not_identifiable", "at_bound")
+DETERMINED = ("identifiable", "weak")  # has a value of its own: correlations with it mean something
 STUDY_COLUMNS = ("solver", "seed", "cost", "success", "evaluations", "evaluations_to_target", "seconds",
                  "seconds_to_target", "stop_reason", "values")
 CONTACT_ARRAYS = ("time", "outline", "pressure", "slip", "centre_of_pressure")
@@ -29,7 +30,7 @@ class ReportFile:
     path: str
     kind: str          # RUN or STUDY
     title: str
-    has: frozenset     # of "fit", "parameters", "correlation", "convergence", "starts", "contact"
+    has: frozenset     # of the parts in publish.RUN_PARTS
 
 
 def read(path):
@@ -80,9 +81,12 @@ def _one_line(error):
     return " ".join(str(error).split())
 
 
-def _schema(node):
-    value = node.attrs.get("sinew_schema", "")
+def _text(value):
     return value.decode() if isinstance(value, bytes) else str(value)
+
+
+def _schema(node):
+    return _text(node.attrs.get("sinew_schema", ""))
 
 
 def _check(path, file):
@@ -131,19 +135,21 @@ def _check_run(path, file):
         for channel, node in channels.items():
             where = f"/prediction/{trial}/{channel}"
             _columns(path, file, where, ("time", "simulated", "measured"))
-            _attributes(path, node, where, ("unit", "role", "n", "rmse", "r2"))
+            _attributes(path, node, where, ("unit", "quantity", "role", "n", "rmse", "r2"))
             residual = f"/residual/{trial}/{channel}"
             if residual in file:
                 _columns(path, file, residual, ("time", "residual"))
-            has.add("fit")
+            has |= {"prediction", "unmeasured" if node.attrs["n"] == 0 else
+                    "unused" if _text(node.attrs["role"]) == "predicted" else "fit"}
     if "uncertainty" in file and "name" in file["uncertainty"]:
         count = _columns(path, file, "/uncertainty", UNCERTAINTY_COLUMNS)
         for verdict in _texts(file["uncertainty/verdict"]):
             if verdict not in VERDICTS:
                 raise BadInput(f"{path}: /uncertainty/verdict is '{verdict}', expected one of {', '.join(VERDICTS)}")
         kinds = dict(zip(_texts(file["parameters/name"]), _texts(file["parameters/kind"])))
-        if sum(kinds.get(name) != "nuisance" for name in _texts(file["uncertainty/name"])) >= 2 \
-                and "correlation" in file["uncertainty"]:
+        determined = [name for name, verdict in zip(_texts(file["uncertainty/name"]), _texts(file["uncertainty/verdict"]))
+                      if verdict in DETERMINED and kinds.get(name) != "nuisance"]
+        if len(determined) >= 2 and "correlation" in file["uncertainty"]:
             if file["uncertainty/correlation"].shape != (count, count):
                 raise BadInput(f"{path}: /uncertainty/correlation is {file['uncertainty/correlation'].shape}, "
                                f"expected {(count, count)}")
@@ -157,7 +163,17 @@ def _check_run(path, file):
         for region in regions:
             _check_region(path, file, f"/details/contact/{trial}/{region}")
             has.add("contact")
-    return ReportFile(path, RUN, f"{info.attrs['problem']}: {info.attrs['title']}", frozenset(has))
+    return ReportFile(path, RUN, f"{_text(info.attrs['problem'])}: {_subject(path, info)}", frozenset(has))
+
+
+def _subject(path, info):
+    """What was identified: the title of the data set; if it has none, the name of its file."""
+    names = (_text(info.attrs["title"]).strip(), _stem(_text(info.attrs["data_file"])), _stem(path))
+    return next(name for name in names if name)
+
+
+def _stem(path):
+    return os.path.splitext(os.path.basename(path))[0]
 
 
 def _check_region(path, file, where):

@@ -28,11 +28,16 @@ bool Contains(const std::string& name, const char* part) {
 // What NLopt's callbacks share.
 struct Call {
   Call(Evaluator& to, Evaluator::Infeasible infeasible, nlopt_opt of)
-      : evaluator(to), objective(to, infeasible), handle(of) {}
+      : evaluator(to), objective(to, infeasible), handle(of) {
+    if (to.has_best() && to.best().cost > 0) scale = 1 / to.best().cost;
+  }
 
   Evaluator& evaluator;
   Objective objective;
   nlopt_opt handle;
+  /// NLopt sees the cost as a multiple of the first one: SLSQP's first step is the gradient itself, and with
+  /// a cost of 1e5 that throws it into a corner of the box.
+  double scale = 1;
   Vector x;
   Vector gradient;
   Vector constraint_values;
@@ -49,11 +54,13 @@ double CostForNlopt(unsigned n, const double* x, double* gradient, void* data) {
     cost = call.objective.Cost(call.x);
   } else {
     cost = call.objective.Gradient(call.x, call.gradient);
-    Eigen::Map<Vector>(gradient, n) = call.gradient;
+    Eigen::Map<Vector>(gradient, n) = call.scale * call.gradient;
   }
+  cost *= call.scale;
   if (call.objective.stopped()) nlopt_force_stop(call.handle);
   if (!std::isfinite(cost)) {
-    return std::isfinite(call.objective.worst()) ? 2 * call.objective.worst() : kCostWithoutAnyPrediction;
+    return std::isfinite(call.objective.worst()) ? 2 * call.scale * call.objective.worst()
+                                                 : kCostWithoutAnyPrediction;
   }
   if (cost < call.best) {
     call.last_improvement = std::isfinite(call.best) ? (call.best - cost) / call.best : 1;

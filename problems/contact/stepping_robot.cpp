@@ -44,7 +44,7 @@ struct FootPose {
 FootPose StanceFoot(const Step& step, double t, double side) {
   const double T = step.duration;
   const double pitch =
-      step.strike_pitch * (1 - Rise(t, -0.02, 0.16)) - step.push_off_pitch * Rise(t, T - 0.18, T + 0.06);
+      step.strike_pitch * (1 - Rise(t, -0.06, 0.22)) - step.push_off_pitch * Rise(t, T - 0.24, T + 0.10);
   const double roll = step.roll * std::sin(2 * M_PI * t / T);
   const Mat3 rotation = AboutZ(pitch) * AboutX(roll);
 
@@ -52,8 +52,8 @@ FootPose StanceFoot(const Step& step, double t, double side) {
   const double phase = (t - 0.5 * T) / (0.5 * T);
   const double depth =
       step.depth * (1 - std::abs(phase * phase * phase) +
-                    step.rocking * std::cos(4 * M_PI * t / T) * (1 - Rise(std::abs(phase), 0.7, 1.2)));
-  const double rolling = 0.5 * (kHeel + kToe) - 0.5 * (kToe - kHeel) * std::tanh(pitch / 0.03);
+                    step.rocking * std::cos(4 * M_PI * t / T) * (1 - Rise(std::abs(phase), 0.4, 1.6)));
+  const double rolling = 0.5 * (kHeel + kToe) - 0.5 * (kToe - kHeel) * std::tanh(pitch / 0.06);
   const double height = -depth - rolling * std::sin(pitch) + kSoleHeight * std::cos(pitch);
 
   // Sliding: forward after the strike, backward at push-off; swinging fast before and after.

@@ -25,7 +25,7 @@ for name, run in runs.items():
     findings = text_list(run["/run/findings"])[:3] if "/run/findings" in run else []
     doubts = [] if about[name]["finished"] else ["This run has not finished."]
     doubts += [] if about[name]["usable"] else ["The answer of this run is not usable."]
-    cards.append(f'<h3>{link(name)} <small>{escape(about[name]["title"])}</small></h3>'
+    cards.append(f'<h3>{link(name)} <small>{escape(about[name]["title"] or about[name]["data_file"])}</small></h3>'
                  + (items(doubts, "warnings") if doubts else "") + items(findings, "findings"))
 for name, study in studies.items():
     solvers, success = np.array(text_list(study["/study/runs/solver"])), study["/study/runs/success"][:]
@@ -99,24 +99,25 @@ if shown:
     plt.show()
 
 # %% fit
-errors = {}  # (channel, unit) -> {run: {role: [(rmse, n)]}}
+errors = {}  # (quantity, unit) -> {run: {role: [(rmse, n)]}}
 for run_name, run in runs.items():
     for channels in run["/prediction"].values() if "/prediction" in run else ():
         for channel, node in channels.items():
-            if np.isfinite(node.attrs["rmse"]) and node.attrs["n"] > 0:
-                errors.setdefault((channel, pretty(node.attrs["unit"])), {}).setdefault(run_name, {}) \
-                      .setdefault(node.attrs["role"], []).append((node.attrs["rmse"], node.attrs["n"]))
+            role, n, rmse = (node.attrs[key] for key in ("role", "n", "rmse"))
+            if role != "predicted" and n > 0 and np.isfinite(rmse):
+                errors.setdefault((node.attrs["quantity"] or channel, pretty(node.attrs["unit"])), {}) \
+                      .setdefault(run_name, {}).setdefault(role, []).append((rmse, n))
 
 if errors:
-    head = "".join(f'<th class="value">{escape(channel)} ({unit or "1"})<br><small>fitted / not fitted</small></th>'
-                   for channel, unit in errors)
+    head = "".join(f'<th class="value">{escape(quantity)}{f" ({unit})" if unit else ""}<br><small>fitted / not fitted</small></th>'
+                   for quantity, unit in errors)
     rows = ""
     for run_name in runs:
         rows += f"<tr><td>{link(run_name)}</td>"
-        for of_channel in errors.values():
+        for of_quantity in errors.values():
             both = []
             for role in ("train", "validate"):
-                known = of_channel.get(run_name, {}).get(role, [])
+                known = of_quantity.get(run_name, {}).get(role, [])
                 both.append(number(np.sqrt(np.average([r * r for r, _ in known], weights=[n for _, n in known])))
                             if known else "–")
             rows += f'<td class="value">{" / ".join(both)}</td>'

@@ -42,6 +42,11 @@ def number(value, digits=3, power=False):
     return f"{mantissa}e{int(exponent)}"
 
 
+def coefficient(value):
+    """R² with a proper minus: 0.998, −20.0."""
+    return (f"{value:.3f}" if value > -1 else number(value)).replace("-", "−")
+
+
 def short(value):
     """A number somebody chose, without padding: 0.01, 15, 1e6."""
     mantissa, _, exponent = f"{value:.4g}".partition("e")
@@ -56,6 +61,18 @@ def pretty(unit):
 
 
 SUPERSCRIPT = str.maketrans("0123456789", "⁰¹²³⁴⁵⁶⁷⁸⁹")
+
+
+def tidy(text):
+    """A sentence of the program, typeset: +- -> ±, R2 -> R², N/m3 -> N/m³, 1.000000e-12 -> 1e-12."""
+    text = re.sub(r"\bR2\b", "R²", text.replace("+-", "±"))
+    text = re.sub(r"(?<=/m)[23]\b", lambda power: power[0].translate(SUPERSCRIPT), text)
+    return re.sub(r"\b\d\.\d{4,}e[+-]\d+", lambda value: short(float(value[0])), text)
+
+
+def elided(text, most):
+    """At most so many characters."""
+    return text if len(text) <= most else text[:max(most - 1, 1)] + "…"
 
 
 def duration(seconds):
@@ -85,17 +102,34 @@ def in_order(names):
 
 
 def by_decades(axes, which):
-    """A logarithmic "x" or "y" axis with plain labels."""
+    """A logarithmic "x" or "y" axis with plain labels; to be called when its limits are known."""
     axes.set(**{f"{which}scale": "log"})
     axis = getattr(axes, f"{which}axis")
-    axis.set_major_locator(LogLocator(subs=(1.0, 3.0)))
-    axis.set_major_formatter(lambda value, _: number(value, 1))
+    low, high = axis.get_view_interval()
+    wide = high > 1e4 * low
+    axis.set_major_locator(LogLocator(subs=(1.0,) if wide else (1.0, 3.0)))
+    axis.set_major_formatter(lambda value, _: number(value, 1, power=wide and not 1e-3 <= value < 1e4))
     axis.set_minor_formatter(NullFormatter())
 
 
 def items(sentences, kind):
     """Sentences as a list on the page."""
-    return f'<ul class="{kind}">' + "".join(f"<li>{escape(text)}</li>" for text in sentences) + "</ul>"
+    return f'<ul class="{kind}">' + "".join(f"<li>{escape(tidy(text))}</li>" for text in sentences) + "</ul>"
+
+
+def span(arrays):
+    """Least and greatest known value of several arrays; never equal."""
+    values = np.concatenate(arrays) if arrays else np.array([])
+    values = values[np.isfinite(values)]
+    low, high = (values.min(), values.max()) if values.size else (0.0, 0.0)
+    return (low, high) if high > low else (low - 0.5, high + 0.5)
+
+
+def draw_measured(axis, fit):
+    """What was measured, in black: a line, or points where samples stand alone."""
+    known = np.isfinite(fit["measured"])
+    sparse = 2 * (known[1:] & known[:-1]).sum() < known.sum()  # single samples that no line would join
+    axis.plot(fit["time"], fit["measured"], "." if sparse else "-", ms=3, lw=0.9, color=MEASURED, label="measured")
 
 
 def spread(count):

@@ -10,16 +10,16 @@ reached = best[np.isfinite(best)]
 
 figure, axis = plt.subplots(figsize=(WIDTH, 3.2))
 some = np.unique(np.linspace(0, len(cost) - 1, 5000).astype(int))  # enough points for the eye
-axis.plot(count[some], np.where(failed, np.nan, cost)[some], ".", ms=4, color=GREY, alpha=0.55, mew=0,
-          label="one evaluation")
+axis.plot(count[some], np.where(failed, np.nan, cost)[some], ".", color=GREY, alpha=0.6, mew=0,
+          ms=8 if len(some) < 200 else 4, label="one evaluation")
 axis.plot(count[np.isfinite(best)], reached, color=TRAIN, lw=2, drawstyle="steps-post", label="best so far")
 finding = "No evaluation succeeded"
 if reached.size:
     tried = cost[~failed]
     top = max(reached[0], np.percentile(tried, 97))
     if reached[-1] > 0 and top > 30 * reached[-1]:
-        by_decades(axis, "y")
         axis.set_ylim(reached[-1] / 1.5, top * 2)
+        by_decades(axis, "y")
     else:
         axis.set_ylim(reached[-1] - 0.08 * (top - reached[-1] or 1), top + 0.08 * (top - reached[-1] or 1))
     axis.annotate(number(reached[-1], 4), (count[-1], reached[-1]), xytext=(6, 0), textcoords="offset points",

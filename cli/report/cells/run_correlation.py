@@ -1,18 +1,16 @@
 # %% correlation [markdown]
 # ## Correlations
 #
-# Near +1 or −1, the data cannot tell a change of one parameter from a change of the other. A dot: a parameter
-# that the data do not determine at all.
+# Near +1 or −1, the data cannot tell a change of one parameter from a change of the other. Parameters that the data
+# do not determine, or that rest at a bound, have no correlations.
 
 # %% correlation
 everyone = texts("/uncertainty/name")
-kept = [i for i, name in enumerate(everyone) if name in shown]
+kept = [i for i, name in enumerate(everyone) if name in shown and shown[name]["verdict"] in ("identifiable", "weak")]
 names = [everyone[i] for i in kept]
 correlation = run["/uncertainty/correlation"][()][np.ix_(kept, kept)]
-undetermined = np.array([shown[name].get("verdict") == "not_identifiable" for name in names])
-correlation[undetermined, :] = correlation[:, undetermined] = np.nan
 
-size = float(np.clip(1.2 + 0.55 * len(names), 3.2, 8.5))
+size = float(np.clip(1.2 + 0.55 * len(names), 2.5, 8.5))
 figure, axis = plt.subplots(figsize=(size + 1.6, size))
 axis.set_facecolor("#f4f4f4")
 colours = axis.imshow(np.ma.masked_invalid(correlation), vmin=-1, vmax=1, cmap="RdBu_r")
@@ -20,7 +18,7 @@ for i, j in np.ndindex(correlation.shape):
     value = correlation[i, j]
     if len(names) <= 14:
         axis.text(j, i, f"{value:.2f}".replace("-", "−") if np.isfinite(value) else "·", ha="center", va="center",
-                  size=8, color="white" if abs(value) > 0.6 else "#555555")
+                  size=8, color="white" if abs(value) > 0.45 else "#555555")
 axis.set_xticks(range(len(names)), names, rotation=40, ha="right", rotation_mode="anchor")
 axis.set_yticks(range(len(names)), names)
 axis.tick_params(length=0)
@@ -31,9 +29,7 @@ bar.outline.set_visible(False)
 
 pairs = np.nan_to_num(np.triu(correlation, 1))
 i, j = np.unravel_index(np.argmax(np.abs(pairs)), pairs.shape)
-if (~undetermined).sum() < 2:
-    finding = "Fewer than two parameters are determined: nothing to compare"
-elif abs(pairs[i, j]) > 0.9:
+if abs(pairs[i, j]) > 0.9:
     finding = f"{names[i]} and {names[j]} can hardly be told apart ({pairs[i, j]:+.2f})".replace("-", "−")
 else:
     finding = f"No two determined parameters stand in for each other (at most {abs(pairs[i, j]):.2f})"

@@ -17,40 +17,59 @@ def value_text(p):
     """Value and 95 % interval, with as many digits as the interval allows."""
     low, high = p.get("ci95_lower", np.nan), p.get("ci95_upper", np.nan)
     if p.get("verdict") == "not_identifiable" or not np.isfinite(high - low):
-        return f'<span class="pale">{number(p["value"])}</span>', '<span class="pale">none</span>'
+        return f'<span class="pale">{short(p["value"])}</span>', '<span class="pale">none</span>'
     half = (high - low) / 2
     digits = 3 if half <= 0 or p["value"] == 0 else int(np.clip(
         np.floor(np.log10(abs(p["value"]))) - np.floor(np.log10(half)) + 2, 3, 4))
     value = number(p["value"], digits)
     if abs(high + low - 2 * p["value"]) < 0.2 * half:  # centred on the value
-        return value, f"± {number(half, 2, power='e' in value)}"
+        mantissa, _, exponent = value.partition("e")
+        decimals = len(mantissa.partition(".")[2])
+        if exponent and half >= 2 * 10.0 ** (int(exponent) - decimals):  # with the exponent of the value
+            return value, f"± {half / 10.0 ** int(exponent):.{decimals}f}e{exponent}"
+        return value, f"± {number(half, 2, power=bool(exponent))}"
     return value, f"{number(low, digits)} … {number(high, digits)}"
 
 
+def remedies(group):
+    """What would help the parameters of a group, each remedy once."""
+    helped = {}  # remedy -> names
+    for name, p in group.items():
+        helped.setdefault(p.get("remedy", ""), []).append(name)
+    lines = ""
+    for remedy, names in helped.items():
+        whom = "" if len(helped) == 1 else f" {', '.join(names)}"
+        if remedy.startswith("no "):  # a remedy that says there is none
+            lines += f'<br>{f"<b>{escape(whom.strip())}:</b> " if whom else ""}{escape(tidy(remedy))}'
+        elif remedy:
+            lines += f"<br><b>Would help{escape(whom)}:</b> {escape(tidy(remedy))}"
+    return lines
+
+
 def parameter_rows(some):
-    rows, previous = [], None
-    names = list(some)
-    for i, name in enumerate(names):
-        p = some[name]
-        value, interval = value_text(p)
-        symbol, word, colour = SAYS[p.get("verdict", "")]
-        why = (p.get("reason", ""), p.get("remedy", ""))
-        span = 1  # neighbours with the same reason share one cell
-        while i + span < len(names) and (some[names[i + span]].get("reason", ""),
-                                         some[names[i + span]].get("remedy", "")) == why:
-            span += 1
-        cell = "" if why == previous else f'<td class="why" rowspan="{span}">{escape(why[0])}' \
-            + (f'<br><b>Would help:</b> {escape(why[1])}' if why[1] else "") + "</td>"
-        previous = why
-        rows.append(f'<tr><td class="name"><b>{escape(name)}</b><br><small>{escape(p["meaning"])}</small></td>'
-                    f'<td class="value">{value}</td><td class="value">{interval}</td>'
-                    f'<td>{escape(pretty(p["unit"]))}</td>'
-                    f'<td class="verdict" style="color:{colour}">{symbol} {word}</td>{cell}</tr>')
-    return "".join(rows)
+    """A row per parameter; neighbours with the same reason share its cell."""
+    groups = []  # (reason, {name: parameter})
+    for name, p in some.items():
+        reason = p.get("reason", "")
+        if not groups or groups[-1][0] != reason:
+            groups.append((reason, {}))
+        groups[-1][1][name] = p
+    rows = ""
+    for reason, group in groups:
+        cell = f'<td class="why" rowspan="{len(group)}">{escape(tidy(reason))}{remedies(group)}</td>'
+        for name, p in group.items():
+            value, interval = value_text(p)
+            symbol, word, colour = SAYS[p.get("verdict", "")]
+            rows += f'<tr><td class="name"><b>{escape(name)}</b><br><small>{escape(p["meaning"])}</small></td>' \
+                    f'<td class="value">{value}</td><td class="value">{interval}</td>' \
+                    f'<td>{escape(pretty(p["unit"]))}</td>' \
+                    f'<td class="verdict" style="color:{colour}">{symbol} {word}</td>{cell}</tr>'
+            cell = ""
+    return rows
 
 
 display(HTML('<table class="parameters"><thead><tr><th>Parameter</th><th class="value">Value</th>'
-             '<th class="value">95 % interval</th><th>Unit</th><th>Verdict</th><th>Reason</th></tr></thead>'
+             '<th class="value">95&nbsp;%&nbsp;interval</th><th>Unit</th><th>Verdict</th><th>Reason</th></tr></thead>'
              f"<tbody>{parameter_rows(shown)}</tbody></table>"))
 
 notes = [f"Not determined by the data: {text}" for text in texts("/uncertainty/directions")]
@@ -92,7 +111,7 @@ if shown:
             axis.plot(ends, [row, row], color=colour, lw=5, alpha=0.45, zorder=3)
         axis.plot(place(p, p["value"]), row, MARK[verdict], ms=7, mew=1.5, zorder=4,
                   color=colour, mfc="white" if unknown else colour, clip_on=False)
-        for x, bound, side in ((-0.01, p["lower"], "right"), (1.01, p["upper"], "left")):
+        for x, bound, side in ((-0.018, p["lower"], "right"), (1.018, p["upper"], "left")):
             axis.text(x, row, short(bound), ha=side, va="center", color="#777777", size=8)
         axis.text(1.12, row, f"{number(p['value'])} {pretty(p['unit'])}" if not unknown else "not determined",
                   va="center", color=colour)
@@ -105,9 +124,9 @@ if shown:
     axis.spines[:].set_visible(False)
     judged = [p for p in shown.values() if p.get("verdict")]
     sure = sum(p["verdict"] == "identifiable" for p in judged)
-    headline(figure, (f"{sure} of {len(judged)} parameters are determined by the data" if judged else
+    headline(figure, (f"{sure} of {len(judged)} parameters {'is' if sure == 1 else 'are'} determined by the data" if judged else
                      "Where the parameters lie between their bounds"))
-    figure.supxlabel("From lower to upper bound (by ratio where the search is).  Thin line: start.  "
+    figure.supxlabel("From lower to upper bound (logarithmic where it is searched so).  Thin line: start.  "
                      "Thick: 95 % interval.  Hatched: the data allow any value.", size=8, color="#666666",
                      x=0.0, ha="left")
     plt.show()

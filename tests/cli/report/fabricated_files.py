@@ -10,8 +10,11 @@ def put_texts(file, path, values):
 
 
 def write_run(path, trials=("stance_1", "stance_2", "stance_3"), validate=("stance_3",), seed=7, finished=1, usable=1,
-              contact=("sole",), instants=33, faces=(8, 3), evaluations=60, starts=0, findings=None, stiffness=8.97e5):
-    """A run of `contact` on made-up stances: two parameters determined, three not."""
+              contact=("sole",), instants=33, faces=(8, 3), evaluations=60, starts=0, findings=None, stiffness=8.97e5, unused=True, title="made-up stances & <nothing measured>"):
+    """A run of `contact` on made-up stances: two parameters determined, three not.
+
+    contact: names of regions, each on a body of its own; unused: whether a channel is measured that is not fitted.
+    """
     rng = np.random.default_rng(seed)
     with h5py.File(path, "w") as file:
         run = file.create_group("run")
@@ -22,7 +25,7 @@ def write_run(path, trials=("stance_1", "stance_2", "stance_3"), validate=("stan
             "stop_reason": "converged" if usable else "budget spent", "stop_test": "relative cost change 2e-13 < 1e-10",
             "converged": usable, "usable": usable, "evaluations": evaluations, "failures": 2, "iterations": 14,
             "seconds": 0.0034, "cost": 161.2, "objective": "half the sum of squared force errors (N²)", "synthetic": 1,
-            "title": "made-up stances & <nothing measured>"})
+            "title": title})
         put_texts(file, "run/findings", findings or [
             "The vertical force is matched to 2.1 N on fitted stances and 2.4 N on stances that were not fitted.",
             "Stiffness and dissipation are determined; static, dynamic and viscous friction are not: the vertical "
@@ -33,7 +36,7 @@ def write_run(path, trials=("stance_1", "stance_2", "stance_3"), validate=("stan
         _write_parameters(file, stiffness)
         _write_search(file, rng, evaluations, starts)
         for i, trial in enumerate(trials):
-            _write_fit(file, rng, trial, "validate" if trial in validate else "train", instants, i)
+            _write_fit(file, rng, trial, "validate" if trial in validate else "train", instants, i, unused)
         for region in contact:
             _write_contact(file, trials[0], region, instants, faces)
 
@@ -59,7 +62,8 @@ def _write_parameters(file, stiffness):
     put_texts(file, "uncertainty/name", columns[0][:5])
     put_texts(file, "uncertainty/verdict", ["identifiable"] * 2 + ["not_identifiable"] * 3)
     put_texts(file, "uncertainty/reason", ["", ""] + ["no measured channel depends on it"] * 3)
-    put_texts(file, "uncertainty/remedy", ["", ""] + ["measure the tangential force (channel plate_force_x)"] * 3)
+    put_texts(file, "uncertainty/remedy", ["", ""] + ["measuring right_force_x would fix it"] * 2
+              + ["no channel that this model predicts would fix it in these trials"])
     put_texts(file, "uncertainty/interval", ["profile", "profile", "none", "none", "none"])
     file["uncertainty/std_error"] = [5.6e3, 3.1, nan, nan, nan]
     file["uncertainty/std_error_robust"] = [7.0e3, 3.9, nan, nan, nan]
@@ -96,24 +100,31 @@ def _force(phase):
     return 57 * np.clip(np.sin(np.pi * phase), 0, None) ** 0.6 * (1 + 0.25 * np.cos(4 * np.pi * phase))
 
 
-def _write_fit(file, rng, trial, role, instants, index):
+def _write_fit(file, rng, trial, role, instants, index, unused):
+    """The vertical force fitted, the sideways force measured only (if `unused`), the forward force not even that."""
     time = np.linspace(0, 0.6, instants) + 0.02 * index
     simulated = _force((time - time[0]) / 0.6) * (1 + 0.03 * index)
     measured = _force((time - time[0] - 0.008) / 0.6) * (1 + 0.03 * index) + rng.normal(0, 0.9, instants)
     measured[instants // 2] = np.nan
+    _write_channel(file, trial, "right_force_y", "vertical force", role, time, simulated, measured)
+    nothing = np.full(instants, np.nan)
+    _write_channel(file, trial, "right_force_x", "forward force", "predicted", time, 6 * np.sin(9 * time), nothing)
+    if unused:
+        _write_channel(file, trial, "right_force_z", "sideways force", "predicted", time, 0.1 * simulated, 0.3 * measured)
+
+
+def _write_channel(file, trial, channel, quantity, role, time, simulated, measured):
     ok = np.isfinite(measured)
     residual = (simulated - measured)[ok]
-    node = file.create_group(f"prediction/{trial}/plate_force_y")
-    node.attrs.update({"unit": "N", "role": role, "n": int(ok.sum()), "rmse": np.sqrt(np.mean(residual ** 2)),
-                       "r2": 1 - residual.var() / measured[ok].var()})
+    node = file.create_group(f"prediction/{trial}/{channel}")
+    node.attrs.update({"unit": "N", "quantity": quantity, "role": role, "n": int(ok.sum()), "rmse": np.nan, "r2": np.nan})
     node["time"], node["simulated"], node["measured"] = time, simulated, measured
-    left = file.create_group(f"residual/{trial}/plate_force_y")
-    left.attrs.update({"unit": "N", "role": role})
-    left["time"], left["residual"] = time[ok], residual
-    node = file.create_group(f"prediction/{trial}/plate_force_x")
-    node.attrs.update({"unit": "N", "role": "predicted", "n": 0, "rmse": np.nan, "r2": np.nan})
-    node["time"], node["measured"] = time, np.full(instants, np.nan)
-    node["simulated"] = 6 * np.sin(9 * (time - time[0]))
+    if ok.any():
+        node.attrs["rmse"] = np.sqrt(np.mean(residual ** 2))
+        node.attrs["r2"] = 1 - np.mean(residual ** 2) / measured[ok].var()
+        left = file.create_group(f"residual/{trial}/{channel}")
+        left.attrs.update({"unit": "N", "role": role})
+        left["time"], left["residual"] = time[ok], residual
 
 
 def _write_contact(file, trial, region, instants, faces):
@@ -136,7 +147,7 @@ def _write_contact(file, trial, region, instants, faces):
     pressure = np.where(bulge > 0.05, bulge, 0)
     pressure = load * pressure / (pressure @ area)[:, None]
     node = file.create_group(f"details/contact/{trial}/{region}")
-    node.attrs.update({"body": region, "plate": "plate", "group": "sole"})
+    node.attrs.update({"body": region, "plate": "right", "group": "sole"})
     weights = pressure * area
     total = weights.sum(axis=1, keepdims=True)
     with np.errstate(invalid="ignore"):

@@ -2,6 +2,7 @@
 
     /usr/bin/python3 -B -m unittest discover -s tests/cli/report
 """
+import asyncio
 import json
 import os
 import random
@@ -16,6 +17,7 @@ import unittest
 from pathlib import Path
 
 import h5py
+import nbformat
 import numpy as np
 
 HERE = Path(__file__).resolve().parent
@@ -23,6 +25,7 @@ PROGRAM = HERE.parents[2] / "cli" / "report" / "sinew_report.py"
 sys.path[:0] = [str(HERE), str(PROGRAM.parent)]
 
 import fabricated_files  # noqa: E402
+import notebook  # noqa: E402
 import run_file  # noqa: E402
 
 
@@ -79,14 +82,14 @@ class OneRun(WithFolder):
             self.assertIn("2 simulations failed &lt; 1 % of the time", where)  # texts are escaped
             self.assertIn("synthetic data", where)
             self.assertIn("8.97e5", where)
-            self.assertIn("± 1.1e4", where)
+            self.assertIn("± 0.11e5", where)  # with the exponent of the value
             self.assertEqual(where.count("○ not identifiable"), 3)
         self.assertIn("made-up stances &#38; &#60;nothing measured&#62;", page.replace("&amp;", "&#38;")
                       .replace("&lt;", "&#60;").replace("&gt;", "&#62;"))
         for section in ("Measured against simulated", "Parameters", "Correlations", "Search", "Pressure under the sole"):
             self.assertIn(section, page)
-        # fit, predicted only, bounds, correlation, convergence, two of the sole
-        self.assertEqual(page.count("data:image/png;base64,"), 7)
+        # fit, not used, not measured, bounds, correlation, convergence, two of the sole
+        self.assertEqual(page.count("data:image/png;base64,"), 8)
         self.assertLess(page.index("vertical force on level ground"), page.index("data:image/png"))
 
     def test_notebook_names_the_run_file_relative_to_itself(self):
@@ -154,6 +157,91 @@ class OneRun(WithFolder):
             self.assertFalse(self.out.parent.exists())
 
 
+class WhatTheRunSays(WithFolder):
+    """Names of the cells, asked in a notebook of some of the cells: what stands in a picture no test can read."""
+
+    def answers(self, cells, *expressions):
+        content = notebook.build(["run_start", *cells], "asked", {"RUN_FILE": str(self.run_path)})
+        question = nbformat.v4.new_code_cell("\n".join(f"print({expression})" for expression in expressions))
+        question.metadata["name"] = "question"
+        content.cells.append(question)
+        asyncio.run(notebook.execute(content, str(self.folder)))
+        return content.cells[-1].outputs[0].text.splitlines()
+
+    def pooled(self, trials):
+        with h5py.File(self.run_path) as file:
+            residuals = [file[f"residual/{trial}/right_force_y/residual"][:] for trial in trials]
+            measured = [file[f"prediction/{trial}/right_force_y/measured"][:] for trial in trials]
+        errors = sum((r ** 2).sum() for r in residuals)
+        deviations = sum(((m - np.nanmean(m))[np.isfinite(m)] ** 2).sum() for m in measured)
+        return np.sqrt(errors / sum(map(len, residuals))), 1 - errors / deviations
+
+    def test_fit_is_told_by_quantity_with_pooled_errors(self):
+        fabricated_files.write_run(self.run_path)
+        finding, quantities, unused, unmeasured = self.answers(
+            ["run_prediction", "run_fit"], "finding_of(('vertical force', 'N'), ['right plate'])", "quantities",
+            "list(unused)", "list(unmeasured)")
+        (here, here_r2), (there, there_r2) = self.pooled(["stance_1", "stance_2"]), self.pooled(["stance_3"])
+        self.assertEqual(finding, f"Vertical force, right plate: off by {here:.2f} N (RMSE, R² {here_r2:.3f}) where "
+                                  f"fitted, {there:.2f} N (R² {there_r2:.3f}) where not: no worse on trials it never saw")
+        self.assertEqual(quantities, "[('vertical force', 'N')]")
+        self.assertEqual(unused, "[('sideways force', 'N')]")
+        self.assertEqual(unmeasured, "[('forward force', 'N')]")
+
+    def test_measured_channels_that_were_not_fitted_stand_apart(self):
+        for unused in (True, False):
+            fabricated_files.write_run(self.run_path, contact=(), unused=unused)
+            self.assertEqual(report(self.run_path, "--out-dir", self.out)[0], 0)
+            page = self.check_page(self.out / "index.html")
+            self.check_notebook(self.out / "index.ipynb")
+            heading = page.find("Measured but not used in this fit")
+            self.assertEqual(heading > page.index("Measured against simulated</h2>"), unused)
+            table = page[page.index("Error of the simulation"):]
+            table = table[:table.index("</table>")]
+            self.assertIn("vertical force", table)
+            self.assertNotIn("sideways force", table)
+
+    def test_without_a_title_the_data_file_gives_the_name(self):
+        fabricated_files.write_run(self.run_path, title="")
+        self.assertEqual(run_file.read(str(self.run_path)).title, "contact: stances")
+
+    def test_reason_shared_by_neighbours_is_told_once_and_no_remedy_is_no_help(self):
+        fabricated_files.write_run(self.run_path, contact=())
+        (rows,) = self.answers(["run_parameters"], "parameter_rows(shown)")
+        self.assertEqual(rows.count("no measured channel depends on it"), 1)
+        self.assertIn("<b>Would help static_friction, dynamic_friction:</b> measuring right_force_x", rows)
+        self.assertIn("<b>viscous_friction:</b> no channel", rows)
+
+    def test_correlations_need_two_determined_parameters(self):
+        fabricated_files.write_run(self.run_path)
+        self.assertIn("correlation", run_file.read(str(self.run_path)).has)
+        with h5py.File(self.run_path, "a") as file:
+            file["uncertainty/verdict"][1] = "at_bound"
+        self.assertNotIn("correlation", run_file.read(str(self.run_path)).has)
+
+    def test_regions_of_a_foot_share_a_picture_unless_their_outlines_overlap(self):
+        fabricated_files.write_run(self.run_path, contact=("heel", "toe"))
+        with h5py.File(self.run_path, "a") as file:
+            for region in ("heel", "toe"):
+                file[f"details/contact/stance_1/{region}"].attrs["body"] = "foot"
+        overlapping = self.answers(["run_prediction", "run_contact"], "sorted(pictures)")
+        with h5py.File(self.run_path, "a") as file:
+            outline = file["details/contact/stance_1/toe/outline"]
+            outline[:, :, 0] = outline[:, :, 0] + 0.2
+        apart = self.answers(["run_prediction", "run_contact"], "list(pictures)")
+        self.assertEqual((overlapping, apart), (["['heel', 'toe']"], ["['foot']"]))
+
+    def test_force_on_faces_that_are_not_drawn_is_told(self):
+        for share, told in ((1.0, False), (2.5, True)):
+            fabricated_files.write_run(self.run_path)
+            with h5py.File(self.run_path, "a") as file:
+                simulated = file["prediction/stance_1/right_force_y/simulated"]
+                simulated[:] = share * simulated[:]
+            self.assertEqual(report(self.run_path, "--out-dir", self.out)[0], 0)
+            page = self.check_page(self.out / "index.html")
+            self.assertEqual('<li>The faces drawn, those that look down, carry' in page, told)
+
+
 class SeveralFiles(WithFolder):
     def test_each_has_its_page_and_the_overview_compares_them(self):
         second = self.folder / "second" / "run.h5"
@@ -212,8 +300,8 @@ class BadInput(WithFolder):
             del file["parameters/value"]
 
         def shorten(file):
-            del file["prediction/stance_1/plate_force_y/measured"]
-            file["prediction/stance_1/plate_force_y/measured"] = np.zeros(3)
+            del file["prediction/stance_1/right_force_y/measured"]
+            file["prediction/stance_1/right_force_y/measured"] = np.zeros(3)
 
         def misname(file):
             file["uncertainty/verdict"][0] = "probably"
@@ -221,8 +309,11 @@ class BadInput(WithFolder):
         def new_schema(file):
             file["run"].attrs["sinew_schema"] = "run/9"
 
+        def drop_quantity(file):
+            del file["prediction/stance_1/right_force_y"].attrs["quantity"]
+
         for damage, expected in ((drop_title, "no attribute 'title'"), (drop_values, "/parameters/value is missing"),
-                                 (shorten, "plate_force_y/measured has 3 entries"), (misname, "'probably'"),
+                                 (drop_quantity, "no attribute 'quantity'"), (shorten, "right_force_y/measured has 3 entries"), (misname, "'probably'"),
                                  (new_schema, "schema 'run/9', expected 'run/1'")):
             with self.subTest(expected):
                 fabricated_files.write_run(self.run_path)
