@@ -50,7 +50,9 @@ template <class... Args>
 /// `SINEW_ASSIGN(auto trial, ReadTrial(file));` declares trial, or returns the error.
 #define SINEW_ASSIGN(target, expression) \
   SINEW_ASSIGN_INNER(SINEW_CONCAT(sinew_result_, __LINE__), target, expression)
+// NOLINTBEGIN(bugprone-macro-parentheses): the arguments are names and declarations.
 #define SINEW_ASSIGN_INNER(result, target, expression)           \
   auto result = (expression);                                    \
   if (!result) return tl::unexpected(std::move(result).error()); \
   target = std::move(*result)
+// NOLINTEND(bugprone-macro-parentheses)

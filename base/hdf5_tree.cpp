@@ -244,6 +244,7 @@ Result<Hdf5Node> ReadTree(const std::string& path) {
 
 // What the forked process does: nothing of it may be seen or reach its parent. noexcept: an exception, such
 // as too little memory, ends it like a crash does.
+// NOLINTNEXTLINE(bugprone-exception-escape)
 [[noreturn]] void ReadAndExit(const std::string& path) noexcept {
   for (const int signal : {SIGALRM, SIGXCPU, SIGSEGV, SIGBUS, SIGFPE, SIGILL, SIGABRT})
     std::signal(signal, SIG_DFL);

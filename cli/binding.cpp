@@ -6,6 +6,20 @@
 #include "datasets/io/dataset_file.h"
 
 namespace sinew {
+namespace {
+
+// Every seed is a whole number in the run file, in JSON and in HDF5's readers.
+const CLI::Range kSeeds(std::uint64_t{0}, std::uint64_t{1} << 53, "SEED");
+
+// CLI11's own check states the largest number in full, with 309 digits.
+const CLI::Validator kAtLeastZero(
+    [](const std::string& word) {
+      const auto number = ParseNumber(word);
+      return number && *number >= 0 ? std::string() : "'" + word + "' is not a number of at least 0";
+    },
+    "NUMBER");
+
+}  // namespace
 
 void BindingOptions::AddTo(CLI::App& command) {
   command.add_option("problem", problem, "One of `sinew list problems`")->required()->type_name("PROBLEM");
@@ -23,14 +37,12 @@ void FitOptions::AddTo(CLI::App& command) {
   command.add_option("--release", release, "Release an effect (`sinew list effects PROBLEM`)")
       ->delimiter(',')
       ->type_name("EFFECT");
-  command.add_option("--seed", seed, "Seed of everything random")->capture_default_str();
+  command.add_option("--seed", seed, "Seed of everything random")->check(kSeeds)->capture_default_str();
   command.add_option("--threads", threads, "Threads; the answer does not depend on it")
       ->check(CLI::Range(1, 1024))
       ->capture_default_str();
-  command.add_option("--max-evaluations", max_evaluations, "Budget")
-      ->check(CLI::NonNegativeNumber)
-      ->type_name("N");
-  command.add_option("--max-seconds", max_seconds, "Budget")->check(CLI::NonNegativeNumber)->type_name("S");
+  command.add_option("--max-evaluations", max_evaluations, "Budget")->check(kAtLeastZero)->type_name("N");
+  command.add_option("--max-seconds", max_seconds, "Budget")->check(kAtLeastZero)->type_name("S");
   command.add_flag("--quiet", quiet, "Print no progress");
 }
 

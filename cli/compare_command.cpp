@@ -233,6 +233,8 @@ std::string StudyJson(const Study& study, const Binding& binding, const CompareW
 }
 
 Result<int> RunCompare(const CompareWords& words) {
+  SINEW_TRY(CheckOutput(words.out, {words.binding.data, words.binding.config}));
+  SINEW_TRY(CheckOutput(words.json.empty() ? "-" : words.json, {words.binding.data, words.binding.config}));
   SINEW_ASSIGN(const Binding binding, Bind(words.binding, !words.fit.release.empty()));
   SINEW_ASSIGN(const FitRequest request, words.fit.Request());
   SINEW_ASSIGN(const FitSetup setup, MakeFitSetup(binding.problem(), request));

@@ -1,5 +1,6 @@
 // sinew identify: data and a problem in, parameters with verdicts out.
 #include <algorithm>
+#include <cmath>
 #include <cstdio>
 
 #include "base/numbers.h"
@@ -25,7 +26,28 @@ struct IdentifyWords {
   bool resume = false;
 };
 
-// The evaluations of the run that is resumed; nothing if there is no such file yet.
+// The recorded points lie between 0 and 1: under other bounds the same numbers are other parameters.
+Status CheckSameParameters(const std::string& path, const Hdf5Node& recorded, const FitSetup& setup) {
+  const auto column = [&](const char* name) {
+    const Hdf5Node* node = recorded.Find(std::string("parameters/") + name);
+    const bool fits = node != nullptr && node->array() != nullptr &&
+                      node->array()->values.size() == setup.parameters.size();
+    return fits ? node->array()->values : std::vector<double>(setup.parameters.size(), NAN);
+  };
+  const auto lower = column("lower");
+  const auto upper = column("upper");
+  const auto start = column("start");
+  for (std::size_t i = 0; i < setup.parameters.size(); ++i) {
+    const Parameter& p = setup.parameters[i];
+    if (lower[i] == p.lower && upper[i] == p.upper && start[i] == p.start) continue;
+    return Fail("--resume: {} was made with bounds {} .. {} and start {} of '{}', not {} .. {} and {}", path,
+                lower[i], upper[i], start[i], p.name, p.lower, p.upper, p.start);
+  }
+  return {};
+}
+
+// The evaluations of the run that is resumed. Errors: no such run; it was made from something else, so that
+// its evaluations are not those of this one.
 Result<std::vector<TraceEntry>> Recorded(const IdentifyWords& words, const Provenance& provenance,
                                          const FitSetup& setup) {
   const auto recorded = ReadRun(words.out);
@@ -41,10 +63,16 @@ Result<std::vector<TraceEntry>> Recorded(const IdentifyWords& words, const Prove
   if (recorded->seed != words.fit.seed) {
     return differs("seed", std::to_string(recorded->seed), std::to_string(words.fit.seed));
   }
+  SINEW_ASSIGN(const Hdf5Node tree, ReadHdf5(words.out));
   std::vector<std::string> names;
   for (const int index : setup.free) names.push_back(setup.parameters[static_cast<std::size_t>(index)].name);
-  if (recorded->variables != names)
-    return differs("free parameters", Join(recorded->variables, ","), Join(names, ","));
+  const std::string variables = tree.Find("trace")->Text("variables");
+  if (variables != Join(names, ",")) return differs("free parameters", variables, Join(names, ","));
+  const Hdf5Node* config = tree.Find("run/config");
+  if (config == nullptr || config->text() == nullptr || *config->text() != provenance.config)
+    return Fail("--resume: {} was made with other settings (--config); they are in its /run/config",
+                words.out);
+  if (tree.Find("parameters") != nullptr) SINEW_TRY(CheckSameParameters(words.out, tree, setup));
   return recorded->trace;
 }
 
@@ -66,6 +94,9 @@ void PrintFindings(const IdentifyWords& words, const Binding& binding, const Ide
 }
 
 Result<int> RunIdentify(const IdentifyWords& words) {
+  SINEW_TRY(CheckOutput(words.out, {words.binding.data, words.binding.config}));
+  SINEW_TRY(CheckOutput(words.json.empty() ? "-" : words.json,
+                        {words.binding.data, words.binding.config, words.out}));
   SINEW_ASSIGN(const Binding binding, Bind(words.binding, !words.fit.release.empty()));
   SINEW_ASSIGN(const FitRequest request, words.fit.Request());
   SINEW_ASSIGN(FitSetup setup, MakeFitSetup(binding.problem(), request));

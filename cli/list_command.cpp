@@ -1,4 +1,5 @@
 // sinew list: what there is.
+#include <algorithm>
 #include <cstdio>
 
 #include "base/numbers.h"
@@ -68,7 +69,12 @@ std::string ListEffects(const ProblemEntry& entry) {
          "Release one with `sinew identify " + entry.name + " --release right_force_y.offset`.\n";
 }
 
+const std::vector<std::string> kSubjects{"problems", "solvers",    "formats",
+                                         "effects",  "parameters", "channels"};
+
 Result<int> List(const std::string& what, const std::string& problem) {
+  if (std::find(kSubjects.begin(), kSubjects.end(), what) == kSubjects.end())
+    return Fail("list: '{}' does not exist{}", what, Suggestion(what, kSubjects));
   if (what == "solvers") {
     Print(ListSolvers());
   } else if (what == "formats") {
@@ -93,9 +99,7 @@ void AddListCommand(CLI::App& app, const RunAction& run) {
       app.add_subcommand("list", "What there is: problems, solvers, formats, and a problem's parts");
   auto what = std::make_shared<std::string>("problems");
   auto problem = std::make_shared<std::string>();
-  command->add_option("what", *what, "What to list")
-      ->check(CLI::IsMember({"problems", "solvers", "formats", "effects", "parameters", "channels"}))
-      ->capture_default_str();
+  command->add_option("what", *what, "One of " + Join(kSubjects, ", "))->capture_default_str();
   command->add_option("problem", *problem, "For effects, parameters and channels");
   command->callback([=] { run([=] { return List(*what, *problem); }); });
 }

@@ -2,21 +2,49 @@
 #include <cstdio>
 #include <exception>
 
+#include "base/text.h"
 #include "base/version.h"
 #include "cli/command.h"
 
 namespace {
 
-int Fail(const std::string& message) {
+// One line, without the newlines that a library or a file may put into a message.
+int Fail(std::string message) {
+  while (!message.empty() && message.back() == '\n') message.pop_back();
+  for (char& c : message) c = c == '\n' ? ' ' : c;
   std::fprintf(stderr, "sinew: error: %s\n", message.c_str());
   return sinew::kBadInput;
 }
 
-// One line, without the newlines that a library may put into its message.
-std::string OneLine(std::string text) {
-  while (!text.empty() && text.back() == '\n') text.pop_back();
-  for (char& c : text) c = c == '\n' ? ' ' : c;
-  return text;
+// "unknown option '--thrads'; did you mean '--threads'?": CLI11 knows which words it could not place, but
+// does not say what was meant.
+std::string Unplaced(const CLI::App& command, std::string word) {
+  word = word.substr(0, word.find('='));
+  std::vector<std::string> names;
+  if (word.front() == '-') {
+    for (const CLI::Option* option : command.get_options()) {
+      for (const std::string& name : option->get_lnames()) names.push_back("--" + name);
+    }
+    return "unknown option '" + word + "'" + sinew::Suggestion(word, names);
+  }
+  for (const CLI::App* subcommand : command.get_subcommands(nullptr)) names.push_back(subcommand->get_name());
+  if (names.empty()) return "the word '" + word + "' is one too many";
+  return "unknown command '" + word + "'" + sinew::Suggestion(word, names);
+}
+
+std::string Explain(const CLI::App& app, const CLI::ParseError& error) {
+  const CLI::App* command = &app;
+  std::string words = "sinew";
+  while (!command->get_subcommands().empty()) {
+    command = command->get_subcommands().front();
+    words += " " + command->get_name();
+  }
+  const std::vector<std::string> unplaced = command->remaining();
+  const bool about_words = dynamic_cast<const CLI::ExtrasError*>(&error) != nullptr ||
+                           dynamic_cast<const CLI::RequiredError*>(&error) != nullptr;
+  const bool known = !about_words || unplaced.empty() || unplaced.front().empty();
+  return (known ? std::string(error.what()) : Unplaced(*command, unplaced.front())) + " (see " + words +
+         " --help)";
 }
 
 }  // namespace
@@ -43,7 +71,7 @@ int main(int argc, char** argv) {
   } catch (const CLI::Success& success) {
     return app.exit(success);  // --help, --version
   } catch (const CLI::ParseError& error) {
-    return Fail(OneLine(error.what()) + " (see sinew --help)");
+    return Fail(Explain(app, error));
   }
   try {
     const sinew::Result<int> status = action();

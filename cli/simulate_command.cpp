@@ -95,6 +95,7 @@ Result<int> RunSimulate(const SimulateWords& words) {
   const std::string extension = std::filesystem::path(words.out).extension().string();
   if (extension != ".h5" && extension != ".sto")
     return Fail("--out {}: expected a name that ends with .h5 or .sto", words.out);
+  SINEW_TRY(CheckOutput(words.out, {words.binding.data, words.binding.config, words.from}));
   SINEW_ASSIGN(const Binding binding, Bind(words.binding, true));
   SINEW_ASSIGN(const Vector parameters, Parameters(words, binding.problem()));
   const auto prediction = PredictAll(binding.problem(), parameters);

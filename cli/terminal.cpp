@@ -67,7 +67,7 @@ void ProgressLine::Show(const Progress& progress, const Budget& budget) {
                                  Readable(progress.best_cost, 5), Duration(progress.seconds));
   double left = budget.max_seconds - progress.seconds;
   if (progress.evaluations > 0 && budget.max_evaluations < std::numeric_limits<long>::max()) {
-    const double remaining = static_cast<double>(budget.max_evaluations - progress.evaluations);
+    const auto remaining = static_cast<double>(budget.max_evaluations - progress.evaluations);
     left = std::min(left, remaining * progress.seconds / static_cast<double>(progress.evaluations));
   }
   if (std::isfinite(left)) line += fmt::format(", at most {} left", Duration(std::max(0.0, left)));
@@ -125,6 +125,25 @@ std::string Table(const std::vector<std::vector<std::string>>& rows, int indent)
   return text;
 }
 
+Status CheckOutput(const std::string& path, const std::vector<std::string>& inputs) {
+  namespace fs = std::filesystem;
+  if (path == "-") return {};
+  if (path.empty()) return Fail("the name of a file to write is empty");
+  std::error_code code;
+  for (const std::string& input : inputs) {
+    if (path == input || fs::equivalent(path, input, code))
+      return Fail("{}: is read by this command, expected another file to write", path);
+  }
+  if (fs::is_directory(path, code)) return Fail("{}: is a folder, expected a file to write", path);
+  const fs::path parent = fs::path(path).parent_path();
+  const std::string folder = parent.empty() ? "." : parent.string();
+  if (!fs::is_directory(folder, code))
+    return Fail("{}: cannot be written: there is no folder '{}'", path, folder);
+  if (access(folder.c_str(), W_OK) != 0)
+    return Fail("{}: cannot be written: no permission to write to the folder '{}'", path, folder);
+  return {};
+}
+
 Status WriteText(const std::string& path, const std::string& text) {
   if (path == "-") {
     std::fputs((text + "\n").c_str(), stdout);
@@ -137,7 +156,8 @@ Status WriteText(const std::string& path, const std::string& text) {
 }
 
 Result<std::string> ReadText(const std::string& path) {
-  if (std::filesystem::is_directory(path)) return Fail("{}: is a folder, expected a file", path);
+  std::error_code code;
+  if (std::filesystem::is_directory(path, code)) return Fail("{}: is a folder, expected a file", path);
   std::ifstream file(path, std::ios::binary);
   if (!file) return Fail("{}: no such file", path);
   std::ostringstream text;

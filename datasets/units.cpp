@@ -109,7 +109,6 @@ class UnitParser {
 
  private:
   static constexpr int kDeepest = 8;
-  static constexpr int kLargestPower = 9;
 
   void SkipBlanks() {
     while (!rest_.empty() && (rest_.front() == ' ' || rest_.front() == '\t')) rest_.remove_prefix(1);

@@ -10,8 +10,9 @@ double ToParameter(const Parameter& p, double x) {
   x = std::clamp(x, 0.0, 1.0);
   if (x == 0) return p.lower;  // the bounds themselves, without rounding
   if (x == 1) return p.upper;
-  if (p.scale == Scale::kLog) return p.lower * std::exp(x * std::log(p.upper / p.lower));
-  return p.lower + x * (p.upper - p.lower);
+  const double value = p.scale == Scale::kLog ? p.lower * std::exp(x * std::log(p.upper / p.lower))
+                                              : p.lower + x * (p.upper - p.lower);
+  return std::clamp(value, p.lower, p.upper);  // next to a bound, rounding would carry it across
 }
 
 double ToVariable(const Parameter& p, double value) {

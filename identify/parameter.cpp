@@ -28,8 +28,11 @@ Status CheckOne(const Parameter& p) {
                   p.lower, p.upper);
     }
   }
-  if (p.prior && !(p.prior->standard_deviation > 0)) {
-    return Fail("parameter '{}': its prior has standard deviation {}, expected above 0", p.name,
+  if (p.prior && !std::isfinite(p.prior->mean)) {
+    return Fail("parameter '{}': its prior has mean {}, expected a number", p.name, p.prior->mean);
+  }
+  if (p.prior && !(p.prior->standard_deviation > 0 && std::isfinite(p.prior->standard_deviation))) {
+    return Fail("parameter '{}': its prior has standard deviation {}, expected a number above 0", p.name,
                 p.prior->standard_deviation);
   }
   return {};

@@ -44,13 +44,15 @@ Result<int> Cut(const CutWords& words) {
   const auto first = ends.size() == 2 ? ParseNumber(ends[0]) : std::nullopt;
   const auto last = ends.size() == 2 ? ParseNumber(ends[1]) : std::nullopt;
   if (!first || !last) return Fail("--window {}: expected FROM:TO in seconds, such as 0.6:1.3", words.window);
+  if (!(*first < *last)) return Fail("--window {}: expected an end after its start", words.window);
   TrialWindow window;
   window.trial = words.trial;
   window.start_s = *first;
   window.end_s = *last;
   window.name = words.as;
   SINEW_ASSIGN(window.role, ParseRole(words.role));
-  SINEW_TRY(CutTrial(data, window));
+  const Status cut = CutTrial(data, window);
+  if (!cut) return Fail("{}: {}", words.path, cut.error().message);
   if (!words.only.empty()) {
     for (const std::string& plate : words.only) {
       if (!data.trials[words.as].Find(plate + "_force_y")) {

@@ -54,6 +54,7 @@ Result<std::shared_ptr<const MultibodyModel>> FindModel(const ImportWords& words
 }
 
 Result<int> Import(const ImportWords& words) {
+  SINEW_TRY(CheckOutput(words.out, words.files));
   Dataset data;
   if (words.append && std::filesystem::exists(words.out)) {
     SINEW_ASSIGN(data, ReadDataset(words.out));
@@ -64,7 +65,10 @@ Result<int> Import(const ImportWords& words) {
   options.append = words.append;
   SINEW_ASSIGN(const auto model, FindModel(words, data));
   if (model) {
-    options.is_rotational = [model](std::string_view name) { return model->IsRotational(name); };
+    options.is_rotational = [model](const std::string& name) -> std::optional<bool> {
+      if (!model->CoordinateIndex(name)) return std::nullopt;  // no coordinate: the reader goes by the name
+      return model->IsRotational(name);
+    };
     if (data.constants.count("body_mass") == 0) data.constants["body_mass"] = {model->total_mass_kg(), "kg"};
   }
   if (!words.map.empty()) {

@@ -54,6 +54,16 @@ Grid ToGrid(const IkResult& result, const MultibodyModel& model) {
   return grid;
 }
 
+constexpr const char* kRenameHint =
+    "; rename with a map: sinew data import --map (see docs/import.md#markers)";
+
+bool SharesMarker(const MarkerTrajectories& markers, const MultibodyModel& model) {
+  const auto& known = model.marker_names();
+  return std::any_of(markers.names.begin(), markers.names.end(), [&](const std::string& name) {
+    return std::find(known.begin(), known.end(), name) != known.end();
+  });
+}
+
 std::string Describe(const std::string& trial, const IkResult& result) {
   double squares = 0;
   double worst = 0;
@@ -97,9 +107,13 @@ Result<int> Kinematics(const KinematicsWords& words) {
     ProgressLine line("kinematics of " + name, words.quiet);
     IkOptions options;
     options.progress = [&line](int done, int all) { line.Show(done, all); };
-    const auto solved = SolveInverseKinematics(model, MarkersOf(grid->second),
-                                               words.weights.empty() ? nullptr : &setup, options);
-    if (!solved) return Fail("{}: trial '{}': {}", words.path, name, solved.error().message);
+    const MarkerTrajectories markers = MarkersOf(grid->second);
+    const auto solved =
+        SolveInverseKinematics(model, markers, words.weights.empty() ? nullptr : &setup, options);
+    if (!solved) {
+      return Fail("{}: trial '{}': {}{}", words.path, name, solved.error().message,
+                  SharesMarker(markers, model) ? "" : kRenameHint);
+    }
     trial.grids["coordinates"] = ToGrid(*solved, model);
     report += Describe(name, *solved);
   }

@@ -4,6 +4,7 @@
 #include "base/text.h"
 #include "cli/binding.h"
 #include "cli/data/data_commands.h"
+#include "cli/terminal.h"
 #include "datasets/io/dataset_file.h"
 
 namespace sinew {
@@ -33,6 +34,7 @@ Result<std::pair<std::string, std::map<std::string, double>>> ParseEffect(const 
 
 Result<int> Synthesize(const SynthesizeWords& words) {
   SINEW_ASSIGN(const ProblemEntry* entry, FindProblem(words.problem));
+  SINEW_TRY(CheckOutput(words.out, {}));
   SynthesisRequest request;
   request.seed = words.seed;
   request.noise = words.noise;
@@ -57,7 +59,9 @@ void AddSynthesizeCommand(CLI::App& data, const RunAction& run) {
   auto* command = data.add_subcommand("synthesize", "An experiment that never happened, marked synthetic");
   command->add_option("problem", words->problem)->required()->type_name("PROBLEM");
   command->add_option("--out", words->out, "Data set to write")->required()->type_name("F.h5");
-  command->add_option("--seed", words->seed, "Seed")->capture_default_str();
+  command->add_option("--seed", words->seed, "Seed")
+      ->check(CLI::Range(std::uint64_t{0}, std::uint64_t{1} << 53))
+      ->capture_default_str();
   command
       ->add_option("--set", words->set,
                    "True parameters and the experiment (`sinew list parameters PROBLEM`)")

@@ -147,7 +147,8 @@ def _check_run(path, file):
             if verdict not in VERDICTS:
                 raise BadInput(f"{path}: /uncertainty/verdict is '{verdict}', expected one of {', '.join(VERDICTS)}")
         kinds = dict(zip(_texts(file["parameters/name"]), _texts(file["parameters/kind"])))
-        determined = [name for name, verdict in zip(_texts(file["uncertainty/name"]), _texts(file["uncertainty/verdict"]))
+        verdicts = zip(_texts(file["uncertainty/name"]), _texts(file["uncertainty/verdict"]))
+        determined = [name for name, verdict in verdicts
                       if verdict in DETERMINED and kinds.get(name) != "nuisance"]
         if len(determined) >= 2 and "correlation" in file["uncertainty"]:
             if file["uncertainty/correlation"].shape != (count, count):

@@ -17,7 +17,7 @@ namespace sinew {
 ///   columns keep their names (ChannelName shortens OpenSim 4's paths); those of a plate become
 ///   PLATE_force_*, PLATE_cop_*, PLATE_moment_*;
 /// - `.csv`, `.txt`: the channels that the map names, on a grid of the file's name;
-/// - `.osim`: text "model.osim"; `.xml`, `.yaml`, `.yml`: text under the file's name.
+/// - `.osim`: text "model.osim"; `.xml`, `.yaml`, `.yml`, `.obj`: text under the file's name.
 ///
 /// `notes` gets one line for whatever was decided: times that were rebuilt, columns left out, units that no
 /// file says. Errors: those of the readers; an unknown extension; a .csv without map; an entry of the map, or

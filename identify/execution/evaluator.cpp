@@ -42,7 +42,6 @@ void Evaluator::EndShare() {
 
 bool Evaluator::MustStop() {
   if (stop_cause_ != StopCause::kNone) return true;
-  if (has_best() && best().cost <= options_.target_cost) stop_cause_ = StopCause::kTarget;
   if (evaluations() >= evaluation_limit()) stop_cause_ = StopCause::kEvaluations;
   if (std::isfinite(options_.budget.max_seconds) && seconds() >= options_.budget.max_seconds) {
     stop_cause_ = StopCause::kSeconds;
@@ -50,6 +49,8 @@ bool Evaluator::MustStop() {
   if (options_.interrupt != nullptr && options_.interrupt->load(std::memory_order_relaxed)) {
     stop_cause_ = StopCause::kInterrupted;
   }
+  // Last: what was reached with the last evaluation is reached.
+  if (has_best() && best().cost <= options_.target_cost) stop_cause_ = StopCause::kTarget;
   return stop_cause_ != StopCause::kNone;
 }
 

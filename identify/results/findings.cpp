@@ -1,6 +1,6 @@
 #include <algorithm>
-#include <cmath>
-#include <map>
+#include <cctype>
+#include <utility>
 
 #include "base/numbers.h"
 #include "base/text.h"
@@ -30,29 +30,62 @@ std::string Determined(const Parameter& p, const ParameterVerdict& v) {
                      v.verdict == Verdict::kIdentifiable ? "identifiable" : "weak, " + v.reason);
 }
 
-// Parameters that share a verdict, its reason and its remedy are told in one sentence.
+// "measuring f would fix it (standard error 0.02)" without the figures, which differ from parameter to
+// parameter.
+std::string WithoutFigures(const std::string& remedy) {
+  std::string plain;
+  int depth = 0;
+  for (const char c : remedy) {
+    if (c == '(') {
+      ++depth;
+      while (!plain.empty() && plain.back() == ' ') plain.pop_back();
+    }
+    if (depth == 0) plain += c;
+    if (c == ')' && depth > 0) --depth;
+  }
+  return plain;
+}
+
+// What would help parameters that share a reason: one sentence if it is the same for all, else one for each
+// remedy.
+std::string Remedies(const std::vector<std::pair<std::string, std::string>>& remedy_of) {
+  std::vector<std::pair<std::string, std::vector<std::string>>> names_of;
+  for (const auto& [name, remedy] : remedy_of) {
+    const std::string plain = remedy_of.size() > 1 ? WithoutFigures(remedy) : remedy;
+    auto same =
+        std::find_if(names_of.begin(), names_of.end(), [&](const auto& told) { return told.first == plain; });
+    if (same == names_of.end()) same = names_of.insert(names_of.end(), {plain, {}});
+    same->second.push_back(name);
+  }
+  std::string text;
+  for (const auto& [remedy, names] : names_of) {
+    if (remedy.empty()) continue;
+    text += names_of.size() == 1 ? " " + Capitalised(remedy) + "."
+                                 : fmt::format(" For {}: {}.", And(names), remedy);
+  }
+  return text;
+}
+
+// Parameters that share a verdict and its reason are told in one sentence.
 std::vector<std::string> Undetermined(const Problem& problem, const std::vector<ParameterVerdict>& verdicts) {
   struct Told {
-    std::vector<std::string> names;
-    const ParameterVerdict* first = nullptr;
+    std::string reason;
+    std::vector<std::pair<std::string, std::string>> remedy_of;
   };
   std::vector<Told> groups;
   for (const ParameterVerdict& v : verdicts) {
     if (v.verdict != Verdict::kNotIdentifiable) continue;
-    const std::string& name = problem.parameters()[static_cast<std::size_t>(v.parameter)].name;
-    auto same = std::find_if(groups.begin(), groups.end(),
-                             [&](const Told& told) { return told.first->reason == v.reason; });
-    if (same == groups.end()) {
-      groups.push_back({{}, &v});
-      same = groups.end() - 1;
-    }
-    same->names.push_back(name);
+    auto same =
+        std::find_if(groups.begin(), groups.end(), [&](const Told& told) { return told.reason == v.reason; });
+    if (same == groups.end()) same = groups.insert(groups.end(), {v.reason, {}});
+    same->remedy_of.emplace_back(problem.parameters()[static_cast<std::size_t>(v.parameter)].name, v.remedy);
   }
   std::vector<std::string> sentences;
   for (const Told& told : groups) {
-    std::string sentence = fmt::format("{}: NOT identifiable: {}.", And(told.names), told.first->reason);
-    if (!told.first->remedy.empty()) sentence += " " + Capitalised(told.first->remedy) + ".";
-    sentences.push_back(std::move(sentence));
+    std::vector<std::string> names;
+    for (const auto& [name, remedy] : told.remedy_of) names.push_back(name);
+    sentences.push_back(
+        fmt::format("{}: NOT identifiable: {}.{}", And(names), told.reason, Remedies(told.remedy_of)));
   }
   return sentences;
 }

@@ -169,6 +169,13 @@ void WriteUncertainty(const FitSetup& setup, const Uncertainty& uncertainty, Hdf
   node.At("singular_values").SetVector({s.data(), s.data() + s.size()});
 }
 
+// A seed has 64 bits, more than a double holds: it is read as the integer that was written.
+std::uint64_t SeedOf(const Hdf5Node& run) {
+  const auto seed = run.attributes.find("seed");
+  const auto* integer = seed == run.attributes.end() ? nullptr : std::get_if<std::int64_t>(&seed->second);
+  return integer == nullptr ? 1 : static_cast<std::uint64_t>(*integer);
+}
+
 }  // namespace
 
 Result<Hdf5Node> RunTree(const Problem& problem, const Identification& identification,
@@ -230,7 +237,7 @@ Result<RecordedRun> ReadRun(const std::string& path) {
   recorded.problem = run->Text("problem");
   recorded.solver = run->Text("solver");
   recorded.data_hash = run->Text("data_hash");
-  recorded.seed = static_cast<std::uint64_t>(run->Number("seed", 1));
+  recorded.seed = SeedOf(*run);
   recorded.finished = run->Number("finished", 0) == 1;
 
   const Hdf5Node* names = root.Find("parameters/name");
@@ -256,6 +263,10 @@ Result<RecordedRun> ReadRun(const std::string& path) {
   }
   for (const auto name : Split(trace->Text("variables"), ',')) {
     if (!name.empty()) recorded.variables.emplace_back(name);
+  }
+  if (x->array()->shape[1] != recorded.variables.size()) {
+    return Fail("{}: /trace/x has {} columns but names {} variables", path, x->array()->shape[1],
+                recorded.variables.size());
   }
   const auto width = static_cast<Eigen::Index>(x->array()->shape[1]);
   for (std::size_t i = 0; i < cost->array()->values.size(); ++i) {

@@ -59,7 +59,8 @@ std::string RunJson(const Problem& problem, const Identification& identification
   }
   json["findings"] = identification.findings;
   json["warnings"] = identification.warnings;
-  return json.dump(2);
+  // Names of files and trials are bytes; what is not UTF-8 is replaced instead of thrown at.
+  return json.dump(2, ' ', false, Json::error_handler_t::replace);
 }
 
 }  // namespace sinew

@@ -147,9 +147,9 @@ std::string Explainer::WhyUndetermined(int variable) const {
     const std::vector<std::string> channels = FittedChannels(problem_);
     const bool everywhere = IsWithoutEffectEverywhere(problem_, at_, variable);
     return fmt::format(
-        "no fitted channel depends on it{}: {} {} the same {}{}", everywhere ? "" : " here", List(channels),
+        "no fitted channel responds{}: {} {} the same {}{}", everywhere ? "" : " here", List(channels),
         channels.size() == 1 ? "stays" : "stay",
-        everywhere ? "whatever its value" : "for small changes of it, though not over its range", prior);
+        everywhere ? "over the whole range" : "for small changes, though not over the whole range", prior);
   }
   const int j = info_.index_of(variable);
   if (info_.lost_to_nuisance[static_cast<std::size_t>(j)]) {

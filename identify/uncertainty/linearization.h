@@ -55,7 +55,7 @@ Result<Linearization> Linearize(const LeastSquares& problem, const Vector& x);
 [[nodiscard]] std::vector<std::string> FittedChannels(const LeastSquares& problem);
 
 /// True if no fitted channel changes when the variable is moved to several places of its range and all others
-/// stay: then "whatever its value" may be said. Points without a prediction are passed over.
+/// stay: then "over the whole range" may be said. Points without a prediction are passed over.
 [[nodiscard]] bool IsWithoutEffectEverywhere(const LeastSquares& problem, const Linearization& at,
                                              int variable);
 

@@ -6,28 +6,38 @@
 
 namespace sinew {
 
+std::vector<int> ContactRegion::SpringFaceIndices() const {
+  constexpr double kLooksDown = -0.5;  // within 60 degrees of straight down
+  std::vector<int> faces;
+  for (int face = 0; face < mesh.face_count(); ++face) {
+    if (springs == SpringFaces::kAll || mesh.Normal(face).y() < kLooksDown) faces.push_back(face);
+  }
+  return faces;
+}
+
 ContactKinematics ComputeContactKinematics(const ContactRegion& region, const std::vector<BodyMotion>& motion,
-                                           double floor_height) {
+                                           const Floor& floor) {
   ContactKinematics k;
   k.instants = static_cast<int>(motion.size());
-  k.faces = region.mesh.face_count();
+  const std::vector<int> faces = region.SpringFaceIndices();
+  k.faces = static_cast<int>(faces.size());
   const std::size_t size = motion.size() * static_cast<std::size_t>(k.faces);
   for (auto* array : {&k.depth, &k.rate, &k.slip_x, &k.slip_z, &k.point_x, &k.point_z}) array->reserve(size);
 
   std::vector<Vec3> springs;  // in the frame of the body
-  for (int face = 0; face < k.faces; ++face) {
+  for (const int face : faces) {
     k.area.push_back(region.mesh.Area(face));
     springs.push_back(region.position + region.rotation * region.mesh.Centre(face));
   }
   for (const BodyMotion& body : motion) {
     for (const Vec3& spring_B : springs) {
       const Vec3 spring = body.position + body.rotation * spring_B;
-      const Vec3 nearest(spring.x(), floor_height, spring.z());
+      const Vec3 nearest(spring.x(), floor.height, spring.z());
       const Vec3 velocity = body.velocity + body.angular_velocity.cross(nearest - body.position);
-      k.depth.push_back(floor_height - spring.y());
+      k.depth.push_back(floor.height - spring.y());
       k.rate.push_back(-velocity.y());
-      k.slip_x.push_back(velocity.x());
-      k.slip_z.push_back(velocity.z());
+      k.slip_x.push_back(velocity.x() - floor.velocity_x);
+      k.slip_z.push_back(velocity.z() - floor.velocity_z);
       k.point_x.push_back(nearest.x());
       k.point_z.push_back(nearest.z());
     }

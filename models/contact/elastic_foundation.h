@@ -5,7 +5,7 @@
 //   ElasticFoundationForce) friction of a face        n ( min(s/vt, 1) (mu_d + 2 (mu_s - mu_d) / (1 +
 //   (s/vt)^2)) + mu_v s )       (eq 5.2, Hollars)
 //
-// a area, x depth, v depth rate, s slip speed. On the half-space y <= floor height. With prescribed motion
+// a area, x depth, v depth rate, s slip speed. With prescribed motion
 // the force of a stance is an algebraic function of the kinematics: what follows separates what depends on
 // the kinematics alone (ContactKinematics, computed once) from what depends on the parameters (ContactSums, a
 // few sums per instant).
@@ -29,15 +29,33 @@ struct ElasticFoundation {
   double viscous_friction = 0;  ///< mu_v [s/m, >= 0]
 };
 
+/// Which faces of a mesh carry a spring.
+enum class SpringFaces {
+  kBottom,  ///< those that look down in the frame of the mesh: a sole that sinks deep is not carried by its
+            ///< sides and top
+  kAll      ///< the whole closed mesh, as Simbody has it
+};
+
 /// A sole mesh on a body.
 struct ContactRegion {
   std::string name;
   ContactMesh mesh;
+  SpringFaces springs = SpringFaces::kAll;
   Vec3 position = Vec3::Zero();      ///< origin of the mesh in the frame of the body [m]
   Mat3 rotation = Mat3::Identity();  ///< mesh to body
+
+  /// Indices of the faces that carry a spring.
+  [[nodiscard]] std::vector<int> SpringFaceIndices() const;
 };
 
-/// What the kinematics say of every face of a region at every instant, touching or not.
+/// The half-space y <= height; its surface may move, as the belt of a treadmill does.
+struct Floor {
+  double height = 0;      ///< [m]
+  double velocity_x = 0;  ///< [m/s]
+  double velocity_z = 0;
+};
+
+/// What the kinematics say of every spring of a region at every instant, touching or not.
 ///
 /// Arrays are [instants x faces], row-major: all faces of one instant lie together.
 struct ContactKinematics {
@@ -55,7 +73,7 @@ struct ContactKinematics {
 /// @param motion of the body that carries the region, one per instant.
 [[nodiscard]] ContactKinematics ComputeContactKinematics(const ContactRegion& region,
                                                          const std::vector<BodyMotion>& motion,
-                                                         double floor_height);
+                                                         const Floor& floor);
 
 /// Force of the floor on the sole, and its moment about the point of the floor below (or above) the world's
 /// origin.
@@ -71,7 +89,7 @@ struct FaceLoad {
   double slip = 0;      ///< [m/s]
 };
 ContactWrench ContactWrenchAt(const ContactKinematics& kinematics, int instant,
-                                            const ElasticFoundation& parameters, double transition_velocity,
-                                            std::vector<FaceLoad>* loads = nullptr);
+                              const ElasticFoundation& parameters, double transition_velocity,
+                              std::vector<FaceLoad>* loads = nullptr);
 
 }  // namespace sinew

@@ -148,7 +148,7 @@ Result<Stance> MakeStance(const std::string& trial, const std::string& plate, st
     if (settings.regions[r].plate != plate) continue;
     std::vector<BodyMotion> of_body;
     for (const auto& bodies : motions) of_body.push_back(bodies[r]);
-    auto kinematics = ComputeContactKinematics(settings.regions[r].region, of_body, settings.floor_height);
+    auto kinematics = ComputeContactKinematics(settings.regions[r].region, of_body, settings.floor);
     for (std::size_t i = 0; i < kinematics.depth.size(); ++i) {
       if (kinematics.depth[i] <= deepest) continue;
       deepest = kinematics.depth[i];
@@ -216,7 +216,7 @@ void AddMeasurement(const Grid& grid, const Channel& channel, const std::string&
   block.sigma = channel.sigma;
 }
 
-Status AddBlocks(const Trial& trial, const ContactSettings& settings, Stance& stance, Layout& layout) {
+Status AddBlocks(const Trial& trial, const ContactSettings& settings, Stance& stance, ContactData& out) {
   std::vector<int> all_columns;
   std::vector<int> normal_columns;
   for (const Stance::Part& part : stance.parts) {
@@ -248,9 +248,16 @@ Status AddBlocks(const Trial& trial, const ContactSettings& settings, Stance& st
                     found ? "has no usable sample" : "is not measured");
       }
       SINEW_ASSIGN(block.weight, WeightOf(block, settings.objective));
+      const std::size_t recorded = found.channel->values.size();
+      if (block.measured.size() < recorded) {
+        out.notes.push_back(
+            fmt::format("trial '{}': {} of {} samples of '{}' are not compared (gaps, no motion there, or a "
+                        "light foot)",
+                        stance.trial, recorded - block.measured.size(), recorded, block.channel));
+      }
     }
-    stance.blocks[c] = static_cast<int>(layout.size());
-    layout.push_back(std::move(block));
+    stance.blocks[c] = static_cast<int>(out.layout.size());
+    out.layout.push_back(std::move(block));
   }
   return {};
 }
@@ -270,7 +277,7 @@ Status AddTrial(const std::string& name, const Trial& trial, const Model& model,
   for (const std::string& plate : plates) {
     SINEW_ASSIGN(auto time, PredictionTimes(*trial.Find(plate + "_force_y").grid, motion, margin));
     SINEW_ASSIGN(Stance stance, MakeStance(name, plate, std::move(time), motion, model, settings));
-    SINEW_TRY(AddBlocks(trial, settings, stance, out.layout));
+    SINEW_TRY(AddBlocks(trial, settings, stance, out));
     out.stances.push_back(std::move(stance));
   }
   return {};

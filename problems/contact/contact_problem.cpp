@@ -204,14 +204,16 @@ Status ContactProblem::Describe(const Vector& parameters, Hdf5Node& details) con
           static_cast<int>(std::find(groups.begin(), groups.end(), settings.group) - groups.begin());
       const ElasticFoundation foundation = Foundation(parameters, group);
 
+      const std::vector<int> faces = settings.region.SpringFaceIndices();
+      const auto in_body = [&](const Vec3& point) {
+        return Vec3(settings.region.position + settings.region.rotation * point);
+      };
       std::vector<double> outline;
-      std::vector<int> soles;  // faces that look down: the sides and the top of the mesh never press
-      for (int face = 0; face < mesh.face_count(); ++face) {
-        if (mesh.Normal(face).y() > -0.5) continue;
-        soles.push_back(face);
+      for (const int face : faces) {
         for (const int corner : mesh.faces[static_cast<std::size_t>(face)]) {
-          outline.push_back(mesh.vertices[static_cast<std::size_t>(corner)].x());
-          outline.push_back(mesh.vertices[static_cast<std::size_t>(corner)].z());
+          const Vec3 point = in_body(mesh.vertices[static_cast<std::size_t>(corner)]);
+          outline.push_back(point.x());
+          outline.push_back(point.z());
         }
       }
       std::vector<double> pressure;
@@ -222,12 +224,12 @@ Status ContactProblem::Describe(const Vector& parameters, Hdf5Node& details) con
         ContactWrenchAt(kinematics, t, foundation, settings_.transition_velocity, &loads);
         double total = 0;
         Vec3 moment = Vec3::Zero();
-        for (const int face : soles) {
-          const FaceLoad& load = loads[static_cast<std::size_t>(face)];
-          pressure.push_back(load.pressure);
-          slip.push_back(load.slip);
-          total += load.pressure * mesh.Area(face);
-          moment += load.pressure * mesh.Area(face) * mesh.Centre(face);
+        for (std::size_t i = 0; i < faces.size(); ++i) {
+          const double force = loads[i].pressure * kinematics.area[i];
+          pressure.push_back(loads[i].pressure);
+          slip.push_back(loads[i].slip);
+          total += force;
+          moment += force * in_body(mesh.Centre(faces[i]));
         }
         centre.push_back(total > 0 ? moment.x() / total : std::numeric_limits<double>::quiet_NaN());
         centre.push_back(total > 0 ? moment.z() / total : std::numeric_limits<double>::quiet_NaN());
@@ -238,9 +240,9 @@ Status ContactProblem::Describe(const Vector& parameters, Hdf5Node& details) con
       node.attributes["plate"] = settings.plate;
       node.attributes["group"] = settings.group;
       node.At("time").SetVector(stance.time);
-      node.At("outline").data = Hdf5Array{{soles.size(), 3, 2}, std::move(outline)};
-      node.At("pressure").SetMatrix(instants, soles.size(), std::move(pressure));
-      node.At("slip").SetMatrix(instants, soles.size(), std::move(slip));
+      node.At("outline").data = Hdf5Array{{faces.size(), 3, 2}, std::move(outline)};
+      node.At("pressure").SetMatrix(instants, faces.size(), std::move(pressure));
+      node.At("slip").SetMatrix(instants, faces.size(), std::move(slip));
       node.At("centre_of_pressure").SetMatrix(instants, 2, std::move(centre));
     }
   }

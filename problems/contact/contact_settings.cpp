@@ -16,7 +16,7 @@ namespace {
 // shoe needs more stiffness and any dissipation.
 const std::map<std::string, ParameterRange> kDefaultRanges{
     {"stiffness", {1e4, 1e9, 1e6}},     {"dissipation", {0, 600, 10}},      {"static_friction", {0, 15, 0.8}},
-    {"dynamic_friction", {0, 15, 0.6}}, {"viscous_friction", {0, 15, 0.1}},
+    {"dynamic_friction", {0, 15, 0.5}}, {"viscous_friction", {0, 15, 0.1}},
 };
 
 Result<Vec3> ReadVec3(const YamlReader& yaml, const std::string& key, const Vec3& fallback) {
@@ -86,7 +86,7 @@ Result<ContactMesh> ReadMesh(const YamlReader& mesh, const std::map<std::string,
 
 Result<ContactRegionSettings> ReadRegion(const YamlReader& yaml,
                                          const std::map<std::string, std::string>& files) {
-  SINEW_TRY(yaml.OnlyKeys({"name", "body", "plate", "group", "position", "orientation", "mesh"}));
+  SINEW_TRY(yaml.OnlyKeys({"name", "body", "plate", "group", "position", "orientation", "springs", "mesh"}));
   ContactRegionSettings settings;
   for (const auto& [key, target] : {std::pair{"name", &settings.region.name},
                                     std::pair{"body", &settings.body}, std::pair{"plate", &settings.plate}}) {
@@ -102,6 +102,15 @@ Result<ContactRegionSettings> ReadRegion(const YamlReader& yaml,
           .toRotationMatrix();
   SINEW_ASSIGN(const YamlReader mesh, yaml.At("mesh"));
   SINEW_ASSIGN(settings.region.mesh, ReadMesh(mesh, files));
+  SINEW_ASSIGN(const std::string springs, yaml.TextOr("springs", "bottom"));
+  if (springs != "bottom" && springs != "all") {
+    return FailAt(yaml.file(), yaml.line(), "springs: '{}', expected bottom or all", springs);
+  }
+  settings.region.springs = springs == "all" ? SpringFaces::kAll : SpringFaces::kBottom;
+  if (settings.region.SpringFaceIndices().empty()) {
+    return FailAt(mesh.file(), mesh.line(),
+                  "mesh: no face looks down (along -y); turn it, or set springs: all");
+  }
   return settings;
 }
 
@@ -128,6 +137,10 @@ Status ReadRanges(const YamlReader& yaml, std::map<std::string, ParameterRange>&
     SINEW_ASSIGN(range.lower, entry.NumberOr("lower", range.lower));
     SINEW_ASSIGN(range.upper, entry.NumberOr("upper", range.upper));
     SINEW_ASSIGN(range.start, entry.NumberOr("start", range.start));
+    if (range.lower < 0) {
+      return FailAt(entry.file(), entry.line(),
+                    "{}: lower {}, expected 0 or more: nothing physical is negative here", name, range.lower);
+    }
     if (!(range.lower < range.upper && range.start >= range.lower && range.start <= range.upper)) {
       return FailAt(entry.file(), entry.line(), "{}: expected lower {} <= start {} <= upper {}", name,
                     range.lower, range.start, range.upper);
@@ -172,12 +185,18 @@ std::vector<std::string> ContactSettings::Plates() const {
 
 Result<ContactSettings> ReadContactSettings(const YamlReader& yaml,
                                             const std::map<std::string, std::string>& files) {
-  SINEW_TRY(yaml.OnlyKeys({"model", "floor_height", "transition_velocity", "objective", "fit",
-                           "cop_force_share", "regions", "parameters"}));
+  SINEW_TRY(yaml.OnlyKeys({"model", "floor_height", "floor_velocity", "transition_velocity", "objective",
+                           "fit", "cop_force_share", "regions", "parameters"}));
   ContactSettings settings;
   settings.parameters = kDefaultRanges;
   SINEW_ASSIGN(settings.model, yaml.TextOr("model", settings.model));
-  SINEW_ASSIGN(settings.floor_height, yaml.NumberOr("floor_height", settings.floor_height));
+  SINEW_ASSIGN(settings.floor.height, yaml.NumberOr("floor_height", settings.floor.height));
+  if (yaml.Has("floor_velocity")) {
+    SINEW_ASSIGN(const YamlReader velocity, yaml.At("floor_velocity"));
+    SINEW_ASSIGN(const auto numbers, velocity.Numbers(2));
+    settings.floor.velocity_x = numbers[0];
+    settings.floor.velocity_z = numbers[1];
+  }
   SINEW_ASSIGN(settings.cop_force_share, yaml.NumberOr("cop_force_share", settings.cop_force_share));
   SINEW_ASSIGN(settings.transition_velocity,
                yaml.NumberOr("transition_velocity", settings.transition_velocity));
@@ -206,6 +225,12 @@ Result<ContactSettings> ReadContactSettings(const YamlReader& yaml,
   if (items.empty()) return FailAt(regions.file(), regions.line(), "regions: expected at least one");
   for (const YamlReader& item : items) {
     SINEW_ASSIGN(auto region, ReadRegion(item, files));
+    const std::string& name = region.region.name;
+    if (name.empty()) return FailAt(item.file(), item.line(), "regions: a region has no name");
+    for (const ContactRegionSettings& other : settings.regions) {
+      if (other.region.name != name) continue;
+      return FailAt(item.file(), item.line(), "regions: the name '{}' stands there twice", name);
+    }
     settings.regions.push_back(std::move(region));
   }
   return settings;

@@ -38,7 +38,7 @@ struct ParameterRange {
 
 struct ContactSettings {
   std::string model = "model.osim";   ///< name of the .osim among the files of the data set
-  double floor_height = 0;            ///< [m]
+  Floor floor;                        ///< height [m], and velocity of a treadmill's belt [m/s]
   double transition_velocity = 0.01;  ///< of the friction law [m/s]
   ContactObjective objective = ContactObjective::kNormalised;
   std::vector<std::string> fit{"force_y"};  ///< of kContactChannels

@@ -66,7 +66,8 @@ constexpr Setting kSettings[] = {
     {"force_noise", 0.9, 0, 100, "of the vertical force [N]; a half of it along x and z"},
     {"marker_noise", 2e-5, 0, 0.01, "of every marker coordinate [m]"},
     {"encoders", 0, 0, 1, "1: the coordinates are recorded too, without noise (joint encoders)"},
-    {"fine", 1, 0, 1, "0: the truth has the mesh of the fitted model (no difference between the two models)"},
+    {"fine", 1, 0, 1,
+     "0: the truth is the fitted model itself, its mesh and a motion known 60 times a second"},
 };
 
 // Distortions of the exported vertical force, for tests of the diagnosis; in the order offset, gain, time
@@ -171,7 +172,8 @@ Result<std::vector<ContactLoad>> TrueLoads(const MultibodyModel& model, const Co
   const bool fine = values.at("fine") != 0;
   SINEW_ASSIGN(region.mesh, BoxMesh(kSoleSize, fine ? 36 : 12, fine ? 20 : 7));
   region.position = kSolePosition;
-  const ContactKinematics kinematics = ComputeContactKinematics(region, of_foot, 0);
+  region.springs = SpringFaces::kBottom;
+  const ContactKinematics kinematics = ComputeContactKinematics(region, of_foot, {});
   const ContactSums sums({&kinematics}, kTransitionVelocity);
   const ElasticFoundation truth{values.at("stiffness"), values.at("dissipation"),
                                 values.at("static_friction"), values.at("dynamic_friction"),
@@ -236,7 +238,8 @@ Result<Grid> RecordMarkers(const MultibodyModel& model, const Motion& motion, do
 
 Result<Trial> RecordStance(const MultibodyModel& model, const Step& step, const Values& values,
                            const Distortion& distortion, Random& random) {
-  SINEW_ASSIGN(const Motion true_motion, Move(step, model, kPlateRate));
+  const double seen_rate = kPlateRate / kEvery;
+  SINEW_ASSIGN(const Motion true_motion, Move(step, model, values.at("fine") != 0 ? kPlateRate : seen_rate));
   SINEW_ASSIGN(
       const auto trajectory,
       CoordinateTrajectory::Fit(model, true_motion.time, model.coordinate_names(), true_motion.values));
@@ -253,7 +256,7 @@ Result<Trial> RecordStance(const MultibodyModel& model, const Step& step, const 
   trial.conditions["walking_speed_m_per_s"] = step.walking_speed;
   trial.grids["forces"] =
       RecordForces(loads, plate_time, step.right ? "right" : "left", values, distortion, random);
-  SINEW_ASSIGN(const Motion seen_motion, Move(step, model, kPlateRate / kEvery));
+  SINEW_ASSIGN(const Motion seen_motion, Move(step, model, seen_rate));
   SINEW_ASSIGN(trial.grids["markers"], RecordMarkers(model, seen_motion, values.at("marker_noise"), random));
   if (values.at("encoders") != 0) {
     Grid& grid = trial.grids["coordinates"];

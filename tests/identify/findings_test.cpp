@@ -59,25 +59,36 @@ TEST_F(FindingsTest, ABoundThatWasHitIsSaid) {
 }
 
 TEST_F(FindingsTest, ParametersOfOneReasonAndRemedyShareASentence) {
-  Judge(0, Verdict::kNotIdentifiable, "no fitted channel depends on it", "measuring y would determine it");
+  Judge(0, Verdict::kNotIdentifiable, "no fitted channel responds", "measuring y would determine it");
   Judge(1, Verdict::kIdentifiable);
-  Judge(2, Verdict::kNotIdentifiable, "no fitted channel depends on it", "measuring y would determine it");
+  Judge(2, Verdict::kNotIdentifiable, "no fitted channel responds", "measuring y would determine it");
   Judge(3, Verdict::kNotIdentifiable, "the excitation is too small");
-  Judge(4, Verdict::kNotIdentifiable, "no fitted channel depends on it", "measuring y would determine it");
+  Judge(4, Verdict::kNotIdentifiable, "no fitted channel responds", "measuring y would determine it");
   EXPECT_THAT(Findings(),
               ElementsAre("b = 12.3 (95 % interval 12.0 to 12.7): identifiable.",
-                          "a, c and e: NOT identifiable: no fitted channel depends on it. Measuring y would "
+                          "a, c and e: NOT identifiable: no fitted channel responds. Measuring y would "
                           "determine it.",
                           "d: NOT identifiable: the excitation is too small."));
 }
 
 TEST_F(FindingsTest, NoRemedyIsLost) {
-  Judge(0, Verdict::kNotIdentifiable, "no fitted channel depends on it", "measuring y would determine it");
-  Judge(1, Verdict::kNotIdentifiable, "no fitted channel depends on it", "measuring z would determine it");
+  Judge(0, Verdict::kNotIdentifiable, "no fitted channel responds", "measuring y would determine it");
+  Judge(1, Verdict::kNotIdentifiable, "no fitted channel responds", "measuring z would determine it");
+  EXPECT_THAT(Findings(),
+              ElementsAre("a and b: NOT identifiable: no fitted channel responds. For a: measuring y would "
+                          "determine it. For b: measuring z would determine it."));
+}
+
+// Standard errors differ from parameter to parameter; the sentence that they share leaves them to the table.
+TEST_F(FindingsTest, RemediesThatDifferInFiguresOnlyAreOne) {
+  Judge(0, Verdict::kNotIdentifiable, "no fitted channel responds",
+        "measuring y would fix it (standard error 0.1); so would measuring z (0.2)");
+  Judge(1, Verdict::kNotIdentifiable, "no fitted channel responds",
+        "measuring y would fix it (standard error 0.3); so would measuring z (0.4)");
   EXPECT_THAT(
       Findings(),
-      ElementsAre("a: NOT identifiable: no fitted channel depends on it. Measuring y would determine it.",
-                  "b: NOT identifiable: no fitted channel depends on it. Measuring z would determine it."));
+      ElementsAre("a and b: NOT identifiable: no fitted channel responds. Measuring y would fix it; so "
+                  "would measuring z."));
 }
 
 TEST_F(FindingsTest, DirectionsThatAreLeftOpenAreSaid) {

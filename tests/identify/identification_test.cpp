@@ -88,7 +88,7 @@ TEST(Identification, NoPredictionAnywhereIsNoAnswer) {
 TEST(Identification, AnUnknownSolverIsAnError) {
   const ToyProblem problem = LineProblem();
   IdentificationOptions options;
-  options.solver = "cerse";
+  options.solver = "cere";
   EXPECT_THAT(ErrorOf(Identify(problem, MakeFitSetup(problem, {}).value(), options)),
               HasSubstr("did you mean 'ceres'"));
 }

@@ -70,7 +70,7 @@ TEST(LeastSquaresVariables, NoPointOfTheBoxLeavesTheBounds) {
   const double near_one = std::nextafter(1.0, 0.0);
   for (int round = 0; round < 2000; ++round) {
     const double lower = std::exp(random.Uniform(-20, 20));
-    const double upper = lower * std::exp(random.Uniform(0.01, 20));
+    const double upper = lower + lower * random.Uniform(0.01, 3);
     const double offset = random.Uniform(-1, 1);
     const ToyProblem problem({LogParameter("a", lower, upper, lower),
                               MakeParameter("b", offset, offset + random.Uniform(0.01, 1), offset)},

@@ -90,9 +90,10 @@ TEST(Parameter, PriorMustBeADensity) {
     return ErrorAfter(Stiffness(), [&](Parameter& p) { p.prior = GaussianPrior{mean, deviation}; });
   };
   EXPECT_EQ(with_prior(4, 0.5), "");
-  EXPECT_EQ(with_prior(4, 0), "parameter 'stiffness': its prior has standard deviation 0, expected above 0");
+  EXPECT_EQ(with_prior(4, 0),
+            "parameter 'stiffness': its prior has standard deviation 0, expected a number above 0");
   EXPECT_EQ(with_prior(4, kInfinity),
-            "parameter 'stiffness': its prior has standard deviation inf, expected above 0");
+            "parameter 'stiffness': its prior has standard deviation inf, expected a number above 0");
   EXPECT_EQ(with_prior(kNaN, 1), "parameter 'stiffness': its prior has mean nan, expected a number");
 }
 

@@ -92,7 +92,9 @@ if shown:
              if np.nanmax([e[1] for e in entries.values()] + [-np.inf])
              > np.nanmin([e[2] for e in entries.values()] + [np.inf])]
     finding = "The runs agree within their 95 % intervals" if len(runs) > 1 else "Parameters and their 95 % intervals"
-    headline(figure, (f"The runs disagree on {', '.join(apart)}" if apart else finding)
+    one_data_set = len({about[name]["data_hash"] for name in runs}) == 1
+    verb = "The runs disagree on" if one_data_set else "The data sets differ in"
+    headline(figure, (f"{verb} {', '.join(apart)}" if apart else finding)
              + (f"  ({len(shown)} of {len(found)} parameters shown)" if len(shown) < len(found) else ""))
     figure.supxlabel("Thick: 95 % interval.  Hollow: the data do not determine it.", size=8, color="#666666", x=0.0,
                      ha="left")
@@ -109,7 +111,8 @@ for run_name, run in runs.items():
                       .setdefault(run_name, {}).setdefault(role, []).append((rmse, n))
 
 if errors:
-    head = "".join(f'<th class="value">{escape(quantity)}{f" ({unit})" if unit else ""}<br><small>fitted / not fitted</small></th>'
+    head = "".join(f'<th class="value">{escape(quantity + (f" ({unit})" if unit else ""))}'
+                   "<br><small>fitted / not fitted</small></th>"
                    for quantity, unit in errors)
     rows = ""
     for run_name in runs:

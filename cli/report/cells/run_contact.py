@@ -2,8 +2,8 @@
 # ## Pressure under the sole
 #
 # Each triangle of the contact mesh with its own pressure, seen from below as on a lying person's sole: forward points
-# up, and the right side of the body is at the left. The line is the path of the centre of pressure, the dot its place at
-# the instant shown.
+# up, and the right side of the body is at the left. The line is the path of the centre of pressure, the dot its place
+# at the instant shown.
 
 # %% contact
 from matplotlib.collections import PolyCollection
@@ -117,8 +117,8 @@ simulated = [node for plate in {region["plate"] for region in regions.values()}
 whole = sum(np.interp(instant, node["time"][:], node["simulated"][:]) for node in simulated)
 drawn = np.interp(instant, time, force)
 if simulated and drawn < 0.97 * whole:
-    display(HTML(items([f"The faces drawn, those that look down, carry {number(drawn)} N of the {number(whole)} N that the "
-                        "model gives at this instant. The rest acts on sides and tops of the meshes: they lie too "
+    display(HTML(items([f"The faces drawn, those that look down, carry {number(drawn)} N of the {number(whole)} N that "
+                        "the model gives at this instant. The rest acts on sides and tops of the meshes: they lie too "
                         "deep in the floor."], "warnings")))
 
 # %% contact over the stance

@@ -16,7 +16,9 @@ def title_of(fit, with_place, most):
 def finding_of(key, places):
     """What the figure of a quantity shows."""
     quantity, unit = key
-    name = quantity[:1].upper() + quantity[1:] + (f", {places[0]}" if len(places) == 1 and places[0] != quantity else "")
+    name = quantity[:1].upper() + quantity[1:]
+    if len(places) == 1 and places[0] != quantity:
+        name += f", {places[0]}"
     here, there = pooled(train.get(key, [])), pooled(validate.get(key, []))
     if key not in validate:
         return f"{name}: off by {error_text(*here, unit, 'RMSE')} where fitted"

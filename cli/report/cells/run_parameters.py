@@ -124,8 +124,9 @@ if shown:
     axis.spines[:].set_visible(False)
     judged = [p for p in shown.values() if p.get("verdict")]
     sure = sum(p["verdict"] == "identifiable" for p in judged)
-    headline(figure, (f"{sure} of {len(judged)} parameters {'is' if sure == 1 else 'are'} determined by the data" if judged else
-                     "Where the parameters lie between their bounds"))
+    verb = "is" if sure == 1 else "are"
+    headline(figure, f"{sure} of {len(judged)} parameters {verb} determined by the data" if judged else
+             "Where the parameters lie between their bounds")
     figure.supxlabel("From lower to upper bound (logarithmic where it is searched so).  Thin line: start.  "
                      "Thick: 95 % interval.  Hatched: the data allow any value.", size=8, color="#666666",
                      x=0.0, ha="left")

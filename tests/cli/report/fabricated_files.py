@@ -10,7 +10,8 @@ def put_texts(file, path, values):
 
 
 def write_run(path, trials=("stance_1", "stance_2", "stance_3"), validate=("stance_3",), seed=7, finished=1, usable=1,
-              contact=("sole",), instants=33, faces=(8, 3), evaluations=60, starts=0, findings=None, stiffness=8.97e5, unused=True, title="made-up stances & <nothing measured>"):
+              contact=("sole",), instants=33, faces=(8, 3), evaluations=60, starts=0, findings=None, stiffness=8.97e5,
+              unused=True, title="made-up stances & <nothing measured>"):
     """A run of `contact` on made-up stances: two parameters determined, three not.
 
     contact: names of regions, each on a body of its own; unused: whether a channel is measured that is not fitted.
@@ -110,14 +111,16 @@ def _write_fit(file, rng, trial, role, instants, index, unused):
     nothing = np.full(instants, np.nan)
     _write_channel(file, trial, "right_force_x", "forward force", "predicted", time, 6 * np.sin(9 * time), nothing)
     if unused:
-        _write_channel(file, trial, "right_force_z", "sideways force", "predicted", time, 0.1 * simulated, 0.3 * measured)
+        _write_channel(file, trial, "right_force_z", "sideways force", "predicted", time, 0.1 * simulated,
+                       0.3 * measured)
 
 
 def _write_channel(file, trial, channel, quantity, role, time, simulated, measured):
     ok = np.isfinite(measured)
     residual = (simulated - measured)[ok]
     node = file.create_group(f"prediction/{trial}/{channel}")
-    node.attrs.update({"unit": "N", "quantity": quantity, "role": role, "n": int(ok.sum()), "rmse": np.nan, "r2": np.nan})
+    node.attrs.update({"unit": "N", "quantity": quantity, "role": role, "n": int(ok.sum()),
+                       "rmse": np.nan, "r2": np.nan})
     node["time"], node["simulated"], node["measured"] = time, simulated, measured
     if ok.any():
         node.attrs["rmse"] = np.sqrt(np.mean(residual ** 2))

@@ -86,7 +86,8 @@ class OneRun(WithFolder):
             self.assertEqual(where.count("○ not identifiable"), 3)
         self.assertIn("made-up stances &#38; &#60;nothing measured&#62;", page.replace("&amp;", "&#38;")
                       .replace("&lt;", "&#60;").replace("&gt;", "&#62;"))
-        for section in ("Measured against simulated", "Parameters", "Correlations", "Search", "Pressure under the sole"):
+        for section in ("Measured against simulated", "Parameters", "Correlations", "Search",
+                        "Pressure under the sole"):
             self.assertIn(section, page)
         # fit, not used, not measured, bounds, correlation, convergence, two of the sole
         self.assertEqual(page.count("data:image/png;base64,"), 8)
@@ -183,7 +184,8 @@ class WhatTheRunSays(WithFolder):
             "list(unused)", "list(unmeasured)")
         (here, here_r2), (there, there_r2) = self.pooled(["stance_1", "stance_2"]), self.pooled(["stance_3"])
         self.assertEqual(finding, f"Vertical force, right plate: off by {here:.2f} N (RMSE, R² {here_r2:.3f}) where "
-                                  f"fitted, {there:.2f} N (R² {there_r2:.3f}) where not: no worse on trials it never saw")
+                                  f"fitted, {there:.2f} N (R² {there_r2:.3f}) where not: "
+                                  "no worse on trials it never saw")
         self.assertEqual(quantities, "[('vertical force', 'N')]")
         self.assertEqual(unused, "[('sideways force', 'N')]")
         self.assertEqual(unmeasured, "[('forward force', 'N')]")
@@ -313,7 +315,8 @@ class BadInput(WithFolder):
             del file["prediction/stance_1/right_force_y"].attrs["quantity"]
 
         for damage, expected in ((drop_title, "no attribute 'title'"), (drop_values, "/parameters/value is missing"),
-                                 (drop_quantity, "no attribute 'quantity'"), (shorten, "right_force_y/measured has 3 entries"), (misname, "'probably'"),
+                                 (drop_quantity, "no attribute 'quantity'"),
+                                 (shorten, "right_force_y/measured has 3 entries"), (misname, "'probably'"),
                                  (new_schema, "schema 'run/9', expected 'run/1'")):
             with self.subTest(expected):
                 fabricated_files.write_run(self.run_path)

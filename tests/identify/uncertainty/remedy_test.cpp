@@ -72,7 +72,7 @@ TEST(Remedy, NamesTheChannelThatFixesEveryFriction) {
   for (const int friction : {kStatic, kViscous}) {
     const ParameterVerdict& verdict = answer.parameters[static_cast<std::size_t>(friction)];
     EXPECT_EQ(verdict.verdict, Verdict::kNotIdentifiable);
-    EXPECT_THAT(verdict.reason, HasSubstr("force_y stays the same whatever its value"));
+    EXPECT_THAT(verdict.reason, HasSubstr("force_y stays the same over the whole range"));
     EXPECT_THAT(verdict.remedy, StartsWith("measuring force_x would fix it (standard error 0.0"));
     EXPECT_THAT(verdict.remedy, Not(HasSubstr("temperature")));
   }

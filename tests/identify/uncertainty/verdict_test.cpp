@@ -121,7 +121,7 @@ TEST(Uncertainty, ParameterThatNothingDependsOnIsNotIdentifiable) {
   const ParameterVerdict& verdict = answer.parameters[2];
   EXPECT_EQ(verdict.verdict, Verdict::kNotIdentifiable);
   EXPECT_EQ(verdict.interval, IntervalKind::kNone);
-  EXPECT_EQ(verdict.reason, "no fitted channel depends on it: height stays the same whatever its value");
+  EXPECT_EQ(verdict.reason, "no fitted channel responds: height stays the same over the whole range");
   EXPECT_EQ(verdict.ci95_lower, 0);
   EXPECT_EQ(verdict.ci95_upper, 15);
   EXPECT_TRUE(std::isinf(verdict.std_error));
@@ -146,10 +146,9 @@ TEST(Uncertainty, SaysWhenAParameterOnlyDoesNothingHere) {
   const ToyFit fit(problem);
   const ParameterVerdict verdict = Analyse(fit).parameters[1];
   EXPECT_EQ(verdict.verdict, Verdict::kNotIdentifiable);
-  EXPECT_EQ(
-      verdict.reason,
-      "no fitted channel depends on it here: height stays the same for small changes of it, though not over "
-      "its range");
+  EXPECT_EQ(verdict.reason,
+            "no fitted channel responds here: height stays the same for small changes, though not over the "
+            "whole range");
 }
 
 TEST(Uncertainty, CollinearParametersNameEachOtherAndTheirDirection) {

@@ -53,7 +53,8 @@ ContactLoad FastLoad(const ContactSums& sums, int instant, const ElasticFoundati
 
 TEST(ContactPaths, FastPathEqualsSimbodyOnAThousandRandomStates) {
   constexpr int kTouchingStates = 1000;
-  constexpr double kTolerance = 1e-9;  // both sum some hundred faces in double precision, Simbody after more rotations
+  constexpr double kTolerance =
+      1e-9;  // both sum some hundred faces in double precision, Simbody after more rotations
   Random random(1);
   const ContactRegion region = Sole();
   int touching = 0;
@@ -62,7 +63,7 @@ TEST(ContactPaths, FastPathEqualsSimbodyOnAThousandRandomStates) {
   while (touching < kTouchingStates) {
     const BodyMotion motion = RandomMotion(random);
     const ElasticFoundation p = RandomParameters(random);
-    const ContactKinematics kinematics = ComputeContactKinematics(region, {motion}, kFloorHeight);
+    const ContactKinematics kinematics = ComputeContactKinematics(region, {motion}, {kFloorHeight});
     const ContactLoad load = FastLoad(ContactSums({&kinematics}, kTransitionVelocity), 0, p);
     SimbodyContact simbody({region}, {p}, kTransitionVelocity, kFloorHeight);
     const auto wrenches = simbody.WrenchesAt({motion});
@@ -82,7 +83,8 @@ TEST(ContactPaths, FastPathEqualsSimbodyOnAThousandRandomStates) {
     worst = std::max(worst, std::abs(load[kFirstMomentX] - moment.z()) / scale);
     worst = std::max(worst, std::abs(load[kFirstMomentZ] + moment.x()) / scale);
   }
-  std::printf("worst relative difference %.2e over %d touching states (%d clear of the floor)\n", worst, touching, clear);
+  std::printf("worst relative difference %.2e over %d touching states (%d clear of the floor)\n", worst,
+              touching, clear);
   EXPECT_LT(worst, kTolerance);
 }
 
@@ -93,7 +95,7 @@ TEST(ContactPaths, FastPathEqualsTheEquationsFaceByFace) {
   for (int state = 0; state < 200; ++state) {
     const ElasticFoundation p = RandomParameters(random);
     const auto kinematics =
-        ComputeContactKinematics(region, {RandomMotion(random), RandomMotion(random)}, kFloorHeight);
+        ComputeContactKinematics(region, {RandomMotion(random), RandomMotion(random)}, {kFloorHeight});
     const ContactSums sums({&kinematics}, kTransitionVelocity);
     for (int instant = 0; instant < 2; ++instant) {
       const ContactWrench wrench = ContactWrenchAt(kinematics, instant, p, kTransitionVelocity);
@@ -112,7 +114,7 @@ TEST(ContactPaths, JacobianAgreesWithDifferences) {
   double worst = 0;
   for (int state = 0; state < 200; ++state) {
     const ElasticFoundation p = RandomParameters(random);
-    const auto kinematics = ComputeContactKinematics(region, {RandomMotion(random)}, kFloorHeight);
+    const auto kinematics = ComputeContactKinematics(region, {RandomMotion(random)}, {kFloorHeight});
     const ContactSums sums({&kinematics}, kTransitionVelocity);
     ContactLoadJacobian jacobian;
     const ContactLoad load = FastLoad(sums, 0, p, &jacobian);
@@ -145,12 +147,44 @@ TEST(ContactPaths, AskingForLessGivesTheSameNumbers) {
   const ContactRegion region = Sole();
   for (int state = 0; state < 50; ++state) {
     const ElasticFoundation p = RandomParameters(random);
-    const auto kinematics = ComputeContactKinematics(region, {RandomMotion(random)}, kFloorHeight);
+    const auto kinematics = ComputeContactKinematics(region, {RandomMotion(random)}, {kFloorHeight});
     const ContactSums sums({&kinematics}, kTransitionVelocity);
     const ContactLoad all = FastLoad(sums, 0, p);
     EXPECT_EQ(FastLoad(sums, 0, p, nullptr, WrenchParts::kVertical)[kForceY], all[kForceY]);
     EXPECT_EQ(FastLoad(sums, 0, p, nullptr, WrenchParts::kForce).head<3>(), all.head<3>());
   }
+}
+
+TEST(ContactPaths, SidesAndTopCarryNothingIfOnlyTheBottomHasSprings) {
+  ContactRegion region;
+  region.mesh = *BoxMesh({0.2, 0.02, 0.1}, 4, 4);
+  BodyMotion motion;
+  motion.position = Vec3(0, -0.05, 0);  // deeper than the sole is thick
+  for (const SpringFaces springs : {SpringFaces::kBottom, SpringFaces::kAll}) {
+    region.springs = springs;
+    const auto kinematics = ComputeContactKinematics(region, {motion}, {});
+    const double force =
+        FastLoad(ContactSums({&kinematics}, kTransitionVelocity), 0, {1e6, 0, 0, 0, 0})[kForceY];
+    const double bottom_alone = 1e6 * 0.02 * 0.05;
+    if (springs == SpringFaces::kBottom) {
+      EXPECT_NEAR(force, bottom_alone, 1e-9);
+    } else {
+      EXPECT_GT(force, 1.5 * bottom_alone);
+    }
+  }
+}
+
+// A foot that moves with the belt of a treadmill does not slip.
+TEST(ContactPaths, SlipIsMeasuredAgainstTheMovingFloor) {
+  ContactRegion region = Sole();
+  BodyMotion motion;
+  motion.position = Vec3(0, 0.04, 0);
+  motion.velocity = Vec3(-1.2, 0, 0);
+  const auto on_belt = ComputeContactKinematics(region, {motion}, {0, -1.2, 0});
+  const auto on_ground = ComputeContactKinematics(region, {motion}, {});
+  const ElasticFoundation p{1e6, 0, 0.8, 0.6, 0};
+  EXPECT_EQ(FastLoad(ContactSums({&on_belt}, kTransitionVelocity), 0, p)[kForceX], 0);
+  EXPECT_GT(FastLoad(ContactSums({&on_ground}, kTransitionVelocity), 0, p)[kForceX], 0);
 }
 
 // A sole that lies flat at depth d on a level floor: F = k A d, whatever the mesh.
@@ -160,7 +194,7 @@ TEST(ContactPaths, FlatSoleCarriesStiffnessTimesAreaTimesDepth) {
     region.mesh = *BoxMesh({0.2, 0.02, 0.1}, strips, strips);
     BodyMotion motion;
     motion.position = Vec3(0, -0.004, 0);
-    const auto kinematics = ComputeContactKinematics(region, {motion}, 0);
+    const auto kinematics = ComputeContactKinematics(region, {motion}, {});
     const ContactLoad load = FastLoad(ContactSums({&kinematics}, kTransitionVelocity), 0, {1e6, 50, 1, 1, 1});
     EXPECT_NEAR(load[kForceY], 1e6 * 0.02 * 0.004, 1e-9);
     EXPECT_EQ(load[kForceX], 0);
