@@ -63,8 +63,8 @@ class Problem {
   /// finite at t = ...): the point is then rejected, with this reason, and the search goes on.
   virtual Status Predict(const Query& query, Workspace& workspace, Prediction& prediction) const = 0;
 
-  /// What twice the cost is, for a person: "sum of squared force errors [N2]".
-  [[nodiscard]] virtual std::string objective() const { return "sum of squared weighted residuals"; }
+  /// What the cost is, for a person.
+  [[nodiscard]] virtual std::string objective() const { return "half the sum of squared weighted residuals"; }
 
   /// Adds what only this problem has to show (pressures under a sole, muscle forces) at these parameters to a run file.
   virtual Status Describe(const Vector& parameters, Hdf5Node& details) const;

@@ -185,11 +185,11 @@ void ContactProblem::PredictInstant(const Stance& stance, int t, const std::arra
 std::string ContactProblem::objective() const {
   switch (settings_.objective) {
     case ContactObjective::kThesis:
-      return "sum of squared errors, unweighted; its square root is eq 5.4 of the thesis";
+      return "half the sum of squared errors; the square root of twice the cost is eq 5.4 of the thesis";
     case ContactObjective::kNormalised:
-      return "sum over channels of mean squared error / variance of the channel";
+      return "half the sum over channels of mean squared error / variance of the channel";
     case ContactObjective::kLikelihood:
-      return "sum of squared errors / noise variance";
+      return "half the sum of squared errors / noise variance";
   }
   return {};
 }

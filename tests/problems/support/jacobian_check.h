@@ -1,0 +1,26 @@
+// Derivatives of a problem against differences of its predictions.
+#pragma once
+
+#include "base/random.h"
+#include "identify/problem.h"
+
+namespace sinew {
+
+struct JacobianCheck {
+  int columns = 0;   ///< of all blocks
+  int compared = 0;  ///< those that are smooth at this point
+  double worst = 0;  ///< largest difference of a compared column, relative to its size
+};
+
+/// Compares every column of every block at `parameters`, which must lie inside the bounds by 0.1 % of the
+/// range.
+///
+/// A column's size is the norm of the derivative over the parameter's range (for a logarithmic scale: over
+/// its value), or 1e-3 of the block's values if that is larger, below which differences drown in rounding. A
+/// column is left out where one-sided or third differences disagree: the problem has a kink there.
+JacobianCheck CheckJacobian(const Problem& problem, const Vector& parameters);
+
+/// A random point at least `margin` of the range away from every bound; logarithmic where the scale is.
+Vector RandomInside(const Problem& problem, double margin, Random& random);
+
+}  // namespace sinew
