@@ -4,6 +4,7 @@
 #include <optional>
 #include <string>
 #include <string_view>
+#include <type_traits>
 #include <vector>
 
 namespace sinew {
@@ -16,6 +17,12 @@ namespace sinew {
 
 /// Words between runs of blanks and tabs; no empty pieces.
 [[nodiscard]] std::vector<std::string_view> SplitBlanks(std::string_view text);
+
+// The pieces are views into the text: a temporary string would be gone before they are read.
+template <class Text, class = std::enable_if_t<std::is_same_v<Text, std::string>>>
+std::vector<std::string_view> Split(Text&& text, char separator) = delete;
+template <class Text, class = std::enable_if_t<std::is_same_v<Text, std::string>>>
+std::vector<std::string_view> SplitBlanks(Text&& text) = delete;
 
 /// The whole text as a number ("nan" and "inf" in any case included); nothing if it is not one, in any
 /// locale.

@@ -66,8 +66,8 @@ Result<std::vector<TraceEntry>> Recorded(const IdentifyWords& words, const Prove
   SINEW_ASSIGN(const Hdf5Node tree, ReadHdf5(words.out));
   std::vector<std::string> names;
   for (const int index : setup.free) names.push_back(setup.parameters[static_cast<std::size_t>(index)].name);
-  const std::string variables = tree.Find("trace")->Text("variables");
-  if (variables != Join(names, ",")) return differs("free parameters", variables, Join(names, ","));
+  if (recorded->variables != names)
+    return differs("free parameters", Join(recorded->variables, ","), Join(names, ","));
   const Hdf5Node* config = tree.Find("run/config");
   if (config == nullptr || config->text() == nullptr || *config->text() != provenance.config)
     return Fail("--resume: {} was made with other settings (--config); they are in its /run/config",

@@ -91,12 +91,20 @@ Status WriteStorages(const std::string& out, const std::map<std::string, Trial>&
   return {};
 }
 
+// Sensor effects look beyond the samples, so the problem that has them predicts a margin: it is bound only if
+// a parameter is asked for that the problem alone does not have.
+Result<Binding> BindFor(const SimulateWords& words) {
+  SINEW_ASSIGN(Binding bare, Bind(words.binding, false));
+  if (Parameters(words, bare.problem())) return bare;
+  return Bind(words.binding, true);
+}
+
 Result<int> RunSimulate(const SimulateWords& words) {
   const std::string extension = std::filesystem::path(words.out).extension().string();
   if (extension != ".h5" && extension != ".sto")
     return Fail("--out {}: expected a name that ends with .h5 or .sto", words.out);
   SINEW_TRY(CheckOutput(words.out, {words.binding.data, words.binding.config, words.from}));
-  SINEW_ASSIGN(const Binding binding, Bind(words.binding, true));
+  SINEW_ASSIGN(const Binding binding, BindFor(words));
   SINEW_ASSIGN(const Vector parameters, Parameters(words, binding.problem()));
   const auto prediction = PredictAll(binding.problem(), parameters);
   if (!prediction) {

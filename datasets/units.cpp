@@ -217,9 +217,9 @@ Result<UnitConversion> ToSi(std::string_view unit) {
     std::vector<std::string> known;
     for (const Atom& atom : kAtoms) known.emplace_back(atom.name);
     const auto closest = ClosestName(ascii, known);
-    return Fail("unknown unit '{}'{}; known are {} and their products and quotients (N*m, m/s2)",
-                trimmed.substr(0, kLongest), closest ? "; did you mean '" + *closest + "'?" : "",
-                Join(known, ", "));
+    const std::string lead = closest ? "; did you mean '" + *closest + "'? Known are" : "; known are";
+    return Fail("unknown unit '{}'{} {} and their products and quotients (N*m, m/s2)",
+                trimmed.substr(0, kLongest), lead, Join(known, ", "));
   }
   return UnitConversion{Format(*dimension), dimension->factor};
 }

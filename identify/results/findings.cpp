@@ -25,8 +25,13 @@ std::string Capitalised(std::string text) {
 }
 
 std::string Determined(const Parameter& p, const ParameterVerdict& v) {
-  return fmt::format("{} = {} (95 % interval {} to {}): {}.", p.name, WithUnit(v.value, p.unit),
-                     Readable(v.ci95_lower), Readable(v.ci95_upper),
+  const std::string interval = fmt::format("{} to {}", Readable(v.ci95_lower), Readable(v.ci95_upper));
+  // An unconverged search may stop outside of the interval, which belongs to the minimum near by.
+  if (v.value < v.ci95_lower || v.value > v.ci95_upper) {
+    return fmt::format("{} = {}: NOT at the best fit, whose 95 % interval is {}; let the search go on.",
+                       p.name, WithUnit(v.value, p.unit), interval);
+  }
+  return fmt::format("{} = {} (95 % interval {}): {}.", p.name, WithUnit(v.value, p.unit), interval,
                      v.verdict == Verdict::kIdentifiable ? "identifiable" : "weak, " + v.reason);
 }
 

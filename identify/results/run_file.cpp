@@ -261,7 +261,8 @@ Result<RecordedRun> ReadRun(const std::string& path) {
       seconds->array()->values.size() != cost->array()->values.size()) {
     return Fail("{}: /trace is not complete: expected seconds [E], cost [E] and x [E, n]", path);
   }
-  for (const auto name : Split(trace->Text("variables"), ',')) {
+  const std::string variables = trace->Text("variables");  // Split returns views into it
+  for (const auto name : Split(variables, ',')) {
     if (!name.empty()) recorded.variables.emplace_back(name);
   }
   if (x->array()->shape[1] != recorded.variables.size()) {

@@ -200,17 +200,29 @@ bool StartsWith(const std::string& text, const std::string& beginning) {
 }
 
 // Ceres states the test with its figures in words, such as
-// "Function tolerance reached. |cost_change|/cost: 2.1e-13 <= 1.0e-12"; its summary has them for accepted
-// steps only.
+// "Function tolerance reached. |cost_change|/cost: 2.100000e-13 <= 1.000000e-12"; its summary has them for
+// accepted steps only. The figures after the colon, with the quantity in words of ours.
+std::string Test(const std::string& quantity, const std::string& words) {
+  const std::size_t colon = words.rfind(": ");
+  const std::size_t sign = words.rfind("<=");
+  if (colon == std::string::npos || sign == std::string::npos || sign < colon) return words;
+  const auto value = ParseNumber(words.substr(colon + 2, sign - colon - 2));
+  const auto limit = ParseNumber(words.substr(sign + 2));
+  if (!value || !limit) return words;
+  return fmt::format("{} {:.2g} <= {:.2g}", quantity, *value, *limit);
+}
+
 Stop StopFromSummary(const ceres::Solver::Summary& summary) {
   const std::string& words = summary.message;
-  const std::size_t sentence = words.find(". ");
-  const std::string figures(Trim(sentence == std::string::npos ? words : words.substr(sentence + 2)));
   if (summary.termination_type == ceres::CONVERGENCE) {
-    if (StartsWith(words, "Function tolerance")) return {Termination::kCostChange, figures};
-    if (StartsWith(words, "Gradient tolerance")) return {Termination::kGradient, figures};
-    if (StartsWith(words, "Parameter tolerance")) return {Termination::kStepSize, figures};
-    if (StartsWith(words, "Minimum trust region radius")) return {Termination::kStepSize, figures};
+    if (StartsWith(words, "Function tolerance"))
+      return {Termination::kCostChange, Test("relative cost change", words)};
+    if (StartsWith(words, "Gradient tolerance"))
+      return {Termination::kGradient, Test("largest gradient", words)};
+    if (StartsWith(words, "Parameter tolerance"))
+      return {Termination::kStepSize, Test("relative step", words)};
+    if (StartsWith(words, "Minimum trust region radius"))
+      return {Termination::kStepSize, Test("trust region radius", words)};
   }
   return {Termination::kSolverFailed, words};
 }

@@ -171,7 +171,7 @@ Result<Stance> MakeStance(const std::string& trial, const std::string& plate, st
 }
 
 double StandardDeviation(const std::vector<double>& values) {
-  const double n = static_cast<double>(values.size());
+  const auto n = static_cast<double>(values.size());
   const double mean = std::accumulate(values.begin(), values.end(), 0.0) / n;
   double squares = 0;
   for (const double value : values) squares += (value - mean) * (value - mean);

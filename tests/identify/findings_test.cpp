@@ -53,6 +53,14 @@ TEST_F(FindingsTest, ADeterminedParameterHasItsValueUnitAndInterval) {
                                       "b = 12.3 (95 % interval 12.0 to 12.7): weak, its interval is wide."));
 }
 
+// An unconverged search: the interval belongs to the minimum near by, and the value does not.
+TEST_F(FindingsTest, AValueOutsideItsIntervalIsNotCalledIdentifiable) {
+  Judge(0, Verdict::kIdentifiable).value = 20;
+  EXPECT_THAT(Findings(),
+              ElementsAre("a = 20.0 N/m: NOT at the best fit, whose 95 % interval is 12.0 to 12.7; let the "
+                          "search go on."));
+}
+
 TEST_F(FindingsTest, ABoundThatWasHitIsSaid) {
   Judge(0, Verdict::kAtBound, "the cost still falls beyond 100");
   EXPECT_THAT(Findings(), ElementsAre("a = 12.3 N/m: AT BOUND: the cost still falls beyond 100."));

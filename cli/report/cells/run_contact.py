@@ -155,7 +155,7 @@ for r, (name, h) in enumerate(zip(pictures, heights)):
             axis.set_title(f"{when:.2f} s", loc="center")
         if c == 0:
             axis.set_ylabel(name, size=8.5)
-            axis.yaxis.set_label_coords((0.45 * STEP - 0.5 * inches * wide.max() - 0.08) / (0.9 * STEP), 0.5)
+            axis.yaxis.set_label_coords(0.02, 0.5)  # at the edge of its cell, clear of the widest picture
     bottom -= 0.15
 long = min(2.2, heights.sum())
 bar = figure.add_axes([(WIDTH - 0.65) / WIDTH, (top - 2.0 - long) / height, 0.14 / WIDTH, long / height])
