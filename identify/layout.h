@@ -25,7 +25,8 @@ enum class BlockRole { kTrain, kValidate, kPredicted };
 struct Block {
   std::string trial;
   std::string channel;
-  std::string quantity;  ///< what it measures, for people: "vertical force"; alike for both plates. Empty: the channel
+  std::string quantity;  ///< what it measures, for people: "vertical force"; alike for both plates. Empty:
+                         ///< the channel
   std::string unit;
   BlockRole role = BlockRole::kTrain;
   std::vector<double> prediction_time;  ///< [M, s, increasing]

@@ -42,7 +42,9 @@ const std::vector<Constraint>& Problem::constraints() const {
   return kNone;
 }
 
-Status Problem::Describe(const Vector& /*parameters*/, Hdf5Node& /*details*/) const { return {}; }
+Status Problem::Describe(const Vector& /*parameters*/, Hdf5Node& /*details*/) const {
+  return {};
+}
 
 Vector RestPoint(const Problem& problem) {
   const auto& parameters = problem.parameters();

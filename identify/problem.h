@@ -66,7 +66,8 @@ class Problem {
   /// What the cost is, for a person.
   [[nodiscard]] virtual std::string objective() const { return "half the sum of squared weighted residuals"; }
 
-  /// Adds what only this problem has to show (pressures under a sole, muscle forces) at these parameters to a run file.
+  /// Adds what only this problem has to show (pressures under a sole, muscle forces) at these parameters to a
+  /// run file.
   virtual Status Describe(const Vector& parameters, Hdf5Node& details) const;
 };
 

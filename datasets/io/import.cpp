@@ -20,7 +20,8 @@ FileType TypeOf(const std::string& path) {
   if (extension == ".mot" || extension == ".sto") return FileType::kStorage;
   if (extension == ".csv" || extension == ".txt") return FileType::kCsv;
   if (extension == ".osim") return FileType::kModel;
-  if (extension == ".xml" || extension == ".yaml" || extension == ".yml" || extension == ".obj") return FileType::kText;
+  if (extension == ".xml" || extension == ".yaml" || extension == ".yml" || extension == ".obj")
+    return FileType::kText;
   return FileType::kUnknown;
 }
 
@@ -80,7 +81,8 @@ class Importer {
       case FileType::kUnknown:
         break;
     }
-    return Fail("{}: cannot be imported, expected .trc, .mot, .sto, .csv, .txt, .osim, .xml, .yaml or .obj", path);
+    return Fail("{}: cannot be imported, expected .trc, .mot, .sto, .csv, .txt, .osim, .xml, .yaml or .obj",
+                path);
   }
 
   Status AddGrid(const std::string& path, Result<NamedGrid> made) {

@@ -46,7 +46,7 @@ struct OsimCoordinate {
 /// One axis of a joint: a rotation about it [rad], or a translation along it [m], given by a function of one
 /// coordinate.
 struct OsimAxis {
-  std::string coordinate;  ///< empty: the function is taken at zero, a constant
+  std::string coordinate;     ///< empty: the function is taken at zero, a constant
   Vec3 axis = Vec3::UnitX();  ///< only its direction counts
   PiecewisePolynomial function;
 };
