@@ -15,6 +15,7 @@ namespace {
 constexpr double kSensorMargin = 0.1;
 
 Result<BoundProblem> BindContact(const Dataset& data, const YamlReader& settings, bool with_sensor_effects) {
+  SINEW_TRY(settings.OnlyKeys({"contact"}));
   SINEW_ASSIGN(const YamlReader section, settings.At("contact"));
   SINEW_ASSIGN(ContactSettings contact, ReadContactSettings(section, data.files));
   SINEW_ASSIGN(auto problem,

@@ -29,5 +29,15 @@ TEST(ProblemRegistry, FindsByNameOrSuggests) {
   EXPECT_EQ(missing.error().message, "problem 'contcat' does not exist; did you mean 'contact'?");
 }
 
+TEST(ProblemRegistry, UnknownSectionsOfTheSettingsAreErrors) {
+  for (const ProblemEntry& entry : ProblemRegistry()) {
+    const auto settings = YamlReader::Parse(entry.name + ": {}\nsolvers: {}\n", "s.yaml");
+    ASSERT_TRUE(settings);
+    const auto bound = entry.bind({}, *settings, false);
+    ASSERT_FALSE(bound) << entry.name;
+    EXPECT_EQ(bound.error().message.rfind("s.yaml:2: unknown key 'solvers'", 0), 0U) << bound.error().message;
+  }
+}
+
 }  // namespace
 }  // namespace sinew
