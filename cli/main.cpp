@@ -47,9 +47,7 @@ std::string Explain(const CLI::App& app, const CLI::ParseError& error) {
          " --help)";
 }
 
-}  // namespace
-
-int main(int argc, char** argv) {
+int Run(int argc, char** argv) {
   CLI::App app(
       "sinew identifies the parameters of human-robot interaction models from measured data,\n"
       "and says which of them the data cannot determine.");
@@ -65,7 +63,6 @@ int main(int argc, char** argv) {
   sinew::AddIdentifyCommand(app, run);
   sinew::AddCompareCommand(app, run);
   sinew::AddReportCommand(app, run);
-
   try {
     app.parse(argc, argv);
   } catch (const CLI::Success& success) {
@@ -73,10 +70,17 @@ int main(int argc, char** argv) {
   } catch (const CLI::ParseError& error) {
     return Fail(Explain(app, error));
   }
+  const sinew::Result<int> status = action();
+  return status ? *status : Fail(status.error().message);
+}
+
+}  // namespace
+
+int main(int argc, char** argv) {
   try {
-    const sinew::Result<int> status = action();
-    return status ? *status : Fail(status.error().message);
+    return Run(argc, argv);
   } catch (const std::exception& exception) {
-    return Fail(std::string("unexpected: ") + exception.what());
+    std::fprintf(stderr, "sinew: error: unexpected: %s\n", exception.what());
+    return sinew::kBadInput;
   }
 }

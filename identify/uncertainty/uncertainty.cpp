@@ -119,7 +119,7 @@ Status Analysis::FindMinimum(const Vector& x) {
                     cost, cost_));
   }
   if (!outcome.converged) {
-    answer_.notes.push_back(
+    answer_.notes.emplace_back(
         "a local search from the solution did not come to rest: errors and intervals are rough");
   }
   return {};

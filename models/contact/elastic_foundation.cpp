@@ -27,7 +27,7 @@ ContactKinematics ComputeContactKinematics(const ContactRegion& region, const st
   std::vector<Vec3> springs;  // in the frame of the body
   for (const int face : faces) {
     k.area.push_back(region.mesh.Area(face));
-    springs.push_back(region.position + region.rotation * region.mesh.Centre(face));
+    springs.emplace_back(region.position + region.rotation * region.mesh.Centre(face));
   }
   for (const BodyMotion& body : motion) {
     for (const Vec3& spring_B : springs) {
