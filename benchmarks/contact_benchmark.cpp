@@ -11,9 +11,9 @@ namespace {
 
 constexpr const char* kSettings = R"(
 regions:
-  - {name: right_sole, body: calcn_r, plate: right, position: [0.02, -0.04519, 0.0],
+  - {name: right_sole, body: calcn_r, plate: right, position: [0.02, -0.04519, 0.0], springs: all,
      mesh: {box: {size: [0.16, 0.02, 0.09], strips: [8, 5]}}}
-  - {name: left_sole, body: calcn_l, plate: left, position: [0.02, -0.04519, 0.0],
+  - {name: left_sole, body: calcn_l, plate: left, position: [0.02, -0.04519, 0.0], springs: all,
      mesh: {box: {size: [0.16, 0.02, 0.09], strips: [8, 5]}}}
 )";
 
