@@ -26,7 +26,8 @@ std::unique_ptr<ContactProblem> TwoFootStance() {
 }
 
 // @param channels how many of kContactChannels are wanted: 0 for force_y alone, 3 for the force, 6 for all.
-void Evaluate(benchmark::State& state, int channels, bool derivatives) {
+// @param effects derivatives for the contact effects too, which need the path face by face.
+void Evaluate(benchmark::State& state, int channels, bool derivatives, bool effects = false) {
   const auto problem = TwoFootStance();
   const Layout& layout = problem->layout();
   std::vector<bool> wanted(layout.size(), false);
@@ -37,9 +38,12 @@ void Evaluate(benchmark::State& state, int channels, bool derivatives) {
   const auto workspace = problem->NewWorkspace();
   Prediction prediction(layout);
   const Vector parameters = RestPoint(*problem);
+  std::vector<bool> differentiate;
+  for (const Parameter& p : problem->parameters())
+    differentiate.push_back(effects || p.kind == ParameterKind::kBase);
   for (auto _ : state) {
     benchmark::DoNotOptimize(
-        problem->Predict({parameters, wanted, derivatives, nullptr}, *workspace, prediction));
+        problem->Predict({parameters, wanted, derivatives, &differentiate}, *workspace, prediction));
   }
   int faces = 0;
   for (const auto& region : problem->settings().regions) faces += region.region.mesh.face_count();
@@ -53,6 +57,7 @@ BENCHMARK_CAPTURE(Evaluate, full_force, 3, false)->Unit(benchmark::kMicrosecond)
 BENCHMARK_CAPTURE(Evaluate, full_force_with_jacobian, 3, true)->Unit(benchmark::kMicrosecond);
 BENCHMARK_CAPTURE(Evaluate, force_moment_and_centre, 6, false)->Unit(benchmark::kMicrosecond);
 BENCHMARK_CAPTURE(Evaluate, force_moment_and_centre_with_jacobian, 6, true)->Unit(benchmark::kMicrosecond);
+BENCHMARK_CAPTURE(Evaluate, all_with_jacobian_of_effects, 6, true, true)->Unit(benchmark::kMicrosecond);
 
 // The same stance by Simbody: its parameters belong to the topology, so every evaluation builds the system
 // anew.

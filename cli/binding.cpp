@@ -29,21 +29,29 @@ void BindingOptions::AddTo(CLI::App& command) {
       ->type_name("C.yaml");
 }
 
-void FitOptions::AddTo(CLI::App& command) {
+void FitOptions::AddChoiceTo(CLI::App& command) {
   command.add_option("--free", free, "Fit these parameters only")->delimiter(',')->type_name("A,B");
   command.add_option("--fix", fix, "Hold a parameter at a value")->delimiter(',')->type_name("A=V");
   command.add_option("--bounds", bounds, "Other bounds")->delimiter(',')->type_name("A=LO:HI");
   command.add_option("--start", start, "Another start")->delimiter(',')->type_name("A=V");
-  command.add_option("--release", release, "Release an effect (`sinew list effects PROBLEM`)")
-      ->delimiter(',')
-      ->type_name("EFFECT");
+}
+
+void FitOptions::AddWorkTo(CLI::App& command) {
   command.add_option("--seed", seed, "Seed of everything random")->check(kSeeds)->capture_default_str();
   command.add_option("--threads", threads, "Threads; the answer does not depend on it")
       ->check(CLI::Range(1, 1024))
       ->capture_default_str();
+  command.add_flag("--quiet", quiet, "Print no progress");
+}
+
+void FitOptions::AddTo(CLI::App& command) {
+  AddChoiceTo(command);
+  command.add_option("--release", release, "Release an effect (`sinew list effects PROBLEM`)")
+      ->delimiter(',')
+      ->type_name("EFFECT");
   command.add_option("--max-evaluations", max_evaluations, "Budget")->check(kAtLeastZero)->type_name("N");
   command.add_option("--max-seconds", max_seconds, "Budget")->check(kAtLeastZero)->type_name("S");
-  command.add_flag("--quiet", quiet, "Print no progress");
+  AddWorkTo(command);
 }
 
 Result<std::pair<std::string, double>> ParseAssignment(const std::string& option, const std::string& text) {
@@ -119,11 +127,14 @@ Result<Binding> Bind(const BindingOptions& options, bool with_sensor_effects) {
   } else {
     config_name = options.problem + ".yaml";
     const auto file = binding.data.files.find(config_name);
-    if (file == binding.data.files.end()) {
+    if (file != binding.data.files.end()) {
+      binding.config_text = file->second;
+    } else if (binding.entry->settings_optional) {
+      binding.config_text = options.problem + ": {}";
+    } else {
       return Fail("{}: holds no settings '{}'; give --config, or import the file into the data set",
                   options.data, config_name);
     }
-    binding.config_text = file->second;
     config_name = options.data + "/files/" + config_name;
   }
   SINEW_ASSIGN(const YamlReader settings, YamlReader::Parse(binding.config_text, config_name));

@@ -36,6 +36,10 @@ struct FitOptions {
   std::optional<double> max_seconds;
   bool quiet = false;
   void AddTo(CLI::App& command);
+  /// Only what chooses the base parameters and where they begin.
+  void AddChoiceTo(CLI::App& command);
+  /// Seed, threads, quiet.
+  void AddWorkTo(CLI::App& command);
 
   /// Errors: a word that is not NAME=VALUE or NAME=LOW:HIGH.
   [[nodiscard]] Result<FitRequest> Request() const;

@@ -21,6 +21,7 @@ void AddListCommand(CLI::App& app, const RunAction& run);
 void AddDataCommand(CLI::App& app, const RunAction& run);
 void AddSimulateCommand(CLI::App& app, const RunAction& run);
 void AddIdentifyCommand(CLI::App& app, const RunAction& run);
+void AddDiagnoseCommand(CLI::App& app, const RunAction& run);
 void AddCompareCommand(CLI::App& app, const RunAction& run);
 void AddReportCommand(CLI::App& app, const RunAction& run);
 

@@ -4,6 +4,7 @@
 
 #include "base/numbers.h"
 #include "base/text.h"
+#include "cli/binding.h"
 #include "cli/command.h"
 #include "cli/terminal.h"
 #include "identify/solvers/solver.h"
@@ -57,22 +58,73 @@ std::string ListParameters(const ProblemEntry& entry) {
   return text + Table(settings, 2);
 }
 
-std::string ListEffects(const ProblemEntry& entry) {
-  return "Every channel that " + entry.name +
-         " is compared on has the effects of its sensor, shared by all trials\n" +
-         Table({{"effect", "null", "says"},
-                {"CHANNEL.offset", "0", "the sensor reads too much by a constant"},
-                {"CHANNEL.drift", "0", "the sensor's reading drifts with time"},
-                {"CHANNEL.gain", "1", "the sensor reads too much by a factor"},
-                {"CHANNEL.time_offset", "0", "the sensor's clock is late against the other instruments"}},
-               2) +
-         "Release one with `sinew identify " + entry.name + " --release right_force_y.offset`.\n";
+std::string Nulls(const Problem& problem, const Effect& effect) {
+  std::vector<std::string> nulls;
+  for (const int index : effect.parameters) {
+    const Parameter& p = problem.parameters()[static_cast<std::size_t>(index)];
+    nulls.push_back(
+        fmt::format("{} = {}{}", p.name, Readable(p.null_value), p.unit == "1" ? "" : " " + p.unit));
+  }
+  return Join(nulls, ", ");
+}
+
+// One paragraph per effect: tables of sentences would be wider than any terminal.
+std::string DescribeEffects(const Problem& problem) {
+  std::string text;
+  std::string of_one_trial;
+  for (const Effect& effect : problem.effects()) {
+    if (!effect.trial.empty()) {
+      of_one_trial += (of_one_trial.empty() ? "" : ", ") + effect.name;
+      continue;
+    }
+    text += fmt::format("{}  [{}]\n", effect.name, ToString(effect.level));
+    text += Wrapped(effect.says, 2);
+    text += Wrapped("null: " + Nulls(problem, effect), 2);
+    if (!effect.exposed_by.empty()) text += Wrapped("exposed by: " + effect.exposed_by, 2);
+  }
+  if (!of_one_trial.empty()) text += Wrapped("Of one trial alone: " + of_one_trial, 0);
+  std::vector<std::string> terms;
+  for (const Port& port : problem.ports()) {
+    for (const UnknownTerm& term : port.terms) terms.push_back(term.name);
+  }
+  if (!terms.empty()) text += Wrapped("Unknown terms: " + Join(terms, ", "), 0);
+  return text;
+}
+
+// Without data the problem is bound to an experiment that it synthesizes; a problem whose synthetic data need
+// another step first cannot be.
+Result<BoundProblem> BindToSynthetic(const ProblemEntry& entry) {
+  SINEW_ASSIGN(const Dataset data, entry.synthesize({}));
+  const auto settings = data.files.find(entry.name + ".yaml");
+  SINEW_ASSIGN(const YamlReader reader,
+               YamlReader::Parse(settings == data.files.end() ? "" : settings->second, entry.name + ".yaml"));
+  return entry.bind(data, reader, true);
+}
+
+Result<std::string> ListEffects(const ProblemEntry& entry, const std::string& data) {
+  BoundProblem bound;
+  if (data.empty()) {
+    auto synthetic = BindToSynthetic(entry);
+    if (!synthetic) {
+      return Fail("list effects {}: depends on data, give --data F.h5 (synthetic data alone do not do: {})",
+                  entry.name, synthetic.error().message);
+    }
+    bound = std::move(*synthetic);
+  } else {
+    BindingOptions options;
+    options.problem = entry.name;
+    options.data = data;
+    SINEW_ASSIGN(Binding binding, Bind(options, true));
+    bound = std::move(binding.bound);
+  }
+  return DescribeEffects(*bound.problem) + "`sinew identify " + entry.name +
+         " --release EFFECT` fits one; `sinew diagnose` asks which are needed.\n";
 }
 
 const std::vector<std::string> kSubjects{"problems", "solvers",    "formats",
                                          "effects",  "parameters", "channels"};
 
-Result<int> List(const std::string& what, const std::string& problem) {
+Result<int> List(const std::string& what, const std::string& problem, const std::string& data) {
   if (std::find(kSubjects.begin(), kSubjects.end(), what) == kSubjects.end())
     return Fail("list: '{}' does not exist{}", what, Suggestion(what, kSubjects));
   if (what == "solvers") {
@@ -87,7 +139,10 @@ Result<int> List(const std::string& what, const std::string& problem) {
     SINEW_ASSIGN(const ProblemEntry* entry, FindProblem(problem));
     if (what == "parameters") Print(ListParameters(*entry));
     if (what == "channels") Print(entry->channels);
-    if (what == "effects") Print(ListEffects(*entry));
+    if (what == "effects") {
+      SINEW_ASSIGN(const std::string text, ListEffects(*entry, data));
+      Print(text);
+    }
   }
   return kDone;
 }
@@ -101,7 +156,10 @@ void AddListCommand(CLI::App& app, const RunAction& run) {
   auto problem = std::make_shared<std::string>();
   command->add_option("what", *what, "One of " + Join(kSubjects, ", "))->capture_default_str();
   command->add_option("problem", *problem, "For effects, parameters and channels");
-  command->callback([=] { run([=] { return List(*what, *problem); }); });
+  auto data = std::make_shared<std::string>();
+  command->add_option("--data", *data, "For effects: of these data; else of synthetic ones")
+      ->type_name("F.h5");
+  command->callback([=] { run([=] { return List(*what, *problem, *data); }); });
 }
 
 }  // namespace sinew

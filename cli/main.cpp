@@ -50,7 +50,7 @@ std::string Explain(const CLI::App& app, const CLI::ParseError& error) {
 int Run(int argc, char** argv) {
   CLI::App app(
       "sinew identifies the parameters of human-robot interaction models from measured data,\n"
-      "and says which of them the data cannot determine.");
+      "says which of them the data cannot determine, and what the fitted model still gets wrong.");
   app.set_version_flag("--version", std::string("sinew ") + sinew::kVersion);
   app.require_subcommand(1);
   app.set_help_all_flag("--help-all", "Help of every command");
@@ -61,6 +61,7 @@ int Run(int argc, char** argv) {
   sinew::AddDataCommand(app, run);
   sinew::AddSimulateCommand(app, run);
   sinew::AddIdentifyCommand(app, run);
+  sinew::AddDiagnoseCommand(app, run);
   sinew::AddCompareCommand(app, run);
   sinew::AddReportCommand(app, run);
   try {

@@ -78,6 +78,10 @@ void ProgressLine::Show(int done, int all) {
   if (Due()) Print(fmt::format("{}: {} of {}", title_, done, all));
 }
 
+void ProgressLine::Show(const std::string& step) {
+  if (Due()) Print(fmt::format("{}: {}", title_, step));
+}
+
 void ProgressLine::Clear() {
   if (shown_) std::fprintf(stderr, "\r\033[K");
   shown_ = false;

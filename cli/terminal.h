@@ -25,6 +25,8 @@ class ProgressLine {
   void Show(const Progress& progress, const Budget& budget);
   /// Any other work: so many of so many done.
   void Show(int done, int all);
+  /// Work without a count: what is done now.
+  void Show(const std::string& step);
   void Clear();
 
  private:

@@ -2,6 +2,7 @@
 // nobody knows may enter, and constraints.
 #pragma once
 
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -21,27 +22,37 @@ struct Effect {
   std::string says;             ///< the cause as a sentence: "the force plate reads too much by a constant"
   std::string exposed_by;       ///< the experiment that would show it
   std::vector<int> parameters;  ///< indices into Problem::parameters()
+  std::string trial = {};       ///< the trial that alone shows it; empty: all of them (the default)
 };
 
-/// A place where an unknown term may enter (a joint torque, the output itself), and what it may depend on
-/// there.
+/// A smooth function of one signal that may be added at a port: sum of weights times linear hats over the
+/// knots, constant beyond the outer ones. The weights are parameters (kEffect, null 0) whose `effect` is this
+/// term's name, so that a term is scored, released and refitted like any effect.
+struct UnknownTerm {
+  std::string name;    ///< PORT(SIGNAL), such as torque(position)
+  std::string signal;  ///< position, velocity, command, time, ...
+  std::string signal_unit;
+  std::vector<double> knots;    ///< [K, increasing, unit of the signal]
+  std::vector<int> parameters;  ///< [K] indices into Problem::parameters(): the weights [unit of the port]
+};
+
+/// A place where something that nobody thought of may enter (a joint torque, the output itself), and what it
+/// may depend on there.
 struct Port {
   std::string name;
   std::string unit;
   std::string meaning;
-  std::vector<std::string> signals;  ///< such as position, velocity, phase, time
+  std::vector<UnknownTerm> terms;  ///< one per signal
 };
 
-/// A smooth function of one signal, added at one port: sum of weights times linear B-splines (hats) over the
-/// knots, constant beyond the outer ones.
-struct UnknownTerm {
-  int port = 0;
-  int signal = 0;
-  std::vector<double> knots;  ///< [K, increasing, unit of the signal]
-  Vector weights;             ///< [K, unit of the port]
-
-  [[nodiscard]] double Value(double signal_value) const;
+/// Values of the hats over `knots` at x: at most two are not zero.
+struct Hats {
+  int first = 0;          ///< index of the left one
+  double left = 1;        ///< value of hat `first`
+  double right = 0;       ///< value of hat `first` + 1
+  double left_slope = 0;  ///< d/dx of `left`; that of `right` is its negative
 };
+[[nodiscard]] Hats HatsAt(const std::vector<double>& knots, double x);
 
 /// g(theta) = offset + coefficients * theta <= 0, linear in the parameters.
 struct Constraint {

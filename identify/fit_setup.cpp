@@ -8,14 +8,30 @@
 namespace sinew {
 namespace {
 
-Result<const Effect*> FindEffect(const Problem& problem, const std::string& name) {
+// The parameters of an effect or of an unknown term.
+Result<std::vector<int>> ParametersOf(const Problem& problem, const std::string& name) {
   std::vector<std::string> names;
   for (const Effect& effect : problem.effects()) {
-    if (effect.name == name) return &effect;
+    if (effect.name == name) return effect.parameters;
     names.push_back(effect.name);
+  }
+  for (const Port& port : problem.ports()) {
+    for (const UnknownTerm& term : port.terms) {
+      if (term.name == name) return term.parameters;
+      names.push_back(term.name);
+    }
   }
   if (names.empty()) return Fail("effect '{}' does not exist: this problem declares none", name);
   return Fail("effect '{}' does not exist{}", name, Suggestion(name, names));
+}
+
+// What belongs to a trial that is only predicted is no part of a fit: see FitHeldOutNuisance.
+bool BelongsToHeldOutTrial(const Problem& problem, const Parameter& p) {
+  if (p.trial.empty()) return false;
+  const Layout& layout = problem.layout();
+  return std::none_of(layout.begin(), layout.end(), [&](const Block& block) {
+    return block.trial == p.trial && block.role == BlockRole::kTrain;
+  });
 }
 
 }  // namespace
@@ -31,15 +47,16 @@ Result<FitSetup> MakeFitSetup(const Problem& problem, const FitRequest& request)
   for (std::size_t i = 0; i < setup.parameters.size(); ++i) {
     const Parameter& p = setup.parameters[i];
     const bool listed = request.free.empty() ? p.kind == ParameterKind::kBase : false;
-    if (listed || p.kind == ParameterKind::kNuisance) free.insert(static_cast<int>(i));
+    const bool nuisance = p.kind == ParameterKind::kNuisance && !BelongsToHeldOutTrial(problem, p);
+    if (listed || nuisance) free.insert(static_cast<int>(i));
   }
   for (const std::string& name : request.free) {
     SINEW_ASSIGN(const int index, FindParameter(setup.parameters, name));
     free.insert(index);
   }
   for (const std::string& name : request.release) {
-    SINEW_ASSIGN(const Effect* effect, FindEffect(problem, name));
-    free.insert(effect->parameters.begin(), effect->parameters.end());
+    SINEW_ASSIGN(const std::vector<int> parameters, ParametersOf(problem, name));
+    free.insert(parameters.begin(), parameters.end());
   }
 
   for (const auto& [name, interval] : request.bounds) {

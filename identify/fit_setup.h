@@ -30,9 +30,9 @@ struct FitSetup {
   [[nodiscard]] bool IsFree(int parameter) const;
 };
 
-/// By default all base and nuisance parameters are free, and all effects rest at their null. Errors: unknown
-/// names (with a suggestion), bounds that exclude the start, a fixed value outside the bounds, a parameter
-/// both free and fixed.
+/// By default all base parameters, and the nuisance parameters of training trials, are free, and all effects
+/// rest at their null. Errors: unknown names (with a suggestion), bounds that exclude the start, a fixed
+/// value outside the bounds, a parameter both free and fixed.
 Result<FitSetup> MakeFitSetup(const Problem& problem, const FitRequest& request);
 
 }  // namespace sinew

@@ -59,14 +59,18 @@ Prediction::Prediction(const Layout& layout) {
   Eigen::Index size = 0;
   for (const Block& block : layout) {
     rows_.push_back(block.predictions());
-    columns_.push_back(static_cast<Eigen::Index>(block.columns.size()));
     value_offset_.push_back(size);
     size += rows_.back();
-    derivative_offset_.push_back(size);
-    size += rows_.back() * columns_.back();
   }
+  values_ = size;
+  for (const Block& block : layout) {
+    columns_.push_back(static_cast<Eigen::Index>(block.columns.size()));
+    derivative_offset_.push_back(size);
+    size += block.predictions() * columns_.back();
+  }
+  // Pages of columns that nobody asks for are never touched: with a hundred effects that is most of them.
   data_.resize(size);
-  Poison();
+  data_.head(values_).setConstant(std::numeric_limits<double>::quiet_NaN());
 }
 
 void Prediction::Poison() {

@@ -65,7 +65,8 @@ class Prediction {
     return {data_.data() + derivative_offset_[b], rows_[b], columns_[b]};
   }
 
-  /// Fills everything with NaN, so that what a problem forgot to set is found.
+  /// Fills everything with NaN, so that what a problem forgot to set is found. A new prediction has NaN
+  /// values, and derivatives that are not set.
   void Poison();
 
  private:
@@ -73,6 +74,7 @@ class Prediction {
   std::vector<Eigen::Index> columns_;
   std::vector<Eigen::Index> value_offset_;
   std::vector<Eigen::Index> derivative_offset_;
+  Eigen::Index values_ = 0;  // of data_, before the derivatives
   Vector data_;
 };
 

@@ -41,8 +41,10 @@ Matrix SparseJacobian::Dense(int rows, int variables) const {
 
 LeastSquares::LeastSquares(const Problem& problem, const FitSetup& setup) : problem_(problem), setup_(setup) {
   variable_of_.assign(setup.parameters.size(), -1);
+  differentiate_.assign(setup.parameters.size(), false);
   for (std::size_t k = 0; k < setup.free.size(); ++k) {
     variable_of_[static_cast<std::size_t>(setup.free[k])] = static_cast<int>(k);
+    differentiate_[static_cast<std::size_t>(setup.free[k])] = true;
   }
   const Layout& layout = problem.layout();
   wanted_.assign(layout.size(), false);
@@ -120,7 +122,7 @@ Vector LeastSquares::Slopes(const Vector& x) const {
 Status LeastSquares::Evaluate(const Vector& x, Workspace& workspace, Vector& residuals,
                               SparseJacobian* jacobian) const {
   ParametersInto(x, workspace.parameters);
-  const Query query{workspace.parameters, wanted_, jacobian != nullptr, nullptr};
+  const Query query{workspace.parameters, wanted_, jacobian != nullptr, &differentiate_};
   SINEW_TRY(problem_.Predict(query, *workspace.problem, workspace.prediction));
 
   const Layout& layout = problem_.layout();
@@ -132,6 +134,9 @@ Status LeastSquares::Evaluate(const Vector& x, Workspace& workspace, Vector& res
     for (int i = 0; i < block.samples(); ++i) {
       const auto at = static_cast<std::size_t>(i);
       residuals[first_row + i] = block.weight * (predicted[block.sample[at]] - block.measured[at]);
+    }
+    if (transform_ != nullptr) {
+      transform_->Apply(static_cast<int>(t), residuals.middleRows(first_row, block.samples()));
     }
     if (jacobian == nullptr) continue;
     const auto derivatives = workspace.prediction.derivatives(b);
@@ -148,6 +153,7 @@ Status LeastSquares::Evaluate(const Vector& x, Workspace& workspace, Vector& res
       }
       ++k;
     }
+    if (transform_ != nullptr) transform_->Apply(static_cast<int>(t), piece.values);
   }
   for (std::size_t i = 0; i < priors_.size(); ++i) {
     const Prior& prior = priors_[i];

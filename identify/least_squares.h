@@ -24,6 +24,19 @@ struct SparseJacobian {
   [[nodiscard]] Matrix Dense(int rows, int variables) const;
 };
 
+/// A linear map of the residual rows of each training block, applied to residuals and Jacobian alike:
+/// whitening.
+class RowTransform {
+ public:
+  RowTransform() = default;
+  virtual ~RowTransform() = default;
+  RowTransform(const RowTransform&) = delete;
+  RowTransform& operator=(const RowTransform&) = delete;
+  /// In place. @param train_block index into LeastSquares::train_blocks() @param rows [samples of the block x
+  /// any]
+  virtual void Apply(int train_block, Eigen::Ref<Matrix> rows) const = 0;
+};
+
 /// Cost = half the sum of squared residuals over the training blocks, plus half of ((p - mean) / deviation)^2
 /// per prior.
 class LeastSquares {
@@ -49,6 +62,9 @@ class LeastSquares {
     int first_row = 0;
   };
   [[nodiscard]] const std::vector<TrainBlock>& train_blocks() const { return train_blocks_; }
+
+  /// From now on residuals pass through `transform`, which must outlive its use; nullptr: as they are.
+  void set_transform(const RowTransform* transform) { transform_ = transform; }
 
   [[nodiscard]] Workspace NewWorkspace() const;
   /// A Jacobian of the right shape, to be filled again and again without allocation.
@@ -86,9 +102,11 @@ class LeastSquares {
   const FitSetup& setup_;
   std::vector<TrainBlock> train_blocks_;
   std::vector<bool> wanted_;
-  std::vector<int> variable_of_;  // [P], -1 if not free
+  std::vector<int> variable_of_;     // [P], -1 if not free
+  std::vector<bool> differentiate_;  // [P], true if free
   std::vector<Prior> priors_;
   int rows_ = 0;
+  const RowTransform* transform_ = nullptr;
 };
 
 }  // namespace sinew

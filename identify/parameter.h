@@ -40,6 +40,9 @@ struct Parameter {
   std::string effect;          ///< kEffect: the effect that releases it
   double null_value = 0;       ///< kEffect: where the effect vanishes, within the bounds
   std::vector<double> probes;  ///< kEffect: values to try where the null says nothing (a Stribeck velocity)
+  /// kEffect: if > 0, the prediction has a kink at the null (backlash) or does not change near it: its slope
+  /// there is a secant over about this step [unit], not the derivative.
+  double null_step = 0;
 
   /// The value outside of a fit: the null of an effect, the start of all others.
   [[nodiscard]] double rest_value() const { return kind == ParameterKind::kEffect ? null_value : start; }

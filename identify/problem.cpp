@@ -18,13 +18,20 @@ const char* ToString(Level level) {
   return "?";
 }
 
-double UnknownTerm::Value(double signal_value) const {
-  if (signal_value <= knots.front()) return weights[0];
-  if (signal_value >= knots.back()) return weights[weights.size() - 1];
-  const auto after = std::upper_bound(knots.begin(), knots.end(), signal_value);
-  const auto j = after - knots.begin();
-  const double share = (signal_value - knots[j - 1]) / (knots[j] - knots[j - 1]);
-  return weights[j - 1] + share * (weights[j] - weights[j - 1]);
+Hats HatsAt(const std::vector<double>& knots, double x) {
+  Hats hats;
+  if (x <= knots.front()) return hats;
+  if (x >= knots.back()) {
+    hats.first = static_cast<int>(knots.size()) - 1;
+    return hats;
+  }
+  const auto after = std::upper_bound(knots.begin(), knots.end(), x);
+  const double width = *after - *(after - 1);
+  hats.first = static_cast<int>(after - knots.begin()) - 1;
+  hats.right = (x - *(after - 1)) / width;
+  hats.left = 1 - hats.right;
+  hats.left_slope = -1 / width;
+  return hats;
 }
 
 const std::vector<Effect>& Problem::effects() const {
@@ -43,6 +50,10 @@ const std::vector<Constraint>& Problem::constraints() const {
 }
 
 Status Problem::Describe(const Vector& /*parameters*/, Hdf5Node& /*details*/) const {
+  return {};
+}
+
+std::vector<Problem::Signal> Problem::SignalsOf(int /*block*/) const {
   return {};
 }
 

@@ -17,10 +17,15 @@ namespace sinew {
 
 /// What is asked of Problem::Predict.
 struct Query {
-  const Vector& parameters;                   ///< [P] every parameter, fixed ones too, within bounds
-  const std::vector<bool>& blocks;            ///< [layout size] which blocks are wanted
-  bool derivatives = false;                   ///< fill Prediction::derivatives too
-  const UnknownTerm* unknown_term = nullptr;  ///< to be added at its port, by problems that have ports
+  const Vector& parameters;         ///< [P] every parameter, fixed ones too, within bounds
+  const std::vector<bool>& blocks;  ///< [layout size] which blocks are wanted
+  bool derivatives = false;         ///< fill Prediction::derivatives too
+  /// [P] parameters whose derivatives are wanted; nullptr: all. Columns of others are left as they are.
+  const std::vector<bool>* differentiate = nullptr;
+
+  [[nodiscard]] bool Differentiates(int parameter) const {
+    return derivatives && (differentiate == nullptr || (*differentiate)[static_cast<std::size_t>(parameter)]);
+  }
 };
 
 /// Physics with every known effect in it, bound to the data of some trials. Immutable after construction.
@@ -45,7 +50,7 @@ class Problem {
 
   /// Groups of parameters that can be released, see Effect.
   [[nodiscard]] virtual const std::vector<Effect>& effects() const;
-  /// Places where an unknown term may enter, see Port.
+  /// Places where an unknown term may enter, and the terms that may, see Port.
   [[nodiscard]] virtual const std::vector<Port>& ports() const;
   /// Inequality constraints g(theta) <= 0, see Constraint.
   [[nodiscard]] virtual const std::vector<Constraint>& constraints() const;
@@ -69,6 +74,15 @@ class Problem {
   /// Adds what only this problem has to show (pressures under a sole, muscle forces) at these parameters to a
   /// run file.
   virtual Status Describe(const Vector& parameters, Hdf5Node& details) const;
+
+  /// Signals that a residual of block b may be looked at against, besides time: measured channels and inputs
+  /// of its trial, at the block's samples.
+  struct Signal {
+    std::string name;
+    std::string unit;
+    std::vector<double> values;  ///< [N of the block]
+  };
+  [[nodiscard]] virtual std::vector<Signal> SignalsOf(int block) const;
 };
 
 /// Every parameter at rest: starts, and effects at their null.

@@ -6,11 +6,13 @@
 #include "identify/observation/sensor_effects.h"
 #include "problems/contact/contact_problem.h"
 #include "problems/contact/contact_synthesis.h"
+#include "problems/drive/drive_problem.h"
+#include "problems/drive/drive_synthesis.h"
 
 namespace sinew {
 namespace {
 
-// How far the contact problem predicts beyond its samples when a sensor may be late: the reach of
+// How far a problem predicts beyond its samples when a sensor may be late: the reach of
 // CHANNEL.time_offset.
 constexpr double kSensorMargin = 0.1;
 
@@ -30,6 +32,21 @@ Result<BoundProblem> BindContact(const Dataset& data, const YamlReader& settings
   return bound;
 }
 
+Result<BoundProblem> BindDrive(const Dataset& data, const YamlReader& settings, bool with_sensor_effects) {
+  SINEW_TRY(settings.OnlyKeys({"drive"}));
+  SINEW_ASSIGN(const YamlReader section, settings.At("drive"));
+  SINEW_ASSIGN(const DriveSettings drive, ReadDriveSettings(section));
+  SINEW_ASSIGN(auto problem, DriveProblem::Make(data, drive, with_sensor_effects ? kSensorMargin : 0));
+  BoundProblem bound;
+  bound.notes = problem->data().notes;
+  if (with_sensor_effects) {
+    bound.problem = std::make_unique<SensorEffects>(std::move(problem));
+  } else {
+    bound.problem = std::move(problem);
+  }
+  return bound;
+}
+
 }  // namespace
 
 const std::vector<ProblemEntry>& ProblemRegistry() {
@@ -37,6 +54,8 @@ const std::vector<ProblemEntry>& ProblemRegistry() {
       {"contact", "contact parameters of soles from ground reaction forces under a measured motion",
        DescribeContactChannels(), BindContact, SynthesizeContact, DefaultContactParameters,
        ContactExperiment},
+      {"drive", "inertia, friction, gravity and motor of one actuated joint from its input and its motion",
+       DescribeDriveChannels(), BindDrive, SynthesizeDrive, DefaultDriveParameters, DriveExperiment, true},
   };
   return kProblems;
 }

@@ -41,6 +41,8 @@ struct ProblemEntry {
   std::vector<Parameter> (*parameters)();
   /// Names and defaults of what `--set` takes besides the parameters.
   std::vector<std::pair<std::string, std::string>> (*experiment)();
+  /// Without NAME.yaml and --config, the settings are `NAME: {}`.
+  bool settings_optional = false;
 };
 
 [[nodiscard]] const std::vector<ProblemEntry>& ProblemRegistry();

@@ -13,6 +13,9 @@ import run_file
 RUN_PARTS = (("prediction", "run_prediction"), ("fit", "run_fit"), ("unused", "run_unused"),
              ("unmeasured", "run_unmeasured"), ("parameters", "run_parameters"), ("correlation", "run_correlation"),
              ("convergence", "run_convergence"), ("starts", "run_starts"), ("contact", "run_contact"))
+DIAGNOSIS_PARTS = (("traces", "diagnosis_residuals"), ("scores", "diagnosis_scores"), ("structure", "diagnosis_structure"),
+                   ("unknown", "diagnosis_unknown"), ("gain", "diagnosis_gain"),
+                   ("parameters", "diagnosis_parameters"))
 OVERVIEW = "index"
 
 
@@ -114,14 +117,17 @@ def _notebook_of(file, folder):
     cells = ["study"]
     if file.kind == run_file.RUN:
         cells = ["run_start"] + [cells for part, cells in RUN_PARTS if part in file.has] + ["run_end"]
+    if file.kind == run_file.DIAGNOSIS:
+        cells = ["diagnosis_start"] + [cells for part, cells in DIAGNOSIS_PARTS if part in file.has] + ["diagnosis_end"]
     return notebook.build(cells, file.title, {"RUN_FILE": _relative(file.path, folder)})
 
 
 def _overview(files, names, folder):
     paths = {kind: {name: _relative(file.path, folder) for file, name in zip(files, names) if file.kind == kind}
-             for kind in (run_file.RUN, run_file.STUDY)}
+             for kind in run_file.SCHEMAS}
     return notebook.build(["comparison"], f"{len(files)} results compared",
-                          {"RUN_FILES": paths[run_file.RUN], "STUDY_FILES": paths[run_file.STUDY]})
+                          {"RUN_FILES": paths[run_file.RUN], "STUDY_FILES": paths[run_file.STUDY],
+                           "DIAGNOSIS_FILES": paths[run_file.DIAGNOSIS]})
 
 
 def _execute_apart(notebooks, folder):

@@ -1,15 +1,35 @@
-"""What the report needs to find in a run or study file, checked before anything is drawn (docs/run_file.md)."""
+"""What the report needs to find in a run, diagnosis or study file, checked before anything is drawn (docs/run_file.md)."""
 import multiprocessing
 import os
 from dataclasses import dataclass
 
 import h5py
 
-RUN, STUDY = "run", "study"
-SCHEMAS = {RUN: "run/1", STUDY: "study/1"}
+DIAGNOSIS, RUN, STUDY = "diagnosis", "run", "study"
+SCHEMAS = {DIAGNOSIS: "diagnosis/1", RUN: "run/1", STUDY: "study/1"}  # a diagnosis is a run file as well: it goes first
 RUN_ATTRIBUTES = ("problem", "solver", "seed", "version", "data_file", "data_hash", "finished",
                   "stop_reason", "stop_test", "converged", "usable", "evaluations", "failures", "iterations", "seconds",
                   "cost", "objective", "synthetic", "title")
+DIAGNOSIS_ATTRIBUTES = ("problem", "seed", "version", "data_file", "data_hash", "finished", "stop_reason", "stop_test",
+                        "converged", "usable", "seconds", "objective", "synthetic", "title")
+DIAGNOSIS_VERDICTS = ("adequate", "explained", "ambiguous", "unexplained")
+FINDINGS = ("cause", "alternative", "withdrawn", "unknown_term", "ruled_out", "not_judged")
+DIAGNOSED_COLUMNS = ("effect", "name", "unit", "value", "std_error", "ci95_lower", "ci95_upper", "before")
+DIAGNOSIS_TABLES = {
+    "scores": ("effect", "level", "finding", "probe", "why_not", "detectable_parameter", "detectable_unit", "known", "judged",
+               "refitted", "statistic", "p_value", "family_p_value", "delta_lr", "delta_bic", "smallest_detectable"),
+    "causes": ("effect", "level", "sentence", "p_value", "delta_bic", "size"), "cause_parameters": DIAGNOSED_COLUMNS,
+    "alternatives": ("instead_of", "effect", "level", "sentence", "separated_by", "delta_lr", "correlation"),
+    "alternative_parameters": DIAGNOSED_COLUMNS, "withdrawn": ("effect", "reason")}
+FITTED_TABLES = {  # only with a base fit
+    "base_parameters": DIAGNOSED_COLUMNS, "extended_parameters": DIAGNOSED_COLUMNS,
+    "base_fit": ("role", "channel", "unit", "rmse", "r2", "n"), "extended_fit": ("role", "channel", "unit", "rmse", "r2", "n"),
+    "noise": ("channel", "unit", "basis", "sigma", "rmse"), "tests": ("channel", "test", "statistic", "p_value"),
+    "gain": ("channel", "unit", "before", "after", "reduction", "ci95_lower", "ci95_upper", "gap_closed")}
+CURVES = {"structure": (("knots", "curve"), ("channel", "signal", "signal_unit", "explained_fraction", "shape")),
+          "unknown_terms": (("knots", "curve", "deviation"),
+                            ("port", "signal", "signal_unit", "unit", "shape", "nearest_law", "p_value",
+                             "held_out_reduction"))}
 PARAMETER_COLUMNS = ("name", "unit", "meaning", "kind", "scale", "lower", "upper", "start", "value", "free")
 UNCERTAINTY_COLUMNS = ("name", "verdict", "reason", "remedy", "interval", "std_error", "ci95_lower", "ci95_upper")
 VERDICTS = ("identifiable", "weak", "not_identifiable", "at_bound")
@@ -28,9 +48,9 @@ class BadInput(Exception):
 class ReportFile:
     """A checked file: what it is, and which parts of it there are to draw."""
     path: str
-    kind: str          # RUN or STUDY
+    kind: str          # RUN, DIAGNOSIS or STUDY
     title: str
-    has: frozenset     # of the parts in publish.RUN_PARTS
+    has: frozenset     # of the parts in publish.RUN_PARTS or publish.DIAGNOSIS_PARTS
 
 
 def read(path):
@@ -41,7 +61,7 @@ def read(path):
     if not os.path.exists(path):
         raise BadInput(f"{path}: no such file")
     if os.path.isdir(path):
-        raise BadInput(f"{path}: is a folder, expected a file that sinew identify or sinew compare wrote")
+        raise BadInput(f"{path}: is a folder, expected a file that sinew identify, diagnose or compare wrote")
     answer = _in_own_process(_look, path)
     if answer is None:
         raise BadInput(f"{path}: is damaged: the HDF5 library cannot read it")
@@ -95,9 +115,9 @@ def _check(path, file):
         if isinstance(node, h5py.Group) and "sinew_schema" in node.attrs:
             if _schema(node) != schema:
                 raise BadInput(f"{path}: /{kind} has schema '{_schema(node)}', expected '{schema}'")
-            return _check_run(path, file) if kind == RUN else _check_study(path, file)
+            return {RUN: _check_run, DIAGNOSIS: _check_diagnosis, STUDY: _check_study}[kind](path, file)
     found = f"it is a {_schema(file)} file" if "sinew_schema" in file.attrs else "it has neither /run nor /study"
-    raise BadInput(f"{path}: is not a run file ({found}); expected what sinew identify or sinew compare writes")
+    raise BadInput(f"{path}: is not a run file ({found}); expected what sinew identify, diagnose or compare writes")
 
 
 def _columns(path, file, group, names):
@@ -165,6 +185,43 @@ def _check_run(path, file):
             _check_region(path, file, f"/details/contact/{trial}/{region}")
             has.add("contact")
     return ReportFile(path, RUN, f"{_text(info.attrs['problem'])}: {_subject(path, info)}", frozenset(has))
+
+
+def _check_diagnosis(path, file):
+    info = file.get("run")
+    if not isinstance(info, h5py.Group):
+        raise BadInput(f"{path}: /run is missing")
+    _attributes(path, info, "/run", DIAGNOSIS_ATTRIBUTES)
+    node = file["diagnosis"]
+    _attributes(path, node, "/diagnosis", ("verdict", "alarm_level", "threshold", "family_p_value"))
+    _one_of(path, "/diagnosis@verdict", [_text(node.attrs["verdict"])], DIAGNOSIS_VERDICTS)
+    fitted = "parameters" in file
+    lengths = {name: _columns(path, file, f"/diagnosis/{name}", columns)
+               for name, columns in {**DIAGNOSIS_TABLES, **(FITTED_TABLES if fitted else {})}.items()}
+    if fitted:
+        _columns(path, file, "/parameters", (*PARAMETER_COLUMNS, "before"))
+    _one_of(path, "/diagnosis/scores/finding", _texts(node["scores/finding"]), FINDINGS)
+    has = {name for name in ("scores", "gain") if lengths.get(name)} | ({"parameters"} if fitted else set())
+    for group, (arrays, attributes) in CURVES.items():
+        for number, curve in node.get(group, {}).items():
+            _columns(path, file, f"/diagnosis/{group}/{number}", arrays)
+            _attributes(path, curve, f"/diagnosis/{group}/{number}", attributes)
+            has.add({"structure": "structure", "unknown_terms": "unknown"}[group])
+    for trial, channels in node.get("traces", {}).items():
+        for channel, trace in channels.items():
+            where = f"/diagnosis/traces/{trial}/{channel}"
+            if _columns(path, file, where, ("time", "measured", "before", "after")):
+                _attributes(path, trace, where, ("unit", "role"))
+                has.add("traces")
+    if not lengths["causes"] and "unknown" not in has:
+        has.discard("gain")  # nothing was added that could bring any
+    return ReportFile(path, DIAGNOSIS, f"{_text(info.attrs['problem'])}: diagnosis of {_subject(path, info)}", frozenset(has))
+
+
+def _one_of(path, where, words, allowed):
+    for word in words:
+        if word not in allowed:
+            raise BadInput(f"{path}: {where} is '{word}', expected one of {', '.join(allowed)}")
 
 
 def _subject(path, info):

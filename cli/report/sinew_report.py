@@ -1,4 +1,4 @@
-"""sinew report: executed notebooks and HTML pages of run and study files.
+"""sinew report: executed notebooks and HTML pages of run, diagnosis and study files.
 
     sinew_report.py FILE.h5... --out-dir DIR
 
@@ -24,8 +24,8 @@ class OneLineParser(argparse.ArgumentParser):
 
 
 def parse(arguments):
-    parser = OneLineParser(prog="sinew report", description="Draws run and study files: executed notebooks and HTML.")
-    parser.add_argument("files", nargs="+", metavar="FILE.h5", help="what sinew identify or sinew compare wrote")
+    parser = OneLineParser(prog="sinew report", description="Draws run, diagnosis and study files: executed notebooks and HTML.")
+    parser.add_argument("files", nargs="+", metavar="FILE.h5", help="what sinew identify, diagnose or compare wrote")
     parser.add_argument("--out-dir", required=True, metavar="DIR", help="the folder for notebooks and pages")
     return parser.parse_args(arguments)
 

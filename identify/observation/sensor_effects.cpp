@@ -3,79 +3,96 @@
 #include <algorithm>
 #include <cmath>
 #include <map>
+#include <utility>
 
-#include "base/spline.h"
+#include "identify/observation/low_pass.h"
 
 namespace sinew {
-namespace {
 
-struct SensorWorkspace final : Problem::Workspace {
+// Scratch of one thread; vectors hold the longest block.
+struct SensorEffects::SensorWorkspace final : Problem::Workspace {
   std::unique_ptr<Problem::Workspace> inner;
   Prediction prediction;
-  explicit SensorWorkspace(const Problem& problem)
-      : inner(problem.NewWorkspace()), prediction(problem.layout()) {}
+  Vector inner_parameters;
+  std::vector<bool> inner_differentiate;
+  LowPass low_pass;
+  Vector spline;      // second derivatives
+  Vector seen;        // the signal after low-pass and time offset
+  Vector slope;       // its time derivative
+  Vector lag_slope;   // its derivative for the low-pass
+  Vector column;      // any other signal
+  Vector unused;      // a time derivative nobody asked for
+  Vector factor;      // d reading / d seen
+  Vector clip_slope;  // d observed / d saturation where it is clipped
+  std::vector<bool> clipped;
+
+  SensorWorkspace(const Problem& problem, Eigen::Index longest)
+      : inner(problem.NewWorkspace()),
+        prediction(problem.layout()),
+        inner_parameters(static_cast<Eigen::Index>(problem.parameters().size())),
+        inner_differentiate(problem.parameters().size()),
+        spline(longest),
+        seen(longest),
+        slope(longest),
+        lag_slope(longest),
+        column(longest),
+        unused(longest),
+        factor(longest),
+        clip_slope(longest),
+        clipped(static_cast<std::size_t>(longest)) {}
 };
 
-// Largest magnitude and longest duration over the blocks of a channel: the bounds of its offset and drift.
-struct Extent {
-  double magnitude = 0;
-  double duration = 0;
-};
+// One block's sensor at one point, and what is wanted of it.
+struct SensorEffects::Observation {
+  double offset = 0;
+  double drift = 0;
+  double gain = 1;
+  double delay = 0;
+  double low_pass = 0;
+  double saturation = 0;
+  double quantisation = 0;
+  double shared_gain = 1;
+  double trial_gain = 1;
+  bool want_slope = false;      // for a time offset
+  bool want_lag_slope = false;  // for the low-pass
+  bool any_clipped = false;
 
-Extent ExtentOf(const Layout& layout, const std::string& channel) {
-  Extent extent;
-  for (const Block& block : layout) {
-    if (block.channel != channel) continue;
-    for (const double value : block.measured) extent.magnitude = std::max(extent.magnitude, std::abs(value));
-    extent.duration = std::max(extent.duration, block.prediction_time.back() - block.prediction_time.front());
+  Observation(const Query& query, int first, int first_of_trial) {
+    const auto value = [&](int effect) { return query.parameters[first + effect]; };
+    offset = value(kOffset);
+    drift = value(kDrift);
+    shared_gain = value(kGain);
+    delay = value(kTimeOffset);
+    low_pass = value(kLowPass);
+    saturation = value(kSaturation);
+    quantisation = value(kQuantisation);
+    want_slope = query.Differentiates(first + kTimeOffset);
+    want_lag_slope = query.Differentiates(first + kLowPass);
+    if (first_of_trial >= 0) {
+      offset += query.parameters[first_of_trial + kOffset];
+      drift += query.parameters[first_of_trial + kDrift];
+      trial_gain = query.parameters[first_of_trial + kGain];
+      delay += query.parameters[first_of_trial + kTimeOffset];
+      want_slope = want_slope || query.Differentiates(first_of_trial + kTimeOffset);
+    }
+    gain = shared_gain * trial_gain;
   }
-  if (extent.magnitude == 0) extent.magnitude = 1;
-  if (extent.duration == 0) extent.duration = 1;
-  return extent;
-}
-
-// A column at t - delay, and its time derivative there.
-struct Delayed {
-  Vector value;
-  Vector slope;
 };
-
-Result<Delayed> Delay(const std::vector<double>& time, const Eigen::Ref<const Vector>& column, double delay) {
-  SINEW_ASSIGN(
-      const auto spline,
-      NaturalCubicSpline::Fit(time, std::vector<double>(column.data(), column.data() + column.size())));
-  Delayed delayed{Vector(column.size()), Vector(column.size())};
-  for (Eigen::Index i = 0; i < column.size(); ++i) {
-    const auto at = spline.At(time[static_cast<std::size_t>(i)] - delay);
-    delayed.value[i] = at.value;
-    delayed.slope[i] = at.first;
-  }
-  return delayed;
-}
-
-}  // namespace
 
 SensorEffects::SensorEffects(std::unique_ptr<Problem> inner)
     : inner_(std::move(inner)),
       inner_parameters_(static_cast<Eigen::Index>(inner_->parameters().size())),
       parameters_(inner_->parameters()),
       effects_(inner_->effects()),
-      layout_(inner_->layout()) {
-  std::map<std::string, int> sensor_of_channel;
-  for (const Block& block : layout_) {
-    const bool compared = block.role != BlockRole::kPredicted;
-    if (compared && sensor_of_channel.count(block.channel) == 0) {
-      sensor_of_channel[block.channel] = static_cast<int>(sensors_.size());
-      AddSensor(block.channel);
-    }
+      ports_(inner_->ports()),
+      layout_(inner_->layout()),
+      seen_(layout_.size()) {
+  for (std::size_t b = 0; b < layout_.size(); ++b) {
+    seen_[b].of_inner = static_cast<Eigen::Index>(layout_[b].columns.size());
+    longest_ = std::max<Eigen::Index>(longest_, layout_[b].predictions());
   }
-  for (Block& block : layout_) {
-    const auto found = sensor_of_channel.find(block.channel);
-    sensor_of_.push_back(
-        found == sensor_of_channel.end() || block.role == BlockRole::kPredicted ? -1 : found->second);
-    if (sensor_of_.back() < 0) continue;
-    const Sensor& sensor = sensors_[static_cast<std::size_t>(sensor_of_.back())];
-    block.columns.insert(block.columns.end(), {sensor.offset, sensor.drift, sensor.gain, sensor.time_offset});
+  for (std::size_t b = 0; b < layout_.size(); ++b) {
+    if (layout_[b].role != BlockRole::kPredicted && seen_[b].sensor < 0) AddSensor(layout_[b].channel);
   }
   for (Constraint constraint : inner_->constraints()) {
     const Eigen::Index old = constraint.coefficients.size();
@@ -86,107 +103,218 @@ SensorEffects::SensorEffects(std::unique_ptr<Problem> inner)
 }
 
 void SensorEffects::AddSensor(const std::string& channel) {
-  const auto block =
-      std::find_if(layout_.begin(), layout_.end(), [&](const Block& b) { return b.channel == channel; });
-  const std::string& unit = block->unit;
-  const Extent extent = ExtentOf(layout_, channel);
-  const auto add = [&](const std::string& kind, const std::string& of_unit, double reach, double null,
-                       const std::string& says, const std::string& exposed_by) {
-    Parameter p;
-    p.name = channel + "." + kind;
-    p.unit = of_unit;
-    p.meaning = says;
-    p.lower = null - reach;
-    p.upper = null + reach;
-    p.start = null;
-    p.null_value = null;
-    p.kind = ParameterKind::kEffect;
-    p.effect = p.name;
-    const int index = static_cast<int>(parameters_.size());
-    effects_.push_back({p.name, Level::kSensor, channel + ": " + says, exposed_by, {index}});
-    parameters_.push_back(std::move(p));
-    return index;
-  };
+  const ChannelSummary summary = Summarise(layout_, channel);
   Sensor sensor;
-  sensor.offset = add("offset", unit, extent.magnitude, 0, "the sensor reads too much by a constant",
-                      "a rest phase, where the true value is known");
-  sensor.drift =
-      add("drift", unit + "/s", extent.magnitude / extent.duration, 0,
-          "the sensor's reading drifts with time", "rest phases at the begin and at the end of a long trial");
-  sensor.gain =
-      add("gain", "1", 0.9, 1, "the sensor reads too much by a factor", "a known load on the sensor");
-  sensor.time_offset =
-      add("time_offset", "s", 0.1, 0, "the sensor's clock is late against the other instruments",
-          "one sharp event that all instruments see, at a high sampling rate");
-  sensors_.push_back(sensor);
+  sensor.first = AddSensorEffects(summary, parameters_, effects_);
+  std::map<std::string, int> of_trial;
+  if (summary.train_trials.size() > 1) {
+    for (const std::string& trial : summary.train_trials) {
+      of_trial[trial] = AddTrialEffects(summary, trial, parameters_, effects_);
+    }
+  }
+  const ReadingPort port(*inner_, summary, parameters_);
+  if (!port.terms().empty()) ports_.push_back(port.port());
+  sensor.terms = port.terms();
+
+  for (std::size_t b = 0; b < layout_.size(); ++b) {
+    Block& block = layout_[b];
+    if (block.channel != channel || block.role == BlockRole::kPredicted) continue;
+    SeenBlock& seen = seen_[b];
+    seen.sensor = static_cast<int>(sensors_.size());
+    seen.middle = 0.5 * (block.prediction_time.front() + block.prediction_time.back());
+    seen.delay.emplace_back(block.prediction_time);
+    for (int effect = 0; effect < kSensorEffects; ++effect) block.columns.push_back(sensor.first + effect);
+    const auto alone = of_trial.find(block.trial);
+    if (alone != of_trial.end()) {
+      seen.first_of_trial = alone->second;
+      for (int effect = 0; effect < kTrialEffects; ++effect) block.columns.push_back(alone->second + effect);
+    }
+    for (const ReadingPort::Term& term : sensor.terms) {
+      for (std::size_t k = 0; k < term.knots.size(); ++k)
+        block.columns.push_back(term.first_weight + static_cast<int>(k));
+    }
+  }
+  sensors_.push_back(std::move(sensor));
 }
 
 std::unique_ptr<Problem::Workspace> SensorEffects::NewWorkspace() const {
-  return std::make_unique<SensorWorkspace>(*inner_);
+  return std::make_unique<SensorWorkspace>(*inner_, longest_);
 }
 
 Status SensorEffects::Predict(const Query& query, Workspace& workspace, Prediction& prediction) const {
   auto& scratch = static_cast<SensorWorkspace&>(workspace);
-  const Vector inner_parameters = query.parameters.head(inner_parameters_);
-  SINEW_TRY(inner_->Predict({inner_parameters, query.blocks, query.derivatives, query.unknown_term},
-                            *scratch.inner, scratch.prediction));
+  scratch.inner_parameters = query.parameters.head(inner_parameters_);
+  Query inner{scratch.inner_parameters, query.blocks, query.derivatives, nullptr};
+  if (query.differentiate != nullptr) {
+    std::copy_n(query.differentiate->begin(), inner_parameters_, scratch.inner_differentiate.begin());
+    inner.differentiate = &scratch.inner_differentiate;
+  }
+  SINEW_TRY(inner_->Predict(inner, *scratch.inner, scratch.prediction));
   for (std::size_t b = 0; b < layout_.size(); ++b) {
-    if (!query.blocks[b]) continue;
-    const int block = static_cast<int>(b);
-    if (sensor_of_[b] >= 0) {
-      SINEW_TRY(Observe(query, block, sensors_[static_cast<std::size_t>(sensor_of_[b])], scratch.prediction,
-                        prediction));
-      continue;
-    }
-    prediction.values(block) = scratch.prediction.values(block);
-    if (query.derivatives) prediction.derivatives(block) = scratch.prediction.derivatives(block);
+    if (query.blocks[b]) Observe(query, static_cast<int>(b), scratch, prediction);
   }
   return {};
 }
 
-Status SensorEffects::Observe(const Query& query, int b, const Sensor& sensor, const Prediction& inner,
-                              Prediction& observed) const {
-  const Block& block = layout_[static_cast<std::size_t>(b)];
-  const double offset = query.parameters[sensor.offset];
-  const double drift = query.parameters[sensor.drift];
-  const double gain = query.parameters[sensor.gain];
-  const double delay = query.parameters[sensor.time_offset];
-  const auto& time = block.prediction_time;
-  const double middle = 0.5 * (time.front() + time.back());
-
+void SensorEffects::Observe(const Query& query, int b, SensorWorkspace& scratch, Prediction& observed) const {
+  const SeenBlock& seen = seen_[static_cast<std::size_t>(b)];
+  const Prediction& inner = scratch.prediction;
   auto values = observed.values(b);
   values = inner.values(b);
-  Vector slope;
-  if (delay != 0 || (query.derivatives && time.size() > 1)) {
-    SINEW_ASSIGN(Delayed delayed, Delay(time, inner.values(b), delay));
-    slope = std::move(delayed.slope);
-    if (delay != 0) values = delayed.value;
-  }
-  const Vector undistorted = values;
-  if (gain != 1) values *= gain;
-  if (offset != 0) values.array() += offset;
-  if (drift != 0) {
-    for (Eigen::Index i = 0; i < values.size(); ++i)
-      values[i] += drift * (time[static_cast<std::size_t>(i)] - middle);
-  }
-  if (!query.derivatives) return {};
-
-  const auto inner_derivatives = inner.derivatives(b);
   auto derivatives = observed.derivatives(b);
-  const Eigen::Index inner_columns = inner_derivatives.cols();
-  derivatives.leftCols(inner_columns) = inner_derivatives;
-  for (Eigen::Index c = 0; delay != 0 && c < inner_columns; ++c) {
-    SINEW_ASSIGN(const Delayed delayed, Delay(time, inner_derivatives.col(c), delay));
-    derivatives.col(c) = delayed.value;
+  const auto& columns = layout_[static_cast<std::size_t>(b)].columns;
+  for (Eigen::Index c = 0; c < seen.of_inner; ++c) {
+    if (query.Differentiates(columns[static_cast<std::size_t>(c)])) {
+      derivatives.col(c) = inner.derivatives(b).col(c);
+    }
   }
-  if (gain != 1) derivatives.leftCols(inner_columns) *= gain;
-  for (Eigen::Index i = 0; i < values.size(); ++i) {
-    derivatives(i, inner_columns) = 1;
-    derivatives(i, inner_columns + 1) = time[static_cast<std::size_t>(i)] - middle;
-    derivatives(i, inner_columns + 2) = undistorted[i];
-    derivatives(i, inner_columns + 3) = slope.size() > 0 ? -gain * slope[i] : 0;
+  if (seen.sensor < 0) return;
+  Observation o(query, sensors_[static_cast<std::size_t>(seen.sensor)].first, seen.first_of_trial);
+  ObserveValues(query, b, o, scratch, values);
+  if (query.derivatives) ObserveDerivatives(query, b, o, scratch, derivatives);
+}
+
+void SensorEffects::ObserveValues(const Query& query, int b, Observation& o, SensorWorkspace& scratch,
+                                  Eigen::Ref<Vector> values) const {
+  const SeenBlock& block = seen_[static_cast<std::size_t>(b)];
+  const auto& time = layout_[static_cast<std::size_t>(b)].prediction_time;
+  const DelayLine& line = block.delay.front();
+  const Eigen::Index n = values.size();
+  auto seen = scratch.seen.head(n);
+  auto spline = scratch.spline.head(n);
+  auto lag_slope = scratch.lag_slope.head(n);
+
+  if (o.low_pass > 0 || o.want_lag_slope) {
+    scratch.low_pass.Set(time, o.low_pass);
+    if (o.want_lag_slope) scratch.low_pass.Differentiate(values, lag_slope);
+    if (o.low_pass > 0) scratch.low_pass.Apply(values);
   }
-  return {};
+  seen = values;
+  if (o.delay != 0 || o.want_slope) {
+    line.Fit(values, spline);
+    line.Evaluate(o.delay, values, spline, scratch.column.head(n), scratch.slope.head(n));
+    if (o.delay != 0) seen = scratch.column.head(n);
+  }
+  if (o.delay != 0 && o.want_lag_slope) {
+    line.Fit(lag_slope, spline);
+    line.Evaluate(o.delay, lag_slope, spline, scratch.column.head(n), scratch.unused.head(n));
+    lag_slope = scratch.column.head(n);
+  }
+
+  values = seen;
+  if (o.gain != 1) values *= o.gain;
+  if (o.offset != 0) values.array() += o.offset;
+  if (o.drift != 0) {
+    for (Eigen::Index i = 0; i < n; ++i)
+      values[i] += o.drift * (time[static_cast<std::size_t>(i)] - block.middle);
+  }
+  scratch.factor.head(n).setConstant(o.gain);
+  for (const ReadingPort::Term& term : sensors_[static_cast<std::size_t>(block.sensor)].terms) {
+    const auto weights =
+        query.parameters.segment(term.first_weight, static_cast<Eigen::Index>(term.knots.size()));
+    if ((weights.array() == 0).all()) continue;
+    for (Eigen::Index i = 0; i < n; ++i) {
+      const Hats hats = term.At(b, i, seen[i]);
+      const double left = weights[hats.first];
+      const double right = hats.right != 0 ? weights[hats.first + 1] : 0;
+      values[i] += hats.left * left + hats.right * right;
+      if (term.of_reading) scratch.factor[i] += hats.left_slope * (left - right);
+    }
+  }
+
+  if (o.saturation > 0) {
+    const double limit = 1 / o.saturation;
+    for (Eigen::Index i = 0; i < n; ++i) {
+      const bool clips = std::abs(values[i]) > limit;
+      scratch.clipped[static_cast<std::size_t>(i)] = clips;
+      if (!clips) continue;
+      o.any_clipped = true;
+      values[i] = std::copysign(limit, values[i]);
+      scratch.clip_slope[i] = -values[i] * limit;
+    }
+  }
+  if (o.quantisation > 0) {
+    for (double& value : values) value = o.quantisation * std::round(value / o.quantisation);
+  }
+}
+
+void SensorEffects::ObserveDerivatives(const Query& query, int b, const Observation& o,
+                                       SensorWorkspace& scratch, Eigen::Ref<Matrix> derivatives) const {
+  const SeenBlock& block = seen_[static_cast<std::size_t>(b)];
+  const Sensor& sensor = sensors_[static_cast<std::size_t>(block.sensor)];
+  const DelayLine& line = block.delay.front();
+  const Block& in_layout = layout_[static_cast<std::size_t>(b)];
+  const auto& time = in_layout.prediction_time;
+  const Eigen::Index n = derivatives.rows();
+  const auto factor = scratch.factor.head(n).array();
+
+  for (Eigen::Index c = 0; c < block.of_inner; ++c) {
+    if (!query.Differentiates(in_layout.columns[static_cast<std::size_t>(c)])) continue;
+    auto column = derivatives.col(c);
+    if (o.low_pass > 0) scratch.low_pass.Apply(column);
+    if (o.delay != 0) {
+      scratch.column.head(n) = column;
+      line.Fit(scratch.column.head(n), scratch.spline.head(n));
+      line.Evaluate(o.delay, scratch.column.head(n), scratch.spline.head(n), column, scratch.unused.head(n));
+    }
+    column.array() *= factor;
+  }
+
+  Eigen::Index c = block.of_inner;
+  const auto sensor_column = [&](int effect) {
+    auto column = derivatives.col(c);
+    switch (effect) {
+      case kOffset:
+        column.setOnes();
+        break;
+      case kDrift:
+        for (Eigen::Index i = 0; i < n; ++i) column[i] = time[static_cast<std::size_t>(i)] - block.middle;
+        break;
+      case kGain:
+        column = scratch.seen.head(n);
+        break;
+      case kTimeOffset:
+        column.array() = -factor * scratch.slope.head(n).array();
+        break;
+      case kLowPass:
+        column.array() = factor * scratch.lag_slope.head(n).array();
+        break;
+      default:  // saturation changes only what it clips; for the rounding see the class
+        column.setZero();
+        break;
+    }
+  };
+  for (int effect = 0; effect < kSensorEffects; ++effect, ++c) {
+    if (!query.Differentiates(sensor.first + effect)) continue;
+    sensor_column(effect);
+    if (effect == kGain) derivatives.col(c) *= o.trial_gain;
+  }
+  for (int effect = 0; block.first_of_trial >= 0 && effect < kTrialEffects; ++effect, ++c) {
+    if (!query.Differentiates(block.first_of_trial + effect)) continue;
+    sensor_column(effect);
+    if (effect == kGain) derivatives.col(c) *= o.shared_gain;
+  }
+  for (const ReadingPort::Term& term : sensor.terms) {
+    const auto knots = static_cast<int>(term.knots.size());
+    for (int k = 0; k < knots; ++k, ++c) {
+      if (!query.Differentiates(term.first_weight + k)) continue;
+      for (Eigen::Index i = 0; i < n; ++i) {
+        const Hats hats = term.At(b, i, scratch.seen[i]);
+        derivatives(i, c) = hats.first == k ? hats.left : (hats.first + 1 == k ? hats.right : 0);
+      }
+    }
+  }
+
+  if (!o.any_clipped) return;
+  for (std::size_t j = 0; j < in_layout.columns.size(); ++j) {
+    const int parameter = in_layout.columns[j];
+    if (!query.Differentiates(parameter)) continue;
+    auto column = derivatives.col(static_cast<Eigen::Index>(j));
+    for (Eigen::Index i = 0; i < n; ++i) {
+      if (!scratch.clipped[static_cast<std::size_t>(i)]) continue;
+      column[i] = parameter == sensor.first + kSaturation ? scratch.clip_slope[i] : 0;
+    }
+  }
 }
 
 Status SensorEffects::Describe(const Vector& parameters, Hdf5Node& details) const {

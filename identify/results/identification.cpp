@@ -2,6 +2,8 @@
 
 #include <utility>
 
+#include "identify/results/held_out.h"
+
 namespace sinew {
 
 Result<Identification> Identify(const Problem& problem, FitSetup setup, IdentificationOptions options) {
@@ -21,7 +23,7 @@ Result<Identification> Identify(const Problem& problem, FitSetup setup, Identifi
   out.failures = evaluator.failures();
   if (!out.result.stop.usable()) return out;
 
-  out.parameters = least_squares.Parameters(out.result.x);
+  SINEW_ASSIGN(out.parameters, FitHeldOutNuisance(problem, least_squares.Parameters(out.result.x)));
   if (out.failures > 0) {
     out.warnings.push_back(fmt::format("{} of {} evaluations failed and were rejected; the first because {}",
                                        out.failures, out.trace.size(), evaluator.first_failure()));

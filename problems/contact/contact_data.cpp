@@ -1,8 +1,8 @@
 #include "problems/contact/contact_data.h"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
-#include <limits>
 #include <map>
 #include <numeric>
 
@@ -135,41 +135,6 @@ Result<std::vector<double>> PredictionTimes(const Grid& forces, const Coordinate
   return all;
 }
 
-Result<Stance> MakeStance(const std::string& trial, const std::string& plate, std::vector<double> time,
-                          const CoordinateTrajectory& motion, const Model& model,
-                          const ContactSettings& settings) {
-  Stance stance;
-  stance.trial = trial;
-  stance.plate = plate;
-  stance.time = std::move(time);
-  SINEW_ASSIGN(const auto motions, model.multibody.BodyMotions(stance.time, motion, model.bodies));
-  double deepest = -std::numeric_limits<double>::infinity();
-  for (std::size_t r = 0; r < settings.regions.size(); ++r) {
-    if (settings.regions[r].plate != plate) continue;
-    std::vector<BodyMotion> of_body;
-    for (const auto& bodies : motions) of_body.push_back(bodies[r]);
-    auto kinematics = ComputeContactKinematics(settings.regions[r].region, of_body, settings.floor);
-    for (std::size_t i = 0; i < kinematics.depth.size(); ++i) {
-      if (kinematics.depth[i] <= deepest) continue;
-      deepest = kinematics.depth[i];
-      stance.resting_cop = {kinematics.point_x[i], kinematics.point_z[i]};
-    }
-    stance.regions.push_back({static_cast<int>(r), std::move(kinematics)});
-  }
-  const auto groups = settings.Groups();
-  for (std::size_t g = 0; g < groups.size(); ++g) {
-    std::vector<const ContactKinematics*> members;
-    for (const auto& [region, kinematics] : stance.regions) {
-      if (settings.regions[static_cast<std::size_t>(region)].group == groups[g])
-        members.push_back(&kinematics);
-    }
-    if (!members.empty()) {
-      stance.parts.push_back({static_cast<int>(g), ContactSums(members, settings.transition_velocity)});
-    }
-  }
-  return stance;
-}
-
 double StandardDeviation(const std::vector<double>& values) {
   const auto n = static_cast<double>(values.size());
   const double mean = std::accumulate(values.begin(), values.end(), 0.0) / n;
@@ -224,6 +189,7 @@ Status AddBlocks(const Trial& trial, const ContactSettings& settings, Stance& st
     for (int k = 0; k < kParametersPerGroup; ++k) all_columns.push_back(first + k);
     for (int k = 0; k < 2; ++k) normal_columns.push_back(first + k);
   }
+  const std::vector<int> effect_columns = out.effects.ColumnsOf(stance.plate);
   for (std::size_t c = 0; c < kContactChannels.size(); ++c) {
     const std::string& kind = kContactChannels[c];
     const bool fitted = std::find(settings.fit.begin(), settings.fit.end(), kind) != settings.fit.end();
@@ -234,6 +200,7 @@ Status AddBlocks(const Trial& trial, const ContactSettings& settings, Stance& st
     block.unit = UnitOf(kind);
     block.prediction_time = stance.time;
     block.columns = FeelsFriction(kind) ? all_columns : normal_columns;
+    block.columns.insert(block.columns.end(), effect_columns.begin(), effect_columns.end());
     block.role = !fitted                      ? BlockRole::kPredicted
                  : trial.role == Role::kTrain ? BlockRole::kTrain
                                               : BlockRole::kValidate;
@@ -276,7 +243,8 @@ Status AddTrial(const std::string& name, const Trial& trial, const Model& model,
   }
   for (const std::string& plate : plates) {
     SINEW_ASSIGN(auto time, PredictionTimes(*trial.Find(plate + "_force_y").grid, motion, margin));
-    SINEW_ASSIGN(Stance stance, MakeStance(name, plate, std::move(time), motion, model, settings));
+    SINEW_ASSIGN(Stance stance,
+                 MakeStance(name, plate, std::move(time), motion, model.multibody, model.bodies, settings));
     SINEW_TRY(AddBlocks(trial, settings, stance, out));
     out.stances.push_back(std::move(stance));
   }
@@ -288,6 +256,8 @@ Status AddTrial(const std::string& name, const Trial& trial, const Model& model,
 Result<ContactData> PrepareContactData(const Dataset& data, const ContactSettings& settings, double margin) {
   SINEW_ASSIGN(const Model model, LoadModel(data, settings));
   ContactData out;
+  out.effects =
+      ContactEffectList(static_cast<int>(settings.Groups().size()) * kParametersPerGroup, settings.Plates());
   for (const auto& [name, trial] : data.trials) {
     const Status status = AddTrial(name, trial, model, settings, margin, out);
     if (!status) return Fail("trial '{}': {}", name, status.error().message);
@@ -299,6 +269,15 @@ Result<ContactData> PrepareContactData(const Dataset& data, const ContactSetting
   const bool trains = std::any_of(out.layout.begin(), out.layout.end(),
                                   [](const Block& block) { return block.role == BlockRole::kTrain; });
   if (!trains) return Fail("no trial with role train has a force of these plates: nothing to fit");
+  // One floor under all stances turns about one point, in their midst, so that a slope is no height.
+  std::array<double, 2> middle{};
+  for (const std::size_t axis : {0U, 1U}) {
+    const auto [low, high] = std::minmax_element(
+        out.stances.begin(), out.stances.end(),
+        [axis](const Stance& a, const Stance& b) { return a.middle[axis] < b.middle[axis]; });
+    middle[axis] = 0.5 * (low->middle[axis] + high->middle[axis]);
+  }
+  for (Stance& stance : out.stances) stance.kinematics.tilt_reference = middle;
   return out;
 }
 

@@ -2,40 +2,21 @@
 // and for all.
 #pragma once
 
-#include <array>
 #include <string>
-#include <utility>
 #include <vector>
 
 #include "datasets/dataset.h"
 #include "identify/layout.h"
-#include "models/contact/contact_sums.h"
 #include "problems/contact/contact_settings.h"
+#include "problems/contact/contact_stance.h"
 
 namespace sinew {
 
-/// One foot on one force plate during one trial, prepared for any parameters.
-struct Stance {
-  std::string trial;
-  std::string plate;
-  std::vector<double> time;  ///< [T, s]
-  struct Part {
-    int group = 0;  ///< index into ContactSettings::Groups()
-    ContactSums sums;
-  };
-  std::vector<Part> parts;
-  struct RegionKinematics {
-    int region = 0;  ///< index into ContactSettings::regions
-    ContactKinematics kinematics;
-  };
-  std::vector<RegionKinematics> regions;
-  std::array<double, 2> resting_cop{};  ///< x, z [m]: stands for the centre of pressure while no face presses
-  std::array<int, 6> blocks{};          ///< index into the layout of each of kContactChannels
-};
-
 struct ContactData {
   std::vector<Stance> stances;
-  Layout layout;  ///< `columns` count base parameters: five per group, in the order of the groups
+  /// `columns` count base parameters, five per group, in the order of the groups; then those of `effects`.
+  Layout layout;
+  ContactEffectList effects;
   std::vector<std::string> notes;  ///< coordinates that rest at their default, samples that were left out
 };
 

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <array>
+#include <cmath>
 #include <limits>
 
 namespace sinew {
@@ -9,10 +10,6 @@ namespace {
 
 constexpr int kParametersPerGroup = 5;
 constexpr std::size_t kChannels = ContactProblem::kChannels;
-
-struct ContactWorkspace final : Problem::Workspace {
-  std::vector<std::vector<ContactSums::Workspace>> parts;  // per stance, per part
-};
 
 // Order of kContactChannels.
 enum Channel { kFx, kFy, kFz, kCopX, kCopZ, kFreeMoment };
@@ -45,9 +42,10 @@ struct PlateChannels {
     slope[kFx] = d[kForceX];
     slope[kFy] = d[kForceY];
     slope[kFz] = d[kForceZ];
-    if (!presses_) return slope;
-    slope[kCopX] = (d[kFirstMomentX] - value[kCopX] * d[kForceY]) / load_[kForceY];
-    slope[kCopZ] = (d[kFirstMomentZ] - value[kCopZ] * d[kForceY]) / load_[kForceY];
+    if (presses_) {
+      slope[kCopX] = (d[kFirstMomentX] - value[kCopX] * d[kForceY]) / load_[kForceY];
+      slope[kCopZ] = (d[kFirstMomentZ] - value[kCopZ] * d[kForceY]) / load_[kForceY];
+    }
     slope[kFreeMoment] = d[kMomentY] - (slope[kCopZ] * load_[kForceX] + value[kCopZ] * d[kForceX] -
                                         slope[kCopX] * load_[kForceZ] - value[kCopX] * d[kForceZ]);
     return slope;
@@ -101,11 +99,35 @@ std::vector<Parameter> DefaultContactParameters() {
   ContactSettings settings;
   settings.parameters = DefaultContactRanges();
   settings.regions.emplace_back();
-  return MakeParameters(settings);
+  auto parameters = MakeParameters(settings);
+  const ContactEffectList effects(static_cast<int>(parameters.size()), {});
+  for (Parameter& p : effects.MakeParameters()) parameters.push_back(std::move(p));
+  return parameters;
 }
 
+// Scratch of one thread and one stance.
+struct ContactProblem::Scratch {
+  std::vector<ContactSums::Workspace> sums;  // per part
+  std::vector<ContactLoadJacobian> by_part;  // of the fast path
+  std::vector<ElasticFoundation> beds;       // per part
+  EffectLoad with_effects;
+  ContactEffectValues effects{};
+  bool at_null = true;
+  bool differentiates_effects = false;
+  bool differentiates_edges = false;
+};
+
+struct ContactProblem::ContactWorkspace final : Problem::Workspace {
+  std::vector<Scratch> stances;
+};
+
 ContactProblem::ContactProblem(ContactSettings settings, ContactData data)
-    : settings_(std::move(settings)), data_(std::move(data)), parameters_(MakeParameters(settings_)) {}
+    : settings_(std::move(settings)),
+      data_(std::move(data)),
+      parameters_(MakeParameters(settings_)),
+      effects_(data_.effects.MakeEffects()) {
+  for (Parameter& p : data_.effects.MakeParameters()) parameters_.push_back(std::move(p));
+}
 
 Result<std::unique_ptr<ContactProblem>> ContactProblem::Make(const Dataset& data, ContactSettings settings,
                                                              double margin) {
@@ -119,8 +141,11 @@ Result<std::unique_ptr<ContactProblem>> ContactProblem::Make(const Dataset& data
 std::unique_ptr<Problem::Workspace> ContactProblem::NewWorkspace() const {
   auto workspace = std::make_unique<ContactWorkspace>();
   for (const Stance& stance : data_.stances) {
-    auto& parts = workspace->parts.emplace_back();
-    for (const Stance::Part& part : stance.parts) parts.push_back(part.sums.NewWorkspace());
+    Scratch& scratch = workspace->stances.emplace_back();
+    for (const Stance::Part& part : stance.parts) scratch.sums.push_back(part.sums.NewWorkspace());
+    scratch.by_part.resize(stance.parts.size());
+    scratch.beds.resize(stance.parts.size());
+    scratch.with_effects.by_part.resize(stance.parts.size());
   }
   return workspace;
 }
@@ -131,31 +156,59 @@ ElasticFoundation ContactProblem::Foundation(const Vector& parameters, int group
           parameters[first + 4]};
 }
 
+ContactEffectValues ContactProblem::EffectsOn(const std::string& plate, const Vector& parameters) const {
+  ContactEffectValues values{};
+  const int first = data_.effects.first();
+  for (std::size_t i = 0; i < kContactEffects; ++i) values[i] = parameters[first + static_cast<int>(i)];
+  const int own = data_.effects.OwnHeight(plate);
+  if (own >= 0) values[kHeightOffset] += parameters[own];
+  return values;
+}
+
 Status ContactProblem::Predict(const Query& query, Workspace& workspace, Prediction& prediction) const {
-  auto& scratch = static_cast<ContactWorkspace&>(workspace);
+  auto& scratches = static_cast<ContactWorkspace&>(workspace).stances;
   for (std::size_t s = 0; s < data_.stances.size(); ++s) {
     const Stance& stance = data_.stances[s];
     std::array<bool, kChannels> wanted{};
     for (std::size_t c = 0; c < kChannels; ++c)
       wanted[c] = query.blocks[static_cast<std::size_t>(stance.blocks[c])];
     if (std::find(wanted.begin(), wanted.end(), true) == wanted.end()) continue;
+
+    Scratch& scratch = scratches[s];
+    for (std::size_t p = 0; p < stance.parts.size(); ++p)
+      scratch.beds[p] = Foundation(query.parameters, stance.parts[p].group);
+    scratch.effects = EffectsOn(stance.plate, query.parameters);
+    scratch.at_null =
+        std::all_of(scratch.effects.begin(), scratch.effects.end(), [](double value) { return value == 0; });
+    const int first = data_.effects.first();
+    const int own = data_.effects.OwnHeight(stance.plate);
+    scratch.differentiates_effects = own >= 0 && query.Differentiates(own);
+    for (int i = 0; i < static_cast<int>(kContactEffects); ++i)
+      scratch.differentiates_effects |= query.Differentiates(first + i);
+    scratch.differentiates_edges = query.Differentiates(first + static_cast<int>(kToeRegion)) ||
+                                   query.Differentiates(first + static_cast<int>(kHeelRegion));
     for (int t = 0; t < static_cast<int>(stance.time.size()); ++t) {
-      PredictInstant(stance, t, wanted, query, scratch.parts[s], prediction);
+      PredictInstant(stance, t, wanted, query, scratch, prediction);
     }
   }
   return {};
 }
 
 void ContactProblem::PredictInstant(const Stance& stance, int t, const std::array<bool, kChannels>& wanted,
-                                    const Query& query, std::vector<ContactSums::Workspace>& scratch,
-                                    Prediction& prediction) const {
-  const WrenchParts parts = PartsFor(wanted);
+                                    const Query& query, Scratch& scratch, Prediction& prediction) const {
+  if (!scratch.at_null || scratch.differentiates_effects) {
+    ComputeEffectLoad(stance.kinematics, t, scratch.beds, scratch.effects, scratch.differentiates_edges,
+                      scratch.with_effects);
+  }
   ContactLoad load = ContactLoad::Zero();
-  ContactLoadJacobian jacobian;
-  for (std::size_t p = 0; p < stance.parts.size(); ++p) {
-    const Stance::Part& part = stance.parts[p];
-    part.sums.Add(t, Foundation(query.parameters, part.group), parts, scratch[p], load,
-                  query.derivatives ? &jacobian : nullptr);
+  if (scratch.at_null) {
+    const WrenchParts parts = PartsFor(wanted);
+    for (std::size_t p = 0; p < stance.parts.size(); ++p) {
+      stance.parts[p].sums.Add(t, scratch.beds[p], parts, scratch.sums[p], load,
+                               query.derivatives ? &scratch.by_part[p] : nullptr);
+    }
+  } else {
+    load = scratch.with_effects.load;
   }
   const PlateChannels channels(load, stance.resting_cop);
   for (std::size_t c = 0; c < kChannels; ++c) {
@@ -163,16 +216,10 @@ void ContactProblem::PredictInstant(const Stance& stance, int t, const std::arra
   }
   if (!query.derivatives) return;
 
+  const auto& by_part = scratch.at_null ? scratch.by_part : scratch.with_effects.by_part;
   for (std::size_t p = 0; p < stance.parts.size(); ++p) {
-    // Channels are quotients of the whole load: with several groups, each group's Jacobian is needed after
-    // the whole.
-    if (stance.parts.size() > 1) {
-      ContactLoad unused = ContactLoad::Zero();
-      const Stance::Part& part = stance.parts[p];
-      part.sums.Add(t, Foundation(query.parameters, part.group), parts, scratch[p], unused, &jacobian);
-    }
     for (Eigen::Index k = 0; k < kParametersPerGroup; ++k) {
-      const auto slope = channels.Derivative(jacobian.col(k));
+      const auto slope = channels.Derivative(by_part[p].col(k));
       for (std::size_t c = 0; c < kChannels; ++c) {
         const Eigen::Index columns = kColumnsPerGroup[c];
         if (!wanted[c] || k >= columns) continue;
@@ -180,6 +227,58 @@ void ContactProblem::PredictInstant(const Stance& stance, int t, const std::arra
       }
     }
   }
+  if (!scratch.differentiates_effects) return;
+  const bool own_height = data_.effects.OwnHeight(stance.plate) >= 0;
+  for (std::size_t e = 0; e < kContactEffects; ++e) {
+    const auto slope = channels.Derivative(scratch.with_effects.by_effect.col(static_cast<Eigen::Index>(e)));
+    for (std::size_t c = 0; c < kChannels; ++c) {
+      if (!wanted[c]) continue;
+      auto derivatives = prediction.derivatives(stance.blocks[c]);
+      const Eigen::Index first = static_cast<Eigen::Index>(stance.parts.size()) * kColumnsPerGroup[c];
+      derivatives(t, first + static_cast<Eigen::Index>(e)) = slope[c];
+      if (e == kHeightOffset && own_height)
+        derivatives(t, first + static_cast<Eigen::Index>(kContactEffects)) = slope[c];
+    }
+  }
+}
+
+std::vector<Problem::Signal> ContactProblem::SignalsOf(int block) const {
+  const auto stance = std::find_if(data_.stances.begin(), data_.stances.end(), [&](const Stance& s) {
+    return std::find(s.blocks.begin(), s.blocks.end(), block) != s.blocks.end();
+  });
+  if (stance == data_.stances.end()) return {};
+  const Block& of = data_.layout[static_cast<std::size_t>(block)];
+
+  Signal depth{"depth", "m", {}};
+  Signal slip{"slip speed", "m/s", {}};
+  for (const int t : of.sample) {
+    double deepest = -std::numeric_limits<double>::infinity();
+    double speed = 0;
+    for (const EffectRegion& region : stance->kinematics.regions) {
+      const ContactKinematics& k = region.kinematics;
+      for (int f = 0; f < k.faces; ++f) {
+        const auto i =
+            static_cast<std::size_t>(t) * static_cast<std::size_t>(k.faces) + static_cast<std::size_t>(f);
+        if (k.depth[i] <= deepest) continue;
+        deepest = k.depth[i];
+        speed = std::hypot(k.slip_x[i], k.slip_z[i]);
+      }
+    }
+    depth.values.push_back(deepest);
+    slip.values.push_back(speed);
+  }
+  std::vector<Signal> signals{std::move(depth), std::move(slip)};
+
+  // The measured vertical force, if it was measured at every sample of this block.
+  const Block& vertical = data_.layout[static_cast<std::size_t>(stance->blocks[kFy])];
+  Signal force{"vertical force", "N", {}};
+  for (const int t : of.sample) {
+    const auto found = std::lower_bound(vertical.sample.begin(), vertical.sample.end(), t);
+    if (found == vertical.sample.end() || *found != t) return signals;
+    force.values.push_back(vertical.measured[static_cast<std::size_t>(found - vertical.sample.begin())]);
+  }
+  signals.push_back(std::move(force));
+  return signals;
 }
 
 std::string ContactProblem::objective() const {
@@ -197,8 +296,11 @@ std::string ContactProblem::objective() const {
 Status ContactProblem::Describe(const Vector& parameters, Hdf5Node& details) const {
   const auto groups = settings_.Groups();
   for (const Stance& stance : data_.stances) {
-    for (const auto& [index, kinematics] : stance.regions) {
-      const ContactRegionSettings& settings = settings_.regions[static_cast<std::size_t>(index)];
+    const ContactEffectValues effects = EffectsOn(stance.plate, parameters);
+    for (std::size_t r = 0; r < stance.regions.size(); ++r) {
+      const EffectRegion& prepared = stance.kinematics.regions[r];
+      const ContactKinematics& kinematics = prepared.kinematics;
+      const ContactRegionSettings& settings = settings_.regions[static_cast<std::size_t>(stance.regions[r])];
       const ContactMesh& mesh = settings.region.mesh;
       const int group =
           static_cast<int>(std::find(groups.begin(), groups.end(), settings.group) - groups.begin());
@@ -221,7 +323,7 @@ Status ContactProblem::Describe(const Vector& parameters, Hdf5Node& details) con
       std::vector<double> centre;
       std::vector<FaceLoad> loads;
       for (int t = 0; t < kinematics.instants; ++t) {
-        ContactWrenchAt(kinematics, t, foundation, settings_.transition_velocity, &loads);
+        ComputeFaceLoads(stance.kinematics, prepared, t, foundation, effects, loads);
         double total = 0;
         Vec3 moment = Vec3::Zero();
         for (std::size_t i = 0; i < faces.size(); ++i) {

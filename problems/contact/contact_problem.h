@@ -10,6 +10,7 @@
 #include "datasets/dataset.h"
 #include "identify/problem.h"
 #include "problems/contact/contact_data.h"
+#include "problems/contact/contact_effects.h"
 #include "problems/contact/contact_settings.h"
 
 namespace sinew {
@@ -18,6 +19,9 @@ namespace sinew {
 /// viscous_friction; named so if there is one group, else GROUP.stiffness and so on. Channels per plate:
 /// force_x, force_y, force_z, cop_x, cop_z, moment_y. The fitted ones are compared with the measurement; the
 /// others are predicted.
+///
+/// Contact effects (ContactEffect) rest at 0; while they do, the prediction comes from ContactSums and is
+/// that of a problem without them, to the last bit.
 class ContactProblem final : public Problem {
  public:
   /// Errors: those of PrepareContactData.
@@ -26,12 +30,15 @@ class ContactProblem final : public Problem {
 
   [[nodiscard]] const std::vector<Parameter>& parameters() const override { return parameters_; }
   [[nodiscard]] const Layout& layout() const override { return data_.layout; }
+  [[nodiscard]] const std::vector<Effect>& effects() const override { return effects_; }
   [[nodiscard]] std::unique_ptr<Workspace> NewWorkspace() const override;
   Status Predict(const Query& query, Workspace& workspace, Prediction& prediction) const override;
   [[nodiscard]] std::string objective() const override;
   /// Per trial and region: outline of the faces, pressure and slip of each at every instant, centre of
   /// pressure.
   Status Describe(const Vector& parameters, Hdf5Node& details) const override;
+  /// The plate's measured vertical force, and depth and slip speed of the deepest spring.
+  [[nodiscard]] std::vector<Signal> SignalsOf(int block) const override;
 
   [[nodiscard]] const ContactData& data() const { return data_; }
   [[nodiscard]] const ContactSettings& settings() const { return settings_; }
@@ -44,16 +51,19 @@ class ContactProblem final : public Problem {
 
  private:
   ContactProblem(ContactSettings settings, ContactData data);
+  struct Scratch;
+  struct ContactWorkspace;
   void PredictInstant(const Stance& stance, int t, const std::array<bool, kChannels>& wanted,
-                      const Query& query, std::vector<ContactSums::Workspace>& scratch,
-                      Prediction& prediction) const;
+                      const Query& query, Scratch& scratch, Prediction& prediction) const;
+  [[nodiscard]] ContactEffectValues EffectsOn(const std::string& plate, const Vector& parameters) const;
 
   ContactSettings settings_;
   ContactData data_;
   std::vector<Parameter> parameters_;
+  std::vector<Effect> effects_;
 };
 
-/// The parameters of one group with their default ranges, without data.
+/// The parameters of one group with their default ranges, without data; then those of the contact effects.
 [[nodiscard]] std::vector<Parameter> DefaultContactParameters();
 
 }  // namespace sinew

@@ -1,5 +1,7 @@
 #include "problems/contact/contact_synthesis.h"
 
+#include <algorithm>
+#include <array>
 #include <cmath>
 
 #include "base/numbers.h"
@@ -9,6 +11,8 @@
 #include "models/multibody/coordinate_trajectory.h"
 #include "models/multibody/multibody_model.h"
 #include "models/multibody/osim_reader.h"
+#include "problems/contact/contact_effect_load.h"
+#include "problems/contact/contact_truth.h"
 #include "problems/contact/nao_like_osim.h"
 #include "problems/contact/stepping_robot.h"
 
@@ -70,15 +74,6 @@ constexpr Setting kSettings[] = {
      "0: the truth is the fitted model itself, its mesh and a motion known 60 times a second"},
 };
 
-// Distortions of the exported vertical force, for tests of the diagnosis; in the order offset, gain, time
-// offset, drift.
-struct Distortion {
-  double offset = 0;
-  double gain = 1;
-  double time_offset = 0;
-  double drift = 0;
-};
-
 using Values = std::map<std::string, double>;
 
 Result<Values> ReadSettings(const SynthesisRequest& request) {
@@ -104,26 +99,6 @@ Result<Values> ReadSettings(const SynthesisRequest& request) {
     values["marker_noise"] *= *request.noise;
   }
   return values;
-}
-
-Result<Distortion> ReadDistortion(const SynthesisRequest& request) {
-  Distortion distortion;
-  const std::map<std::string, double*> known{{"force_y.offset", &distortion.offset},
-                                             {"force_y.gain", &distortion.gain},
-                                             {"force_y.time_offset", &distortion.time_offset},
-                                             {"force_y.drift", &distortion.drift}};
-  std::vector<std::string> names;
-  for (const auto& [name, target] : known) names.push_back(name);
-  for (const auto& [name, parameters] : request.effects) {
-    const auto found = known.find(name);
-    if (found == known.end()) return Fail("--effect: '{}' does not exist{}", name, Suggestion(name, names));
-    if (parameters.size() != 1 || parameters.begin()->first != "value" ||
-        !std::isfinite(parameters.begin()->second)) {
-      return Fail("--effect {}: expected {}:value=NUMBER", name, name);
-    }
-    *found->second = parameters.begin()->second;
-  }
-  return distortion;
 }
 
 Step DrawStep(Random& random, bool right, double slip) {
@@ -160,9 +135,22 @@ Result<Motion> Move(const Step& step, const MultibodyModel& model, double rate) 
   return motion;
 }
 
+// The floor's slope leaves its height alone between the feet, in the middle of their length.
+constexpr std::array<double, 2> kTiltPivot{0.02, 0};
+constexpr double kEdgeShare = 0.2;  // of the sole's length that a strip beyond its end has
+
+EffectRegion Prepare(const ContactRegion& region, const std::vector<BodyMotion>& motion) {
+  EffectRegion prepared{0, ComputeContactKinematics(region, motion, {}), {}, {}};
+  for (const BodyMotion& body : motion) {
+    prepared.turning_x.push_back(body.angular_velocity.x());
+    prepared.turning_z.push_back(body.angular_velocity.z());
+  }
+  return prepared;
+}
+
 // The true load on the plate at the given times.
 Result<std::vector<ContactLoad>> TrueLoads(const MultibodyModel& model, const CoordinateTrajectory& motion,
-                                           bool right, const Values& values,
+                                           bool right, const Values& values, const ContactTruth& hidden,
                                            const std::vector<double>& times) {
   SINEW_ASSIGN(const int body, model.BodyIndex(right ? "calcn_r" : "calcn_l"));
   SINEW_ASSIGN(const auto motions, model.BodyMotions(times, motion, {body}));
@@ -173,17 +161,60 @@ Result<std::vector<ContactLoad>> TrueLoads(const MultibodyModel& model, const Co
   SINEW_ASSIGN(region.mesh, BoxMesh(kSoleSize, fine ? 36 : 12, fine ? 20 : 7));
   region.position = kSolePosition;
   region.springs = SpringFaces::kBottom;
-  const ContactKinematics kinematics = ComputeContactKinematics(region, of_foot, {});
-  const ContactSums sums({&kinematics}, kTransitionVelocity);
   const ElasticFoundation truth{values.at("stiffness"), values.at("dissipation"),
                                 values.at("static_friction"), values.at("dynamic_friction"),
                                 values.at("viscous_friction")};
-  auto workspace = sums.NewWorkspace();
   std::vector<ContactLoad> loads(times.size(), ContactLoad::Zero());
+  const ContactEffectValues effects = hidden.EffectsOn(right);
+  if (std::all_of(effects.begin(), effects.end(), [](double value) { return value == 0; })) {
+    const ContactKinematics kinematics = ComputeContactKinematics(region, of_foot, {});
+    const ContactSums sums({&kinematics}, kTransitionVelocity);
+    auto workspace = sums.NewWorkspace();
+    for (std::size_t i = 0; i < times.size(); ++i)
+      sums.Add(static_cast<int>(i), truth, WrenchParts::kAll, workspace, loads[i], nullptr);
+    return loads;
+  }
+
+  EffectKinematics kinematics;
+  kinematics.regions.push_back(Prepare(region, of_foot));
+  for (const std::size_t edge : {0U, 1U}) {
+    const std::array<int, 2> strips{fine ? 12 : 4, fine ? 20 : 7};
+    SINEW_ASSIGN(const ContactRegion strip,
+                 EdgeRegion(region, edge == 0, kEdgeShare * kSoleSize.x(), strips));
+    kinematics.edges[edge].push_back(Prepare(strip, of_foot));
+  }
+  for (const BodyMotion& foot : of_foot) {
+    kinematics.foot_position.push_back(foot.position);
+    kinematics.foot_acceleration.push_back(foot.acceleration);
+  }
+  kinematics.tilt_reference = kTiltPivot;
+  kinematics.transition_velocity = kTransitionVelocity;
+  EffectLoad load;
+  load.by_part.resize(1);
   for (std::size_t i = 0; i < times.size(); ++i) {
-    sums.Add(static_cast<int>(i), truth, WrenchParts::kAll, workspace, loads[i], nullptr);
+    ComputeEffectLoad(kinematics, static_cast<int>(i), {truth}, effects, false, load);
+    loads[i] = load.load;
   }
   return loads;
+}
+
+// The force along each axis at the times at which the plate takes it for that of `time`.
+Result<std::array<std::vector<double>, 3>> SeenForces(const MultibodyModel& model,
+                                                      const CoordinateTrajectory& motion, bool right,
+                                                      const Values& values, const ContactTruth& hidden,
+                                                      const std::vector<double>& time) {
+  std::array<std::vector<double>, 3> forces;
+  const auto& plate = hidden.plates[right ? 0 : 1];
+  std::vector<ContactLoad> loads;
+  for (std::size_t axis = 0; axis < 3; ++axis) {
+    if (axis == 0 || plate[axis].time_offset != plate[axis - 1].time_offset) {
+      std::vector<double> measured_at;
+      for (const double t : time) measured_at.push_back(t - plate[axis].time_offset);
+      SINEW_ASSIGN(loads, TrueLoads(model, motion, right, values, hidden, measured_at));
+    }
+    for (const ContactLoad& load : loads) forces[axis].push_back(load[static_cast<Eigen::Index>(axis)]);
+  }
+  return forces;
 }
 
 Channel NewChannel(const std::string& unit, double sigma) {
@@ -193,30 +224,30 @@ Channel NewChannel(const std::string& unit, double sigma) {
   return channel;
 }
 
-Grid RecordForces(const std::vector<ContactLoad>& loads, const std::vector<double>& time,
-                  const std::string& plate, const Values& values, const Distortion& distortion,
-                  Random& random) {
+Grid RecordForces(const std::array<std::vector<double>, 3>& forces, const std::vector<double>& time,
+                  bool right, const Values& values, const ContactTruth& hidden, Random& random) {
   Grid grid;
   const double noise = values.at("force_noise");
-  Channel fx = NewChannel("N", 0.5 * noise);
-  Channel fy = NewChannel("N", noise);
-  Channel fz = NewChannel("N", 0.5 * noise);
+  const std::array<double, 3> noise_of{0.5 * noise, noise, 0.5 * noise};
+  std::array<Channel, 3> channels;
+  for (std::size_t axis = 0; axis < 3; ++axis) channels[axis] = NewChannel("N", noise_of[axis]);
   const double middle = 0.5 * (time.front() + time.back());
   for (std::size_t i = 0; i < time.size(); ++i) {
     // The plate measures every sample; the export keeps one in sixteen.
-    const double ex = random.Normal();
-    const double ey = random.Normal();
-    const double ez = random.Normal();
+    std::array<double, 3> error{};
+    for (double& e : error) e = random.Normal();
     if (i % kEvery != 0) continue;
     grid.time.push_back(time[i]);
-    fx.values.push_back(loads[i][kForceX] + 0.5 * noise * ex);
-    fy.values.push_back(distortion.gain * loads[i][kForceY] + distortion.offset +
-                        distortion.drift * (time[i] - middle) + noise * ey);
-    fz.values.push_back(loads[i][kForceZ] + 0.5 * noise * ez);
+    for (std::size_t axis = 0; axis < 3; ++axis) {
+      const PlateDistortion& plate = hidden.plates[right ? 0 : 1][axis];
+      channels[axis].values.push_back(plate.gain * forces[axis][i] + plate.offset +
+                                      plate.drift * (time[i] - middle) + noise_of[axis] * error[axis]);
+    }
   }
-  grid.channels[plate + "_force_x"] = std::move(fx);
-  grid.channels[plate + "_force_y"] = std::move(fy);
-  grid.channels[plate + "_force_z"] = std::move(fz);
+  for (std::size_t axis = 0; axis < 3; ++axis) {
+    grid.channels[std::string(right ? "right" : "left") + "_force_" + "xyz"[axis]] =
+        std::move(channels[axis]);
+  }
   return grid;
 }
 
@@ -237,25 +268,20 @@ Result<Grid> RecordMarkers(const MultibodyModel& model, const Motion& motion, do
 }
 
 Result<Trial> RecordStance(const MultibodyModel& model, const Step& step, const Values& values,
-                           const Distortion& distortion, Random& random) {
+                           const ContactTruth& hidden, Random& random) {
   const double seen_rate = kPlateRate / kEvery;
   SINEW_ASSIGN(const Motion true_motion, Move(step, model, values.at("fine") != 0 ? kPlateRate : seen_rate));
   SINEW_ASSIGN(
       const auto trajectory,
       CoordinateTrajectory::Fit(model, true_motion.time, model.coordinate_names(), true_motion.values));
   std::vector<double> plate_time;
-  std::vector<double> measured_at;
-  for (double t = 0; t < step.duration - 0.5 / kPlateRate; t += 1 / kPlateRate) {
-    plate_time.push_back(t);
-    measured_at.push_back(t - distortion.time_offset);
-  }
-  SINEW_ASSIGN(const auto loads, TrueLoads(model, trajectory, step.right, values, measured_at));
+  for (double t = 0; t < step.duration - 0.5 / kPlateRate; t += 1 / kPlateRate) plate_time.push_back(t);
+  SINEW_ASSIGN(const auto forces, SeenForces(model, trajectory, step.right, values, hidden, plate_time));
 
   Trial trial;
   trial.task = step.right ? "right stance" : "left stance";
   trial.conditions["walking_speed_m_per_s"] = step.walking_speed;
-  trial.grids["forces"] =
-      RecordForces(loads, plate_time, step.right ? "right" : "left", values, distortion, random);
+  trial.grids["forces"] = RecordForces(forces, plate_time, step.right, values, hidden, random);
   SINEW_ASSIGN(const Motion seen_motion, Move(step, model, seen_rate));
   SINEW_ASSIGN(trial.grids["markers"], RecordMarkers(model, seen_motion, values.at("marker_noise"), random));
   if (values.at("encoders") != 0) {
@@ -275,7 +301,7 @@ Result<Trial> RecordStance(const MultibodyModel& model, const Step& step, const 
 
 Result<Dataset> SynthesizeContact(const SynthesisRequest& request) {
   SINEW_ASSIGN(const Values values, ReadSettings(request));
-  SINEW_ASSIGN(const Distortion distortion, ReadDistortion(request));
+  SINEW_ASSIGN(const ContactTruth hidden, ReadContactTruth(request.effects));
   SINEW_ASSIGN(const OsimModel osim, ReadOsim(kNaoLikeOsim, "nao_like.osim"));
   SINEW_ASSIGN(const MultibodyModel model, MultibodyModel::Build(osim));
 
@@ -294,7 +320,7 @@ Result<Dataset> SynthesizeContact(const SynthesisRequest& request) {
   const int stances = train + static_cast<int>(values.at("validate"));
   for (int i = 0; i < stances; ++i) {
     const Step step = DrawStep(random, i % 2 == 0, values.at("slip"));
-    SINEW_ASSIGN(Trial trial, RecordStance(model, step, values, distortion, random));
+    SINEW_ASSIGN(Trial trial, RecordStance(model, step, values, hidden, random));
     trial.role = i < train ? Role::kTrain : Role::kValidate;
     const std::string name =
         i < train ? fmt::format("train_{}", i + 1) : fmt::format("validate_{}", i - train + 1);

@@ -229,7 +229,7 @@ class FromRun(ProgramTest):
         self.stances()
         message = "stances.h5: is not a run file: expected /run with attribute sinew_schema = run/1"
         self.fails(message, "simulate", "contact", "--data", "stances.h5", "--from", "stances.h5", "--out", "sim.h5")
-        self.fails("stances.h5: is not a run file (it is a dataset/1 file); expected what sinew identify or sinew "
+        self.fails("stances.h5: is not a run file (it is a dataset/1 file); expected what sinew identify, diagnose or "
                    "compare writes", "report", "stances.h5", "--out-dir", "report")
         self.fails("none.h5: no such file", "report", "none.h5", "--out-dir", "report")
 

@@ -7,15 +7,23 @@
 namespace sinew {
 namespace {
 
-TEST(UnknownTerm, InterpolatesBetweenKnotsAndIsConstantBeyond) {
-  const UnknownTerm term{0, 0, {-1, 0, 2}, toy::Values({3, 5, -1})};
-  EXPECT_EQ(term.Value(-7), 3);
-  EXPECT_EQ(term.Value(-1), 3);
-  EXPECT_EQ(term.Value(-0.5), 4);
-  EXPECT_EQ(term.Value(0), 5);
-  EXPECT_EQ(term.Value(1), 2);
-  EXPECT_EQ(term.Value(2), -1);
-  EXPECT_EQ(term.Value(9), -1);
+double Value(const std::vector<double>& knots, const Vector& weights, double x) {
+  const Hats hats = HatsAt(knots, x);
+  return hats.left * weights[hats.first] + (hats.right == 0 ? 0 : hats.right * weights[hats.first + 1]);
+}
+
+TEST(Hats, InterpolateBetweenKnotsAndAreConstantBeyond) {
+  const std::vector<double> knots{-1, 0, 2};
+  const Vector weights = toy::Values({3, 5, -1});
+  EXPECT_EQ(Value(knots, weights, -7), 3);
+  EXPECT_EQ(Value(knots, weights, -1), 3);
+  EXPECT_EQ(Value(knots, weights, -0.5), 4);
+  EXPECT_EQ(Value(knots, weights, 0), 5);
+  EXPECT_EQ(Value(knots, weights, 1), 2);
+  EXPECT_EQ(Value(knots, weights, 2), -1);
+  EXPECT_EQ(Value(knots, weights, 9), -1);
+  EXPECT_EQ(HatsAt(knots, 1).left_slope, -0.5);
+  EXPECT_EQ(HatsAt(knots, 3).left_slope, 0);
 }
 
 TEST(Problem, DeclaresNothingUnlessItSaysSo) {

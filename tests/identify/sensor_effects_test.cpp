@@ -2,7 +2,9 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <cmath>
+#include <utility>
 
 #include "base/random.h"
 #include "identify/fit_setup.h"
@@ -43,8 +45,18 @@ std::unique_ptr<ToyProblem> Sines() {
   return problem;
 }
 
-// Parameters: the inner two, then offset, drift, gain and time_offset of y, then of z.
-enum Index { kAmplitude, kPhase, kOffset, kDrift, kGain, kTimeOffset, kOfZ, kCount = kOfZ + 4 };
+constexpr int kKnots = 8;
+// Parameters: the inner two, then those of the sensor of y and the weights of its y(time), then of z.
+enum Index { kAmplitude, kPhase, kOfY, kTimeOfY = kOfY + kSensorEffects, kOfZ = kTimeOfY + kKnots };
+enum { kTimeOfZ = kOfZ + kSensorEffects, kCount = kTimeOfZ + kKnots };
+
+std::vector<int> Columns(std::initializer_list<std::pair<int, int>> ranges) {
+  std::vector<int> columns{kAmplitude, kPhase};
+  for (const auto& [first, last] : ranges) {
+    for (int i = first; i < last; ++i) columns.push_back(i);
+  }
+  return columns;
+}
 
 Prediction PredictAt(const Problem& problem, const Vector& parameters) {
   Prediction prediction(problem.layout());
@@ -54,28 +66,32 @@ Prediction PredictAt(const Problem& problem, const Vector& parameters) {
   return prediction;
 }
 
-TEST(SensorEffects, AreFourPerComparedChannelSharedByItsTrials) {
+TEST(SensorEffects, AreSevenPerComparedChannelSharedByItsTrials) {
   const SensorEffects problem(Sines());
-  ASSERT_EQ(problem.parameters().size(), static_cast<std::size_t>(kCount));
-  EXPECT_EQ(ErrorOf(CheckParameters(problem.parameters())), "");
+  const auto& parameters = problem.parameters();
+  ASSERT_EQ(parameters.size(), static_cast<std::size_t>(kCount));
+  EXPECT_EQ(ErrorOf(CheckParameters(parameters)), "");
   EXPECT_EQ(ErrorOf(CheckLayout(problem.layout(), kCount)), "");
-  EXPECT_EQ(problem.parameters()[kOffset].name, "y.offset");
-  EXPECT_EQ(problem.parameters()[kDrift].unit, "1/s");
-  EXPECT_EQ(problem.parameters()[kGain].null_value, 1);
-  EXPECT_EQ(problem.parameters()[kOfZ + 3].name, "z.time_offset");
-  EXPECT_EQ(problem.layout()[0].columns, (std::vector<int>{0, 1, 2, 3, 4, 5}));
-  EXPECT_EQ(problem.layout()[1].columns, (std::vector<int>{0, 1, 6, 7, 8, 9}));
+  EXPECT_EQ(parameters[kOfY + kOffset].name, "y.offset");
+  EXPECT_EQ(parameters[kOfY + kDrift].unit, "1/s");
+  EXPECT_EQ(parameters[kOfY + kGain].null_value, 1);
+  EXPECT_EQ(parameters[kOfY + kLowPass].lower, 0);
+  EXPECT_EQ(parameters[kOfY + kLowPass].null_value, 0);
+  EXPECT_EQ(parameters[kOfZ + kTimeOffset].name, "z.time_offset");
+  EXPECT_EQ(problem.layout()[0].columns, Columns({{kOfY, kOfZ}}));
+  EXPECT_EQ(problem.layout()[1].columns, Columns({{kOfZ, kCount}}));
   EXPECT_EQ(problem.layout()[2].columns, problem.layout()[0].columns);
-  EXPECT_EQ(problem.layout()[3].columns, (std::vector<int>{0, 1}));
+  EXPECT_EQ(problem.layout()[3].columns, Columns({}));
 }
 
 TEST(SensorEffects, AreReleasedByName) {
   const SensorEffects problem(Sines());
-  ASSERT_EQ(problem.effects().size(), 8U);
+  ASSERT_EQ(problem.effects().size(), 2U * kSensorEffects);
   for (const Effect& effect : problem.effects()) {
     EXPECT_EQ(effect.level, Level::kSensor);
     EXPECT_FALSE(effect.says.empty());
     EXPECT_FALSE(effect.exposed_by.empty());
+    EXPECT_TRUE(effect.trial.empty()) << "there is only one trial to fit";
     FitRequest request;
     request.release = {effect.name};
     const auto setup = MakeFitSetup(problem, request);
@@ -107,9 +123,9 @@ TEST(SensorEffects, OffsetDriftAndGainAreTheirFormula) {
   const SensorEffects problem(Sines());
   Vector p = RestPoint(problem);
   const Prediction plain = PredictAt(problem, p);
-  p[kOffset] = 0.5;
-  p[kDrift] = -0.25;
-  p[kGain] = 1.25;
+  p[kOfY + kOffset] = 0.5;
+  p[kOfY + kDrift] = -0.25;
+  p[kOfY + kGain] = 1.25;
   const Prediction observed = PredictAt(problem, p);
   for (int i = 0; i < kSamples; ++i) {
     const double t = problem.layout()[0].prediction_time[static_cast<std::size_t>(i)];
@@ -129,7 +145,7 @@ TEST(SensorEffects, ADelayedSineIsTheSineOfTheDelayedTime) {
   for (const double delay : {-0.07, -0.0031, 0.0123, 0.1}) {
     Vector p = RestPoint(problem);
     p[kPhase] = 0.3;
-    p[kTimeOffset] = delay;
+    p[kOfY + kTimeOffset] = delay;
     const Prediction observed = PredictAt(problem, p);
     for (int i = 0; i < kSamples; ++i) {
       const double t = problem.layout()[0].prediction_time[static_cast<std::size_t>(i)];
@@ -147,10 +163,16 @@ TEST(SensorEffects, JacobianAgreesWithDifferencesForEachEffect) {
   Random random(2);
   for (int round = 0; round < 10; ++round) {
     Vector p = RestPoint(problem);
-    p << random.Uniform(0.6, 3.8), random.Uniform(-0.9, 0.9), 0.3, -0.2, 1.3, random.Uniform(-0.09, 0.09),
-        -0.3, 0.1, 0.8, 0;  // the last at its null, where another branch is taken
+    p.head(2) << random.Uniform(0.6, 3.8), random.Uniform(-0.9, 0.9);
+    p.segment(kOfY, kTimeOffset + 1) << 0.3, -0.2, 1.3, random.Uniform(-0.09, 0.09);
+    p.segment(kOfZ, kTimeOffset + 1) << -0.3, 0.1, 0.8, 0;  // at its null, where another branch is taken
+    p[kOfY + kLowPass] = random.Uniform(0.03, 0.4);         // for shorter ones kStep is too long, see LowPass
+    p[kOfZ + kLowPass] = round % 2 == 0 ? 0.03 : 0.1;
+    for (int k = 0; k < kKnots; ++k) p[kTimeOfY + k] = random.Uniform(-0.5, 0.5);
     const Prediction at = PredictAt(problem, p);
     for (int k = 0; k < kCount; ++k) {
+      if (k == kOfY + kSaturation || k == kOfZ + kSaturation) continue;      // at the null, see below
+      if (k == kOfY + kQuantisation || k == kOfZ + kQuantisation) continue;  // see below
       const Prediction right = PredictAt(problem, p + kStep * Vector::Unit(kCount, k));
       const Prediction left = PredictAt(problem, p - kStep * Vector::Unit(kCount, k));
       for (int b = 0; b < 4; ++b) {
@@ -182,7 +204,14 @@ TEST(SensorEffects, ASingleSampleHasNoSlope) {
       }));
   const Prediction prediction = PredictAt(problem, RestPoint(problem));
   EXPECT_EQ(prediction.values(0)[0], 0.5);
-  EXPECT_EQ(prediction.derivatives(0).row(0), Values({1, 1, 0, 0.5, 0}).transpose());
+  // A time that does not pass gives no port.
+  EXPECT_TRUE(problem.ports().empty());
+  const Vector row = prediction.derivatives(0).row(0);
+  EXPECT_EQ(row, Values({1, 1, 0, 0.5, 0, 0, 0, 0}));
+  Vector late = RestPoint(problem);
+  late[1 + kTimeOffset] = 0.05;
+  late[1 + kLowPass] = 0.05;
+  EXPECT_EQ(PredictAt(problem, late).values(0)[0], 0.5);
 }
 
 TEST(SensorEffects, FailuresOfTheProblemArePassedOn) {
@@ -202,6 +231,155 @@ TEST(SensorEffects, ConstraintsDoNotDependOnSensors) {
   expected.head(2) << 1, 2;
   EXPECT_EQ(problem.constraints()[0].coefficients, expected);
   EXPECT_EQ(problem.constraints()[0].offset, -9);
+}
+
+// The two-sided slope of the prediction of block 0 for parameter k.
+Vector DifferenceOf(const Problem& problem, const Vector& p, int k, double step) {
+  const Vector unit = Vector::Unit(p.size(), k);
+  return (PredictAt(problem, p + step * unit).values(0) - PredictAt(problem, p - step * unit).values(0)) /
+         (2 * step);
+}
+
+TEST(SensorEffects, ALowPassIsExactForItsRampAndLagsASine) {
+  // A sine through a first-order lag, once the start has died away (8 time constants: 3e-4 of the start's
+  // error); straight pieces of 0.01 s miss a sine by h^2 w^2 / 8 = 5e-4.
+  constexpr double kTolerance = 1e-3;
+  constexpr double kTimeConstant = 0.1;  // [s]
+  const SensorEffects problem(Sines());
+  Vector p = RestPoint(problem);
+  p[kOfY + kLowPass] = kTimeConstant;
+  const Prediction observed = PredictAt(problem, p);
+  const double lag = std::atan(kAngularFrequency * kTimeConstant);
+  for (int i = 80; i < kSamples; ++i) {
+    const double t = problem.layout()[0].prediction_time[static_cast<std::size_t>(i)];
+    EXPECT_NEAR(observed.values(0)[i], Sine(std::cos(lag), -lag, t), kTolerance);
+  }
+}
+
+TEST(SensorEffects, LowPassComesBeforeTheTimeOffsetAndGainAfterBoth) {
+  constexpr double kRounding = 1e-13;
+  const SensorEffects problem(Sines());
+  Vector p = RestPoint(problem);
+  p[kOfY + kLowPass] = 0.04;
+  const Vector smooth = PredictAt(problem, p).values(0);
+  p[kOfY + kTimeOffset] = 0.05;  // five samples
+  const Vector late = PredictAt(problem, p).values(0);
+  p[kOfY + kGain] = 1.5;
+  p[kOfY + kOffset] = 0.25;
+  const Vector all = PredictAt(problem, p).values(0);
+  EXPECT_LT((late.tail(kSamples - 5) - smooth.head(kSamples - 5)).cwiseAbs().maxCoeff(), kRounding);
+  EXPECT_LT((all.array() - 1.5 * late.array() - 0.25).abs().maxCoeff(), kRounding);
+}
+
+TEST(SensorEffects, TheLowPassAtItsNullAnswersByTheNegativeSlope) {
+  // Straight pieces: the slope of the piece before, half a sample off (h/2 w^2 = 0.2).
+  const SensorEffects problem(Sines());
+  const Prediction at = PredictAt(problem, RestPoint(problem));
+  const auto values = at.values(0);
+  const auto column = at.derivatives(0).col(kOfY + kLowPass);
+  EXPECT_EQ(column[0], 0);
+  for (int i = 1; i < kSamples; ++i) {
+    const double t = problem.layout()[0].prediction_time[static_cast<std::size_t>(i)];
+    const double h = t - problem.layout()[0].prediction_time[static_cast<std::size_t>(i) - 1];
+    EXPECT_DOUBLE_EQ(column[i], -(values[i] - values[i - 1]) / h);
+    EXPECT_NEAR(column[i], -Sine(kAngularFrequency, M_PI / 2, t), 0.25);
+  }
+}
+
+TEST(SensorEffects, SaturationClipsTheReadingAndSilencesAllElse) {
+  constexpr double kStep = 1e-6;
+  constexpr double kTolerance = 1e-8;  // differences: kStep^2, eps / kStep
+  const SensorEffects problem(Sines());
+  const Parameter& saturation = problem.parameters()[kOfY + kSaturation];
+  EXPECT_EQ(saturation.unit, "1/1");
+  ASSERT_EQ(saturation.probes.size(), 3U);
+  EXPECT_GT(saturation.null_step, 0);
+  double most = 0;
+  for (const double value : problem.layout()[0].measured) most = std::max(most, std::abs(value));
+  EXPECT_NEAR(1 / saturation.probes[1], 0.85 * most, 1e-12);
+
+  Vector p = RestPoint(problem);
+  p[kAmplitude] = 2;
+  p[kOfY + kGain] = 1.1;
+  p[kOfY + kTimeOffset] = 0.013;
+  p[kOfY + kLowPass] = 0.02;
+  const Prediction open = PredictAt(problem, p);
+  p[kOfY + kSaturation] = 0.7;  // a limit of 1.43 on an amplitude of 2.2
+  const Prediction clipped = PredictAt(problem, p);
+  int count = 0;
+  for (int i = 0; i < kSamples; ++i) {
+    const double expected = std::max(-1 / 0.7, std::min(1 / 0.7, open.values(0)[i]));
+    EXPECT_EQ(clipped.values(0)[i], expected);
+    if (expected != open.values(0)[i]) ++count;
+  }
+  EXPECT_GT(count, 50);
+  for (int c = 0; c < kOfZ; ++c) {
+    if (c == kOfY + kQuantisation) continue;
+    const Vector difference = DifferenceOf(problem, p, c, kStep);
+    EXPECT_LT((difference - clipped.derivatives(0).col(c)).cwiseAbs().maxCoeff(), kTolerance * 100)
+        << problem.parameters()[static_cast<std::size_t>(c)].name;
+  }
+}
+
+TEST(SensorEffects, QuantisationRoundsAndHandsTheSlopesOfTheReadingOn) {
+  const SensorEffects problem(Sines());
+  EXPECT_TRUE(problem.parameters()[kOfY + kQuantisation].probes.empty()) << "these values are continuous";
+  Vector p = RestPoint(problem);
+  p[kOfY + kOffset] = 0.1;
+  const Prediction smooth = PredictAt(problem, p);
+  p[kOfY + kQuantisation] = 0.25;
+  const Prediction stepped = PredictAt(problem, p);
+  for (int i = 0; i < kSamples; ++i) {
+    EXPECT_EQ(std::fmod(stepped.values(0)[i], 0.25), 0);
+    EXPECT_LE(std::abs(stepped.values(0)[i] - smooth.values(0)[i]), 0.125 + 1e-15);
+  }
+  EXPECT_EQ(Matrix(stepped.derivatives(0)), Matrix(smooth.derivatives(0)));
+  EXPECT_EQ(Vector(stepped.derivatives(0).col(kOfY + kQuantisation)).norm(), 0);
+}
+
+TEST(SensorEffects, AHalfStepIsRoundedAwayFromZero) {
+  auto inner = std::make_unique<ToyProblem>(
+      std::vector<Parameter>{MakeParameter("a", -4, 4, 0)}, Layout{MakeBlock("one", "y", 4, 1)},
+      [](const Block&, double t, const Vector& p, Vector*) -> Result<double> {
+        return p[0] * (t < 0.5 ? 1 : -1);
+      });
+  const SensorEffects problem(std::move(inner));
+  Vector p = RestPoint(problem);
+  p[0] = 0.75;
+  p[1 + kQuantisation] = 0.5;
+  EXPECT_EQ(PredictAt(problem, p).values(0)[0], 1);
+  EXPECT_EQ(PredictAt(problem, p).values(0)[3], -1);
+}
+
+TEST(SensorEffects, RoundedMeasurementsOfferTheirStep) {
+  constexpr double kStep = 0.125;
+  auto inner = Sines();
+  // Noise before the rounding, as in a sensor.
+  inner->Measure(Values({2, 0.1}), [n = 0](const Block& block, int i) mutable {
+    const double exact = Sine(2, 0.1, block.prediction_time[static_cast<std::size_t>(i)]);
+    const double noise = 0.01 * std::sin(17.0 * ++n);
+    return block.channel == "y" ? kStep * std::round((exact + noise) / kStep) - exact : 0;
+  });
+  const SensorEffects problem(std::move(inner));
+  const Parameter& rounding = problem.parameters()[kOfY + kQuantisation];
+  ASSERT_EQ(rounding.probes.size(), 1U);
+  EXPECT_NEAR(rounding.probes[0], kStep, 1e-12);
+  EXPECT_EQ(rounding.null_step, rounding.probes[0]);
+  EXPECT_TRUE(problem.parameters()[kOfZ + kQuantisation].probes.empty());
+
+  // The rounded prediction explains what the smooth one leaves.
+  const auto sum_of_squares = [&](double step) {
+    Vector p = RestPoint(problem);
+    p.head(2) << 2, 0.1;
+    p[kOfY + kQuantisation] = step;
+    const Prediction prediction = PredictAt(problem, p);
+    const Block& block = problem.layout()[0];
+    double sum = 0;
+    for (int i = 0; i < kSamples; ++i)
+      sum += std::pow(prediction.values(0)[i] - block.measured[static_cast<std::size_t>(i)], 2);
+    return sum;
+  };
+  EXPECT_LT(sum_of_squares(rounding.probes[0]), 0.7 * sum_of_squares(0));
 }
 
 }  // namespace

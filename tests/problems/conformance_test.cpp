@@ -27,6 +27,9 @@ const std::map<std::string, Exact> kExact{
        {"static_friction", 0.95},
        {"dynamic_friction", 0.55},
        {"viscous_friction", 0.45}}}},
+    {"drive",
+     {{{"exact", 1}, {"speed", 1}, {"train", 2}, {"validate", 1}, {"duration", 2}},
+      {{"inertia", 0.034}, {"viscous_friction", 0.061}, {"gravity_torque", 0.52}}}},
 };
 
 struct Case {
@@ -108,6 +111,13 @@ class ConformanceTest : public testing::TestWithParam<Case> {
   }
 };
 
+// A rounded prediction is a staircase: differences cannot confirm its derivatives, see SensorEffects.
+bool IsRounding(const Parameter& p) {
+  const std::string ending = ".quantisation";
+  return p.name.size() > ending.size() &&
+         p.name.compare(p.name.size() - ending.size(), ending.size(), ending) == 0;
+}
+
 void ExpectSameBits(const Prediction& a, const Prediction& b, int block) {
   const Vector values = a.values(block);
   EXPECT_EQ(values, Vector(b.values(block))) << "values of block " << block;
@@ -132,6 +142,19 @@ TEST_P(ConformanceTest, ParametersLayoutAndEffectsAreValid) {
       EXPECT_EQ(problem_->parameters()[static_cast<std::size_t>(index)].effect, effect.name);
     }
   }
+  for (const Port& port : problem_->ports()) {
+    EXPECT_FALSE(port.meaning.empty()) << port.name;
+    for (const UnknownTerm& term : port.terms) {
+      EXPECT_EQ(term.name, port.name + "(" + term.signal + ")");
+      ASSERT_EQ(term.knots.size(), term.parameters.size()) << term.name;
+      for (const int index : term.parameters) {
+        const Parameter& p = problem_->parameters().at(static_cast<std::size_t>(index));
+        EXPECT_EQ(p.effect, term.name);
+        EXPECT_EQ(p.unit, port.unit);
+        EXPECT_EQ(p.null_value, 0);
+      }
+    }
+  }
   for (const Constraint& constraint : problem_->constraints()) {
     EXPECT_EQ(constraint.coefficients.size(), ParameterCount()) << constraint.name;
   }
@@ -143,7 +166,11 @@ TEST_P(ConformanceTest, JacobianAgreesWithDifferences) {
   Random random(1);
   JacobianCheck total;
   for (int round = 0; round < 10; ++round) {
-    const JacobianCheck check = CheckJacobian(*problem_, RandomInside(*problem_, 0.02, random));
+    Vector point = RandomInside(*problem_, 0.02, random);
+    for (int i = 0; i < ParameterCount(); ++i) {
+      if (IsRounding(problem_->parameters()[static_cast<std::size_t>(i)])) point[i] = 0;
+    }
+    const JacobianCheck check = CheckJacobian(*problem_, point);
     total.columns += check.columns;
     total.compared += check.compared;
     total.worst = std::max(total.worst, check.worst);
@@ -226,6 +253,7 @@ TEST_P(ConformanceTest, PredictionsAreFiniteOverTheWholeBox) {
 }
 
 TEST_P(ConformanceTest, TheAnswerDoesNotDependOnWhatIsWanted) {
+  constexpr double kUntouched = 0.123;
   Random random(4);
   const auto workspace = problem_->NewWorkspace();
   for (int round = 0; round < 30; ++round) {
@@ -234,6 +262,7 @@ TEST_P(ConformanceTest, TheAnswerDoesNotDependOnWhatIsWanted) {
     std::vector<bool> wanted = All();
     for (std::size_t b = 0; b < wanted.size(); ++b) wanted[b] = random.Index(3) == 0;
     Prediction some(problem_->layout());
+    for (int b = 0; b < BlockCount(); ++b) some.derivatives(b).setConstant(kUntouched);
     ASSERT_TRUE(problem_->Predict({parameters, wanted, true, nullptr}, *workspace, some));
     Prediction without_derivatives(problem_->layout());
     ASSERT_TRUE(problem_->Predict({parameters, wanted, false, nullptr}, *workspace, without_derivatives));
@@ -243,7 +272,7 @@ TEST_P(ConformanceTest, TheAnswerDoesNotDependOnWhatIsWanted) {
         EXPECT_EQ(Vector(without_derivatives.values(b)), Vector(all.values(b))) << "values of block " << b;
       } else {
         EXPECT_TRUE(some.values(b).array().isNaN().all()) << "block " << b << " was not wanted";
-        EXPECT_TRUE(some.derivatives(b).array().isNaN().all()) << "block " << b << " was not wanted";
+        EXPECT_TRUE((some.derivatives(b).array() == kUntouched).all()) << "block " << b << " was not wanted";
       }
     }
   }

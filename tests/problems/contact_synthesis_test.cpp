@@ -3,6 +3,7 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include <array>
 #include <cmath>
 #include <functional>
 
@@ -134,6 +135,81 @@ TEST(ContactSynthesis, ADistortionChangesTheVerticalForceAndNothingElse) {
   EXPECT_NEAR(mean, 5, 2.0 / 60) << "the drift is about the middle of the trial, to half a sample";
 }
 
+TEST(ContactSynthesis, APlateOfItsOwnIsDistortedAlone) {
+  SynthesisRequest request;
+  request.set = {{"train", 2}, {"validate", 0}};
+  const Dataset plain = SynthesizeContact(request).value();
+  request.effects = {{"right_force_y.gain", {{"right_force_y.gain", 1.5}}}};
+  const Dataset distorted = SynthesizeContact(request).value();
+  const auto channel = [](const Dataset& data, const char* trial, const char* name) {
+    return data.trials.at(trial).grids.at("forces").channels.at(name).values;
+  };
+  EXPECT_NE(channel(plain, "train_1", "right_force_y"), channel(distorted, "train_1", "right_force_y"));
+  EXPECT_EQ(channel(plain, "train_1", "right_force_x"), channel(distorted, "train_1", "right_force_x"));
+  EXPECT_EQ(channel(plain, "train_2", "left_force_y"), channel(distorted, "train_2", "left_force_y"));
+}
+
+// The effects that are hidden are those that the problem knows: with the true values it predicts the truth as
+// well as without any effect.
+TEST(ContactSynthesis, WithTheHiddenEffectTheFittedModelIsTheTruth) {
+  constexpr double kNoise = 0.9;  // default of force_noise [N]
+  const std::vector<std::pair<std::string, std::map<std::string, double>>> hidden{
+      {"height_offset", {{"height_offset", 8e-4}}},
+      {"left.height_offset", {{"left.height_offset", -5e-4}}},
+      {"floor_compliance", {{"floor_compliance", 4e-7}}},
+      {"stiffness_exponent", {{"stiffness_exponent", 0.3}}},
+      {"tilted_floor", {{"floor_slope_x", 0.01}, {"floor_slope_z", -0.008}}},
+      {"unmodelled_mass", {{"unmodelled_mass", 0.5}}},
+      {"missing_toe_region", {{"toe_region_weight", 0.7}}},
+      {"missing_heel_region", {{"heel_region_weight", 0.7}}},
+  };
+  for (const auto& effect : hidden) {
+    SynthesisRequest request;
+    request.set = kTruth;
+    request.set["encoders"] = 1;
+    request.noise = 0;
+    request.set["train"] = 2;
+    request.set["validate"] = 0;
+    request.effects = {effect};
+    const Dataset data = SynthesizeContact(request).value();
+    const auto problem = MakeContact(data, SettingsText(data)).value();
+    const auto rmse = [&](const Vector& parameters) {
+      // A mass counts once the foot is down: of a light foot both models need not agree on that.
+      constexpr double kFootIsDown = 10;  // [N]
+      double squares = 0;
+      int samples = 0;
+      const Prediction prediction = PredictEverything(*problem, parameters);
+      for (const Stance& stance : problem->data().stances) {
+        const Block& block = problem->layout()[static_cast<std::size_t>(stance.blocks[1])];
+        for (std::size_t i = 0; i < block.measured.size(); ++i) {
+          if (block.measured[i] < kFootIsDown) continue;
+          const double error = prediction.values(stance.blocks[1])[block.sample[i]] - block.measured[i];
+          squares += error * error;
+          ++samples;
+        }
+      }
+      EXPECT_GT(samples, 40);
+      return std::sqrt(squares / samples);
+    };
+    Vector truth = TruthOf(*problem);
+    const double without = rmse(truth);
+    for (const auto& [name, value] : effect.second)
+      truth[FindParameter(problem->parameters(), name).value()] = value;
+    if (effect.first == "tilted_floor") {
+      // The laboratory's floor turns about another point: there it is higher by a constant.
+      constexpr std::array<double, 2> kPivot{0.02, 0};  // of contact_synthesis.cpp
+      const auto& reference = problem->data().stances.front().kinematics.tilt_reference;
+      truth[FindParameter(problem->parameters(), "height_offset").value()] =
+          effect.second.at("floor_slope_x") * (reference[0] - kPivot[0]) +
+          effect.second.at("floor_slope_z") * (reference[1] - kPivot[1]);
+    }
+    const double with = rmse(truth);
+    std::printf("%-20s %.2f N without it, %.3f N with it\n", effect.first.c_str(), without, with);
+    EXPECT_GT(without, kNoise) << effect.first;
+    EXPECT_LT(with, 0.1 * kNoise) << effect.first;
+  }
+}
+
 TEST(ContactSynthesis, WhatItDoesNotKnowIsAnError) {
   SynthesisRequest request;
   request.set = {{"stifness", 1e6}};
@@ -146,7 +222,13 @@ TEST(ContactSynthesis, WhatItDoesNotKnowIsAnError) {
   request.effects = {{"force_y.ofset", {{"value", 1}}}};
   EXPECT_EQ(ErrorOf(request), "--effect: 'force_y.ofset' does not exist; did you mean 'force_y.offset'?");
   request.effects = {{"force_y.offset", {{"size", 1}}}};
-  EXPECT_EQ(ErrorOf(request), "--effect force_y.offset: expected force_y.offset:value=NUMBER");
+  EXPECT_THAT(ErrorOf(request), HasSubstr("--effect force_y.offset: 'size' does not exist"));
+  request.effects = {{"tilted_floor", {{"value", 0.01}}}};
+  EXPECT_THAT(ErrorOf(request), HasSubstr("--effect tilted_floor: 'value' does not exist; expected one of"));
+  request.effects = {{"height_offset", {}}};
+  EXPECT_EQ(ErrorOf(request), "--effect height_offset: expected height_offset:height_offset=NUMBER");
+  request.effects = {{"height_offset", {{"value", 1}}}};
+  EXPECT_EQ(ErrorOf(request), "--effect height_offset:value=1: expected -0.0100 to 0.0100 m");
   request = {};
   request.noise = -1;
   EXPECT_EQ(ErrorOf(request), "--noise -1: expected a factor of at least 0");

@@ -9,9 +9,11 @@ from urllib.parse import quote
 # Paths count from the folder of this notebook.
 RUN_FILES = {{RUN_FILES}}
 STUDY_FILES = {{STUDY_FILES}}
+DIAGNOSIS_FILES = {{DIAGNOSIS_FILES}}
 
 runs = {name: h5py.File(path, "r") for name, path in RUN_FILES.items()}
 studies = {name: h5py.File(path, "r") for name, path in STUDY_FILES.items()}
+diagnoses = {name: h5py.File(path, "r") for name, path in DIAGNOSIS_FILES.items()}
 about = {name: dict(run["/run"].attrs) for name, run in runs.items()}
 
 
@@ -27,6 +29,10 @@ for name, run in runs.items():
     doubts += [] if about[name]["usable"] else ["The answer of this run is not usable."]
     cards.append(f'<h3>{link(name)} <small>{escape(about[name]["title"] or about[name]["data_file"])}</small></h3>'
                  + (items(doubts, "warnings") if doubts else "") + items(findings, "findings"))
+for name, file in diagnoses.items():
+    says = text_list(file["/diagnosis/sentences"])[:3] if "/diagnosis/sentences" in file else []
+    title = file["/run"].attrs["title"] or file["/run"].attrs["data_file"]
+    cards.append(f"<h3>{link(name)} <small>diagnosis of {escape(str(title))}</small></h3>" + items(says, "findings"))
 for name, study in studies.items():
     solvers, success = np.array(text_list(study["/study/runs/solver"])), study["/study/runs/success"][:]
     shares = [f"{solver} reached the target in {int(success[mine].sum())} of {mine.sum()} runs."

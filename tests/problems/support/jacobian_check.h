@@ -17,7 +17,8 @@ struct JacobianCheck {
 ///
 /// A column's size is the norm of the derivative over the parameter's range (for a logarithmic scale: over
 /// its value), or 1e-3 of the block's values if that is larger, below which differences drown in rounding. A
-/// column is left out where one-sided or third differences disagree: the problem has a kink there.
+/// sample is left out where one-sided or third differences disagree: the problem has a kink there. A column
+/// of which more than a fifth of the samples are left out is not compared.
 JacobianCheck CheckJacobian(const Problem& problem, const Vector& parameters);
 
 /// A random point at least `margin` of the range away from every bound; logarithmic where the scale is.

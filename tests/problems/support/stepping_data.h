@@ -21,9 +21,11 @@ inline const std::map<std::string, double> kTruth{{"stiffness", 7.5e5},
                                                   {"static_friction", 0.95},
                                                   {"dynamic_friction", 0.55},
                                                   {"viscous_friction", 0.45}};
+/// With every effect at its null.
 inline Vector TruthOf(const Problem& problem) {
-  Vector parameters(static_cast<Eigen::Index>(problem.parameters().size()));
+  Vector parameters = RestPoint(problem);
   for (std::size_t i = 0; i < problem.parameters().size(); ++i) {
+    if (problem.parameters()[i].kind == ParameterKind::kEffect) continue;
     const std::string& name = problem.parameters()[i].name;
     const auto dot = name.find('.');  // GROUP.stiffness
     parameters[static_cast<Eigen::Index>(i)] =

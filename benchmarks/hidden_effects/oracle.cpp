@@ -1,0 +1,172 @@
+#include "benchmarks/hidden_effects/oracle.h"
+
+#include <Eigen/QR>
+#include <algorithm>
+#include <cmath>
+
+namespace sinew {
+namespace {
+
+// Central differences of a smooth simulation whose rounding error is about 1e-14: any small step will do.
+constexpr double kRelativeStep = 1e-4;
+
+DriveTrial Replay(const DriveTrial& trial, const Vector& input) {
+  DriveTrial replay = trial;
+  replay.control = DriveControl::kTorque;
+  replay.command.assign(input.data(), input.data() + input.size());
+  return replay;
+}
+
+}  // namespace
+
+Result<Oracle> Oracle::Make(const DrivePlan& plan) {
+  Oracle oracle;
+  oracle.plan_ = plan;
+  oracle.plan_.trials.resize(plan.train);
+  oracle.samples_ = static_cast<Eigen::Index>(plan.trials.front().command.size());
+  oracle.extents_ = {0, 0, 0};
+  for (const DriveTrial& trial : oracle.plan_.trials) {
+    SINEW_ASSIGN(const DriveRecord record, SimulateDrive(plan.truth, trial, kSignatureStep));
+    oracle.replayed_.push_back(Replay(trial, record.input));
+    Extents& extents = oracle.extents_;
+    extents.position = std::max(extents.position, record.position.cwiseAbs().maxCoeff());
+    extents.speed = std::max(extents.speed, record.speed.cwiseAbs().maxCoeff());
+    extents.torque = std::max(extents.torque, record.torque.cwiseAbs().maxCoeff());
+  }
+  SINEW_ASSIGN(oracle.undisturbed_, oracle.Positions(plan.truth, oracle.replayed_));
+
+  const auto train = static_cast<Eigen::Index>(plan.train);
+  Matrix columns = Matrix::Zero(train * oracle.samples_, 3 + 2 * train);
+  double DriveTruth::*const base[] = {&DriveTruth::inertia, &DriveTruth::viscous_friction,
+                                      &DriveTruth::gravity_torque};
+  for (int c = 0; c < 3; ++c) {
+    DriveTruth lower = plan.truth;
+    DriveTruth upper = plan.truth;
+    const double step = kRelativeStep * plan.truth.*base[c];
+    lower.*base[c] -= step;
+    upper.*base[c] += step;
+    SINEW_ASSIGN(const Vector above, oracle.Positions(upper, oracle.replayed_));
+    SINEW_ASSIGN(const Vector below, oracle.Positions(lower, oracle.replayed_));
+    columns.col(c) = (above - below) / (2 * step);
+  }
+  for (int s = 0; s < 2; ++s) {
+    const auto start = s == 0 ? &DriveTrial::initial_position : &DriveTrial::initial_speed;
+    std::vector<DriveTrial> lower = oracle.replayed_;
+    std::vector<DriveTrial> upper = oracle.replayed_;
+    for (DriveTrial& trial : lower) trial.*start -= kRelativeStep;
+    for (DriveTrial& trial : upper) trial.*start += kRelativeStep;
+    SINEW_ASSIGN(const Vector above, oracle.Positions(plan.truth, upper));
+    SINEW_ASSIGN(const Vector below, oracle.Positions(plan.truth, lower));
+    const Vector slope = (above - below) / (2 * kRelativeStep);
+    for (Eigen::Index i = 0; i < train; ++i) {
+      columns.col(3 + 2 * i + s).segment(i * oracle.samples_, oracle.samples_) =
+          slope.segment(i * oracle.samples_, oracle.samples_);
+    }
+  }
+  oracle.Whiten(columns);
+  columns.colwise().normalize();
+  const Eigen::HouseholderQR<Matrix> qr(columns);
+  oracle.basis_ = qr.householderQ() * Matrix::Identity(columns.rows(), columns.cols());
+  return oracle;
+}
+
+Result<Vector> Oracle::Signature(const DriveTruth& truth) const {
+  const bool closed = plan_.trials.front().control != DriveControl::kTorque;
+  const bool other_input = closed || truth.input_offset != 0 || truth.input_drift != 0 ||
+                           truth.input_gain != 1 || truth.input_time_offset != 0 || truth.input_low_pass != 0;
+  Matrix change(samples_ * static_cast<Eigen::Index>(plan_.train), 1);
+  for (std::size_t i = 0; i < plan_.train; ++i) {
+    const Eigen::Index at = static_cast<Eigen::Index>(i) * samples_;
+    SINEW_ASSIGN(DriveRecord record, SimulateDrive(truth, plan_.trials[i], kSignatureStep));
+    ReadPosition(truth, record.position);
+    if (other_input) {  // the base model is driven by what was recorded
+      SINEW_ASSIGN(const DriveRecord bare,
+                   SimulateDrive(plan_.truth, Replay(plan_.trials[i], record.input), kSignatureStep));
+      change.col(0).segment(at, samples_) = record.position - bare.position;
+    } else {
+      change.col(0).segment(at, samples_) = record.position - undisturbed_.segment(at, samples_);
+    }
+  }
+  Whiten(change);
+  const Vector whitened = change.col(0);
+  return Vector(whitened - basis_ * (basis_.transpose() * whitened));
+}
+
+Vector Oracle::Noise() const {
+  Matrix noise(samples_ * static_cast<Eigen::Index>(plan_.train), 1);
+  for (std::size_t i = 0; i < plan_.train; ++i) {
+    noise.col(0).segment(static_cast<Eigen::Index>(i) * samples_, samples_) =
+        DrawPositionNoise(plan_, i, samples_);
+  }
+  Whiten(noise);
+  const Vector whitened = noise.col(0);
+  return whitened - basis_ * (basis_.transpose() * whitened);
+}
+
+Result<std::optional<double>> Oracle::Amplitude(const HiddenEffect& effect, double norm) const {
+  constexpr int kMostSteps = 30;
+  constexpr double kTolerance = 0.01;
+  double amplitude = std::min(effect.guess, effect.most);
+  double below = 0;
+  double above = 0;  // 0: none known yet
+  for (int step = 0; step < kMostSteps; ++step) {
+    DriveTruth truth = plan_.truth;
+    effect.apply(amplitude, truth);
+    SINEW_ASSIGN(const Vector signature, Signature(truth));
+    const double found = signature.norm();
+    if (std::abs(found - norm) < kTolerance * norm) return std::optional<double>(amplitude);
+    if (found < norm) {
+      if (amplitude >= effect.most) return std::optional<double>();
+      below = amplitude;
+    } else {
+      above = amplitude;
+    }
+    double next = amplitude * std::clamp(norm / std::max(found, 1e-9), 0.05, 8.0);
+    if (above > 0 && (next >= above || next <= below || step > 8)) next = 0.5 * (below + above);
+    amplitude = std::min(next, effect.most);
+  }
+  return std::optional<double>();  // the norm jumps over this value
+}
+
+Result<double> Oracle::Correlation(const Vector& signature, const std::string& effect) const {
+  double largest = 0;
+  for (const auto& group : CandidateColumns(effect, extents_)) {
+    Matrix columns(signature.size(), static_cast<Eigen::Index>(group.size()));
+    Eigen::Index count = 0;
+    for (const HiddenEffect& member : group) {
+      double amplitude = std::min(member.guess, member.most);
+      Vector column;
+      for (int round = 0; round < 2; ++round) {  // a secant of about unit size
+        DriveTruth truth = plan_.truth;
+        member.apply(amplitude, truth);
+        SINEW_ASSIGN(column, Signature(truth));
+        if (round == 0 && column.norm() > 0) {
+          amplitude = std::min(amplitude * std::clamp(kUnitNorm / column.norm(), 0.01, 30.0), member.most);
+        }
+      }
+      if (column.norm() > 0) columns.col(count++) = column.normalized();
+    }
+    if (count == 0) continue;
+    const Matrix kept = columns.leftCols(count);
+    const Vector weights = kept.colPivHouseholderQr().solve(signature);
+    largest = std::max(largest, (kept * weights).norm() / signature.norm());
+  }
+  return std::min(largest, 1.0);
+}
+
+void Oracle::Whiten(Matrix& stacked) const {
+  for (Eigen::Index at = 0; at < stacked.rows(); at += samples_) {
+    plan_.position_noise.Whiten(stacked.middleRows(at, samples_));
+  }
+}
+
+Result<Vector> Oracle::Positions(const DriveTruth& truth, const std::vector<DriveTrial>& trials) const {
+  Vector positions(samples_ * static_cast<Eigen::Index>(trials.size()));
+  for (std::size_t i = 0; i < trials.size(); ++i) {
+    SINEW_ASSIGN(const DriveRecord record, SimulateDrive(truth, trials[i], kSignatureStep));
+    positions.segment(static_cast<Eigen::Index>(i) * samples_, samples_) = record.position;
+  }
+  return positions;
+}
+
+}  // namespace sinew

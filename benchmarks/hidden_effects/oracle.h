@@ -1,0 +1,52 @@
+// Somebody who knows the truth and the noise: how plain would a hidden effect be to him?
+#pragma once
+
+#include <vector>
+
+#include "base/error.h"
+#include "base/linear_algebra.h"
+#include "benchmarks/hidden_effects/hidden_effect.h"
+#include "problems/drive/drive_synthesis.h"
+
+namespace sinew {
+
+/// A test at 5 % (two-sided) finds an effect whose signature has this norm with a probability of 95 %: the
+/// sum of the normal quantiles 1.960 and 1.645.
+inline constexpr double kUnitNorm = 3.605;
+
+/// Signatures of hidden effects in the training trials of a plan: the change of the readings without noise,
+/// whitened by the noise's covariance, off the span of the base parameters and of each trial's initial state.
+class Oracle {
+ public:
+  /// @param plan without effects. Errors: those of SimulateDrive.
+  static Result<Oracle> Make(const DrivePlan& plan);
+
+  /// [all training samples] signature of a truth, amplitudes as they are. Errors: those of SimulateDrive.
+  Result<Vector> Signature(const DriveTruth& truth) const;
+
+  /// The noise that the plan's position sensor adds, treated in the same way.
+  [[nodiscard]] Vector Noise() const;
+
+  /// The amplitude whose signature has norm `norm` (to 1 %); nothing if no sensible amplitude has.
+  Result<std::optional<double>> Amplitude(const HiddenEffect& effect, double norm) const;
+
+  /// |R| between a signature and an effect of the library at unit size, as somebody sees it who must choose
+  /// its parameters among the probes: the largest multiple correlation over its groups of columns.
+  Result<double> Correlation(const Vector& signature, const std::string& effect) const;
+
+  [[nodiscard]] const Extents& extents() const { return extents_; }
+
+ private:
+  Oracle() = default;
+  void Whiten(Matrix& stacked) const;
+  Result<Vector> Positions(const DriveTruth& truth, const std::vector<DriveTrial>& trials) const;
+
+  DrivePlan plan_;
+  std::vector<DriveTrial> replayed_;  ///< the training trials with their recorded torque as command
+  Eigen::Index samples_ = 0;          ///< per trial
+  Vector undisturbed_;                ///< position readings of the base model
+  Matrix basis_;                      ///< orthonormal, of what the base model absorbs
+  Extents extents_;
+};
+
+}  // namespace sinew

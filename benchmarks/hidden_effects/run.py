@@ -1,0 +1,325 @@
+#!/usr/bin/python3
+"""Hides effects in synthetic data of a driven joint, lets the program diagnose the files, and counts.
+
+Each case: hidden_effects_generate makes a data file without a label and the truth beside it; `sinew diagnose drive` sees the
+data only; its JSON is compared with the truth. What is counted, and what no method can do, is said in README.md.
+
+usage: run.py --sinew PATH --generate PATH [--kind none,single,pair,outsider] [--cases 100] [--sizes 1,1.5,2,3,6]
+              [--noise white,ar] [--experiment multisine] [--effect NAME] [--jobs 2] [--first-seed 1] [--out results.json]
+"""
+import argparse
+import json
+import math
+import statistics
+import subprocess
+import sys
+import tempfile
+import time
+from concurrent.futures import ThreadPoolExecutor
+from pathlib import Path
+
+LONGEST = 600       # [s] of one command; a case that takes longer is counted as failed
+SEPARABLE = 0.4165  # size s tells two effects apart with 95 % only if 1 - |R| > SEPARABLE / s^2
+NOMINAL = 1.959964
+
+
+def run(*words):
+    """Status, seconds and the last line of standard error of a command."""
+    begin = time.monotonic()
+    try:
+        done = subprocess.run([str(w) for w in words], capture_output=True, text=True, timeout=LONGEST, check=False)
+    except subprocess.TimeoutExpired:
+        return -1, time.monotonic() - begin, f"took longer than {LONGEST} s"
+    lines = done.stderr.strip().splitlines()
+    return done.returncode, time.monotonic() - begin, lines[-1] if lines else ""
+
+
+def read(path):
+    return json.loads(path.read_text()) if path.exists() else None
+
+
+def intervals(parameters):
+    """Value and 95 % interval by name, of parameters that have one."""
+    return {p["name"]: (p["value"], p["ci95"]) for p in parameters if p.get("ci95") and None not in p["ci95"]}
+
+
+def study(options, number, kind, size, noise, seed):
+    """One case; returns what was hidden, what was said and how they compare."""
+    case = {"kind": kind, "size": size, "noise": noise, "seed": seed}
+    with tempfile.TemporaryDirectory(prefix="hidden_effects_") as folder:
+        folder = Path(folder)
+        data, truth_file = folder / f"case_{number:05d}.h5", folder / "truth.json"
+        words = [options.generate, "--kind", kind, "--seed", seed, "--size", size, "--noise", noise, "--experiment",
+                 options.experiment, "--out", data, "--truth", truth_file]
+        if kind not in ("none",):
+            words += [w for effect in options.effect for w in ("--effect", effect)]
+        status, case["generate_seconds"], message = run(*words)
+        if status != 0:
+            raise SystemExit(message)
+        truth = read(truth_file)
+        case["truth"] = truth
+        found_file = folder / "found.json"
+        status, case["seconds"], message = run(options.sinew, "diagnose", "drive", "--data", data, "--out",
+                                               folder / "found.h5", "--json", found_file, "--seed", options.program_seed,
+                                               "--threads", 1, "--quiet")
+        found = read(found_file)
+        if found is None:
+            case["failure"] = message or f"exit status {status}"
+            return case
+        compare(case, truth, found)
+        if kind == "single" and not options.no_coverage:
+            name = truth["effects"][0]["name"]
+            told = folder / "told.json"
+            status, case["told_seconds"], message = run(options.sinew, "identify", "drive", "--data", data, "--out",
+                                                        folder / "told.h5", "--release", name, "--json", told,
+                                                        "--threads", 1, "--quiet")
+            result = read(told)
+            if result is None:
+                case["told_failure"] = message
+            else:
+                case["told_covers"] = covered(truth, intervals(result["parameters"]))
+                case["told_base_covers"] = base_covered(truth, intervals(result["parameters"]))
+    return case
+
+
+def covered(truth, known):
+    """Per parameter of the hidden effect that has an interval: is the truth inside?"""
+    return {name: known[name][1][0] <= value <= known[name][1][1]
+            for effect in truth["effects"] for name, value in effect["parameters"].items() if name in known}
+
+
+def base_covered(truth, known):
+    return {name: known[name][1][0] <= value <= known[name][1][1]
+            for name, value in truth["base"].items() if name in known}
+
+
+def compare(case, truth, found):
+    causes = [c["effect"] for c in found["causes"]]
+    classes = {c: {c} for c in causes}       # a declared class counts as one with its cause
+    others = {c: [] for c in causes}
+    for a in found["alternatives"]:
+        if a.get("same_class"):
+            classes.setdefault(a["instead_of"], {a["instead_of"]}).add(a["effect"])
+        else:
+            others.setdefault(a["instead_of"], []).append(a["effect"])
+    case["verdict"] = found["verdict"]
+    case["threshold"] = found.get("threshold")
+    case["family_p_value"] = found.get("family_p_value")
+    case["causes"] = causes
+    case["alternatives"] = [{k: a.get(k) for k in ("instead_of", "effect", "same_class", "separating_size")}
+                            for a in found["alternatives"]]
+    case["unknown_terms"] = [f"{u['port']}({u['signal']})" for u in found["unknown_terms"]]
+    case["withdrawn"] = [w["effect"] for w in found.get("withdrawn", [])]
+    case["gain"] = found.get("gain")
+    case["detected"] = found["verdict"] != "adequate"
+    stated = set(causes) | {a["effect"] for a in found["alternatives"]}
+    case["set_size"] = sum(1 + len(others.get(c, [])) for c in causes)
+    hidden = [e["name"] for e in truth["effects"]]
+    if not hidden:
+        return
+    statistics_ = [abs(e["statistic"]) for e in truth["effects"]]
+    case["oracle_at_5"] = max(statistics_) > NOMINAL
+    if case["threshold"]:
+        case["oracle_at_threshold"] = max(statistics_) > case["threshold"]
+    case["first"] = bool(causes) and causes[0] in hidden
+    case["first_in_class"] = bool(causes) and bool(classes[causes[0]] & set(hidden))
+    case["in_set"] = all(name in stated for name in hidden)
+    case["exact"] = (len(causes) == len(hidden)
+                     and all(any(name in classes[c] for c in causes) for name in hidden))
+    if case["kind"] == "single" and "correlations" in truth["effects"][0]:
+        limit = SEPARABLE / case["size"] ** 2
+        case["inseparable"] = sum(1 - r <= limit for r in truth["effects"][0]["correlations"].values())
+    extended = found.get("extended_parameters") or []
+    after = {p["name"]: p["value"] for p in extended}
+    before = {p["name"]: p["value"] for p in found["base"].get("parameters", [])}
+    case["base_error_before"] = {n: before[n] / v - 1 for n, v in truth["base"].items() if n in before}
+    case["base_error_after"] = {n: after[n] / v - 1 for n, v in truth["base"].items() if n in after}
+    named = {}
+    for c in found["causes"]:
+        if c["effect"] in hidden:
+            named.update(intervals(c["parameters"]))
+    for a in found["alternatives"]:
+        if a["effect"] in hidden:
+            named.update({k: v for k, v in intervals(a.get("parameters", [])).items() if k not in named})
+    case["stated_covers"] = covered(truth, named)
+
+
+def wilson(hits, count):
+    """Share and its 95 % interval (Wilson 1927)."""
+    if count == 0:
+        return None
+    z, p = NOMINAL, hits / count
+    middle = (p + z * z / (2 * count)) / (1 + z * z / count)
+    half = z / (1 + z * z / count) * math.sqrt(p * (1 - p) / count + z * z / (4 * count * count))
+    return {"share": p, "hits": hits, "of": count, "ci95": [max(0.0, middle - half), min(1.0, middle + half)]}
+
+
+def share(cases, test):
+    values = [test(c) for c in cases]
+    values = [bool(v) for v in values if v is not None]
+    return wilson(sum(values), len(values))
+
+
+def mean(values):
+    values = [v for v in values if v is not None]
+    return statistics.fmean(values) if values else None
+
+
+def base_error(cases, key):
+    """Median over cases of the largest relative error of a base parameter."""
+    worst = [max(abs(v) for v in c[key].values()) for c in cases if c.get(key)]
+    return statistics.median(worst) if worst else None
+
+
+def coverage(cases, key):
+    hits = [hit for c in cases for hit in c.get(key, {}).values()]
+    return wilson(sum(hits), len(hits))
+
+
+def tally(kind, cases):
+    """The counts of cases of one kind, size and noise."""
+    done = [c for c in cases if "failure" not in c]
+    result = {"cases": len(cases), "failed": len(cases) - len(done),
+              "seconds_per_case": mean([c["seconds"] for c in done]),
+              "detected": share(done, lambda c: c["detected"]),
+              "verdicts": {v: sum(c["verdict"] == v for c in done) for v in sorted({c["verdict"] for c in done})}}
+    if kind == "none":
+        result["threshold"] = mean([c["threshold"] for c in done])
+        return result
+    result["oracle_at_5"] = share(done, lambda c: c["oracle_at_5"])
+    result["oracle_at_threshold"] = share(done, lambda c: c.get("oracle_at_threshold"))
+    named = [c for c in done if c["detected"]]
+    if kind == "outsider":
+        result["explained_by_the_library"] = share(done, lambda c: c["verdict"] in ("explained", "ambiguous")
+                                                   and not c["unknown_terms"])
+        result["unknown_term_found"] = share(named, lambda c: bool(c["unknown_terms"]))
+        names = sorted({c["truth"]["effects"][0]["name"] for c in done})
+        result["by_outsider"] = {
+            n: {v: sum(c["verdict"] == v for c in done if c["truth"]["effects"][0]["name"] == n)
+                for v in ("adequate", "explained", "ambiguous", "unexplained")} for n in names}
+        return result
+    result["in_set"] = share(done, lambda c: c["in_set"])
+    result["in_set_if_detected"] = share(named, lambda c: c["in_set"])
+    result["mean_set_size"] = mean([c["set_size"] for c in named])
+    result["base_error_before"] = base_error(named, "base_error_before")
+    result["base_error_after"] = base_error(named, "base_error_after")
+    result["stated_interval_covers"] = coverage(done, "stated_covers")
+    if kind == "pair":
+        result["exact"] = share(done, lambda c: c["exact"])
+        far = [c for c in done if c["truth"]["pair_correlation"] <= 0.7]
+        near = [c for c in done if c["truth"]["pair_correlation"] > 0.7]
+        result["in_set_if_correlation_low"] = share(far, lambda c: c["in_set"])
+        result["in_set_if_correlation_high"] = share(near, lambda c: c["in_set"])
+        return result
+    result["first"] = share(named, lambda c: c["first"])
+    result["first_in_class"] = share(named, lambda c: c["first_in_class"])
+    result["separable"] = share(done, lambda c: c.get("inseparable", None) == 0)
+    result["first_if_separable"] = share([c for c in named if c.get("inseparable") == 0], lambda c: c["first"])
+    result["mean_inseparable_effects"] = mean([c.get("inseparable") for c in done])
+    result["told_interval_covers"] = coverage(done, "told_covers")
+    result["told_base_covers"] = coverage(done, "told_base_covers")
+    names = sorted({c["truth"]["effects"][0]["name"] for c in done})
+    result["by_effect"] = {}
+    for n in names:
+        own = [c for c in done if c["truth"]["effects"][0]["name"] == n]
+        result["by_effect"][n] = {"cases": len(own), "detected": sum(c["detected"] for c in own),
+                                  "first": sum(c["first"] for c in own), "in_set": sum(c["in_set"] for c in own)}
+    return result
+
+
+COLUMNS = {
+    "none": [("false alarms", "detected")],
+    "single": [("detect", "detected"), ("oracle 5%", "oracle_at_5"), ("oracle fam.", "oracle_at_threshold"),
+               ("first", "first"), ("class", "first_in_class"), ("separable", "first_if_separable"),
+               ("in set", "in_set_if_detected"), ("size", "mean_set_size"), ("ci told", "told_interval_covers"),
+               ("ci stated", "stated_interval_covers")],
+    "pair": [("detect", "detected"), ("exact", "exact"), ("in set", "in_set"), ("|R|<=0.7", "in_set_if_correlation_low"),
+             ("|R|>0.7", "in_set_if_correlation_high"), ("size", "mean_set_size")],
+    "outsider": [("detect", "detected"), ("oracle 5%", "oracle_at_5"), ("explained", "explained_by_the_library"),
+                 ("unknown term", "unknown_term_found")],
+}
+
+
+def cell(value):
+    if value is None:
+        return "-"
+    if isinstance(value, dict):
+        return f"{100 * value['share']:.0f} % ({value['hits']}/{value['of']})"
+    return f"{value:.2f}"
+
+
+def print_table(kind, rows):
+    columns = COLUMNS[kind]
+    lines = [["noise", "size", "cases", "failed"] + [title for title, _ in columns] + ["s/case"]]
+    for (noise, size), result in rows.items():
+        lines.append([noise, f"{size:g}", str(result["cases"]), str(result["failed"])]
+                     + [cell(result.get(key)) for _, key in columns] + [cell(result["seconds_per_case"])])
+    widths = [max(len(line[i]) for line in lines) for i in range(len(lines[0]))]
+    print(f"\n{kind}")
+    for line in lines:
+        print("  " + "  ".join(text.rjust(width) for text, width in zip(line, widths)))
+    if kind == "none":
+        for (noise, _), result in rows.items():
+            low, high = result["detected"]["ci95"] if result["detected"] else (float("nan"),) * 2
+            print(f"  {noise}: false alarms, 95 % interval {100 * low:.1f} to {100 * high:.1f} %")
+
+
+def numbers(text):
+    return [float(word) for word in text.split(",")]
+
+
+def words(text):
+    return text.split(",")
+
+
+def main():
+    parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
+    parser.add_argument("--sinew", type=Path, required=True)
+    parser.add_argument("--generate", type=Path, required=True, help="hidden_effects_generate")
+    parser.add_argument("--kind", type=words, default=["none", "single"], help="of none,single,pair,outsider")
+    parser.add_argument("--cases", type=int, default=100, help="per kind, size and noise")
+    parser.add_argument("--sizes", type=numbers, default=[2.0], help="in units of what an oracle just detects")
+    parser.add_argument("--noise", type=words, default=["white"], help="of white,ar,other")
+    parser.add_argument("--experiment", choices=["multisine", "trapezoid"], default="multisine")
+    parser.add_argument("--effect", action="append", default=[], help="hide this one instead of drawing")
+    parser.add_argument("--jobs", type=int, default=2)
+    parser.add_argument("--first-seed", type=int, default=1, help="cases of one seed share joint and motion")
+    parser.add_argument("--program-seed", type=int, default=1, help="--seed of the diagnosis")
+    parser.add_argument("--no-coverage", action="store_true", help="without the fit that is told the true effect")
+    parser.add_argument("--out", type=Path)
+    options = parser.parse_args()
+
+    plan = [(kind, size, noise, options.first_seed + i)
+            for kind in options.kind for noise in options.noise
+            for size in (options.sizes if kind != "none" else [0.0]) for i in range(options.cases)]
+    begin = time.monotonic()
+    with ThreadPoolExecutor(options.jobs) as pool:
+        # A size of 0 is for the table only: the generator ignores it where nothing is hidden.
+        tasks = [pool.submit(study, options, n, kind, size or 1.0, noise, seed)
+                 for n, (kind, size, noise, seed) in enumerate(plan)]
+        cases = []
+        for task in tasks:
+            cases.append(task.result())
+            if sys.stderr.isatty():
+                print(f"\r{len(cases)} of {len(plan)}", end="", file=sys.stderr)
+    summary = {}
+    for kind in options.kind:
+        rows = {}
+        for noise in options.noise:
+            for size in options.sizes if kind != "none" else [0.0]:
+                own = [c for c, p in zip(cases, plan) if p[:3] == (kind, size, noise)]
+                rows[noise, size] = tally(kind, own)
+        print_table(kind, rows)
+        summary[kind] = [{"noise": noise, "size": size, **result} for (noise, size), result in rows.items()]
+    failures = sorted({c["failure"] for c in cases if "failure" in c})
+    for failure in failures[:5]:
+        print(f"failed: {failure}")
+    print(f"\n{len(cases)} cases in {time.monotonic() - begin:.0f} s")
+    if options.out:
+        settings = {k: str(v) if isinstance(v, Path) else v for k, v in vars(options).items()}
+        options.out.write_text(json.dumps({"schema": "sinew.hidden_effects/1", "settings": settings,
+                                           "summary": summary, "cases": cases}, indent=1))
+
+
+if __name__ == "__main__":
+    main()

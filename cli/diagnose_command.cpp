@@ -1,0 +1,139 @@
+// sinew diagnose: what the fitted model still gets wrong, why, and what the cause brings.
+#include <algorithm>
+#include <cstdio>
+
+#include "base/text.h"
+#include "cli/binding.h"
+#include "cli/command.h"
+#include "cli/diagnosis_text.h"
+#include "cli/terminal.h"
+#include "identify/results/diagnosis_file.h"
+#include "identify/results/diagnosis_json.h"
+
+namespace sinew {
+namespace {
+
+struct DiagnoseWords {
+  BindingOptions binding;
+  FitOptions fit;
+  std::string from;
+  std::string out;
+  std::string json;
+};
+
+template <class Named>
+bool IsNamed(const std::vector<Named>& pairs, const std::string& name) {
+  return std::any_of(pairs.begin(), pairs.end(), [&](const Named& pair) { return pair.first == name; });
+}
+
+// The answer of a run as the start of the base fit: what was free there starts from its value, what was held
+// is held; words of the command line go before. Errors: another problem or other data, a value outside the
+// bounds. @return what a person should know of it.
+Result<std::vector<std::string>> StartFrom(const DiagnoseWords& words, const Problem& problem,
+                                           const Provenance& provenance, FitRequest& request) {
+  SINEW_ASSIGN(const RecordedRun run, ReadRun(words.from));
+  const auto differs = [&](const char* what, const std::string& then, const std::string& now) {
+    return Fail("--from: {} was made with {} {}, not {}", words.from, what, then, now);
+  };
+  if (run.problem != provenance.problem) return differs("problem", run.problem, provenance.problem);
+  if (run.data_hash != provenance.data_hash) return differs("data", run.data_hash, provenance.data_hash);
+  if (run.values.empty()) return Fail("--from: {} holds no answer", words.from);
+  std::vector<std::string> notes;
+  std::vector<std::string> released;
+  for (const auto& [name, value] : run.values) {
+    SINEW_ASSIGN(const int index, FindParameter(problem.parameters(), name));
+    const Parameter& p = problem.parameters()[static_cast<std::size_t>(index)];
+    if (p.kind == ParameterKind::kEffect && value != p.null_value) released.push_back(name);
+    if (p.kind != ParameterKind::kBase) continue;
+    if (IsNamed(request.fix, name) || IsNamed(request.start, name)) continue;
+    if (!IsNamed(request.bounds, name) && !(value >= p.lower && value <= p.upper)) {
+      return Fail("--from: {} has {} = {}, outside its bounds {} .. {}; give --bounds as that run had them",
+                  words.from, name, value, p.lower, p.upper);
+    }
+    const bool was_free = std::find(run.variables.begin(), run.variables.end(), name) != run.variables.end();
+    const bool is_free = std::find(request.free.begin(), request.free.end(), name) != request.free.end();
+    if (was_free || is_free) {
+      request.start.emplace_back(name, value);
+    } else if (request.free.empty()) {
+      request.fix.emplace_back(name, value);
+    }
+  }
+  if (!released.empty()) {
+    notes.push_back(fmt::format("{} had released {}: the diagnosis begins at their null values", words.from,
+                                Join(released, ", ")));
+  }
+  return notes;
+}
+
+void PrintDiagnosis(const DiagnoseWords& words, const Binding& binding, const Diagnosis& diagnosis) {
+  std::printf("diagnose %s on %s (%s)\n", words.binding.problem.c_str(), words.binding.data.c_str(),
+              binding.DescribeData().c_str());
+  std::fputs(DiagnosisText(diagnosis).c_str(), stdout);
+  std::printf("  Diagnosis file: %s\n", words.out.c_str());
+}
+
+int NotUsable(const std::string& why) {
+  std::fprintf(stderr, "sinew: no usable answer: %s\n", why.c_str());
+  return kNotUsable;
+}
+
+Result<int> RunDiagnose(const DiagnoseWords& words) {
+  const std::vector<std::string> inputs{words.binding.data, words.binding.config, words.from};
+  SINEW_TRY(CheckOutput(words.out, inputs));
+  SINEW_TRY(CheckOutput(words.json.empty() ? "-" : words.json,
+                        {words.binding.data, words.binding.config, words.from, words.out}));
+  SINEW_ASSIGN(const Binding binding, Bind(words.binding, true));
+  const Provenance provenance = binding.ToProvenance(words.binding);
+  SINEW_ASSIGN(FitRequest request, words.fit.Request());
+  std::vector<std::string> notes = binding.bound.notes;
+  if (!words.from.empty()) {
+    SINEW_ASSIGN(const auto more, StartFrom(words, binding.problem(), provenance, request));
+    notes.insert(notes.end(), more.begin(), more.end());
+  }
+  SINEW_ASSIGN(FitSetup setup, MakeFitSetup(binding.problem(), request));
+
+  DiagnosisOptions options;
+  options.seed = words.fit.seed;
+  options.threads = words.fit.threads;
+  options.interrupt = &InterruptFlag();
+  ProgressLine line("diagnose", words.fit.quiet);
+  options.progress = [&](const std::string& step) { line.Show(step); };
+  auto result = Diagnose(binding.problem(), std::move(setup), options);
+  line.Clear();
+  const bool interrupted = InterruptFlag().load();
+  if (!result && interrupted) return NotUsable("interrupted");
+  if (!result) return tl::unexpected(result.error());
+  Diagnosis& diagnosis = *result;
+  diagnosis.warnings.insert(diagnosis.warnings.end(), notes.begin(), notes.end());
+
+  SINEW_ASSIGN(const Hdf5Node tree, DiagnosisTree(binding.problem(), diagnosis, provenance, options));
+  SINEW_TRY(WriteHdf5(words.out, tree));
+  if (words.json != "-") PrintDiagnosis(words, binding, diagnosis);
+  if (!words.json.empty()) SINEW_TRY(WriteText(words.json, DiagnosisJson(diagnosis, provenance, options)));
+  if (interrupted) return NotUsable("interrupted");
+  if (!diagnosis.base.stop.converged()) {
+    return NotUsable("the base model was not fitted: " + diagnosis.base.stop.test);
+  }
+  return kDone;
+}
+
+}  // namespace
+
+void AddDiagnoseCommand(CLI::App& app, const RunAction& run) {
+  auto words = std::make_shared<DiagnoseWords>();
+  auto* command =
+      app.add_subcommand("diagnose", "Say what the fitted model still gets wrong, why, and what that brings");
+  words->binding.AddTo(*command);
+  words->fit.AddChoiceTo(*command);
+  words->fit.AddWorkTo(*command);
+  command->add_option("--from", words->from, "Start the base fit from the answer of a run file")
+      ->type_name("RUN.h5");
+  command->add_option("--out", words->out, "Diagnosis file to write (docs/run_file.md)")
+      ->required()
+      ->type_name("DIAG.h5");
+  command->add_option("--json", words->json, "Result for machines; - for standard output")
+      ->type_name("FILE|-");
+  command->callback([=] { run([=] { return RunDiagnose(*words); }); });
+}
+
+}  // namespace sinew

@@ -1,0 +1,29 @@
+# %% unknown [markdown]
+# ## Not in the library
+#
+# A smooth function that the data ask for and that no known effect gives. Band: 95 %.
+
+# %% unknown
+terms = [{**{key: value.decode() if isinstance(value, bytes) else value for key, value in node.attrs.items()},
+          **{key: node[key][:] for key in ("knots", "curve", "deviation")}}
+         for node in (run[f"/diagnosis/unknown_terms/{i}"] for i in children("/diagnosis/unknown_terms"))]
+shown = terms[:6]
+columns = min(3, len(shown))
+rows = -(-len(shown) // columns)
+figure, axes = plt.subplots(rows, columns, figsize=(WIDTH if columns > 1 else 0.6 * WIDTH, 0.8 + 2.5 * rows), squeeze=False)
+for axis, term in zip(axes.flat, shown):
+    axis.axhline(0, color="#999999", lw=0.7)
+    axis.fill_between(term["knots"], term["curve"] - 1.96 * term["deviation"], term["curve"] + 1.96 * term["deviation"],
+                      color=COLOURS["unknown_term"], alpha=0.18, lw=0)
+    axis.plot(term["knots"], term["curve"], "-o", ms=3, color=COLOURS["unknown_term"])
+    axis.set_title(f"{elided(term['shape'], 44)}" + (f"\nnearest known law: {elided(term['nearest_law'], 34)}"
+                                                     if term["nearest_law"] else ""))
+    axis.set_xlabel(f"{term['signal']} ({pretty(term['signal_unit'])})" if pretty(term["signal_unit"]) else term["signal"])
+    axis.set_ylabel(f"{term['port']} ({pretty(term['unit'])})" if pretty(term["unit"]) else term["port"])
+for axis in axes.flat[len(shown):]:
+    axis.remove()
+headline(figure, "; ".join(dict.fromkeys(f"{term['port']} needs something that goes with {term['signal']}"
+                                         for term in shown)))
+plt.show()
+display(HTML(items([f"{term['port']} as a function of {term['signal']}: {chance(term['p_value'])}; held-out error "
+                    f"{percent(-term['held_out_reduction'])}." for term in terms], "notes")))

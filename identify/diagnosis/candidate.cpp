@@ -1,0 +1,77 @@
+#include "identify/diagnosis/candidate.h"
+
+#include <algorithm>
+
+#include "base/numbers.h"
+#include "base/text.h"
+
+namespace sinew {
+namespace {
+
+std::vector<Candidate::Probe> ProbesOf(const std::vector<Parameter>& parameters,
+                                       const std::vector<int>& group) {
+  std::vector<Candidate::Probe> probes{{}};
+  for (const int index : group) {
+    const Parameter& p = parameters[static_cast<std::size_t>(index)];
+    if (p.probes.empty()) continue;
+    std::vector<Candidate::Probe> grid;
+    for (const Candidate::Probe& probe : probes) {
+      for (const double value : p.probes) {
+        Candidate::Probe next = probe;
+        next.at.emplace_back(index, value);
+        next.words += fmt::format("{}{} = {} {}", next.words.empty() ? "" : ", ", p.name, Readable(value),
+                                  p.unit == "1" ? "" : p.unit);
+        grid.push_back(std::move(next));
+      }
+    }
+    probes = std::move(grid);
+  }
+  return probes;
+}
+
+bool AnyFree(const FitSetup& base, const std::vector<int>& group) {
+  return std::any_of(group.begin(), group.end(), [&](int index) { return base.IsFree(index); });
+}
+
+}  // namespace
+
+std::vector<Candidate> ListCandidates(const Problem& problem, const FitSetup& base) {
+  std::vector<Candidate> candidates;
+  for (const Effect& effect : problem.effects()) {
+    if (AnyFree(base, effect.parameters)) continue;
+    candidates.push_back({effect.name, effect.level, true, effect.says, effect.exposed_by, effect.trial,
+                          effect.parameters, ProbesOf(base.parameters, effect.parameters)});
+  }
+  for (const Port& port : problem.ports()) {
+    for (const UnknownTerm& term : port.terms) {
+      if (AnyFree(base, term.parameters)) continue;
+      candidates.push_back(
+          {term.name,
+           Level::kRobot,
+           false,
+           "something that is not in the library adds to " + port.name + ", as a function of " + term.signal,
+           "",
+           "",
+           term.parameters,
+           {{}}});
+    }
+  }
+  return candidates;
+}
+
+std::vector<int> ScoredParameters(const Candidate& candidate, std::size_t probe) {
+  if (IsScoredBySecant(candidate, probe)) return {candidate.probes[probe].at.front().first};
+  std::vector<int> scored;
+  for (const int index : candidate.parameters) {
+    const auto& at = candidate.probes[probe].at;
+    const bool stands = std::any_of(at.begin(), at.end(), [&](const auto& p) { return p.first == index; });
+    if (!stands) scored.push_back(index);
+  }
+  return scored;
+}
+
+bool IsScoredBySecant(const Candidate& candidate, std::size_t probe) {
+  return candidate.probes[probe].at.size() == candidate.parameters.size();
+}
+
+}  // namespace sinew

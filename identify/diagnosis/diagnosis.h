@@ -1,0 +1,205 @@
+// From residual to cause to gain: what the fitted model still gets wrong, which known effect explains it,
+// which others could as well, and what that brings on trials that were never fitted.
+#pragma once
+
+#include <array>
+#include <atomic>
+#include <cstdint>
+#include <functional>
+#include <string>
+#include <vector>
+
+#include "base/error.h"
+#include "identify/diagnosis/noise_model.h"
+#include "identify/effect.h"
+#include "identify/fit_setup.h"
+#include "identify/problem.h"
+#include "identify/results/fit_quality.h"
+#include "identify/solvers/solver.h"
+
+namespace sinew {
+
+/// kAdequate: nothing is wrong that these data could show. kExplained: one cause (per thing that is wrong).
+/// kAmbiguous: a stated set of causes that these data cannot tell apart. kUnexplained: something is wrong,
+/// and no known effect is the cause.
+enum class DiagnosisVerdict { kAdequate, kExplained, kAmbiguous, kUnexplained };
+
+[[nodiscard]] const char* ToString(DiagnosisVerdict verdict);
+
+struct DiagnosisOptions {
+  double alarm_level = 0.05;  ///< chance of any alarm if nothing is wrong: one level for everything
+  std::uint64_t seed = 1;
+  int threads = 1;
+  const std::atomic<bool>* interrupt = nullptr;
+  std::function<void(const std::string& step)> progress;  ///< what is done now, for a person
+};
+
+/// A fitted value of one parameter.
+struct DiagnosedParameter {
+  std::string name;
+  std::string unit;
+  double value = 0;
+  double std_error = 0;
+  std::array<double, 2> ci95{};
+  double before = 0;  ///< in the base model (the null, for effect parameters)
+};
+
+/// How one effect answers before any refit, and after it if it was tried.
+struct EffectScore {
+  std::string effect;
+  Level level = Level::kSensor;
+  bool known = true;      ///< false: an unknown term
+  std::string probe;      ///< where it was probed, "stribeck_velocity = 0.05 rad/s"; empty if at the null
+  int degrees = 1;        ///< parameters judged
+  double statistic = 0;   ///< predicted drop of twice the negative log-likelihood, from the whitened score
+  double unwhitened = 0;  ///< the same without whitening
+  double p_value = 1;     ///< of this effect alone
+  double family_p_value = 1;  ///< of an alarm by anything at least as strong, if nothing is wrong
+  bool judged = true;   ///< false: the base parameters can imitate it fully, or the data do not contain it
+  std::string why_not;  ///< if not judged, in words
+  bool refitted = false;
+  double delta_lr = 0;   ///< drop of twice the negative log-likelihood by the refit, each with its own noise
+  double delta_bic = 0;  ///< BIC(base) - BIC(with it); above 0 favours the effect
+  double smallest_detectable =
+      0;  ///< size of its first parameter that would have been noticed with 95 %; 0: n/a
+  std::string detectable_parameter;
+  std::string detectable_unit;
+};
+
+/// An effect that these data cannot tell from a named cause.
+struct Alternative {
+  std::string instead_of;
+  std::string effect;
+  Level level = Level::kSensor;
+  std::string sentence;
+  std::vector<DiagnosedParameter> parameters;  ///< of the effect, if it is put in place of the cause
+  double delta_lr = 0;                         ///< by which the named cause fits better
+  double delta_bic = 0;
+  double correlation = 0;   ///< of the two signatures after the base parameters took what they can
+  bool same_class = false;  ///< |correlation| > 0.97: no experiment of this kind tells them apart
+  /// Size (as Cause::size) at which data of this kind would tell the two apart with 95 %: 1 - |R| > 0.4165 /
+  /// s^2; infinite if never.
+  double separating_size = 0;
+  std::string separated_by;  ///< the experiment that would
+};
+
+struct Cause {
+  std::string effect;
+  Level level = Level::kSensor;
+  std::string sentence;
+  std::vector<DiagnosedParameter> parameters;
+  double p_value = 1;
+  double delta_lr = 0;  ///< against the model without it
+  double delta_bic = 0;
+  double size = 0;  ///< in units of what a test that knew where to look would just detect (95 % at 5 %)
+};
+
+/// A cause that the fitted trials suggest and the held-out trials deny.
+struct WithdrawnCause {
+  std::string effect;
+  std::string reason;
+};
+
+/// Where the residual is: share of its variance that a smooth curve of one signal predicts for trials that
+/// the curve was not fitted to.
+struct Structure {
+  std::string channel;
+  std::string signal;
+  std::string unit;  ///< of the signal
+  double explained_fraction = 0;
+  std::string shape;  ///< in words: odd, step at zero, quadratic, ...
+  std::vector<double> knots;
+  std::vector<double> curve;  ///< [knots, unit of the channel]
+};
+
+/// Step 1, per channel.
+struct ResidualTest {
+  std::string channel;
+  std::string name;  ///< "Ljung-Box", "runs", ...
+  double statistic = 0;
+  double p_value = 1;
+};
+
+struct NoiseFloor {
+  std::string channel;
+  std::string unit;
+  double sigma = 0;   ///< standard deviation of the noise, colour included
+  double rmse = 0;    ///< of the base model on the training trials
+  std::string basis;  ///< "stated by the data", "residual of the extended model", ...
+};
+
+struct Gain {
+  std::string channel;  ///< quantity, pooled over the held-out trials
+  std::string unit;
+  double before = 0;             ///< RMSE [unit] of the base model on held-out trials
+  double after = 0;              ///< of the extended model
+  double reduction = 0;          ///< 1 - after / before
+  std::array<double, 2> ci95{};  ///< of the reduction, block bootstrap
+  double gap_closed = 0;         ///< share of the way to the noise floor, of mean squares
+};
+
+struct UnknownFinding {
+  std::string port;
+  std::string signal;
+  std::string signal_unit;
+  std::string unit;         ///< of the port
+  std::string shape;        ///< odd, even, step at zero, saturating, quadratic, periodic, ...
+  std::string nearest_law;  ///< the known effect whose curve is nearest, in words
+  double p_value = 1;
+  double held_out_reduction = 0;  ///< of RMSE on held-out trials
+  std::vector<double> knots;
+  std::vector<double> curve;      ///< [knots, unit of the port]
+  std::vector<double> deviation;  ///< standard errors of `curve`
+};
+
+/// Measured, predicted before and after, of one block; for figures.
+struct TracePair {
+  std::string trial;
+  BlockRole role = BlockRole::kTrain;
+  std::string channel;
+  std::string unit;
+  std::vector<double> time;
+  std::vector<double> measured;
+  std::vector<double> before;
+  std::vector<double> after;
+};
+
+struct Diagnosis {
+  DiagnosisVerdict verdict = DiagnosisVerdict::kAdequate;
+  std::vector<std::string> sentences;  ///< for people, the most important first
+  std::vector<std::string> warnings;   ///< what limits the conclusion
+
+  FitSetup setup;     ///< of the base fit
+  SolverResult base;  ///< how the base fit ended
+  std::vector<DiagnosedParameter> base_parameters;
+  std::vector<FitQuality> base_fit;  ///< pooled per role and quantity
+  std::vector<FitQuality> extended_fit;
+  std::vector<NoiseFloor> noise;
+  std::vector<ResidualTest> tests;
+  std::vector<Structure> structure;  ///< strongest first
+  double threshold = 0;              ///< on |t| of a single known effect, at the family-wise level
+  double family_p_value = 1;         ///< of the strongest alarm
+
+  std::vector<EffectScore> scores;  ///< of every effect and unknown term, strongest first
+  std::vector<Cause> causes;
+  std::vector<Alternative> alternatives;
+  std::vector<WithdrawnCause> withdrawn;
+  std::vector<UnknownFinding> unknown_terms;
+  std::vector<Gain> gain;
+  std::vector<DiagnosedParameter> extended_parameters;  ///< base and effects, of the extended model
+
+  Vector base_point;      ///< [P]
+  Vector extended_point;  ///< [P]; the base point if nothing was found
+  std::vector<TracePair> traces;
+  double seconds = 0;
+};
+
+/// Diagnoses a problem: fits the base parameters (from `setup`'s start) and goes through the steps of
+/// docs/diagnosis.md. Training trials decide everything but gain and withdrawal, for which the held-out
+/// trials are used.
+///
+/// Errors: nothing to fit or to compare; the base model cannot be predicted at all. A base fit that does not
+/// converge is no error: the diagnosis then says that it can conclude nothing.
+Result<Diagnosis> Diagnose(const Problem& problem, FitSetup setup, const DiagnosisOptions& options);
+
+}  // namespace sinew

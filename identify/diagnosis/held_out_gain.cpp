@@ -1,0 +1,143 @@
+#include "identify/diagnosis/held_out_gain.h"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <map>
+
+#include "base/random.h"
+#include "identify/results/held_out.h"
+
+namespace sinew {
+namespace {
+
+constexpr int kDraws = 400;
+constexpr double kBlockShare = 0.05;  // of a trial: long against the noise, short against the trial
+constexpr int kShortestBlock = 5;
+
+const ChannelNoiseModel* ChannelOf(const NoiseModel& noise, const std::string& channel) {
+  for (const ChannelNoiseModel& model : noise.channels) {
+    if (model.channel == channel) return &model;
+  }
+  return nullptr;
+}
+
+double Quantile(std::vector<double>& sorted, double share) {
+  const auto at = static_cast<std::size_t>(share * static_cast<double>(sorted.size() - 1) + 0.5);
+  return sorted[at];
+}
+
+}  // namespace
+
+double NoiseFloorOf(const Block& block, const NoiseModel& noise) {
+  if (block.sigma) return block.weight * *block.sigma;
+  const ChannelNoiseModel* model = ChannelOf(noise, block.channel);
+  return model == nullptr ? 0 : model->ProcessDeviation();
+}
+
+HeldOut::HeldOut(const Problem& problem) : problem_(problem) {
+  for (std::size_t b = 0; b < problem.layout().size(); ++b) {
+    const Block& block = problem.layout()[b];
+    if (block.role == BlockRole::kValidate && block.samples() > 0) blocks_.push_back(static_cast<int>(b));
+  }
+}
+
+Result<std::vector<Vector>> HeldOut::Residuals(const Vector& point) const {
+  SINEW_ASSIGN(const Vector parameters, FitHeldOutNuisance(problem_, point));
+  std::vector<bool> wanted(problem_.layout().size(), false);
+  for (const int b : blocks_) wanted[static_cast<std::size_t>(b)] = true;
+  Prediction prediction(problem_.layout());
+  const auto workspace = problem_.NewWorkspace();
+  SINEW_TRY(problem_.Predict({parameters, wanted, false, nullptr}, *workspace, prediction));
+  std::vector<Vector> residuals;
+  for (std::size_t i = 0; i < blocks_.size(); ++i) {
+    const Block& b = block(i);
+    const auto values = prediction.values(blocks_[i]);
+    Vector residual(b.samples());
+    for (int k = 0; k < b.samples(); ++k) {
+      const auto at = static_cast<std::size_t>(k);
+      residual[k] = b.weight * (values[b.sample[at]] - b.measured[at]);
+    }
+    if (!residual.allFinite())
+      return Fail("trial '{}', {}: a predicted value is not finite", b.trial, b.channel);
+    residuals.push_back(std::move(residual));
+  }
+  return residuals;
+}
+
+double HeldOut::Innovations(const std::vector<Vector>& residuals, const NoiseModel& noise) const {
+  double sum = 0;
+  for (std::size_t i = 0; i < blocks_.size(); ++i) {
+    const ChannelNoiseModel* model = ChannelOf(noise, block(i).channel);
+    if (model == nullptr) continue;
+    NoiseModel one;
+    one.channels = {*model};
+    one.channel_of = {0};
+    Matrix rows = residuals[i];
+    Whitening(one, {Stretches(block(i))}).Apply(0, rows);
+    sum += rows.squaredNorm();
+  }
+  return sum;
+}
+
+std::vector<Gain> HeldOut::Gains(const std::vector<Vector>& before, const std::vector<Vector>& after,
+                                 const NoiseModel& floor, std::uint64_t seed) const {
+  std::vector<std::string> order;
+  std::map<std::string, std::vector<std::size_t>> blocks_of;
+  for (std::size_t i = 0; i < blocks_.size(); ++i) {
+    const Block& b = block(i);
+    const std::string& quantity = b.quantity.empty() ? b.channel : b.quantity;
+    if (blocks_of.count(quantity) == 0) order.push_back(quantity);
+    blocks_of[quantity].push_back(i);
+  }
+  std::vector<Gain> gains;
+  for (const std::string& quantity : order) {
+    Gain gain;
+    gain.channel = quantity;
+    double sum_before = 0;
+    double sum_after = 0;
+    double sum_floor = 0;
+    double count = 0;
+    for (const std::size_t i : blocks_of[quantity]) {
+      const double weight = block(i).weight;
+      gain.unit = block(i).unit;
+      sum_before += before[i].squaredNorm() / (weight * weight);
+      sum_after += after[i].squaredNorm() / (weight * weight);
+      const double noise = NoiseFloorOf(block(i), floor) / weight;
+      sum_floor += static_cast<double>(before[i].size()) * noise * noise;
+      count += static_cast<double>(before[i].size());
+    }
+    if (count == 0) continue;
+    gain.before = std::sqrt(sum_before / count);
+    gain.after = std::sqrt(sum_after / count);
+    gain.reduction = sum_before > 0 ? 1 - gain.after / gain.before : 0;
+    const double gap = sum_before - sum_floor;
+    gain.gap_closed =
+        gap > 0 ? std::min(1.0, (sum_before - sum_after) / gap) : std::numeric_limits<double>::quiet_NaN();
+
+    Random random(Random::StreamSeed(seed, gains.size()));
+    std::vector<double> reductions;
+    for (int draw = 0; draw < kDraws; ++draw) {
+      double drawn_before = 0;
+      double drawn_after = 0;
+      for (const std::size_t i : blocks_of[quantity]) {
+        const auto n = before[i].size();
+        const auto length = std::min<Eigen::Index>(
+            n, std::max<Eigen::Index>(kShortestBlock,
+                                      static_cast<Eigen::Index>(kBlockShare * static_cast<double>(n))));
+        for (Eigen::Index filled = 0; filled < n; filled += length) {
+          const auto at = static_cast<Eigen::Index>(random.Index(static_cast<std::uint64_t>(n - length + 1)));
+          drawn_before += before[i].segment(at, length).squaredNorm();
+          drawn_after += after[i].segment(at, length).squaredNorm();
+        }
+      }
+      reductions.push_back(drawn_before > 0 ? 1 - std::sqrt(drawn_after / drawn_before) : 0);
+    }
+    std::sort(reductions.begin(), reductions.end());
+    gain.ci95 = {Quantile(reductions, 0.025), Quantile(reductions, 0.975)};
+    gains.push_back(std::move(gain));
+  }
+  return gains;
+}
+
+}  // namespace sinew

@@ -1,0 +1,44 @@
+// Step 6: what a model brings on trials that it was never fitted to.
+#pragma once
+
+#include <cstdint>
+#include <vector>
+
+#include "identify/diagnosis/diagnosis.h"
+#include "identify/diagnosis/refit.h"
+
+namespace sinew {
+
+/// The held-out trials as one model sees them.
+class HeldOut {
+ public:
+  explicit HeldOut(const Problem& problem);
+
+  [[nodiscard]] bool exists() const { return !blocks_.empty(); }
+
+  /// Weighted residuals [held-out blocks][samples], with every held-out trial's own nuisance values fitted.
+  /// Errors: the problem's own.
+  [[nodiscard]] Result<std::vector<Vector>> Residuals(const Vector& point) const;
+
+  /// Sum of squared innovations of such residuals in units of their variance, by a noise model that was
+  /// estimated on the training trials.
+  [[nodiscard]] double Innovations(const std::vector<Vector>& residuals, const NoiseModel& noise) const;
+
+  /// Pooled per quantity, with an interval from a moving-block bootstrap (Kuensch 1989) of the samples.
+  /// @param floor per channel: standard deviation of the noise, weighted units (NoiseModel::ProcessDeviation)
+  [[nodiscard]] std::vector<Gain> Gains(const std::vector<Vector>& before, const std::vector<Vector>& after,
+                                        const NoiseModel& floor, std::uint64_t seed) const;
+
+ private:
+  [[nodiscard]] const Block& block(std::size_t i) const {
+    return problem_.layout()[static_cast<std::size_t>(blocks_[i])];
+  }
+  const Problem& problem_;
+  std::vector<int> blocks_;
+};
+
+/// Standard deviation of the noise of a block, weighted: what the data state, else what the model says of its
+/// channel; 0 if neither knows.
+[[nodiscard]] double NoiseFloorOf(const Block& block, const NoiseModel& noise);
+
+}  // namespace sinew

@@ -1,0 +1,162 @@
+#include "identify/diagnosis/refit.h"
+
+#include <Eigen/Cholesky>
+#include <algorithm>
+#include <cmath>
+#include <limits>
+
+#include "identify/diagnosis/design.h"
+#include "identify/uncertainty/local_fit.h"
+
+namespace sinew {
+namespace {
+
+constexpr int kCommonRows = 6;         // rows at the head of each stretch that no deviance counts
+constexpr long kScoutEvaluations = 8;  // of each start, before the best goes on
+constexpr long kFitEvaluations = 80;
+constexpr double kOrdinaryTolerance = 1e-7;  // relative: a tenth of a unit of deviance in 1e6 samples
+constexpr double kWhitenedTolerance = 1e-3;  // of half the deviance
+constexpr int kNoiseRounds = 2;
+
+bool IsPlain(const NoiseModel& noise) {
+  return noise.channels.size() == 1 && !noise.IsColoured();
+}
+
+}  // namespace
+
+std::vector<std::vector<int>> TrainStretches(const LeastSquares& fit) {
+  std::vector<std::vector<int>> stretches;
+  for (const auto& train : fit.train_blocks())
+    stretches.push_back(Stretches(fit.problem().layout()[static_cast<std::size_t>(train.block)]));
+  return stretches;
+}
+
+double Deviance(const LeastSquares& fit, const Vector& residual, const NoiseModel& noise, int* counted) {
+  std::vector<double> sum(noise.channels.size(), 0);
+  std::vector<double> count(noise.channels.size(), 0);
+  const auto& blocks = fit.train_blocks();
+  for (std::size_t t = 0; t < blocks.size(); ++t) {
+    const auto channel = static_cast<std::size_t>(noise.channel_of[t]);
+    const auto& a = noise.channels[channel].coefficients;
+    const Block& block = fit.problem().layout()[static_cast<std::size_t>(blocks[t].block)];
+    const std::vector<int> stretches = Stretches(block);
+    for (std::size_t s = 0; s < stretches.size(); ++s) {
+      const int end = s + 1 < stretches.size() ? stretches[s + 1] : block.samples();
+      const int order = static_cast<int>(a.size());
+      for (int i = stretches[s] + std::max(kCommonRows, order); i < end; ++i) {
+        double innovation = residual[blocks[t].first_row + i];
+        for (int k = 0; k < order; ++k)
+          innovation -= a[static_cast<std::size_t>(k)] * residual[blocks[t].first_row + i - 1 - k];
+        sum[channel] += innovation * innovation;
+        ++count[channel];
+      }
+    }
+  }
+  double deviance = 0;
+  if (counted != nullptr) *counted = 0;
+  for (std::size_t c = 0; c < sum.size(); ++c) {
+    if (count[c] == 0) continue;
+    deviance += count[c] * std::log(std::max(sum[c] / count[c], std::numeric_limits<double>::min()));
+    if (counted != nullptr) *counted += static_cast<int>(count[c]);
+  }
+  return deviance;
+}
+
+Refit Refitter::Fit(std::vector<int> released, const std::vector<Vector>& starts) const {
+  Refit refit;
+  std::sort(released.begin(), released.end());
+  refit.released = std::move(released);
+  auto setup = std::make_shared<FitSetup>(base_);
+  for (const int c : refit.released) {
+    const auto& parameters = candidates_[static_cast<std::size_t>(c)].parameters;
+    setup->free.insert(setup->free.end(), parameters.begin(), parameters.end());
+  }
+  std::sort(setup->free.begin(), setup->free.end());
+  setup->rest = starts.front();
+  refit.setup = setup;
+
+  LeastSquares fit(problem_, *setup);
+  LocalFit search(fit);
+  LocalFit::Outcome best;
+  best.cost = std::numeric_limits<double>::infinity();
+  for (const Vector& start : starts) {
+    const bool only = starts.size() == 1;
+    const auto outcome = search.Minimize(fit.Variables(start), -1, {0, kOrdinaryTolerance},
+                                         only ? kFitEvaluations : kScoutEvaluations);
+    if (refit.failure.empty() && !outcome.failure.empty()) refit.failure = outcome.failure;
+    if (outcome.cost < best.cost) best = outcome;
+  }
+  if (!std::isfinite(best.cost)) return refit;
+  refit.failure.clear();
+  if (!best.converged && starts.size() > 1)
+    best = search.Minimize(best.x, -1, {0, kOrdinaryTolerance}, kFitEvaluations);
+  refit.x = best.x;
+  refit.converged = best.converged;
+
+  const auto stretches = TrainStretches(fit);
+  for (int round = 0; round < kNoiseRounds; ++round) {
+    fit.set_transform(nullptr);
+    const auto blocks = NoiseBlocks(fit, refit.x);
+    auto noise = blocks ? EstimateNoiseModel(*blocks, {}) : tl::unexpected(blocks.error());
+    if (!noise) {
+      refit.failure = noise.error().message;
+      return refit;
+    }
+    refit.noise = std::move(*noise);
+    if (IsPlain(refit.noise)) break;
+    const Whitening whitening(refit.noise, stretches);
+    fit.set_transform(&whitening);
+    LocalFit whitened(fit);
+    const auto outcome = whitened.Minimize(refit.x, -1, {kWhitenedTolerance, 0}, kFitEvaluations);
+    fit.set_transform(nullptr);
+    if (!outcome.failure.empty()) break;
+    refit.x = outcome.x;
+    refit.converged = outcome.converged;
+  }
+  auto workspace = fit.NewWorkspace();
+  Vector residual;
+  if (const Status status = fit.Evaluate(refit.x, workspace, residual, nullptr); !status) {
+    refit.failure = status.error().message;
+    return refit;
+  }
+  refit.point = fit.Parameters(refit.x);
+  refit.deviance = Deviance(fit, residual, refit.noise, &refit.rows);
+  return refit;
+}
+
+Result<Matrix> Refitter::Covariance(const Refit& refit) const {
+  LeastSquares fit(problem_, *refit.setup);
+  const Whitening whitening(refit.noise, TrainStretches(fit));
+  fit.set_transform(&whitening);
+  auto workspace = fit.NewWorkspace();
+  SparseJacobian jacobian = fit.NewJacobian();
+  Vector residuals;
+  SINEW_TRY(fit.Evaluate(refit.x, workspace, residuals, &jacobian));
+  const Matrix dense = jacobian.Dense(fit.residuals(), fit.variables());
+  const Vector gradient = dense.transpose() * residuals;
+  std::vector<Eigen::Index> inside;
+  for (Eigen::Index v = 0; v < refit.x.size(); ++v) {
+    const bool held = (refit.x[v] <= 0 && gradient[v] >= 0) || (refit.x[v] >= 1 && gradient[v] <= 0);
+    if (!held && dense.col(v).norm() > 0) inside.push_back(v);
+  }
+  const auto n = static_cast<Eigen::Index>(inside.size());
+  Matrix normal(n, n);
+  Vector scale(n);
+  for (Eigen::Index i = 0; i < n; ++i) scale[i] = dense.col(inside[static_cast<std::size_t>(i)]).norm();
+  for (Eigen::Index i = 0; i < n; ++i) {
+    for (Eigen::Index j = 0; j < n; ++j)
+      normal(i, j) =
+          dense.col(inside[static_cast<std::size_t>(i)]).dot(dense.col(inside[static_cast<std::size_t>(j)])) /
+          (scale[i] * scale[j]);
+  }
+  const Matrix inverse = normal.ldlt().solve(Matrix::Identity(n, n));
+  Matrix covariance = Matrix::Zero(refit.x.size(), refit.x.size());
+  for (Eigen::Index i = 0; i < n; ++i) {
+    for (Eigen::Index j = 0; j < n; ++j)
+      covariance(inside[static_cast<std::size_t>(i)], inside[static_cast<std::size_t>(j)]) =
+          inverse(i, j) / (scale[i] * scale[j]);
+  }
+  return covariance;
+}
+
+}  // namespace sinew

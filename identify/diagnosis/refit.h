@@ -1,0 +1,62 @@
+// Refitting a model with some candidates released: all base parameters free, noise estimated anew, so that
+// two models can be compared by likelihood, each with its own noise.
+#pragma once
+
+#include <memory>
+#include <string>
+#include <vector>
+
+#include "identify/diagnosis/candidate.h"
+#include "identify/diagnosis/noise_model.h"
+#include "identify/least_squares.h"
+
+namespace sinew {
+
+/// A fitted model. Owns its setup, so that a LeastSquares made for it can be used as long as it lives.
+struct Refit {
+  std::vector<int> released;  ///< candidates, increasing
+  std::shared_ptr<const FitSetup> setup;
+  Vector x;      ///< [n] variables
+  Vector point;  ///< [P]
+  NoiseModel noise;
+  double deviance = 0;  ///< -2 log-likelihood, noise levels profiled out; comparable between refits
+  int rows = 0;         ///< residuals that the deviance counts
+  bool converged = false;
+  std::string failure;  ///< why there is no such model; empty otherwise
+
+  [[nodiscard]] bool usable() const { return failure.empty(); }
+  [[nodiscard]] int parameters() const { return static_cast<int>(setup->free.size()); }
+};
+
+class Refitter {
+ public:
+  Refitter(const Problem& problem, FitSetup base, const std::vector<Candidate>& candidates)
+      : problem_(problem), base_(std::move(base)), candidates_(candidates) {}
+
+  [[nodiscard]] const FitSetup& base() const { return base_; }
+
+  /// Ordinary least squares from every start, the best of them to the end; noise of its residual; generalised
+  /// least squares with it; noise again.
+  /// @param starts [P] each, not empty @param held [P index, value] parameters that stay where the starts
+  /// have them although a candidate owns them
+  [[nodiscard]] Refit Fit(std::vector<int> released, const std::vector<Vector>& starts) const;
+
+  /// Standard deviations and covariance of the variables [n x n, unit box] under the refit's own noise; of
+  /// variables on a bound 0. Errors: the problem's own.
+  [[nodiscard]] Result<Matrix> Covariance(const Refit& refit) const;
+
+ private:
+  const Problem& problem_;
+  FitSetup base_;
+  const std::vector<Candidate>& candidates_;
+};
+
+/// Stretches of every training block.
+[[nodiscard]] std::vector<std::vector<int>> TrainStretches(const LeastSquares& fit);
+
+/// Sum over channels of n log(sum of squared innovations / n), from rows that every order of noise can tell.
+/// @param residual [m] weighted @param counted how many rows that were; may be null
+[[nodiscard]] double Deviance(const LeastSquares& fit, const Vector& residual, const NoiseModel& noise,
+                              int* counted);
+
+}  // namespace sinew

@@ -1,0 +1,417 @@
+#include "identify/diagnosis/selection.h"
+
+#include <tbb/parallel_for.h>
+#include <tbb/task_arena.h>
+
+#include <algorithm>
+#include <cmath>
+#include <iterator>
+#include <limits>
+#include <map>
+#include <set>
+
+#include "identify/uncertainty/chi_squared.h"
+
+namespace sinew {
+namespace {
+
+constexpr double kSetWidth = 6;          // units of deviance within which causes count as not told apart ...
+constexpr double kSetWidthColoured = 9;  // ... if the noise model itself is a guess
+constexpr double kPerParameter = 4;      // price of a parameter in the same units: two standard deviations
+constexpr int kMostCauses = 5;
+constexpr double kFurtherLevel = 0.02;  // of an alarm after the first cause
+constexpr std::size_t kLeastSurvivors = 4;
+constexpr std::size_t kMostSurvivors = 14;
+constexpr std::size_t kMostPairs = 8;
+constexpr double kParsimony = 10.8;  // chi-squared with one degree: chance 0.001
+constexpr double kDouble = 0.97;     // correlation of traces above which they count as one
+constexpr double kWalk = 0.97;       // root of the noise above which it may well be an effect in disguise
+
+class Selector {
+ public:
+  Selector(const Problem& problem, const Refitter& refitter, const std::vector<Candidate>& candidates,
+           const Standing& base, const DiagnosisOptions& options)
+      : problem_(problem), refitter_(refitter), candidates_(candidates), base_(base), options_(options) {
+    cache_[{}] = base.refit;
+  }
+
+  Result<Selection> Run() {
+    Selection selection;
+    selection.family_p_value = base_.family.p_value;
+    selection.alarm = base_.family.p_value <= options_.alarm_level;
+    selection.model = base_.refit;
+    if (!selection.alarm && !MayHide()) return selection;
+
+    std::vector<int> chosen;
+    Standing standing = base_;
+    while (static_cast<int>(chosen.size()) < kMostCauses) {
+      SINEW_ASSIGN(const std::vector<int> next, Extend(chosen, standing));
+      if (next.empty()) break;
+      if (!selection.alarm) {
+        selection.alarm = true;
+        selection.family_p_value = options_.alarm_level;
+      }
+      chosen = next;
+      SINEW_ASSIGN(standing, StandAt(problem_, candidates_, cache_.at(chosen), kFurtherLevel, options_.seed));
+      if (standing.family.p_value > kFurtherLevel) break;
+    }
+    for (const auto& [released, refit] : cache_) {
+      if (released.size() == 1 && refit.usable()) selection.tried.push_back(refit);
+    }
+    if (!selection.alarm) return selection;
+    Eliminate(chosen);
+    SINEW_ASSIGN(standing, StandAt(problem_, candidates_, cache_.at(chosen), kFurtherLevel, options_.seed));
+    selection.model = cache_.at(chosen);
+    Judge(chosen, selection);
+    SINEW_TRY(FindRivals(chosen, selection));
+    Leftovers(standing, chosen.empty(), selection);
+    return selection;
+  }
+
+ private:
+  using Set = std::vector<int>;
+
+  // Coloured noise with a root near one, or much larger than its innovations, may be an effect that the noise
+  // model has swallowed.
+  [[nodiscard]] bool MayHide() const {
+    const auto& channels = base_.refit.noise.channels;
+    return std::any_of(channels.begin(), channels.end(),
+                       [](const ChannelNoiseModel& channel) { return channel.LargestRoot() > kWalk; });
+  }
+
+  [[nodiscard]] double Price(const Set& released) const {
+    double parameters = 0;
+    for (const int c : released)
+      parameters += static_cast<double>(candidates_[static_cast<std::size_t>(c)].parameters.size());
+    return kPerParameter * parameters;
+  }
+  [[nodiscard]] double Penalised(const Refit& refit) const { return refit.deviance + Price(refit.released); }
+
+  [[nodiscard]] double SetWidth(const Refit& refit) const {
+    return refit.noise.IsColoured() ? kSetWidthColoured : kSetWidth;
+  }
+
+  static Set With(Set set, int c) {
+    set.insert(std::lower_bound(set.begin(), set.end(), c), c);
+    return set;
+  }
+  static Set Without(Set set, int c) {
+    set.erase(std::remove(set.begin(), set.end(), c), set.end());
+    return set;
+  }
+
+  // Candidates whose score, whitened or not, is so near the best that a refit may put them first.
+  [[nodiscard]] std::vector<int> Survivors(const Standing& standing) const {
+    std::set<int> survivors;
+    for (const ScoreTable* table : {&standing.whitened, &standing.plain}) {
+      std::vector<std::pair<double, int>> ranking;
+      for (std::size_t c = 0; c < candidates_.size(); ++c) {
+        if (!candidates_[c].known) continue;
+        const Score* score = standing.BestOf(static_cast<int>(c), *table);
+        if (score == nullptr) continue;
+        const double price = kPerParameter * static_cast<double>(score->directions.size() - 1);
+        ranking.emplace_back(score->statistic - price - (candidates_[c].primary() ? 0 : 2 * kPerParameter),
+                             static_cast<int>(c));
+      }
+      std::sort(ranking.begin(), ranking.end(), [](const auto& a, const auto& b) {
+        return a.first != b.first ? a.first > b.first : a.second < b.second;
+      });
+      for (std::size_t i = 0; i < std::min(ranking.size(), kMostSurvivors); ++i) {
+        const double behind = ranking.front().first - ranking[i].first;
+        if (i >= kLeastSurvivors && behind > std::max(2 * kSetWidth, 0.4 * ranking.front().first)) break;
+        if (ranking[i].first > 0) survivors.insert(ranking[i].second);
+      }
+      if (table == &standing.whitened && !standing.refit.noise.IsColoured()) break;
+    }
+    return {survivors.begin(), survivors.end()};
+  }
+
+  // Refits what is not in the cache yet, in parallel; each from the given starts.
+  void Fit(const std::map<Set, std::vector<Vector>>& wanted) {
+    std::vector<std::pair<Set, std::vector<Vector>>> work;
+    for (const auto& [released, starts] : wanted) {
+      if (cache_.count(released) == 0) work.emplace_back(released, starts);
+    }
+    std::vector<Refit> made(work.size());
+    const auto one = [&](std::size_t i) { made[i] = refitter_.Fit(work[i].first, work[i].second); };
+    if (options_.threads > 1) {
+      tbb::task_arena arena(options_.threads);
+      arena.execute([&] { tbb::parallel_for(std::size_t{0}, work.size(), one); });
+    } else {
+      for (std::size_t i = 0; i < work.size(); ++i) one(i);
+    }
+    for (std::size_t i = 0; i < work.size(); ++i) cache_[work[i].first] = std::move(made[i]);
+  }
+
+  // Family-wise p-value of the drop that `more` candidates bring together.
+  [[nodiscard]] double RefitPValue(double delta_lr, const Set& more) const {
+    double degrees = 0;
+    bool primary = true;
+    bool positive = true;
+    for (const int c : more) {
+      const Candidate& candidate = candidates_[static_cast<std::size_t>(c)];
+      degrees += static_cast<double>(candidate.parameters.size());
+      primary = primary && candidate.primary();
+      const Parameter& p =
+          base_.refit.setup->parameters[static_cast<std::size_t>(candidate.parameters.front())];
+      positive = positive && (p.null_value <= p.lower || p.null_value >= p.upper);
+    }
+    double p = ChiSquaredUpperTail(std::max(0.0, delta_lr), degrees);
+    if (positive && degrees == 1) p *= 0.5;
+    if (!primary) p *= 5;
+    return base_.family.FamilyPValue(std::min(1.0, p));
+  }
+
+  // The best set with one more candidate (or, for the first step, also with two), if it is significant; else
+  // empty.
+  Result<Set> Extend(const Set& chosen, const Standing& standing) {
+    std::map<Set, std::vector<Vector>> wanted;
+    for (const int c : Survivors(standing)) wanted[With(chosen, c)] = StartsFor(standing, candidates_, c);
+    if (chosen.size() == 1) SINEW_TRY(AddPairs(wanted));
+    Fit(wanted);
+    const Refit* best = nullptr;
+    for (const auto& [released, starts] : wanted) {
+      const Refit& refit = cache_.at(released);
+      if (refit.usable() && (best == nullptr || Penalised(refit) < Penalised(*best))) best = &refit;
+    }
+    if (best == nullptr) return Set();
+    for (const auto& [released, starts] : wanted) {
+      if (IsSimplerDouble(released, *best)) best = &cache_.at(released);
+    }
+    const double gained = cache_.at(chosen).deviance - best->deviance;
+    Set more;
+    const std::size_t extra = best->released.size() - chosen.size();
+    for (const int c : best->released) {
+      if (std::find(chosen.begin(), chosen.end(), c) == chosen.end()) more.push_back(c);
+    }
+    if (more.size() > extra) more.resize(std::max<std::size_t>(extra, 1));
+    const double level = chosen.empty() ? options_.alarm_level : kFurtherLevel;
+    const bool by_score = standing.family.p_value <= level && BestIsKnown(standing);
+    if (!by_score && RefitPValue(gained, more) > level) return Set();
+    if (Penalised(cache_.at(chosen)) <= Penalised(*best)) return Set();
+    return best->released;
+  }
+
+  // The same size, fewer parameters, nearly the same trace, and hardly a worse fit: the simpler law is named.
+  [[nodiscard]] bool IsSimplerDouble(const Set& released, const Refit& best) const {
+    const Refit& refit = cache_.at(released);
+    if (!refit.usable() || released.size() != best.released.size() || Price(released) >= Price(best.released))
+      return false;
+    if (refit.deviance - best.deviance > kParsimony) return false;
+    Set own;
+    Set other;
+    std::set_difference(released.begin(), released.end(), best.released.begin(), best.released.end(),
+                        std::back_inserter(own));
+    std::set_difference(best.released.begin(), best.released.end(), released.begin(), released.end(),
+                        std::back_inserter(other));
+    return own.size() == 1 && Correlation(own.front(), other.front()) > kDouble;
+  }
+
+  // The alarm comes from the library, not from an unknown term.
+  [[nodiscard]] bool BestIsKnown(const Standing& standing) const {
+    double known = 1;
+    for (std::size_t i = 0; i < standing.whitened.scores.size(); ++i) {
+      const Score& score = standing.whitened.scores[i];
+      if (candidates_[static_cast<std::size_t>(score.candidate)].known)
+        known = std::min(known, standing.family.score_p_value[i]);
+    }
+    return known <= standing.family.level;
+  }
+
+  // Pairs that the linear analysis at the base model likes best: two causes that only show together, or of
+  // which a third imitates the sum.
+  Status AddPairs(std::map<Set, std::vector<Vector>>& wanted) {
+    struct Pair {
+      double statistic;
+      const Score* a;
+      const Score* b;
+    };
+    std::map<std::pair<int, int>, Pair> best_of;
+    const auto& scores = base_.whitened.scores;
+    for (std::size_t i = 0; i < scores.size(); ++i) {
+      for (std::size_t j = i + 1; j < scores.size(); ++j) {
+        const Score& a = scores[i];
+        const Score& b = scores[j];
+        const Candidate& first = candidates_[static_cast<std::size_t>(a.candidate)];
+        const Candidate& second = candidates_[static_cast<std::size_t>(b.candidate)];
+        if (!first.primary() || !second.primary() || a.candidate == b.candidate) continue;
+        const double statistic =
+            JointStatistic(base_.whitened, a, b) -
+            kPerParameter * static_cast<double>(first.parameters.size() + second.parameters.size());
+        Pair& best = best_of[{a.candidate, b.candidate}];
+        if (best.a == nullptr || statistic > best.statistic) best = {statistic, &a, &b};
+      }
+    }
+    std::vector<Pair> pairs;
+    for (const auto& [key, pair] : best_of) pairs.push_back(pair);
+    std::stable_sort(pairs.begin(), pairs.end(),
+                     [](const Pair& a, const Pair& b) { return a.statistic > b.statistic; });
+    for (std::size_t i = 0; i < std::min(pairs.size(), kMostPairs); ++i) {
+      const int a = pairs[i].a->candidate;
+      const int b = pairs[i].b->candidate;
+      const auto first = StartsFor(base_, candidates_, a);
+      const auto second = StartsFor(base_, candidates_, b);
+      Vector start = first.front();
+      for (const int index : candidates_[static_cast<std::size_t>(b)].parameters)
+        start[index] = second.front()[index];
+      wanted[With({a}, b)].push_back(std::move(start));
+    }
+    return {};
+  }
+
+  // Backward: what no longer pays its way goes.
+  void Eliminate(Set& chosen) {
+    bool again = chosen.size() > 1;
+    while (again) {
+      again = false;
+      std::map<Set, std::vector<Vector>> wanted;
+      const Vector& point = cache_.at(chosen).point;
+      for (const int c : chosen) {
+        Vector start = point;
+        for (const int index : candidates_[static_cast<std::size_t>(c)].parameters)
+          start[index] = base_.refit.point[index];
+        wanted[Without(chosen, c)] = {start};
+      }
+      Fit(wanted);
+      const Set* best = nullptr;
+      for (const auto& [released, starts] : wanted) {
+        if (cache_.at(released).usable() &&
+            (best == nullptr || Penalised(cache_.at(released)) < Penalised(cache_.at(*best))))
+          best = &released;
+      }
+      if (best == nullptr) return;
+      Set gone;
+      for (const int c : chosen) {
+        if (std::find(best->begin(), best->end(), c) == best->end()) gone.push_back(c);
+      }
+      const double lost = cache_.at(*best).deviance - cache_.at(chosen).deviance;
+      if (RefitPValue(lost, gone) <= options_.alarm_level) return;
+      chosen = *best;
+      again = chosen.size() > 1;
+    }
+  }
+
+  void Judge(const Set& chosen, Selection& selection) {
+    const Refit& model = cache_.at(chosen);
+    for (const int c : chosen) {
+      const auto without = cache_.find(Without(chosen, c));
+      ChosenCause cause;
+      cause.candidate = c;
+      if (without != cache_.end() && without->second.usable())
+        cause.delta_lr = without->second.deviance - model.deviance;
+      cause.p_value = RefitPValue(cause.delta_lr, {c});
+      if (chosen.size() == 1) {
+        for (std::size_t i = 0; i < base_.whitened.scores.size(); ++i) {
+          if (base_.whitened.scores[i].candidate == c)
+            cause.p_value = std::min(cause.p_value, base_.family.score_p_value[i]);
+        }
+      }
+      selection.causes.push_back(cause);
+    }
+    std::stable_sort(selection.causes.begin(), selection.causes.end(),
+                     [](const ChosenCause& a, const ChosenCause& b) { return a.delta_lr > b.delta_lr; });
+  }
+
+  // For each cause: what else could stand in its place.
+  Status FindRivals(const Set& chosen, Selection& selection) {
+    for (const int c : chosen) {
+      const Set rest = Without(chosen, c);
+      std::optional<Standing> made;
+      if (!rest.empty()) {
+        if (cache_.count(rest) == 0 || !cache_.at(rest).usable()) continue;
+        SINEW_ASSIGN(made, StandAt(problem_, candidates_, cache_.at(rest), kFurtherLevel, options_.seed));
+      }
+      const Standing& standing = made ? *made : base_;
+      std::map<Set, std::vector<Vector>> wanted;
+      for (const int other : Survivors(standing)) {
+        if (std::find(chosen.begin(), chosen.end(), other) == chosen.end())
+          wanted[With(rest, other)] = StartsFor(standing, candidates_, other);
+      }
+      Fit(wanted);
+      for (const auto& [released, starts] : wanted) {
+        AddRival(chosen, c, released, selection);
+      }
+    }
+    // Pairs in which both causes are replaced.
+    if (chosen.size() == 2) {
+      for (const auto& [released, refit] : cache_) {
+        const bool disjoint =
+            released.size() == 2 && std::none_of(released.begin(), released.end(), [&](int c) {
+              return std::find(chosen.begin(), chosen.end(), c) != chosen.end();
+            });
+        if (disjoint) AddRivalPair(chosen, released, selection);
+      }
+    }
+    std::stable_sort(selection.rivals.begin(), selection.rivals.end(),
+                     [](const Rival& a, const Rival& b) { return a.delta_lr < b.delta_lr; });
+    return {};
+  }
+
+  void AddRival(const Set& chosen, int cause, const Set& released, Selection& selection) const {
+    const Refit& refit = cache_.at(released);
+    const Refit& model = cache_.at(chosen);
+    if (!refit.usable() || Penalised(refit) - Penalised(model) > SetWidth(model)) return;
+    for (const int c : released) {
+      if (std::find(chosen.begin(), chosen.end(), c) == chosen.end())
+        selection.rivals.push_back({c, cause, refit, refit.deviance - model.deviance, Correlation(c, cause)});
+    }
+  }
+
+  void AddRivalPair(const Set& chosen, const Set& released, Selection& selection) const {
+    const Refit& refit = cache_.at(released);
+    const Refit& model = cache_.at(chosen);
+    if (!refit.usable() || Penalised(refit) - Penalised(model) > SetWidth(model)) return;
+    for (const int c : released) {
+      const bool known = std::any_of(selection.rivals.begin(), selection.rivals.end(),
+                                     [&](const Rival& rival) { return rival.candidate == c; });
+      if (known) continue;
+      const int like = Correlation(c, chosen[0]) >= Correlation(c, chosen[1]) ? chosen[0] : chosen[1];
+      selection.rivals.push_back({c, like, refit, refit.deviance - model.deviance, Correlation(c, like)});
+    }
+  }
+
+  // Of the two signatures at the base model, at the probes that answer best.
+  [[nodiscard]] double Correlation(int a, int b) const {
+    const Score* first = base_.BestOf(a);
+    const Score* second = base_.BestOf(b);
+    return first != nullptr && second != nullptr ? base_.whitened.Correlation(*first, *second) : 0;
+  }
+
+  void Leftovers(const Standing& standing, bool nothing_chosen, Selection& selection) const {
+    std::vector<std::pair<double, int>> unknown;
+    double smallest = 1;
+    for (std::size_t i = 0; i < standing.whitened.scores.size(); ++i) {
+      const int c = standing.whitened.scores[i].candidate;
+      const double p = standing.family.score_p_value[i];
+      smallest = std::min(smallest, p);
+      if (!candidates_[static_cast<std::size_t>(c)].known) unknown.emplace_back(p, c);
+    }
+    std::stable_sort(unknown.begin(), unknown.end(), [&](const auto& a, const auto& b) {
+      if (a.first != b.first) return a.first < b.first;
+      return standing.BestOf(a.second)->statistic > standing.BestOf(b.second)->statistic;
+    });
+    selection.structure_left = nothing_chosen || smallest <= kFurtherLevel;
+    for (const auto& [p, c] : unknown) {
+      if (!selection.structure_left || (p > options_.alarm_level && !selection.unknown.empty())) break;
+      selection.unknown.push_back(c);
+      selection.unknown_p_value.push_back(p);
+    }
+  }
+
+  const Problem& problem_;
+  const Refitter& refitter_;
+  const std::vector<Candidate>& candidates_;
+  const Standing& base_;
+  const DiagnosisOptions& options_;
+  std::map<Set, Refit> cache_;
+};
+
+}  // namespace
+
+Result<Selection> Select(const Problem& problem, const Refitter& refitter,
+                         const std::vector<Candidate>& candidates, const Standing& base,
+                         const DiagnosisOptions& options) {
+  return Selector(problem, refitter, candidates, base, options).Run();
+}
+
+}  // namespace sinew

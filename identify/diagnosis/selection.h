@@ -1,0 +1,44 @@
+// Steps 3 to 5: which candidates explain what is wrong, and which others these data cannot tell from them.
+#pragma once
+
+#include <string>
+#include <vector>
+
+#include "identify/diagnosis/diagnosis.h"
+#include "identify/diagnosis/standing.h"
+
+namespace sinew {
+
+/// A candidate that could stand in place of a chosen cause.
+struct Rival {
+  int candidate = 0;
+  int instead_of = 0;      ///< a chosen candidate
+  Refit refit;             ///< of the chosen set with this one in place
+  double delta_lr = 0;     ///< by which the chosen set fits better
+  double correlation = 0;  ///< of the two signatures, base taken away
+};
+
+struct ChosenCause {
+  int candidate = 0;
+  double delta_lr = 0;  ///< against the chosen set without it
+  double p_value = 1;   ///< family-wise
+};
+
+struct Selection {
+  bool alarm = false;
+  double family_p_value = 1;
+  std::vector<ChosenCause> causes;  ///< most important first
+  std::vector<Rival> rivals;
+  std::vector<Refit> tried;     ///< every model with one candidate released, for the table of scores
+  Refit model;                  ///< with all causes; the base model if there are none
+  bool structure_left = false;  ///< something is wrong still, and no known candidate explains it
+  std::vector<int> unknown;     ///< unknown terms that answer to what is left, strongest first
+  std::vector<double> unknown_p_value;
+};
+
+/// @param base the base model. Errors: the problem's own.
+Result<Selection> Select(const Problem& problem, const Refitter& refitter,
+                         const std::vector<Candidate>& candidates, const Standing& base,
+                         const DiagnosisOptions& options);
+
+}  // namespace sinew

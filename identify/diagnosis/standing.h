@@ -1,0 +1,34 @@
+// Where a diagnosis stands: a fitted model, and how everything that it does not contain answers to its
+// residual.
+#pragma once
+
+#include <vector>
+
+#include "identify/diagnosis/refit.h"
+#include "identify/diagnosis/score.h"
+
+namespace sinew {
+
+struct Standing {
+  Refit refit;
+  Design design;
+  ScoreTable whitened;
+  ScoreTable plain;  ///< without whitening, which swallows what is large
+  Family family;
+
+  /// Best score of a candidate over its probes, nullptr if it was not judged.
+  [[nodiscard]] const Score* BestOf(int candidate, const ScoreTable& table) const;
+  [[nodiscard]] const Score* BestOf(int candidate) const { return BestOf(candidate, whitened); }
+};
+
+/// Errors: the problem's own at the refit's point. @pre refit.usable()
+Result<Standing> StandAt(const Problem& problem, const std::vector<Candidate>& candidates, Refit refit,
+                         double level, std::uint64_t seed);
+
+/// Points from which a refit with `candidate` released should start: its estimate at the probe that answers
+/// best, whitened and not; at all probes and several sizes if what is wrong is large, where a local search
+/// from the null alone gets stuck. Never empty.
+[[nodiscard]] std::vector<Vector> StartsFor(const Standing& standing,
+                                            const std::vector<Candidate>& candidates, int candidate);
+
+}  // namespace sinew

@@ -1,0 +1,137 @@
+#include "identify/diagnosis/wording.h"
+
+#include <algorithm>
+#include <cmath>
+
+#include "base/numbers.h"
+#include "base/text.h"
+
+namespace sinew {
+namespace {
+
+std::string Percent(double share) {
+  return fmt::format("{:.0f} %", 100 * share);
+}
+
+std::string Chance(double p) {
+  return p < 0.001 ? "p < 0.001" : fmt::format("p = {:.2g}", p);
+}
+
+std::string Unit(const std::string& unit) {
+  return unit == "1" ? "" : " " + unit;
+}
+
+std::string Headline(const Diagnosis& d) {
+  switch (d.verdict) {
+    case DiagnosisVerdict::kAdequate:
+      return fmt::format(
+          "Adequate: no effect in the library improves the fit beyond chance (family-wise {}).",
+          Chance(d.family_p_value));
+    case DiagnosisVerdict::kExplained:
+    case DiagnosisVerdict::kAmbiguous:
+      return fmt::format(
+          "Something is wrong (family-wise {}), and {}.", Chance(d.family_p_value),
+          d.verdict == DiagnosisVerdict::kExplained
+              ? (d.causes.size() == 1 ? "one known cause explains it"
+                                      : fmt::format("{} known causes explain it", d.causes.size()))
+              : "more than one known cause could explain it");
+    case DiagnosisVerdict::kUnexplained:
+      return fmt::format(
+          "Unexplained: something is wrong (family-wise {}), and {}.", Chance(d.family_p_value),
+          d.causes.empty() ? "no known effect explains it" : "the known effects do not explain all of it");
+  }
+  return {};
+}
+
+std::string GainSentence(const Gain& gain) {
+  std::string text =
+      fmt::format("Held-out trials, {}: {}{} -> {}{} RMSE ({:+.0f} %, 95 % interval {:+.0f} .. {:+.0f} %)",
+                  gain.channel, Readable(gain.before), Unit(gain.unit), Readable(gain.after), Unit(gain.unit),
+                  -100 * gain.reduction, -100 * gain.ci95[1], -100 * gain.ci95[0]);
+  if (std::isfinite(gain.gap_closed) && gain.gap_closed > 0)
+    text += fmt::format("; {} of the way to the noise floor", Percent(gain.gap_closed));
+  return text + ".";
+}
+
+}  // namespace
+
+std::string DescribeParameters(const std::vector<DiagnosedParameter>& parameters) {
+  std::vector<std::string> parts;
+  for (const DiagnosedParameter& p : parameters) {
+    parts.push_back(fmt::format("{} = {}{}{}", p.name, Readable(p.value), Unit(p.unit),
+                                p.std_error > 0 ? " +-" + Readable(1.96 * p.std_error, 2) : ""));
+  }
+  return Join(parts, ", ");
+}
+
+std::vector<std::string> DescribeDiagnosis(const Diagnosis& d, bool has_held_out) {
+  std::vector<std::string> sentences;
+  for (const WithdrawnCause& cause : d.withdrawn)
+    sentences.push_back(fmt::format("Withdrawn: {}: {}.", cause.effect, cause.reason));
+  sentences.push_back(Headline(d));
+  for (const Cause& cause : d.causes) {
+    sentences.push_back(fmt::format("Cause [{}]: {} ({}); {}.", ToString(cause.level), cause.sentence,
+                                    cause.effect, DescribeParameters(cause.parameters)));
+    for (const Alternative& other : d.alternatives) {
+      if (other.instead_of != cause.effect) continue;
+      std::string text =
+          fmt::format("Could also be [{}]: {} ({}); {}; delta LR {:.1f}.", ToString(other.level),
+                      other.sentence, other.effect, DescribeParameters(other.parameters), other.delta_lr);
+      if (other.same_class) {
+        text += " The two leave nearly the same trace";
+      } else {
+        text += fmt::format(" The traces correlate {:.2f}", other.correlation);
+      }
+      if (std::isfinite(other.separating_size) && cause.size > 0 && other.separating_size > cause.size) {
+        text += fmt::format("; data of this kind would separate them from {} times this size on",
+                            Readable(other.separating_size / cause.size, 2));
+      }
+      text += ".";
+      if (!other.separated_by.empty()) text += " To tell them apart: " + other.separated_by + ".";
+      sentences.push_back(std::move(text));
+    }
+  }
+  for (const UnknownFinding& unknown : d.unknown_terms) {
+    sentences.push_back(
+        fmt::format("Not in the library: something adds to {} as a function of {} ({}{}); held-out RMSE "
+                    "changes by {:+.0f} %.",
+                    unknown.port, unknown.signal, unknown.shape,
+                    unknown.nearest_law.empty() ? "" : "; nearest known law: " + unknown.nearest_law,
+                    -100 * unknown.held_out_reduction));
+  }
+  if (!d.causes.empty()) {
+    for (const DiagnosedParameter& p : d.extended_parameters) {
+      const auto base = std::find_if(d.base_parameters.begin(), d.base_parameters.end(),
+                                     [&](const DiagnosedParameter& b) { return b.name == p.name; });
+      if (base == d.base_parameters.end() || !(std::abs(p.value - base->value) > 1.96 * p.std_error))
+        continue;
+      const double share = p.value != 0 ? std::abs(base->value / p.value - 1) : 1;
+      sentences.push_back(
+          fmt::format("With it, {} moves from {} to {}{}: what was missing had biased it by {}.", p.name,
+                      Readable(base->value), Readable(p.value), Unit(p.unit), Percent(share)));
+    }
+  }
+  if (!has_held_out) {
+    sentences.push_back("No held-out trial: whether a finding carries over to other data cannot be said.");
+  }
+  if (!d.causes.empty() || !d.unknown_terms.empty()) {
+    for (const Gain& gain : d.gain) sentences.push_back(GainSentence(gain));
+  }
+  if (d.verdict == DiagnosisVerdict::kAdequate) {
+    std::vector<const EffectScore*> noticed;
+    for (const EffectScore& score : d.scores) {
+      if (score.known && score.judged && score.smallest_detectable > 0) noticed.push_back(&score);
+    }
+    if (!noticed.empty()) {
+      std::vector<std::string> parts;
+      for (std::size_t i = 0; i < std::min<std::size_t>(noticed.size(), 4); ++i)
+        parts.push_back(fmt::format("{} above {}{}", noticed[i]->detectable_parameter,
+                                    Readable(noticed[i]->smallest_detectable, 2),
+                                    Unit(noticed[i]->detectable_unit)));
+      sentences.push_back("With these data, " + Join(parts, ", ") + " would have been noticed (95 %).");
+    }
+  }
+  return sentences;
+}
+
+}  // namespace sinew

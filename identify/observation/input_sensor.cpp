@@ -1,0 +1,54 @@
+#include "identify/observation/input_sensor.h"
+
+#include <utility>
+
+namespace sinew {
+namespace {
+
+constexpr double kLatest = 0.1;     // [s]
+constexpr double kSlowest = 0.1;    // [s]
+constexpr double kGainReach = 0.9;  // [1]
+
+}  // namespace
+
+InputSensor AddInputSensor(const std::string& input, const std::string& unit, double magnitude,
+                           double duration, std::vector<Parameter>& parameters,
+                           std::vector<Effect>& effects) {
+  const auto add = [&](const char* kind, const std::string& of_unit, double lower, double null, double upper,
+                       const char* meaning, const char* exposed_by) {
+    Parameter p;
+    p.name = input + "." + kind;
+    p.unit = of_unit;
+    p.meaning = meaning;
+    p.lower = lower;
+    p.upper = upper;
+    p.start = null;
+    p.null_value = null;
+    p.kind = ParameterKind::kEffect;
+    p.effect = p.name;
+    const int index = static_cast<int>(parameters.size());
+    effects.push_back({p.name, Level::kSensor, input + ": " + meaning, exposed_by, {index}});
+    parameters.push_back(std::move(p));
+    return index;
+  };
+  const double steepest = magnitude / duration;
+  InputSensor sensor;
+  sensor.offset =
+      add("offset", unit, -magnitude, 0, magnitude, "the sensor of this input reads too much by a constant",
+          "a rest phase, where the true input is known");
+  sensor.drift =
+      add("drift", unit + "/s", -steepest, 0, steepest, "the reading of this input drifts with time",
+          "rest phases at the begin and at the end of a long trial");
+  sensor.gain =
+      add("gain", "1", 1 - kGainReach, 1, 1 + kGainReach,
+          "the sensor of this input reads too much by a factor", "a known load on the sensor of the input");
+  sensor.time_offset = add("time_offset", "s", -kLatest, 0, kLatest,
+                           "the clock of this input is late against the other instruments",
+                           "one sharp event that all instruments see, at a high sampling rate");
+  sensor.low_pass =
+      add("low_pass", "s", 0, 0, kSlowest, "the recorded input is smoothed by a first-order low-pass",
+          "a sudden event recorded without the filter, at a high sampling rate");
+  return sensor;
+}
+
+}  // namespace sinew

@@ -1,0 +1,55 @@
+#include "identify/observation/low_pass.h"
+
+#include <cmath>
+
+namespace sinew {
+namespace {
+
+// 1 - exp(-a) - a exp(-a), whose terms cancel for small a: the error of the series there is 2e-13 of it.
+double LagSlope(double a) {
+  if (a < 1e-2) return a * a * (1.0 / 2 - a * (1.0 / 3 - a * (1.0 / 8 - a * (1.0 / 30 - a / 144))));
+  return -std::expm1(-a) - a * std::exp(-a);
+}
+
+}  // namespace
+
+void LowPass::Set(const std::vector<double>& time, double time_constant) {
+  steps_.resize(time.size());
+  for (std::size_t i = 1; i < time.size(); ++i) {
+    const double h = time[i] - time[i - 1];
+    Step& step = steps_[i];
+    const double a = h / time_constant;
+    if (!(time_constant > 0) || std::isinf(a)) {
+      step = {0, 0, 0, 1 / h};
+      continue;
+    }
+    step.decay = std::exp(-a);
+    step.lag = -std::expm1(-a) / a;
+    step.decay_slope = step.decay > 0 ? step.decay * a * (a / h) : 0;
+    step.lag_slope = LagSlope(a) / h;
+  }
+}
+
+void LowPass::Apply(Eigen::Ref<Vector> signal) const {
+  double error = 0;
+  double before = signal[0];
+  for (Eigen::Index i = 1; i < signal.size(); ++i) {
+    const Step& step = steps_[static_cast<std::size_t>(i)];
+    error = step.decay * error - step.lag * (signal[i] - before);
+    before = signal[i];
+    signal[i] += error;
+  }
+}
+
+void LowPass::Differentiate(const Eigen::Ref<const Vector>& signal, Eigen::Ref<Vector> slope) const {
+  double error = 0;
+  slope[0] = 0;
+  for (Eigen::Index i = 1; i < signal.size(); ++i) {
+    const Step& step = steps_[static_cast<std::size_t>(i)];
+    const double rise = signal[i] - signal[i - 1];
+    slope[i] = step.decay_slope * error + step.decay * slope[i - 1] - step.lag_slope * rise;
+    error = step.decay * error - step.lag * rise;
+  }
+}
+
+}  // namespace sinew

@@ -1,0 +1,42 @@
+// A first-order low-pass of a sampled signal, exact for signals that are straight between their samples.
+#pragma once
+
+#include <vector>
+
+#include "base/linear_algebra.h"
+
+namespace sinew {
+
+/// time_constant * dy/dt + y = x with y = x (balance) at the first time; x runs straight from sample to
+/// sample, for which the recursion is exact, whatever the sampling:
+///
+///   e_i = E e_{i-1} - (time_constant / h) (1 - E) (x_i - x_{i-1}),   y = x + e,   E = exp(-h /
+///   time_constant)
+///
+/// At a time constant of 0 the signal passes unchanged and its derivative for the time constant is the limit
+/// -dx/dt, dx/dt being that of the piece that ends at the sample (0 at the first).
+///
+/// Source: exact discretisation of a first-order lag with first-order hold (Franklin, Powell, Workman,
+/// Digital Control of Dynamic Systems, 1998, ch. 6.3).
+class LowPass {
+ public:
+  /// @param time [M, s, increasing] @param time_constant [s, >= 0]. Allocates only if M grows.
+  void Set(const std::vector<double>& time, double time_constant);
+
+  /// Filters in place. @param signal [M]
+  void Apply(Eigen::Ref<Vector> signal) const;
+  /// Derivative of the filtered signal for the time constant. @param signal [M] not filtered @param slope [M,
+  /// unit of the signal / s]
+  void Differentiate(const Eigen::Ref<const Vector>& signal, Eigen::Ref<Vector> slope) const;
+
+ private:
+  struct Step {
+    double decay = 0;        // E
+    double lag = 0;          // time_constant / h * (1 - E)
+    double decay_slope = 0;  // d/d(time_constant)
+    double lag_slope = 0;
+  };
+  std::vector<Step> steps_;  // [M], that to sample i from i - 1; the first is not used
+};
+
+}  // namespace sinew

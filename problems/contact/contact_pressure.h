@@ -1,0 +1,36 @@
+// The pressure under one spring with every contact effect in it, and its exact derivatives.
+#pragma once
+
+#include "models/contact/elastic_foundation.h"
+
+namespace sinew {
+
+/// What bends the law of the springs; all 0 at the null.
+struct BedEffects {
+  double exponent = 0;    ///< n [1, > -1]
+  double compliance = 0;  ///< C of the floor under the bed [m3/N, >= 0]
+};
+
+struct Pressure {
+  double value = 0;  ///< p [Pa]
+  double by_depth = 0;
+  double by_rate = 0;
+  double by_stiffness = 0;
+  double by_dissipation = 0;
+  double by_exponent = 0;
+  double by_compliance = 0;
+};
+
+/// p solves
+///
+///   p = k x0 ((x - C p) / x0)^(1 + n) (1 + c v)
+///
+/// with x0 = kReferenceDepth: a bed that is compressed by what the floor beneath it leaves of the depth x.
+/// The rate v is that of the whole depth, so that C = 0 or n = 0 have the closed forms k x0 (x/x0)^(1+n) (1 +
+/// c v) and k x (1 + c v) / (1 + k C (1 + c v)). Zero with zero derivatives for x <= 0 or 1 + c v <= 0: a
+/// spring never pulls.
+/// @param depth x [m]; @param rate v [m/s].
+[[nodiscard]] Pressure PressureAt(const ElasticFoundation& bed, const BedEffects& effects, double depth,
+                                  double rate);
+
+}  // namespace sinew
