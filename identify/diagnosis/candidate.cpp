@@ -56,7 +56,37 @@ std::vector<Candidate> ListCandidates(const Problem& problem, const FitSetup& ba
            {{}}});
     }
   }
+  // Parameters that are free, or would be if their effect were.
+  for (std::size_t i = 0; i < base.parameters.size(); ++i) {
+    const Parameter& p = base.parameters[i];
+    const auto index = static_cast<int>(i);
+    const bool of_effect = std::any_of(candidates.begin(), candidates.end(), [&](const Candidate& c) {
+      return c.primary() && std::count(c.parameters.begin(), c.parameters.end(), index) > 0 &&
+             p.probes.empty();
+    });
+    if (!of_effect && !(p.kind == ParameterKind::kBase && base.IsFree(index))) continue;
+    Candidate drift;
+    drift.effect = p.name + "(time)";
+    drift.level = Level::kRobot;
+    drift.known = false;
+    drift.says = p.name + " is not constant: it changes with time within a trial";
+    drift.probes = {{}};
+    drift.drifting = index;
+    candidates.push_back(std::move(drift));
+  }
   return candidates;
+}
+
+Vector TimeInTrial(const Block& block) {
+  const double begin = block.prediction_time.front();
+  const double half = 0.5 * (block.prediction_time.back() - begin);
+  Vector time(block.samples());
+  for (int i = 0; i < block.samples(); ++i) {
+    const double t =
+        block.prediction_time[static_cast<std::size_t>(block.sample[static_cast<std::size_t>(i)])];
+    time[i] = half > 0 ? (t - begin) / half - 1 : 0;
+  }
+  return time;
 }
 
 std::vector<int> ScoredParameters(const Candidate& candidate, std::size_t probe) {
@@ -71,7 +101,7 @@ std::vector<int> ScoredParameters(const Candidate& candidate, std::size_t probe)
 }
 
 bool IsScoredBySecant(const Candidate& candidate, std::size_t probe) {
-  return candidate.probes[probe].at.size() == candidate.parameters.size();
+  return !candidate.parameters.empty() && candidate.probes[probe].at.size() == candidate.parameters.size();
 }
 
 }  // namespace sinew

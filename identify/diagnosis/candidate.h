@@ -25,10 +25,17 @@ struct Candidate {
     std::string words;  ///< "stribeck_velocity = 0.05 rad/s"; empty at the null itself
   };
   std::vector<Probe> probes;  ///< at least one
+  /// >= 0: this parameter, which the model has, may not be constant but change with time within a trial (a
+  /// fluctuation test, Zeileis, Hornik 2007). Nothing can be released then: what is scored, and fitted, is
+  /// the parameter's derivative times TimeInTrial; and only if the parameter is free.
+  int drifting = -1;
 
   /// Shared by all trials and known: the library proper, which is tried first.
   [[nodiscard]] bool primary() const { return known && trial.empty(); }
 };
+
+/// From -1 at the begin of a block's trial to 1 at its end [samples].
+[[nodiscard]] Vector TimeInTrial(const Block& block);
 
 /// Every effect and unknown term of which no parameter is free already. Secondary parameters that stand at a
 /// probe are not scored; an effect whose only parameter has probes is scored by the change from its null to

@@ -100,6 +100,7 @@ class DesignMaker {
       most_probes = std::max(most_probes, candidate.probes.size());
     for (std::size_t probe = 0; probe < most_probes; ++probe) AddDerivatives(probe);
     for (std::size_t c = 0; c < candidates_.size(); ++c) AddSecants(static_cast<int>(c));
+    AddDrifts();
 
     Order();
     design.candidates.resize(height_, static_cast<Eigen::Index>(made_.size()));
@@ -204,6 +205,28 @@ class DesignMaker {
       step = next;
     }
     if (best.size() > 0) Add(c, probe, index, best);
+  }
+
+  void AddDrifts() {
+    std::vector<bool> differentiate(fit_.setup().parameters.size(), false);
+    bool any = false;
+    for (const Candidate& candidate : candidates_) {
+      if (candidate.drifting < 0 || !fit_.setup().IsFree(candidate.drifting)) continue;
+      differentiate[static_cast<std::size_t>(candidate.drifting)] = true;
+      any = true;
+    }
+    if (!any || !rows_.Predict(point_, &differentiate)) return;
+    Vector time = Vector::Zero(rows_.Values().size());
+    for (const auto& train : fit_.train_blocks()) {
+      const Block& block = rows_.block(train.block);
+      time.segment(train.first_row, block.samples()) = TimeInTrial(block);
+    }
+    for (std::size_t c = 0; c < candidates_.size(); ++c) {
+      const int index = candidates_[c].drifting;
+      if (index < 0 || !differentiate[static_cast<std::size_t>(index)]) continue;
+      const Vector rows = rows_.Derivative(index).cwiseProduct(time);
+      if (rows.norm() > 0) Add(static_cast<int>(c), 0, index, rows);
+    }
   }
 
   // Columns of one candidate and probe stand together, in the order of the candidates.

@@ -6,7 +6,9 @@
 
 #include "base/text.h"
 #include "identify/diagnosis/diagnosis.h"
+#include "identify/diagnosis/drift.h"
 #include "identify/diagnosis/held_out_gain.h"
+#include "identify/diagnosis/jackknife.h"
 #include "identify/diagnosis/selection.h"
 #include "identify/diagnosis/shape.h"
 #include "identify/diagnosis/standing.h"
@@ -129,11 +131,10 @@ class Examination {
         if (!without.usable()) continue;
         const auto before = held_out_.Residuals(without.point);
         if (!before) continue;
-        const double gain = held_out_.Innovations(*before, selection_.model.noise) -
-                            held_out_.Innovations(with, selection_.model.noise);
+        const double gain = Loss(*before, selection_.model.noise) - Loss(with, selection_.model.noise);
         std::vector<Vector> moved = *before;
         for (std::size_t b = 0; b < moved.size(); ++b) moved[b] -= with[b];
-        if (gain < worst_gain && held_out_.Innovations(moved, selection_.model.noise) > kTelling) {
+        if (gain < worst_gain && IsTelling(moved, with)) {
           worst = i;
           worst_gain = gain;
           worst_without = std::move(without);
@@ -145,6 +146,30 @@ class Examination {
     return {};
   }
 
+  // Of held-out residuals: in units of the noise, or, if what is wrong dwarfs it, plain squares.
+  [[nodiscard]] double Loss(const std::vector<Vector>& residuals, const NoiseModel& noise) const {
+    if (!selection_.gross) return held_out_.Innovations(residuals, noise);
+    double squares = 0;
+    for (const Vector& block : residuals) squares += block.squaredNorm();
+    return squares;
+  }
+
+  [[nodiscard]] bool IsTelling(const std::vector<Vector>& moved, const std::vector<Vector>& with) const {
+    constexpr double kShare = 0.05;  // of what is left
+    const double loss = Loss(moved, selection_.model.noise);
+    return selection_.gross ? loss > kShare * Loss(with, selection_.model.noise) : loss > kTelling;
+  }
+
+  [[nodiscard]] Result<Matrix> CovarianceOf(const Refit& refit) const {
+    return selection_.gross ? JackknifeCovariance(problem_, refit) : refitter_->Covariance(refit);
+  }
+
+  [[nodiscard]] Refit Fit(const std::vector<int>& released, const std::vector<Vector>& starts) const {
+    constexpr double kTolerance = 1e-6;
+    return selection_.gross ? refitter_->FitOrdinary(released, starts, kTolerance)
+                            : refitter_->Fit(released, starts);
+  }
+
   [[nodiscard]] Refit Without(int candidate) const {
     std::vector<int> rest;
     for (const int c : selection_.model.released) {
@@ -154,7 +179,7 @@ class Examination {
     Vector start = selection_.model.point;
     for (const int index : candidates_[static_cast<std::size_t>(candidate)].parameters)
       start[index] = base_.refit.point[index];
-    return refitter_->Fit(rest, {start});
+    return Fit(rest, {start});
   }
 
   void Withdraw(std::size_t which, double gain, Refit without) {
@@ -169,9 +194,7 @@ class Examination {
     for (const Rival& rival : selection_.rivals) {
       if (rival.instead_of != cause.candidate || !before) continue;
       const auto with = held_out_.Residuals(rival.refit.point);
-      if (!with || held_out_.Innovations(*before, rival.refit.noise) <=
-                       held_out_.Innovations(*with, rival.refit.noise))
-        continue;
+      if (!with || Loss(*before, rival.refit.noise) <= Loss(*with, rival.refit.noise)) continue;
       const int next = rival.candidate;
       selection_.model = rival.refit;
       selection_.causes[which] = {next, cause.delta_lr - rival.delta_lr, cause.p_value};
@@ -238,9 +261,9 @@ class Examination {
   }
 
   Status Report() {
-    SINEW_ASSIGN(const Matrix base_covariance, refitter_->Covariance(base_.refit));
+    SINEW_ASSIGN(const Matrix base_covariance, CovarianceOf(base_.refit));
     out_.base_parameters = Describe(base_.refit, base_covariance, Findings(base_.refit));
-    SINEW_ASSIGN(const Matrix covariance, refitter_->Covariance(selection_.model));
+    SINEW_ASSIGN(const Matrix covariance, CovarianceOf(selection_.model));
     out_.extended_parameters = Describe(selection_.model, covariance, Findings(selection_.model));
     out_.extended_point = selection_.model.point;
     const double n = selection_.model.rows;
@@ -252,6 +275,7 @@ class Examination {
       cause.sentence = candidate.says;
       cause.parameters = Describe(selection_.model, covariance, candidate.parameters);
       cause.p_value = chosen.p_value;
+      cause.left_out = chosen.left_out;
       cause.delta_lr = chosen.delta_lr;
       cause.delta_bic = chosen.delta_lr - static_cast<double>(candidate.parameters.size()) * std::log(n);
       cause.size = SizeOf(chosen.candidate, chosen.delta_lr);
@@ -265,7 +289,7 @@ class Examination {
   Status ReportRival(const Rival& rival, double n) {
     const Candidate& candidate = candidates_[static_cast<std::size_t>(rival.candidate)];
     const Candidate& cause = candidates_[static_cast<std::size_t>(rival.instead_of)];
-    SINEW_ASSIGN(const Matrix covariance, refitter_->Covariance(rival.refit));
+    SINEW_ASSIGN(const Matrix covariance, CovarianceOf(rival.refit));
     Alternative other;
     other.instead_of = cause.effect;
     other.effect = candidate.effect;
@@ -344,17 +368,20 @@ class Examination {
                  StandAt(problem_, candidates_, selection_.model, options_.alarm_level, options_.seed));
     for (std::size_t i = 0; i < std::min(selection_.unknown.size(), kMostUnknown); ++i) {
       const int c = selection_.unknown[i];
+      if (candidates_[static_cast<std::size_t>(c)].drifting >= 0) {
+        DiscoverDrift(c, selection_.unknown_p_value[i], standing.noise);
+        continue;
+      }
       std::vector<int> released = selection_.model.released;
       released.push_back(c);
-      const Refit refit = refitter_->Fit(released, {StartsFor(standing, candidates_, c)});
+      const Refit refit = Fit(released, StartsFor(standing, candidates_, c));
       if (!refit.usable()) continue;
       UnknownFinding finding = DescribeUnknown(c, refit);
       finding.p_value = selection_.unknown_p_value[i];
       if (before) {
         const auto after = held_out_.Residuals(refit.point);
         if (!after) continue;
-        const double gain =
-            held_out_.Innovations(*before, refit.noise) - held_out_.Innovations(*after, refit.noise);
+        const double gain = Loss(*before, refit.noise) - Loss(*after, refit.noise);
         if (gain <= 0) continue;
         double sum_before = 0;
         double sum_after = 0;
@@ -368,6 +395,40 @@ class Examination {
       if (out_.unknown_terms.size() == 1) unknown_point_ = refit.point;
     }
     return {};
+  }
+
+  void DiscoverDrift(int c, double p_value, const NoiseModel& noise) {
+    const Candidate& candidate = candidates_[static_cast<std::size_t>(c)];
+    const auto drift = FitDrift(problem_, selection_.model, candidates_, c, noise);
+    if (!drift) return;
+    const Parameter& p = out_.setup.parameters[static_cast<std::size_t>(candidate.drifting)];
+    UnknownFinding finding;
+    finding.port = p.name;
+    finding.signal = "time";
+    finding.signal_unit = "s";
+    finding.unit = p.unit;
+    finding.changes_parameter = true;
+    finding.shape = drift->change > 0 ? "grows within a trial" : "shrinks within a trial";
+    finding.p_value = p_value;
+    double longest = 0;
+    for (const Block& block : problem_.layout())
+      longest = std::max(longest, block.prediction_time.back() - block.prediction_time.front());
+    const double value = selection_.model.point[candidate.drifting];
+    finding.knots = {0, longest};
+    finding.curve = {value - drift->change, value + drift->change};
+    finding.deviation = {drift->std_error, drift->std_error};
+    if (!drift->before.empty()) {
+      if (Loss(drift->before, noise) <= Loss(drift->after, noise)) return;
+      double before = 0;
+      double after = 0;
+      for (std::size_t b = 0; b < drift->before.size(); ++b) {
+        before += drift->before[b].squaredNorm();
+        after += drift->after[b].squaredNorm();
+      }
+      finding.held_out_reduction = 1 - std::sqrt(after / before);
+    }
+    if (out_.unknown_terms.empty()) unknown_residuals_ = drift->after;
+    out_.unknown_terms.push_back(std::move(finding));
   }
 
   [[nodiscard]] UnknownFinding DescribeUnknown(int c, const Refit& refit) const {
@@ -426,7 +487,8 @@ class Examination {
     if (!held_out_.exists()) return {};
     SINEW_ASSIGN(const auto residuals_before, held_out_.Residuals(before));
     const bool unknown_only = selection_.causes.empty() && unknown_point_.size() > 0;
-    SINEW_ASSIGN(const auto residuals_after, held_out_.Residuals(unknown_only ? unknown_point_ : after));
+    SINEW_ASSIGN(auto residuals_after, held_out_.Residuals(unknown_only ? unknown_point_ : after));
+    if (!unknown_residuals_.empty()) residuals_after = unknown_residuals_;
     out_.gain = held_out_.Gains(residuals_before, residuals_after, selection_.model.noise, options_.seed);
     return {};
   }
@@ -464,6 +526,15 @@ class Examination {
       out_.verdict = out_.alternatives.empty() ? DiagnosisVerdict::kExplained : DiagnosisVerdict::kAmbiguous;
     }
     out_.family_p_value = selection_.family_p_value;
+    if (selection_.gross) {
+      out_.left_out = selection_.left_out;
+      out_.warnings.push_back(
+          "what is wrong dwarfs the noise, and the known effects do not explain all of it: causes were "
+          "chosen "
+          "by what they predict for " +
+          Join(selection_.left_out, "; ") +
+          ", each left out of the fit in turn, and intervals show what leaving out one trial does");
+    }
     if (!held_out_.exists())
       out_.warnings.push_back(
           "there is no validation trial: no gain can be measured, and no cause withdrawn");
@@ -478,6 +549,7 @@ class Examination {
   Standing base_;
   Selection selection_;
   Vector unknown_point_;
+  std::vector<Vector> unknown_residuals_;  // of held-out trials, if the first unknown term is a drift
   Diagnosis out_;
 };
 

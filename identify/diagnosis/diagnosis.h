@@ -91,7 +91,8 @@ struct Cause {
   double p_value = 1;
   double delta_lr = 0;  ///< against the model without it
   double delta_bic = 0;
-  double size = 0;  ///< in units of what a test that knew where to look would just detect (95 % at 5 %)
+  double size = 0;      ///< in units of what a test that knew where to look would just detect (95 % at 5 %)
+  double left_out = 0;  ///< Diagnosis::left_out: error of left-out conditions with it / without it; else 0
 };
 
 /// A cause that the fitted trials suggest and the held-out trials deny.
@@ -139,7 +140,8 @@ struct Gain {
 };
 
 struct UnknownFinding {
-  std::string port;
+  std::string port;  ///< or the parameter that is not constant
+  bool changes_parameter = false;
   std::string signal;
   std::string signal_unit;
   std::string unit;         ///< of the port
@@ -180,6 +182,9 @@ struct Diagnosis {
   double threshold = 0;              ///< on |t| of a single known effect, at the family-wise level
   double family_p_value = 1;         ///< of the strongest alarm
 
+  /// Conditions (or trials) that were left out of the fit in turn, if causes had to be chosen by what they
+  /// predict there, since what is wrong dwarfs the noise.
+  std::vector<std::string> left_out;
   std::vector<EffectScore> scores;  ///< of every effect and unknown term, strongest first
   std::vector<Cause> causes;
   std::vector<Alternative> alternatives;

@@ -6,7 +6,6 @@
 #include <limits>
 
 #include "identify/diagnosis/design.h"
-#include "identify/uncertainty/local_fit.h"
 
 namespace sinew {
 namespace {
@@ -62,47 +61,85 @@ double Deviance(const LeastSquares& fit, const Vector& residual, const NoiseMode
   return deviance;
 }
 
-Refit Refitter::Fit(std::vector<int> released, const std::vector<Vector>& starts) const {
-  Refit refit;
-  std::sort(released.begin(), released.end());
-  refit.released = std::move(released);
-  auto setup = std::make_shared<FitSetup>(base_);
-  for (const int c : refit.released) {
-    const auto& parameters = candidates_[static_cast<std::size_t>(c)].parameters;
-    setup->free.insert(setup->free.end(), parameters.begin(), parameters.end());
-  }
-  std::sort(setup->free.begin(), setup->free.end());
-  setup->rest = starts.front();
-  refit.setup = setup;
-
-  LeastSquares fit(problem_, *setup);
+LocalFit::Outcome FitFromStarts(const LeastSquares& fit, const std::vector<Vector>& starts,
+                                double tolerance) {
   LocalFit search(fit);
   LocalFit::Outcome best;
   best.cost = std::numeric_limits<double>::infinity();
+  const bool only = starts.size() == 1;
   for (const Vector& start : starts) {
-    const bool only = starts.size() == 1;
-    const auto outcome = search.Minimize(fit.Variables(start), -1, {0, kOrdinaryTolerance},
-                                         only ? kFitEvaluations : kScoutEvaluations);
-    if (refit.failure.empty() && !outcome.failure.empty()) refit.failure = outcome.failure;
-    if (outcome.cost < best.cost) best = outcome;
+    auto outcome =
+        search.Minimize(fit.Variables(start), -1, {0, tolerance}, only ? kFitEvaluations : kScoutEvaluations);
+    if (outcome.cost < best.cost) {
+      best = std::move(outcome);
+    } else if (!std::isfinite(best.cost) && !outcome.failure.empty()) {
+      best.failure = outcome.failure;
+    }
   }
-  if (!std::isfinite(best.cost)) return refit;
-  refit.failure.clear();
-  if (!best.converged && starts.size() > 1)
-    best = search.Minimize(best.x, -1, {0, kOrdinaryTolerance}, kFitEvaluations);
-  refit.x = best.x;
-  refit.converged = best.converged;
+  if (!std::isfinite(best.cost)) return best;
+  best.failure.clear();
+  if (!best.converged && !only) best = search.Minimize(best.x, -1, {0, tolerance}, kFitEvaluations);
+  return best;
+}
 
+FitSetup Refitter::SetupWith(const std::vector<int>& released) const {
+  FitSetup setup = base_;
+  for (const int c : released) {
+    const auto& parameters = candidates_[static_cast<std::size_t>(c)].parameters;
+    setup.free.insert(setup.free.end(), parameters.begin(), parameters.end());
+  }
+  std::sort(setup.free.begin(), setup.free.end());
+  return setup;
+}
+
+Status Refitter::EstimateNoise(LeastSquares& fit, Refit& refit) const {
+  fit.set_transform(nullptr);
+  SINEW_ASSIGN(const auto blocks, NoiseBlocks(fit, refit.x));
+  SINEW_ASSIGN(refit.noise, EstimateNoiseModel(blocks, {}));
+  return {};
+}
+
+Status Refitter::Finish(const LeastSquares& fit, Refit& refit) const {
+  auto workspace = fit.NewWorkspace();
+  Vector residual;
+  SINEW_TRY(fit.Evaluate(refit.x, workspace, residual, nullptr));
+  refit.point = fit.Parameters(refit.x);
+  refit.deviance = Deviance(fit, residual, refit.noise, &refit.rows);
+  return {};
+}
+
+Refit Refitter::FitOrdinary(std::vector<int> released, const std::vector<Vector>& starts,
+                            double tolerance) const {
+  Refit refit;
+  std::sort(released.begin(), released.end());
+  refit.released = std::move(released);
+  auto setup = std::make_shared<FitSetup>(SetupWith(refit.released));
+  setup->rest = starts.front();
+  refit.setup = setup;
+  LeastSquares fit(problem_, *setup);
+  const auto found = FitFromStarts(fit, starts, tolerance);
+  refit.failure = found.failure;
+  if (!refit.usable()) return refit;
+  refit.x = found.x;
+  refit.converged = found.converged;
+  Status status = EstimateNoise(fit, refit);
+  if (status) status = Finish(fit, refit);
+  if (!status) refit.failure = status.error().message;
+  return refit;
+}
+
+Refit Refitter::Fit(std::vector<int> released, const std::vector<Vector>& starts) const {
+  Refit refit = FitOrdinary(std::move(released), starts, kOrdinaryTolerance);
+  if (!refit.usable() || IsPlain(refit.noise)) return refit;
+  LeastSquares fit(problem_, *refit.setup);
   const auto stretches = TrainStretches(fit);
   for (int round = 0; round < kNoiseRounds; ++round) {
-    fit.set_transform(nullptr);
-    const auto blocks = NoiseBlocks(fit, refit.x);
-    auto noise = blocks ? EstimateNoiseModel(*blocks, {}) : tl::unexpected(blocks.error());
-    if (!noise) {
-      refit.failure = noise.error().message;
-      return refit;
+    if (round > 0) {
+      if (const Status status = EstimateNoise(fit, refit); !status) {
+        refit.failure = status.error().message;
+        return refit;
+      }
     }
-    refit.noise = std::move(*noise);
     if (IsPlain(refit.noise)) break;
     const Whitening whitening(refit.noise, stretches);
     fit.set_transform(&whitening);
@@ -113,14 +150,7 @@ Refit Refitter::Fit(std::vector<int> released, const std::vector<Vector>& starts
     refit.x = outcome.x;
     refit.converged = outcome.converged;
   }
-  auto workspace = fit.NewWorkspace();
-  Vector residual;
-  if (const Status status = fit.Evaluate(refit.x, workspace, residual, nullptr); !status) {
-    refit.failure = status.error().message;
-    return refit;
-  }
-  refit.point = fit.Parameters(refit.x);
-  refit.deviance = Deviance(fit, residual, refit.noise, &refit.rows);
+  if (const Status status = Finish(fit, refit); !status) refit.failure = status.error().message;
   return refit;
 }
 

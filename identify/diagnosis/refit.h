@@ -9,6 +9,7 @@
 #include "identify/diagnosis/candidate.h"
 #include "identify/diagnosis/noise_model.h"
 #include "identify/least_squares.h"
+#include "identify/uncertainty/local_fit.h"
 
 namespace sinew {
 
@@ -41,15 +42,32 @@ class Refitter {
   /// have them although a candidate owns them
   [[nodiscard]] Refit Fit(std::vector<int> released, const std::vector<Vector>& starts) const;
 
+  /// Ordinary least squares alone: what is wrong dwarfs the noise, and a noise model would swallow it. Noise
+  /// and deviance are those of its residual.
+  /// @param tolerance relative, of the cost
+  [[nodiscard]] Refit FitOrdinary(std::vector<int> released, const std::vector<Vector>& starts,
+                                  double tolerance) const;
+
+  /// The base setup with the candidates' parameters free too.
+  [[nodiscard]] FitSetup SetupWith(const std::vector<int>& released) const;
+
   /// Standard deviations and covariance of the variables [n x n, unit box] under the refit's own noise; of
   /// variables on a bound 0. Errors: the problem's own.
   [[nodiscard]] Result<Matrix> Covariance(const Refit& refit) const;
 
  private:
+  [[nodiscard]] Status EstimateNoise(LeastSquares& fit, Refit& refit) const;
+  [[nodiscard]] Status Finish(const LeastSquares& fit, Refit& refit) const;
+
   const Problem& problem_;
   FitSetup base_;
   const std::vector<Candidate>& candidates_;
 };
+
+/// Least squares from every start, the best of them to the end. @param starts [P] each, not empty. Infinite
+/// cost and a reason if there is no prediction at any.
+[[nodiscard]] LocalFit::Outcome FitFromStarts(const LeastSquares& fit, const std::vector<Vector>& starts,
+                                              double tolerance);
 
 /// Stretches of every training block.
 [[nodiscard]] std::vector<std::vector<int>> TrainStretches(const LeastSquares& fit);

@@ -10,6 +10,7 @@
 #include <map>
 #include <set>
 
+#include "identify/diagnosis/gross_search.h"
 #include "identify/uncertainty/chi_squared.h"
 
 namespace sinew {
@@ -44,6 +45,10 @@ class Selector {
 
     std::vector<int> chosen;
     Standing standing = base_;
+    if (IsGross(base_.refit.noise)) {
+      SINEW_TRY(SearchGross(selection));
+      if (selection.gross) return selection;
+    }
     while (static_cast<int>(chosen.size()) < kMostCauses) {
       SINEW_ASSIGN(const std::vector<int> next, Extend(chosen, standing));
       if (next.empty()) break;
@@ -70,6 +75,37 @@ class Selector {
 
  private:
   using Set = std::vector<int>;
+
+  // If one known cause leaves nothing gross, the usual steps do better; else what left-out conditions say
+  // counts.
+  Status SearchGross(Selection& selection) {
+    GrossSearch search(problem_, refitter_, candidates_, options_);
+    if (!search.possible()) return {};
+    SINEW_ASSIGN(const auto found, search.Run(base_));
+    if (found.released.empty() || !found.ends_gross) return {};
+    selection.alarm = true;
+    selection.gross = true;
+    selection.family_p_value = std::min(selection.family_p_value, options_.alarm_level);
+    selection.structure_left = true;
+    selection.left_out = search.folds();
+    selection.model = found.model;
+    for (const auto& [c, share] : found.left_out_shares) {
+      ChosenCause cause;
+      cause.candidate = c;
+      cause.left_out = share;
+      selection.causes.push_back(cause);
+    }
+    std::stable_sort(selection.causes.begin(), selection.causes.end(),
+                     [](const ChosenCause& a, const ChosenCause& b) { return a.left_out < b.left_out; });
+    for (ChosenCause& cause : selection.causes) {
+      Set rest = found.released;
+      rest.erase(std::remove(rest.begin(), rest.end(), cause.candidate), rest.end());
+      const Refit without = refitter_.FitOrdinary(rest, {found.model.point}, 1e-6);
+      if (without.usable()) cause.delta_lr = without.deviance - found.model.deviance;
+      cause.p_value = RefitPValue(cause.delta_lr, {cause.candidate});
+    }
+    return {};
+  }
 
   // Coloured noise with a root near one, or much larger than its innovations, may be an effect that the noise
   // model has swallowed.

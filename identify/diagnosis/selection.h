@@ -22,10 +22,16 @@ struct ChosenCause {
   int candidate = 0;
   double delta_lr = 0;  ///< against the chosen set without it
   double p_value = 1;   ///< family-wise
+  double left_out =
+      0;  ///< Selection::gross: error of left-out conditions with it, as a share of that without
 };
 
 struct Selection {
   bool alarm = false;
+  /// What is wrong dwarfs the noise, and something of that kind is left: causes were chosen by what they
+  /// predict for conditions left out of the fit, not by likelihood.
+  bool gross = false;
+  std::vector<std::string> left_out;  ///< these conditions, if gross
   double family_p_value = 1;
   std::vector<ChosenCause> causes;  ///< most important first
   std::vector<Rival> rivals;

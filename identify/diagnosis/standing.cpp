@@ -1,5 +1,7 @@
 #include "identify/diagnosis/standing.h"
 
+#include <Eigen/Eigenvalues>
+#include <Eigen/QR>
 #include <algorithm>
 #include <cmath>
 
@@ -33,6 +35,56 @@ Vector StartAt(const Standing& standing, const ScoreTable& table, const Candidat
   return point;
 }
 
+constexpr Eigen::Index kRowsPerDirection = 50;
+constexpr Eigen::Index kMostDirections = 40;
+constexpr double kLeastShare = 1e-4;  // of the largest eigenvalue
+
+// Leading directions of what all candidates can do and the base cannot, unit length [m x r].
+Matrix LeadingDirections(const Design& design) {
+  Matrix columns = design.candidates;
+  Eigen::ColPivHouseholderQR<Matrix> qr(
+      design.base * design.base.colwise().norm().cwiseMax(1e-300).cwiseInverse().asDiagonal());
+  qr.setThreshold(1e-8);
+  const Matrix q = qr.householderQ() * Matrix::Identity(columns.rows(), qr.rank());
+  for (Eigen::Index k = 0; k < columns.cols(); ++k) {
+    const double before = columns.col(k).norm();
+    columns.col(k) -= q * (q.transpose() * columns.col(k));
+    const double left = columns.col(k).norm();
+    columns.col(k) *= left > 1e-3 * before ? 1 / left : 0;
+  }
+  const Eigen::SelfAdjointEigenSolver<Matrix> eigen(columns.transpose() * columns);
+  const auto last = eigen.eigenvalues().size() - 1;
+  const Eigen::Index most = std::min(kMostDirections, columns.rows() / kRowsPerDirection);
+  Eigen::Index count = 0;
+  while (count < std::min(most, last + 1) &&
+         eigen.eigenvalues()[last - count] > kLeastShare * eigen.eigenvalues()[last]) {
+    ++count;
+  }
+  Matrix directions(columns.rows(), count);
+  for (Eigen::Index i = 0; i < count; ++i)
+    directions.col(i) =
+        columns * eigen.eigenvectors().col(last - i) / std::sqrt(eigen.eigenvalues()[last - i]);
+  return directions;
+}
+
+// A noise model of the residual of a model that lacks something swallows what it lacks; so everything that
+// might be there is among the regressors.
+Result<NoiseModel> NoiseBehindCandidates(const LeastSquares& fit, const Vector& x, const Design& design) {
+  SINEW_ASSIGN(auto blocks, NoiseBlocks(fit, x));
+  const Matrix directions = LeadingDirections(design);
+  for (std::size_t t = 0; t < blocks.size(); ++t) {
+    NoiseBlock& block = blocks[t];
+    const auto rows = block.residual.size();
+    const auto own = block.regressors.cols();
+    block.regressors.conservativeResize(rows, own + directions.cols());
+    block.regressors.rightCols(directions.cols()) =
+        directions.middleRows(fit.train_blocks()[t].first_row, rows);
+    for (Eigen::Index k = 0; k < directions.cols(); ++k)
+      block.columns.push_back(fit.variables() + static_cast<int>(k));
+  }
+  return EstimateNoiseModel(blocks, {});
+}
+
 }  // namespace
 
 const Score* Standing::BestOf(int candidate, const ScoreTable& table) const {
@@ -50,7 +102,9 @@ Result<Standing> StandAt(const Problem& problem, const std::vector<Candidate>& c
   const LeastSquares fit(problem, *standing.refit.setup);
   const Whitening whitening(standing.refit.noise, TrainStretches(fit));
   SINEW_ASSIGN(standing.design, MakeDesign(fit, standing.refit.x, candidates, whitening));
-  standing.whitened = MakeScores(fit, standing.design, candidates, &whitening);
+  SINEW_ASSIGN(standing.noise, NoiseBehindCandidates(fit, standing.refit.x, standing.design));
+  const Whitening behind(standing.noise, TrainStretches(fit));
+  standing.whitened = MakeScores(fit, standing.design, candidates, &behind);
   standing.plain = standing.refit.noise.IsColoured() ? MakeScores(fit, standing.design, candidates, nullptr)
                                                      : standing.whitened;
   standing.family = FamilyOf(standing.whitened, level, seed);

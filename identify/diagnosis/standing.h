@@ -12,8 +12,9 @@ namespace sinew {
 struct Standing {
   Refit refit;
   Design design;
-  ScoreTable whitened;
-  ScoreTable plain;  ///< without whitening, which swallows what is large
+  NoiseModel noise;     ///< with everything that candidates can do among the regressors
+  ScoreTable whitened;  ///< by that noise
+  ScoreTable plain;     ///< without whitening, which swallows what is large
   Family family;
 
   /// Best score of a candidate over its probes, nullptr if it was not judged.

@@ -72,6 +72,11 @@ std::vector<std::string> DescribeDiagnosis(const Diagnosis& d, bool has_held_out
   for (const Cause& cause : d.causes) {
     sentences.push_back(fmt::format("Cause [{}]: {} ({}); {}.", ToString(cause.level), cause.sentence,
                                     cause.effect, DescribeParameters(cause.parameters)));
+    if (cause.left_out > 0) {
+      sentences.back().pop_back();
+      sentences.back() += fmt::format("; with it, conditions left out of the fit are missed by {} less.",
+                                      Percent(1 - cause.left_out));
+    }
     for (const Alternative& other : d.alternatives) {
       if (other.instead_of != cause.effect) continue;
       std::string text =
@@ -92,6 +97,14 @@ std::vector<std::string> DescribeDiagnosis(const Diagnosis& d, bool has_held_out
     }
   }
   for (const UnknownFinding& unknown : d.unknown_terms) {
+    if (unknown.changes_parameter) {
+      sentences.push_back(
+          fmt::format("Not in the library: {} is not constant, it {}, from {} to {}{}; held-out RMSE changes "
+                      "by {:+.0f} %.",
+                      unknown.port, unknown.shape, Readable(unknown.curve.front()),
+                      Readable(unknown.curve.back()), Unit(unknown.unit), -100 * unknown.held_out_reduction));
+      continue;
+    }
     sentences.push_back(
         fmt::format("Not in the library: something adds to {} as a function of {} ({}{}); held-out RMSE "
                     "changes by {:+.0f} %.",

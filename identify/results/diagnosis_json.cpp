@@ -78,7 +78,8 @@ Json FromCause(const Cause& c) {
           {"p_value", Finite(c.p_value)},
           {"delta_lr", Finite(c.delta_lr)},
           {"delta_bic", Finite(c.delta_bic)},
-          {"size", Finite(c.size)}};
+          {"size", Finite(c.size)},
+          {"left_out", Finite(c.left_out)}};
 }
 
 Json FromAlternative(const Alternative& a) {

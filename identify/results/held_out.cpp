@@ -5,33 +5,13 @@
 
 #include "identify/fit_setup.h"
 #include "identify/least_squares.h"
+#include "identify/role_view.h"
 #include "identify/uncertainty/local_fit.h"
 
 namespace sinew {
 namespace {
 
 constexpr long kEvaluations = 60;
-
-// One held-out trial stands as the only training trial.
-class OnlyThisTrial final : public Problem {
- public:
-  OnlyThisTrial(const Problem& inner, const std::string& trial) : inner_(inner), layout_(inner.layout()) {
-    for (Block& block : layout_) {
-      const bool fitted = block.trial == trial && block.role == BlockRole::kValidate;
-      block.role = fitted ? BlockRole::kTrain : BlockRole::kPredicted;
-    }
-  }
-  [[nodiscard]] const std::vector<Parameter>& parameters() const override { return inner_.parameters(); }
-  [[nodiscard]] const Layout& layout() const override { return layout_; }
-  [[nodiscard]] std::unique_ptr<Workspace> NewWorkspace() const override { return inner_.NewWorkspace(); }
-  Status Predict(const Query& query, Workspace& workspace, Prediction& prediction) const override {
-    return inner_.Predict(query, workspace, prediction);
-  }
-
- private:
-  const Problem& inner_;
-  Layout layout_;
-};
 
 }  // namespace
 
@@ -50,7 +30,10 @@ Result<Vector> FitHeldOutNuisance(const Problem& problem, const Vector& paramete
       if (p.kind == ParameterKind::kNuisance && p.trial == trial) setup.free.push_back(static_cast<int>(i));
     }
     if (setup.free.empty()) continue;
-    const OnlyThisTrial alone(problem, trial);
+    const RoleView alone(problem, [&](const Block& block) {
+      const bool fitted = block.trial == trial && block.role == BlockRole::kValidate;
+      return fitted ? BlockRole::kTrain : BlockRole::kPredicted;
+    });
     const LeastSquares least_squares(alone, setup);
     LocalFit fit(least_squares);
     const auto outcome = fit.Minimize(least_squares.Variables(answer), -1, {0, 1e-9}, kEvaluations);

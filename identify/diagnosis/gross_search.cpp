@@ -1,0 +1,255 @@
+#include "identify/diagnosis/gross_search.h"
+
+#include <tbb/parallel_for.h>
+#include <tbb/task_arena.h>
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <set>
+
+#include "identify/diagnosis/held_out_gain.h"
+#include "identify/role_view.h"
+
+namespace sinew {
+namespace {
+
+constexpr double kWanders = 0.97;        // root of the noise ...
+constexpr double kFarther = 5;           // ... and deviation over that of its innovations
+constexpr double kTolerance = 1e-4;      // relative, of the cost, while searching ...
+constexpr double kFineTolerance = 1e-6;  // ... and of the answer
+constexpr std::size_t kMostPromising = 10;
+constexpr std::size_t kMostLeftOut = 6;
+constexpr std::size_t kBeam = 2;  // by each of the two errors
+constexpr std::size_t kMostCauses = 5;
+constexpr double kWorthIt = 0.97;  // error of left-out conditions with a cause, as a share of that without
+
+template <class F>
+void InParallel(int threads, std::size_t count, F&& one) {
+  if (threads > 1) {
+    tbb::task_arena arena(threads);
+    arena.execute([&] { tbb::parallel_for(std::size_t{0}, count, one); });
+  } else {
+    for (std::size_t i = 0; i < count; ++i) one(i);
+  }
+}
+
+template <class T>
+bool ByLeftOut(const T& a, const T& b) {
+  return a.left_out_error < b.left_out_error;
+}
+
+GrossSearch::Set With(GrossSearch::Set set, int c) {
+  set.insert(std::lower_bound(set.begin(), set.end(), c), c);
+  return set;
+}
+
+}  // namespace
+
+bool IsGross(const NoiseModel& noise) {
+  return std::any_of(noise.channels.begin(), noise.channels.end(), [](const ChannelNoiseModel& channel) {
+    return channel.LargestRoot() > kWanders && channel.ProcessDeviation() > kFarther * channel.deviation;
+  });
+}
+
+GrossSearch::GrossSearch(const Problem& problem, const Refitter& refitter,
+                         const std::vector<Candidate>& candidates, const DiagnosisOptions& options)
+    : problem_(problem), refitter_(refitter), candidates_(candidates), options_(options) {
+  std::set<std::string> trials;
+  std::set<std::string> conditions;
+  for (const Block& block : problem.layout()) {
+    if (block.role != BlockRole::kTrain) continue;
+    trials.insert(block.trial);
+    conditions.insert(block.condition.empty() ? block.trial : block.condition);
+  }
+  by_condition_ = conditions.size() > 1;
+  const auto& names = by_condition_ ? conditions : trials;
+  folds_.assign(names.begin(), names.end());
+}
+
+double GrossSearch::Rows() const {
+  double rows = 0;
+  for (const Block& block : problem_.layout()) rows += block.role == BlockRole::kTrain ? block.samples() : 0;
+  return rows;
+}
+
+double GrossSearch::LeftOutError(const Set& released, const Vector& start) const {
+  double squares = 0;
+  for (const std::string& fold : folds_) {
+    const RoleView view(problem_, [&](const Block& block) {
+      if (block.role != BlockRole::kTrain) return BlockRole::kPredicted;
+      const std::string& own = by_condition_ && !block.condition.empty() ? block.condition : block.trial;
+      return own == fold ? BlockRole::kValidate : BlockRole::kTrain;
+    });
+    FitSetup setup = refitter_.SetupWith(released);
+    setup.rest = start;
+    std::set<std::string> fitted;
+    for (const Block& block : view.layout()) {
+      if (block.role == BlockRole::kTrain) fitted.insert(block.trial);
+    }
+    std::vector<int> free;
+    for (const int index : setup.free) {
+      const Parameter& p = setup.parameters[static_cast<std::size_t>(index)];
+      if (p.trial.empty() || fitted.count(p.trial) > 0) free.push_back(index);
+    }
+    setup.free = std::move(free);
+    const LeastSquares fit(view, setup);
+    const auto found = FitFromStarts(fit, {start}, kTolerance);
+    if (!found.failure.empty() || !std::isfinite(found.cost)) return std::numeric_limits<double>::infinity();
+    const auto residuals = HeldOut(view).Residuals(fit.Parameters(found.x));
+    if (!residuals) return std::numeric_limits<double>::infinity();
+    for (const Vector& block : *residuals) squares += block.squaredNorm();
+  }
+  return std::sqrt(squares / Rows());
+}
+
+// Shared by all trials, known, and among the best by the linear prediction.
+std::vector<int> GrossSearch::Promising(const Standing& standing, const Set& have) const {
+  std::vector<std::pair<double, int>> ranking;
+  for (std::size_t c = 0; c < candidates_.size(); ++c) {
+    if (!candidates_[c].primary() || std::binary_search(have.begin(), have.end(), static_cast<int>(c)))
+      continue;
+    const Score* score = standing.BestOf(static_cast<int>(c), standing.plain);
+    if (score != nullptr) ranking.emplace_back(-score->statistic, static_cast<int>(c));
+  }
+  std::sort(ranking.begin(), ranking.end());
+  std::vector<int> promising;
+  for (std::size_t i = 0; i < std::min(ranking.size(), kMostPromising); ++i)
+    promising.push_back(ranking[i].second);
+  return promising;
+}
+
+void GrossSearch::FitAll(std::vector<Trial>& trials, const std::vector<std::vector<Vector>>& starts) const {
+  InParallel(options_.threads, trials.size(), [&](std::size_t i) {
+    Trial& trial = trials[i];
+    trial.fitted_error = std::numeric_limits<double>::infinity();
+    trial.left_out_error = std::numeric_limits<double>::infinity();
+    FitSetup setup = refitter_.SetupWith(trial.released);
+    setup.rest = starts[i].front();
+    const LeastSquares fit(problem_, setup);
+    const auto found = FitFromStarts(fit, starts[i], kTolerance);
+    if (!found.failure.empty() || !std::isfinite(found.cost)) return;
+    trial.point = fit.Parameters(found.x);
+    trial.fitted_error = std::sqrt(2 * found.cost / Rows());
+  });
+}
+
+void GrossSearch::Grow(const Trial& from, const Standing& standing, std::vector<Trial>& made) {
+  std::vector<Trial> trials;
+  std::vector<std::vector<Vector>> starts;
+  for (const int c : Promising(standing, from.released)) {
+    Set next = With(from.released, c);
+    if (!seen_.insert(next).second) continue;
+    trials.push_back({std::move(next), {}, 0, 0});
+    starts.push_back(StartsFor(standing, candidates_, c));
+  }
+  FitAll(trials, starts);
+  for (Trial& trial : trials) {
+    if (std::isfinite(trial.fitted_error)) made.push_back(std::move(trial));
+  }
+}
+
+void GrossSearch::LeaveOut(std::vector<Trial>& sets) const {
+  InParallel(options_.threads, sets.size(), [&](std::size_t i) {
+    if (std::isfinite(sets[i].fitted_error))
+      sets[i].left_out_error = LeftOutError(sets[i].released, sets[i].point);
+  });
+}
+
+std::vector<GrossSearch::Trial> GrossSearch::OneLess(const Trial& of) const {
+  std::vector<Trial> smaller;
+  std::vector<std::vector<Vector>> starts;
+  for (const int c : of.released) {
+    Set rest;
+    for (const int other : of.released) {
+      if (other != c) rest.push_back(other);
+    }
+    Vector start = of.point;
+    for (const int index : candidates_[static_cast<std::size_t>(c)].parameters)
+      start[index] = refitter_.base().rest[index];
+    smaller.push_back({std::move(rest), {}, 0, 0});
+    starts.push_back({std::move(start)});
+  }
+  FitAll(smaller, starts);
+  LeaveOut(smaller);
+  return smaller;
+}
+
+// What the prediction of left-out conditions does not need goes; what is left of the set is judged one by
+// one.
+Result<GrossSearch::Outcome> GrossSearch::Conclude(Trial best, double base_error) const {
+  Outcome outcome;
+  outcome.base_error = base_error;
+  while (!best.released.empty()) {
+    std::vector<Trial> smaller = OneLess(best);
+    const auto least = std::min_element(smaller.begin(), smaller.end(), ByLeftOut<Trial>);
+    if (best.released.size() > 1 && best.left_out_error > kWorthIt * least->left_out_error) {
+      best = *least;
+      continue;
+    }
+    for (std::size_t i = 0; i < smaller.size(); ++i)
+      outcome.left_out_shares.emplace_back(best.released[i], best.left_out_error / smaller[i].left_out_error);
+    break;
+  }
+  outcome.released = best.released;
+  outcome.error = best.left_out_error;
+  outcome.model = refitter_.FitOrdinary(best.released, {best.point}, kFineTolerance);
+  if (!outcome.model.usable()) return Fail("{}", outcome.model.failure);
+  outcome.ends_gross = IsGross(outcome.model.noise);
+  return outcome;
+}
+
+Result<GrossSearch::Outcome> GrossSearch::Run(const Standing& base) {
+  Trial nothing{{}, base.refit.point, 0, 0};
+  nothing.left_out_error = LeftOutError({}, base.refit.point);
+  const double base_error = nothing.left_out_error;
+  Trial best = nothing;
+  std::vector<Trial> beam{nothing};
+  std::size_t without_gain = 0;
+  for (std::size_t size = 1; size <= kMostCauses && without_gain < 2; ++size) {
+    std::vector<Trial> made;
+    for (const Trial& from : beam) {
+      if (from.released.empty()) {
+        Grow(from, base, made);
+        continue;
+      }
+      Refit refit = refitter_.FitOrdinary(from.released, {from.point}, kTolerance);
+      if (!refit.usable()) continue;
+      if (size == 2 && &from == &beam.front() && !IsGross(refit.noise)) return Conclude(from, base_error);
+      SINEW_ASSIGN(const Standing standing,
+                   StandAt(problem_, candidates_, std::move(refit), options_.alarm_level, options_.seed));
+      Grow(from, standing, made);
+    }
+    if (made.empty()) break;
+    std::stable_sort(made.begin(), made.end(),
+                     [](const Trial& a, const Trial& b) { return a.fitted_error < b.fitted_error; });
+    if (made.size() > kMostLeftOut) made.resize(kMostLeftOut);
+    LeaveOut(made);
+    std::vector<Trial> by_left_out = made;
+    std::stable_sort(by_left_out.begin(), by_left_out.end(), ByLeftOut<Trial>);
+    beam.clear();
+    for (std::size_t i = 0; i < std::min(kBeam, made.size()); ++i) {
+      for (const Trial* one : {&by_left_out[i], &made[i]}) {
+        const bool there = std::any_of(beam.begin(), beam.end(),
+                                       [&](const Trial& b) { return b.released == one->released; });
+        if (!there) beam.push_back(*one);
+      }
+    }
+    if (options_.progress) {
+      std::string text =
+          fmt::format("{} causes together: left-out conditions miss by {:.3g} of what the base misses:", size,
+                      by_left_out.front().left_out_error / base_error);
+      for (const int c : by_left_out.front().released)
+        text += " " + candidates_[static_cast<std::size_t>(c)].effect;
+      options_.progress(text);
+    }
+    ++without_gain;
+    if (by_left_out.front().left_out_error < kWorthIt * best.left_out_error) {
+      best = by_left_out.front();
+      without_gain = 0;
+    }
+  }
+  return Conclude(std::move(best), base_error);
+}
+
+}  // namespace sinew

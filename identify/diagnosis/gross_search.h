@@ -1,0 +1,74 @@
+// When what is wrong dwarfs the noise, any noise model swallows it and likelihoods tell little. A set of
+// causes is then judged by what it predicts for conditions that were left out of its fit (cross-validation,
+// Stone 1974), and sets are built from several beginnings at a time, since a cause may show only once another
+// one is in.
+#pragma once
+
+#include <set>
+#include <string>
+#include <utility>
+#include <vector>
+
+#include "identify/diagnosis/diagnosis.h"
+#include "identify/diagnosis/refit.h"
+#include "identify/diagnosis/standing.h"
+
+namespace sinew {
+
+/// True if the residual wanders, in some channel, much farther than its innovations: no instrument does that.
+[[nodiscard]] bool IsGross(const NoiseModel& noise);
+
+class GrossSearch {
+ public:
+  using Set = std::vector<int>;
+
+  GrossSearch(const Problem& problem, const Refitter& refitter, const std::vector<Candidate>& candidates,
+              const DiagnosisOptions& options);
+
+  /// At least two conditions (or trials, if no condition is repeated) to leave out in turn.
+  [[nodiscard]] bool possible() const { return folds_.size() > 1; }
+  /// What is left out in turn, for a person: "kp = 100", or a trial.
+  [[nodiscard]] const std::vector<std::string>& folds() const { return folds_; }
+
+  /// Root mean square of the weighted residuals of left-out conditions; infinite where a fit failed.
+  /// @param start [P] from which every fit starts
+  [[nodiscard]] double LeftOutError(const Set& released, const Vector& start) const;
+
+  struct Outcome {
+    Set released;
+    Refit model;              ///< ordinary least squares
+    bool ends_gross = false;  ///< what is left is gross still
+    double base_error = 0;    ///< of left-out conditions, by the base model
+    double error = 0;         ///< by this one
+    /// Error of left-out conditions with each cause as a share of that without it.
+    std::vector<std::pair<int, double>> left_out_shares;
+  };
+  /// Best set, from the base model on; ends early if one cause leaves nothing gross. Errors: the problem's
+  /// own.
+  [[nodiscard]] Result<Outcome> Run(const Standing& base);
+
+ private:
+  [[nodiscard]] std::vector<int> Promising(const Standing& standing, const Set& have) const;
+  struct Trial {
+    Set released;
+    Vector point;  ///< [P]
+    double fitted_error = 0;
+    double left_out_error = 0;
+  };
+  void Grow(const Trial& from, const Standing& standing, std::vector<Trial>& made);
+  void FitAll(std::vector<Trial>& trials, const std::vector<std::vector<Vector>>& starts) const;
+  void LeaveOut(std::vector<Trial>& sets) const;
+  [[nodiscard]] std::vector<Trial> OneLess(const Trial& of) const;
+  [[nodiscard]] Result<Outcome> Conclude(Trial best, double base_error) const;
+  [[nodiscard]] double Rows() const;
+
+  const Problem& problem_;
+  const Refitter& refitter_;
+  const std::vector<Candidate>& candidates_;
+  const DiagnosisOptions& options_;
+  std::vector<std::string> folds_;
+  bool by_condition_ = false;
+  std::set<Set> seen_;
+};
+
+}  // namespace sinew

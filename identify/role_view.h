@@ -1,0 +1,36 @@
+// The same problem with other roles of its trials: one that was held out is fitted, or one that was fitted is
+// held out.
+#pragma once
+
+#include <functional>
+#include <memory>
+#include <vector>
+
+#include "identify/problem.h"
+
+namespace sinew {
+
+/// Parameters, predictions and everything else stay those of the inner problem, which must outlive the view.
+class RoleView final : public Problem {
+ public:
+  /// @param role the new role of each block
+  RoleView(const Problem& inner, const std::function<BlockRole(const Block&)>& role)
+      : inner_(inner), layout_(inner.layout()) {
+    for (Block& block : layout_) block.role = role(block);
+  }
+  [[nodiscard]] const std::vector<Parameter>& parameters() const override { return inner_.parameters(); }
+  [[nodiscard]] const Layout& layout() const override { return layout_; }
+  [[nodiscard]] const std::vector<Effect>& effects() const override { return inner_.effects(); }
+  [[nodiscard]] const std::vector<Port>& ports() const override { return inner_.ports(); }
+  [[nodiscard]] const std::vector<Constraint>& constraints() const override { return inner_.constraints(); }
+  [[nodiscard]] std::unique_ptr<Workspace> NewWorkspace() const override { return inner_.NewWorkspace(); }
+  Status Predict(const Query& query, Workspace& workspace, Prediction& prediction) const override {
+    return inner_.Predict(query, workspace, prediction);
+  }
+
+ private:
+  const Problem& inner_;
+  Layout layout_;
+};
+
+}  // namespace sinew
