@@ -1,5 +1,7 @@
 # %% gain [markdown]
 # ## What it brings on trials that were never fitted
+#
+# The test that counts: both models predict trials that neither was fitted to. Left of the grey edge is nothing but noise.
 
 # %% gain
 sigma_of = {row["channel"]: row["sigma"] for row in noise}
