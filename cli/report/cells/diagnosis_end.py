@@ -12,8 +12,8 @@ WORDS = [("base model", "the model as it was fitted, every effect of the library
          ("bias", "how far a parameter of the base model stood off because the cause was missing"),
          ("noticed above", "the size from which an effect would have raised the alarm in 95 of 100 such data sets"),
          ("R²", "share of the measured signal's variance that the model reproduces")]
-display(HTML('<details><summary>what they mean</summary><table class="origin"><tbody>' + "".join(
-    f"<tr><th>{escape(word)}</th><td>{escape(meaning)}</td></tr>" for word, meaning in WORDS) + "</tbody></table></details>"))
+display(HTML('<table class="origin"><tbody>' + "".join(
+    f"<tr><th>{escape(word)}</th><td>{escape(meaning)}</td></tr>" for word, meaning in WORDS) + "</tbody></table>"))
 
 # %% origin [markdown]
 # ## How this was made

@@ -4,7 +4,8 @@
 # Every effect that the library knows was asked: would you leave an error like this one? The longer the bar, the more alike
 # (in standard deviations of what chance would give). The dashed line is the level that chance alone passes, anywhere in this
 # list, with the stated probability. A long grey bar is an effect that only resembles a cause: the strongest were put into the
-# model and fitted, and ΔBIC says how much each improved it by itself (more is better).
+# model and fitted, and ΔBIC says how much each improved it by itself (more is better). A cause with a short bar shows only once
+# a stronger one is in the model.
 
 # %% scores
 from statistics import NormalDist
@@ -54,8 +55,9 @@ if shown:
     axis.spines[["left"]].set_visible(False)
     axis.set_xlabel("standard deviations (square-root scale); hatched: a free curve at that place, no known law")
     above = sum(score["family_p_value"] <= about["alarm_level"] for score in judged)
-    headline(figure, f"{above} of {len(judged)} answer more strongly than chance" if above else
-             f"None of {len(judged)} answers more strongly than chance")
+    named = f"; {'one is the cause' if len(causes) == 1 else f'{len(causes)} are causes'}" if causes else ""
+    headline(figure, f"{above} of {len(judged)} resemble the error more than chance would{named}" if above else
+             f"None of {len(judged)} resembles the error more than chance would")
     plt.show()
 
 # %% every effect
