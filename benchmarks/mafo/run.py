@@ -119,6 +119,12 @@ def named(diagnosis, effect, family):
     return "by name" if effect in names else "by its class" if family & set(names) else "NOT"
 
 
+def interval(parameter, digits):
+    """Its 95 % interval in words."""
+    ends = parameter["ci95"] or [None]
+    return "not determined" if None in ends else f"{ends[0]:.{digits}g} to {ends[1]:.{digits}g}"
+
+
 def row_of(numbers):
     return "{:8.2f} {:6.3f} {:8.2f} {:6.3f}".format(*numbers)
 
@@ -143,8 +149,7 @@ def show(found):
     hidden = {name: value for effect in found["truth"]["effects"].values() for name, value in effect.items()}
     for cause in diagnosis["causes"]:
         for p in cause["parameters"]:
-            low, high = p["ci95"]
-            print(f"  {cause['effect']}: {p['name']} = {p['value']:.4g} {p['unit']} (95 % interval {low:.4g} to {high:.4g})"
+            print(f"  {cause['effect']}: {p['name']} = {p['value']:.4g} {p['unit']} (95 % interval {interval(p, 4)})"
                   + (f"; hidden: {hidden[p['name']]:g}" if p["name"] in hidden else "; nothing of that name was hidden"))
         others = dict(stated(diagnosis))[cause["effect"]]
         if others:
@@ -153,7 +158,7 @@ def show(found):
     for p in diagnosis["extended_parameters"]:
         if p["name"] in BASE:
             print(f"  {p['name']}: {before[p['name']]['value']:.3g} without the causes, {p['value']:.3g} "
-                  f"({p['ci95'][0]:.3g} to {p['ci95'][1]:.3g}) with them {p['unit']}; true: {BASE[p['name']]:g}")
+                  f"({interval(p, 3)}) with them {p['unit']}; true: {BASE[p['name']]:g}")
     for effect, family in (("command_delay", LATE), ("coulomb_friction", DRY)):
         print(f"  hidden {effect}: stated {named(diagnosis, effect, family)}")
 
