@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <map>
 
 #include "base/numbers.h"
 #include "base/text.h"
@@ -107,22 +108,25 @@ std::string Some(const std::vector<std::string>& parts) {
 
 std::string RuledOut(const Diagnosis& d) {
   std::vector<std::string> noticed;
-  std::vector<std::string> not_judged;
+  std::map<std::string, std::vector<std::string>> not_judged;  // by the reason
   for (const EffectScore& s : d.scores) {
     const auto is = [&](const auto& found) { return found.effect == s.effect; };
     if (!s.known || std::any_of(d.causes.begin(), d.causes.end(), is)) continue;
     if (std::any_of(d.alternatives.begin(), d.alternatives.end(), is)) continue;
     if (!s.judged) {
-      not_judged.push_back(fmt::format("{} ({})", s.effect, s.why_not));
+      not_judged[s.why_not].push_back(s.effect);
     } else if (s.smallest_detectable > 0) {
       noticed.push_back(fmt::format("{} {}", s.detectable_parameter,
                                     WithUnit(s.smallest_detectable, s.detectable_unit, 2)));
     }
   }
   std::string text;
-  if (!noticed.empty())
-    text += Line("Would have been noticed (95 %) above these sizes: " + Some(noticed) + ".", 2);
-  if (!not_judged.empty()) text += Line("Not judged: " + Some(not_judged) + ".", 2);
+  if (!noticed.empty()) {
+    const std::string which = d.causes.empty() ? "Effects" : "Other effects";
+    text += Line(which + " would have been noticed (95 %) above these sizes: " + Some(noticed) + ".", 2);
+  }
+  for (const auto& [why, effects] : not_judged)
+    text += Line(fmt::format("Not judged: {}: {}.", Some(effects), why), 2);
   return text;
 }
 

@@ -56,7 +56,8 @@ Result<int> RunReport(const std::vector<std::string>& files, const std::string& 
 void AddReportCommand(CLI::App& app, const RunAction& run) {
   auto files = std::make_shared<std::vector<std::string>>();
   auto out_dir = std::make_shared<std::string>();
-  auto* command = app.add_subcommand("report", "An executed notebook and a self-contained HTML page of runs");
+  auto* command = app.add_subcommand(
+      "report", "An executed notebook and a self-contained HTML page of runs, diagnoses and studies");
   command->add_option("files", *files, "Run, diagnosis or study files")->required()->type_name("FILE.h5");
   command->add_option("--out-dir", *out_dir, "Folder for the notebook and the page")
       ->required()

@@ -125,7 +125,7 @@ def _notebook_of(file, folder):
 def _overview(files, names, folder):
     paths = {kind: {name: _relative(file.path, folder) for file, name in zip(files, names) if file.kind == kind}
              for kind in run_file.SCHEMAS}
-    return notebook.build(["comparison"], f"{len(files)} results compared",
+    return notebook.build(["comparison"], f"{len(files)} results",
                           {"RUN_FILES": paths[run_file.RUN], "STUDY_FILES": paths[run_file.STUDY],
                            "DIAGNOSIS_FILES": paths[run_file.DIAGNOSIS]})
 

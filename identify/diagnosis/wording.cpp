@@ -119,9 +119,11 @@ std::vector<std::string> DescribeDiagnosis(const Diagnosis& d, bool has_held_out
       if (base == d.base_parameters.end() || !(std::abs(p.value - base->value) > 1.96 * p.std_error))
         continue;
       const double share = p.value != 0 ? std::abs(base->value / p.value - 1) : 1;
+      if (share < 0.005) continue;  // beyond chance, but "biased by 0 %" tells nobody anything
       sentences.push_back(
-          fmt::format("With it, {} moves from {} to {}{}: what was missing had biased it by {}.", p.name,
-                      Readable(base->value), Readable(p.value), Unit(p.unit), Percent(share)));
+          fmt::format("With {}, {} moves from {} to {}{}: what was missing had biased it by {}.",
+                      d.causes.size() == 1 ? "it" : "them", p.name, Readable(base->value), Readable(p.value),
+                      Unit(p.unit), Percent(share)));
     }
   }
   if (!has_held_out) {

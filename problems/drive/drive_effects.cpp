@@ -115,8 +115,9 @@ class Builder {
 
 void AddBase(const DriveTraits& is, const DriveScales& s, const DriveStarts& start, const Units& unit,
              Builder& add) {
-  // Of logarithmic ranges, both ways; beside a known load the joint's own inertia is hard to guess.
-  const double factor = is.load_known ? 30 : 10;
+  // Of logarithmic ranges, both ways. Beside a known load the joint's own inertia is hard to guess; in a
+  // closed loop the guess takes a lag for inertia.
+  const double factor = is.load_known || is.controller != DriveControllerKind::kNone ? 30 : 10;
   constexpr double kFactor = 30;
   const double inertia = start[kInertia];
   const double viscous = std::max(start[kViscousFriction], s.torque / s.speed);

@@ -52,8 +52,8 @@ Result<Dataset> RecordDrive(const DrivePlan& plan);
 /// which is also how it acted), `position` with noise; 4 + 2 trials of 10 s at 100 Hz. With `--set mafo=1` it
 /// is the five trials of the orthosis: `reference` is the speed that was asked for, the controller and its
 /// torque limit are in drive.yaml; train on 5, 10 and 20 deg/s, validate on 10 then 20 and 20 then 10.
-/// `hidden=1` adds what the thesis's errors look like: a command delay of 0.18 s and Coulomb friction of 4 N
-/// m.
+/// `hidden=1` adds what the thesis's errors look like: a command delay of 0.18 s and Coulomb friction of
+/// 1.5 N m.
 ///
 /// The thesis gives neither inertia nor gains. Chosen: rotor of a flat 50 W motor of 94.3 mN m (0.0135 g m2)
 /// behind a gear of 300 (about 1.2 kg m2), 232.38 N m as the limit of the gear (0.77 N m at the motor, a

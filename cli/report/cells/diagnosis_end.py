@@ -1,3 +1,20 @@
+# %% words [markdown]
+# ## Words on this page
+
+# %% words
+WORDS = [("base model", "the model as it was fitted, every effect of the library switched off"),
+         ("cause", "an effect of the library that, switched on and fitted, takes the error away beyond what chance could do"),
+         ("could also be", "an effect that these data cannot tell from a named cause; the trial that could is given"),
+         ("noise floor", "the error that would remain if nothing were missing: as stated by the data, or estimated"),
+         ("p", "the chance of an alarm as strong as this, by anything in the whole list, if nothing were wrong"),
+         ("ΔLR, ΔBIC", "drop of twice the negative log-likelihood, without and with a charge for every parameter more; ΔBIC "
+          "above 10 is strong evidence"),
+         ("bias", "how far a parameter of the base model stood off because the cause was missing"),
+         ("noticed above", "the size from which an effect would have raised the alarm in 95 of 100 such data sets"),
+         ("R²", "share of the measured signal's variance that the model reproduces")]
+display(HTML('<table class="origin"><tbody>' + "".join(
+    f"<tr><th>{escape(word)}</th><td>{escape(meaning)}</td></tr>" for word, meaning in WORDS) + "</tbody></table>"))
+
 # %% origin [markdown]
 # ## How this was made
 

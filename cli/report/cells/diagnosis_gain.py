@@ -1,5 +1,8 @@
 # %% gain [markdown]
 # ## What it brings on trials that were never fitted
+#
+# The test that counts: both models predict trials that neither was fitted to. The grey zone is what noise alone
+# leaves in the fitted trials.
 
 # %% gain
 sigma_of = {row["channel"]: row["sigma"] for row in noise}

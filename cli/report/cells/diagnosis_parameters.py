@@ -20,7 +20,7 @@ def value_cell(row):
 
 
 def shift_cell(name):
-    """How far the missing causes had pushed a base parameter: in percent of its value now, bold where it is beyond chance."""
+    """How far the missing causes had pushed a base parameter: in percent of its value now, bold where it is beyond chance and 1 %."""
     if name not in base or name not in after or not extended:
         return ""
     change = base[name]["value"] - after[name]["value"]
@@ -29,7 +29,8 @@ def shift_cell(name):
     if change == 0 or after[name]["value"] == 0:
         return "no bias" if change == 0 else f"bias {number(change)}"
     text = f"bias {100 * change / abs(after[name]['value']):+.1f} %".replace("-", "−")
-    return f"<b>{text}</b>" if abs(change) > 1.96 * after[name]["std_error"] else f'<span class="pale">{text}</span>'
+    return f"<b>{text}</b>" if abs(change) > max(1.96 * after[name]["std_error"], 0.01 * abs(
+        after[name]["value"])) else f'<span class="pale">{text}</span>'
 
 
 rows = []

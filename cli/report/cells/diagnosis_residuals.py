@@ -1,12 +1,13 @@
 # %% residuals [markdown]
 # ## The error
 #
-# Simulated minus measured. The extended model is the base model with the causes in it; held-out trials were used for no fit.
+# First one channel as it was measured and simulated, then every error: simulated minus measured. The **base model** is the
+# fitted model as it is; the **extended model** has the named causes in it. Held-out trials were used for no fit.
 
 # %% residuals
 BEFORE, AFTER, MOST_PANELS = "#E69F00", "#0072B2", 24
 traces = [{"trial": trial, "channel": channel, "role": node.attrs["role"], "unit": pretty(node.attrs["unit"]),
-           "time": node["time"][:], "before": node["before"][:] - node["measured"][:],
+           "time": node["time"][:], "measured": node["measured"][:], "before": node["before"][:] - node["measured"][:],
            "after": node["after"][:] - node["measured"][:]}
           for trial in children("/diagnosis/traces") for channel in children(f"/diagnosis/traces/{trial}")
           for node in [run[f"/diagnosis/traces/{trial}/{channel}"]]]
@@ -19,6 +20,28 @@ def rms(values):
     known = values[np.isfinite(values)]
     return np.sqrt(np.mean(known ** 2)) if known.size else np.nan
 
+
+def share_explained(trace):
+    """R2 of the base model in one trace."""
+    known = np.isfinite(trace["before"])
+    spread = np.sum((trace["measured"][known] - trace["measured"][known].mean()) ** 2) if known.any() else 0
+    return 1 - np.sum(trace["before"][known] ** 2) / spread if spread > 0 else np.nan
+
+
+# What was measured, and how little of the fault the eye sees in it: the last held-out trial, else the last one.
+seen = [trace for trace in traces if trace["channel"] == traces[0]["channel"]][-1]
+figure, axis = plt.subplots(figsize=(WIDTH, 2.6))
+axis.plot(seen["time"], seen["measured"], color="#b4bac1", lw=4, label="measured")
+axis.plot(seen["time"], seen["measured"] + seen["before"], color=BEFORE, lw=1.3, label="base model")
+if extended:
+    axis.plot(seen["time"], seen["measured"] + seen["after"], color=AFTER, lw=1, label="extended model")
+axis.set_xlabel("time (s)")
+axis.set_ylabel(f"{elided(seen['channel'], 30)} ({seen['unit']})" if seen["unit"] else elided(seen["channel"], 30))
+axis.legend(loc="upper left", bbox_to_anchor=(1, 1), frameon=False)
+fits = share_explained(seen)
+headline(figure, f"{'Held-out trial' if seen['role'] == 'validate' else 'Trial'} {elided(seen['trial'], 24)}: "
+         + (f"by eye the base model looks right (R² {coefficient(fits)})" if fits > 0.95 else "measured and simulated"))
+plt.show()
 
 key = [(BEFORE, "base model")] + [(AFTER, "extended model")] * extended + [("#d5dbe1", "noise (±2 σ)")] * bool(floor)
 display(HTML('<p class="key">' + "".join(f'<span style="color:{colour}">■</span> {name}' for colour, name in key) + "</p>"))

@@ -1,14 +1,16 @@
 # %% scores [markdown]
 # ## What could explain it
 #
-# How strongly every known effect and every unknown term answers to the residual of the base model, before any refit: in
-# standard deviations of what chance would give. The line is the level that chance passes anywhere in this list with the
-# stated probability. An effect beyond the line is not a cause by that alone: it may only resemble one.
+# Every effect that the library knows was asked: would you leave an error like this one? The longer the bar, the more alike
+# (in standard deviations of what chance would give). The dashed line is the level that chance alone passes, anywhere in this
+# list, with the stated probability. A long grey bar is an effect that only resembles a cause: the strongest were put into the
+# model and fitted, and ΔBIC says how much each improved it by itself (more is better). A cause with a short bar shows only once
+# a stronger one is in the model.
 
 # %% scores
 from statistics import NormalDist
 
-MOST_BARS = 24
+MOST_BARS = 18
 
 
 def strength(score):
@@ -51,10 +53,11 @@ if shown:
     axis.set_xticks(ticks, [str(tick) for tick in ticks])
     axis.grid(axis="y", visible=False)
     axis.spines[["left"]].set_visible(False)
-    axis.set_xlabel("standard deviations (square-root scale); hatched: unknown terms")
+    axis.set_xlabel("standard deviations (square-root scale); hatched: a free curve at that place, no known law")
     above = sum(score["family_p_value"] <= about["alarm_level"] for score in judged)
-    headline(figure, f"{above} of {len(judged)} answer more strongly than chance" if above else
-             f"None of {len(judged)} answers more strongly than chance")
+    named = f"; {'one is the cause' if len(causes) == 1 else f'{len(causes)} are causes'}" if causes else ""
+    headline(figure, f"{above} of {len(judged)} resemble the error more than chance would{named}" if above else
+             f"None of {len(judged)} resembles the error more than chance would")
     plt.show()
 
 # %% every effect

@@ -60,6 +60,8 @@ extended = "parameters" in run and not np.array_equal(run["/parameters/before"],
 concluded = info["finished"] and info["converged"]
 word, meaning, colour = VERDICTS[about["verdict"]] if concluded else \
     ("No conclusion", "the base model was not fitted" if info["finished"] else "the diagnosis was interrupted", "#6f6f6f")
+if concluded and about["verdict"] == "unexplained" and rows_of("causes"):
+    meaning = "known effects explain only a part of what is wrong"
 display(HTML(f'<p class="verdict" style="background:{colour}"><b>{word}</b> {escape(meaning)}</p>'))
 
 scores = sorted(rows_of("scores"), key=lambda score: -score["statistic"])

@@ -1,7 +1,8 @@
 # %% unknown [markdown]
 # ## Not in the library
 #
-# A smooth function that the data ask for and that no known effect gives. Band: 95 %.
+# A curve that the data ask for and that no known effect gives. Band: 95 %; where it fills the picture, the base parameters can
+# imitate part of the curve, so that only its shape is known, not its height or slope.
 
 # %% unknown
 terms = [{**{key: value.decode() if isinstance(value, bytes) else value for key, value in node.attrs.items()},
@@ -16,6 +17,10 @@ for axis, term in zip(axes.flat, shown):
     axis.fill_between(term["knots"], term["curve"] - 1.96 * term["deviation"], term["curve"] + 1.96 * term["deviation"],
                       color=COLOURS["unknown_term"], alpha=0.18, lw=0)
     axis.plot(term["knots"], term["curve"], "-o", ms=3, color=COLOURS["unknown_term"])
+    known = term["curve"][np.isfinite(term["curve"])]
+    reach = 3 * np.max(np.abs(known), initial=0)
+    if reach > 0 and np.nanmax(term["deviation"], initial=0) > reach:
+        axis.set_ylim(-reach, reach)  # else the curve is a line in the middle of its own uncertainty
     axis.set_title(f"{elided(term['shape'], 44)}" + (f"\nnearest known law: {elided(term['nearest_law'], 34)}"
                                                      if term["nearest_law"] else ""))
     axis.set_xlabel(f"{term['signal']} ({pretty(term['signal_unit'])})" if pretty(term["signal_unit"]) else term["signal"])

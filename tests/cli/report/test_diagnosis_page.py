@@ -24,8 +24,8 @@ class OneDiagnosis(WithFolder):
     def test_says_what_is_wrong_and_draws_every_part(self):
         text, page, headings = self.page_of()
         self.assertEqual(headings, ["The error", "What could explain it", "Where the error is", "Not in the library",
-                                    "What it brings on trials that were never fitted", "Parameters", "How this was made"])
-        self.assertEqual(page.count("<figure>"), 5)
+                                    "What it brings on trials that were never fitted", "Parameters", "Words on this page", "How this was made"])
+        self.assertEqual(page.count("<figure>"), 6)
         self.assertIn("<b>Ambiguous</b>", text)
         self.assertIn("drive: diagnosis of made-up joint &amp; &lt;nothing measured&gt;", page)
         self.assertIn("−87 %", text)
@@ -39,7 +39,7 @@ class OneDiagnosis(WithFolder):
 
     def test_nothing_wrong(self):
         text, _, headings = self.page_of(verdict="adequate", found=False)
-        self.assertEqual(headings, ["The error", "What could explain it", "Parameters", "How this was made"])
+        self.assertEqual(headings, ["The error", "What could explain it", "Parameters", "Words on this page", "How this was made"])
         self.assertIn("<b>Adequate</b>", text)
         self.assertIn("p = 0.41", text)
         self.assertNotIn("Extended model", text)
@@ -47,7 +47,7 @@ class OneDiagnosis(WithFolder):
 
     def test_without_a_base_fit_nothing_is_concluded(self):
         text, _, headings = self.page_of(usable=0)
-        self.assertEqual(headings, ["How this was made"])
+        self.assertEqual(headings, ["Words on this page", "How this was made"])
         self.assertIn("<b>No conclusion</b>", text)
         self.assertNotIn("Unexplained", text)
 
