@@ -90,6 +90,49 @@ struct Lever {
   }
 };
 
+// The vertical force alone, as AddRegion has it, and its derivatives if `derivatives`: a tenth of the work.
+void AddVertical(const EffectKinematics& kinematics, const EffectRegion& region, int instant,
+                 const ElasticFoundation& bed, const ContactEffectValues& effects, bool derivatives,
+                 ContactLoad& load, ContactLoadJacobian& by_bed, ContactEffectJacobian& by_effect) {
+  const ContactKinematics& k = region.kinematics;
+  const TiltedFloor floor(kinematics, effects);
+  const BedEffects bed_effects{effects[kStiffnessExponent], effects[kFloorCompliance]};
+  const double up = 1 / floor.norm();
+  const auto t = static_cast<std::size_t>(instant);
+  const double rate_by_rise =
+      (-floor.slope(0) * region.turning_z[t] + floor.slope(1) * region.turning_x[t]) * up;
+  const auto first = t * static_cast<std::size_t>(k.faces);
+  double force = 0;
+  std::array<double, 2> for_bed{};
+  ContactEffectValues for_effect{};
+  for (std::size_t f = 0; f < static_cast<std::size_t>(k.faces); ++f) {
+    const RaisedFace face = floor.At(region, instant, first + f);
+    if (!(face.depth > 0)) continue;
+    const Pressure p = PressureAt(bed, bed_effects, face.depth, face.rate);
+    if (!(p.value > 0)) continue;
+    const double area = k.area[f];
+    force += area * p.value;
+    if (!derivatives) continue;
+    for_bed[0] += area * p.by_stiffness;
+    for_bed[1] += area * p.by_dissipation;
+    for_effect[kStiffnessExponent] += area * p.by_exponent;
+    for_effect[kFloorCompliance] += area * p.by_compliance;
+    const double by_rise = area * (p.by_depth * up + p.by_rate * rate_by_rise);
+    for_effect[kHeightOffset] += by_rise;
+    for (const std::size_t axis : {0U, 1U}) {
+      const double shrink = floor.slope(axis) * up * up;  // -(dN/dslope) / N
+      const double by_tilt = -p.by_depth * face.depth * shrink +
+                             p.by_rate * (floor.velocity(face, axis) * up - face.rate * shrink);
+      for_effect[kFloorSlopeX + axis] += face.lever[axis] * by_rise + area * (by_tilt - p.value * shrink);
+    }
+  }
+  load[kForceY] += up * force;
+  for (std::size_t i = 0; i < for_bed.size(); ++i)
+    by_bed(kForceY, static_cast<Eigen::Index>(i)) += up * for_bed[i];
+  for (std::size_t i = 0; i < for_effect.size(); ++i)
+    by_effect(kForceY, static_cast<Eigen::Index>(i)) += up * for_effect[i];
+}
+
 // Adds one region's load and derivatives, as if its weight were 1.
 void AddRegion(const EffectKinematics& kinematics, const EffectRegion& region, int instant,
                const ElasticFoundation& bed, const ContactEffectValues& effects, ContactLoad& load,
@@ -156,25 +199,32 @@ void AddRegion(const EffectKinematics& kinematics, const EffectRegion& region, i
 
 void ComputeEffectLoad(const EffectKinematics& kinematics, int instant,
                        const std::vector<ElasticFoundation>& beds, const ContactEffectValues& effects,
-                       bool edges_wanted, EffectLoad& load) {
+                       const EffectLoadWish& wish, EffectLoad& load) {
+  const auto add = [&](const EffectRegion& region, ContactLoad& sum, ContactLoadJacobian& by_bed,
+                       ContactEffectJacobian& by_effect) {
+    const ElasticFoundation& bed = beds[static_cast<std::size_t>(region.part)];
+    if (wish.vertical_only) {
+      AddVertical(kinematics, region, instant, bed, effects, wish.derivatives, sum, by_bed, by_effect);
+    } else {
+      AddRegion(kinematics, region, instant, bed, effects, sum, by_bed, by_effect);
+    }
+  };
   load.load.setZero();
   load.by_effect.setZero();
   for (ContactLoadJacobian& jacobian : load.by_part) jacobian.setZero();
   for (const EffectRegion& region : kinematics.regions) {
-    const auto part = static_cast<std::size_t>(region.part);
-    AddRegion(kinematics, region, instant, beds[part], effects, load.load, load.by_part[part],
-              load.by_effect);
+    add(region, load.load, load.by_part[static_cast<std::size_t>(region.part)], load.by_effect);
   }
   for (std::size_t edge = 0; edge < kinematics.edges.size(); ++edge) {
     const std::size_t effect = kToeRegion + edge;
     const double weight = effects[effect];
-    if (weight == 0 && !edges_wanted) continue;
+    if (weight == 0 && !wish.edges) continue;
     for (const EffectRegion& region : kinematics.edges[edge]) {
       const auto part = static_cast<std::size_t>(region.part);
       ContactLoad whole = ContactLoad::Zero();
       ContactLoadJacobian by_bed = ContactLoadJacobian::Zero();
       ContactEffectJacobian by_effect = ContactEffectJacobian::Zero();
-      AddRegion(kinematics, region, instant, beds[part], effects, whole, by_bed, by_effect);
+      add(region, whole, by_bed, by_effect);
       load.load += weight * whole;
       load.by_part[part] += weight * by_bed;
       load.by_effect += weight * by_effect;
