@@ -90,6 +90,12 @@ class Examination {
   Status Investigate() {
     Refit base = refitter_->Fit({}, {out_.base_point});
     if (!base.usable()) return Fail("the base model: {}", base.failure);
+    if (base.swallowed) {
+      refitter_->TakeErrorsForIndependent();
+      out_.warnings.push_back(
+          "the residual is so large and smooth that a noise model would take the model's place: errors of "
+          "neighbouring samples count as independent, which makes p-values and intervals too small");
+    }
     out_.base_point = base.point;
     Say("scoring the library");
     SINEW_ASSIGN(base_, StandAt(problem_, candidates_, std::move(base), options_.alarm_level, options_.seed));

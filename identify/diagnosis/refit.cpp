@@ -17,6 +17,9 @@ constexpr long kFitEvaluations = 80;
 constexpr double kOrdinaryTolerance = 1e-7;  // relative: a tenth of a unit of deviance in 1e6 samples
 constexpr double kWhitenedTolerance = 1e-3;  // of half the deviance
 constexpr int kNoiseRounds = 2;
+// Times the least sum of squares: a fit under coloured noise that leaves so much has exchanged the model for
+// the noise. (Inefficiency of ordinary least squares costs it a few percent.)
+constexpr double kSwallowed = 2;
 
 bool IsPlain(const NoiseModel& noise) {
   return noise.channels.size() == 1 && !noise.IsColoured();
@@ -62,6 +65,16 @@ double Deviance(const LeastSquares& fit, const Vector& residual, const NoiseMode
   return deviance;
 }
 
+Status Refitter::TakeForIndependent(const LeastSquares& fit, const Vector& ordinary, Refit& refit) const {
+  refit.x = ordinary;
+  refit.swallowed = true;
+  NoiseModelOptions white;
+  white.white = true;
+  SINEW_ASSIGN(const auto blocks, NoiseBlocks(fit, refit.x));
+  SINEW_ASSIGN(refit.noise, EstimateNoiseModel(blocks, white));
+  return {};
+}
+
 Refit Refitter::Fit(std::vector<int> released, const std::vector<Vector>& starts) const {
   Refit refit;
   std::sort(released.begin(), released.end());
@@ -93,8 +106,9 @@ Refit Refitter::Fit(std::vector<int> released, const std::vector<Vector>& starts
   refit.x = best.x;
   refit.converged = best.converged;
 
+  const Vector ordinary = refit.x;
   const auto stretches = TrainStretches(fit);
-  for (int round = 0; round < kNoiseRounds; ++round) {
+  for (int round = 0; round < kNoiseRounds && !independent_; ++round) {
     fit.set_transform(nullptr);
     const auto blocks = NoiseBlocks(fit, refit.x);
     auto noise = blocks ? EstimateNoiseModel(*blocks, {}) : tl::unexpected(blocks.error());
@@ -114,8 +128,15 @@ Refit Refitter::Fit(std::vector<int> released, const std::vector<Vector>& starts
     refit.converged = outcome.converged;
   }
   auto workspace = fit.NewWorkspace();
+  Vector least;
   Vector residual;
-  if (const Status status = fit.Evaluate(refit.x, workspace, residual, nullptr); !status) {
+  Status status = fit.Evaluate(ordinary, workspace, least, nullptr);
+  if (status) status = fit.Evaluate(refit.x, workspace, residual, nullptr);
+  if (status && (independent_ || residual.squaredNorm() > kSwallowed * least.squaredNorm())) {
+    status = TakeForIndependent(fit, ordinary, refit);
+    residual = least;
+  }
+  if (!status) {
     refit.failure = status.error().message;
     return refit;
   }

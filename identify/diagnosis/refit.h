@@ -22,7 +22,9 @@ struct Refit {
   double deviance = 0;  ///< -2 log-likelihood, noise levels profiled out; comparable between refits
   int rows = 0;         ///< residuals that the deviance counts
   bool converged = false;
-  std::string failure;  ///< why there is no such model; empty otherwise
+  bool swallowed = false;  ///< coloured noise would have taken the place of the model: errors count as
+                           ///< independent, the fit is ordinary least squares
+  std::string failure;     ///< why there is no such model; empty otherwise
 
   [[nodiscard]] bool usable() const { return failure.empty(); }
   [[nodiscard]] int parameters() const { return static_cast<int>(setup->free.size()); }
@@ -41,14 +43,22 @@ class Refitter {
   /// have them although a candidate owns them
   [[nodiscard]] Refit Fit(std::vector<int> released, const std::vector<Vector>& starts) const;
 
+  /// From now on all fits are ordinary and take errors for independent: models can be compared only if all of
+  /// them do.
+  void TakeErrorsForIndependent() { independent_ = true; }
+
   /// Standard deviations and covariance of the variables [n x n, unit box] under the refit's own noise; of
   /// variables on a bound 0. Errors: the problem's own.
   [[nodiscard]] Result<Matrix> Covariance(const Refit& refit) const;
 
  private:
+  [[nodiscard]] Status TakeForIndependent(const LeastSquares& fit, const Vector& ordinary,
+                                          Refit& refit) const;
+
   const Problem& problem_;
   FitSetup base_;
   const std::vector<Candidate>& candidates_;
+  bool independent_ = false;
 };
 
 /// Stretches of every training block.
