@@ -121,12 +121,16 @@ class Examination {
   }
 
   // Step 6, first half: a cause that held-out trials deny is withdrawn; if another one of its set carries
-  // over, that takes its place.
+  // over, that takes its place. Causes that lean on each other may each look needed and be wrong together:
+  // then the whole is compared with the base model, and what is missed least goes first.
   Status AskHeldOutTrials() {
+    SINEW_ASSIGN(const auto of_base, held_out_.Residuals(base_.refit.point));
     while (!selection_.causes.empty()) {
       SINEW_ASSIGN(const auto with, held_out_.Residuals(selection_.model.point));
+      const double together = GainOnHeldOut(of_base, with);
+      const bool denied = together < 0 && IsTelling(of_base, with);
       std::size_t worst = selection_.causes.size();
-      double worst_gain = 0;
+      double worst_gain = denied ? std::numeric_limits<double>::infinity() : 0;
       Refit worst_without;
       for (std::size_t i = 0; i < selection_.causes.size(); ++i) {
         const ChosenCause& cause = selection_.causes[i];
@@ -135,20 +139,29 @@ class Examination {
         if (!without.usable()) continue;
         const auto before = held_out_.Residuals(without.point);
         if (!before) continue;
-        const double gain = held_out_.Innovations(*before, selection_.model.noise) -
-                            held_out_.Innovations(with, selection_.model.noise);
-        std::vector<Vector> moved = *before;
-        for (std::size_t b = 0; b < moved.size(); ++b) moved[b] -= with[b];
-        if (gain < worst_gain && held_out_.Innovations(moved, selection_.model.noise) > kTelling) {
+        const double gain = GainOnHeldOut(*before, with);
+        if (gain < worst_gain && (denied || IsTelling(*before, with))) {
           worst = i;
           worst_gain = gain;
           worst_without = std::move(without);
         }
       }
       if (worst == selection_.causes.size()) return {};
-      Withdraw(worst, worst_gain, std::move(worst_without));
+      Withdraw(worst, worst_gain < 0 ? worst_gain : together, std::move(worst_without));
     }
     return {};
+  }
+
+  // How much better the held-out trials are with the model, in units of their noise's variance.
+  [[nodiscard]] double GainOnHeldOut(const std::vector<Vector>& before,
+                                     const std::vector<Vector>& with) const {
+    return held_out_.Innovations(before, selection_.model.noise) -
+           held_out_.Innovations(with, selection_.model.noise);
+  }
+
+  [[nodiscard]] bool IsTelling(std::vector<Vector> before, const std::vector<Vector>& with) const {
+    for (std::size_t b = 0; b < before.size(); ++b) before[b] -= with[b];
+    return held_out_.Innovations(before, selection_.model.noise) > kTelling;
   }
 
   [[nodiscard]] Refit Without(int candidate) const {
@@ -452,7 +465,7 @@ class Examination {
       for (const Block& block : problem_.layout()) {
         if (block.channel != model.channel || block.role != BlockRole::kTrain) continue;
         floor.unit = block.unit;
-        floor.sigma = NoiseFloorOf(block, selection_.model.noise) / block.weight;
+        floor.sigma = NoiseFloorOf(block, selection_.model.noise, problem_.layout()) / block.weight;
         floor.basis = block.sigma ? "stated by the data" : "what is left of the extended model";
         break;
       }
