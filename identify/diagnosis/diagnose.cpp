@@ -210,7 +210,7 @@ class Examination {
       if (other.instead_of != cause.candidate) others.push_back(std::move(other));
     }
     selection_.rivals = std::move(others);
-    selection_.structure_left = selection_.structure_left || selection_.causes.empty();
+    selection_.structure_left = true;  // what it had taken up in the fitted trials has no name now
   }
 
   [[nodiscard]] std::vector<DiagnosedParameter> Describe(const Refit& refit, const Matrix& covariance,
