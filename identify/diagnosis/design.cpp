@@ -263,6 +263,7 @@ Result<std::vector<NoiseBlock>> NoiseBlocks(const LeastSquares& fit, const Vecto
     noise.regressors = jacobian.pieces[t].values;
     noise.columns = jacobian.pieces[t].variables;
     noise.stretches = Stretches(block);
+    if (block.sigma) noise.stated = block.weight * *block.sigma;
     blocks.push_back(std::move(noise));
   }
   return blocks;

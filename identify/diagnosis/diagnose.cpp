@@ -92,6 +92,12 @@ class Examination {
   Status Investigate() {
     Refit base = refitter_->Fit({}, {out_.base_point});
     if (!base.usable()) return Fail("the base model: {}", base.failure);
+    if (base.swallowed) {
+      refitter_->TakeErrorsForIndependent();
+      out_.warnings.push_back(
+          "the residual is so large and smooth that a noise model would take the model's place: errors of "
+          "neighbouring samples count as independent, which makes p-values and intervals too small");
+    }
     out_.base_point = base.point;
     Say("scoring the library");
     SINEW_ASSIGN(base_, StandAt(problem_, candidates_, std::move(base), options_.alarm_level, options_.seed));
@@ -117,12 +123,16 @@ class Examination {
   }
 
   // Step 6, first half: a cause that held-out trials deny is withdrawn; if another one of its set carries
-  // over, that takes its place.
+  // over, that takes its place. Causes that lean on each other may each look needed and be wrong together:
+  // then the whole is compared with the base model, and what is missed least goes first.
   Status AskHeldOutTrials() {
+    SINEW_ASSIGN(const auto of_base, held_out_.Residuals(base_.refit.point));
     while (!selection_.causes.empty()) {
       SINEW_ASSIGN(const auto with, held_out_.Residuals(selection_.model.point));
+      const double together = GainOnHeldOut(of_base, with);
+      const bool denied = together < 0 && IsTelling(of_base, with);
       std::size_t worst = selection_.causes.size();
-      double worst_gain = 0;
+      double worst_gain = denied ? std::numeric_limits<double>::infinity() : 0;
       Refit worst_without;
       for (std::size_t i = 0; i < selection_.causes.size(); ++i) {
         const ChosenCause& cause = selection_.causes[i];
@@ -131,17 +141,15 @@ class Examination {
         if (!without.usable()) continue;
         const auto before = held_out_.Residuals(without.point);
         if (!before) continue;
-        const double gain = Loss(*before, selection_.model.noise) - Loss(with, selection_.model.noise);
-        std::vector<Vector> moved = *before;
-        for (std::size_t b = 0; b < moved.size(); ++b) moved[b] -= with[b];
-        if (gain < worst_gain && IsTelling(moved, with)) {
+        const double gain = GainOnHeldOut(*before, with);
+        if (gain < worst_gain && (denied || IsTelling(*before, with))) {
           worst = i;
           worst_gain = gain;
           worst_without = std::move(without);
         }
       }
       if (worst == selection_.causes.size()) return {};
-      Withdraw(worst, worst_gain, std::move(worst_without));
+      Withdraw(worst, worst_gain < 0 ? worst_gain : together, std::move(worst_without));
     }
     return {};
   }
@@ -154,8 +162,15 @@ class Examination {
     return squares;
   }
 
-  [[nodiscard]] bool IsTelling(const std::vector<Vector>& moved, const std::vector<Vector>& with) const {
+  // How much better the held-out trials are with the model.
+  [[nodiscard]] double GainOnHeldOut(const std::vector<Vector>& before,
+                                     const std::vector<Vector>& with) const {
+    return Loss(before, selection_.model.noise) - Loss(with, selection_.model.noise);
+  }
+
+  [[nodiscard]] bool IsTelling(std::vector<Vector> moved, const std::vector<Vector>& with) const {
     constexpr double kShare = 0.05;  // of what is left
+    for (std::size_t b = 0; b < moved.size(); ++b) moved[b] -= with[b];
     const double loss = Loss(moved, selection_.model.noise);
     return selection_.gross ? loss > kShare * Loss(with, selection_.model.noise) : loss > kTelling;
   }
@@ -214,7 +229,7 @@ class Examination {
       if (other.instead_of != cause.candidate) others.push_back(std::move(other));
     }
     selection_.rivals = std::move(others);
-    selection_.structure_left = selection_.structure_left || selection_.causes.empty();
+    selection_.structure_left = true;  // what it had taken up in the fitted trials has no name now
   }
 
   [[nodiscard]] std::vector<DiagnosedParameter> Describe(const Refit& refit, const Matrix& covariance,
@@ -508,7 +523,7 @@ class Examination {
       for (const Block& block : problem_.layout()) {
         if (block.channel != model.channel || block.role != BlockRole::kTrain) continue;
         floor.unit = block.unit;
-        floor.sigma = NoiseFloorOf(block, selection_.model.noise) / block.weight;
+        floor.sigma = NoiseFloorOf(block, selection_.model.noise, problem_.layout()) / block.weight;
         floor.basis = block.sigma ? "stated by the data" : "what is left of the extended model";
         break;
       }

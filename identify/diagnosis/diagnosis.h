@@ -141,7 +141,6 @@ struct Gain {
 
 struct UnknownFinding {
   std::string port;  ///< or the parameter that is not constant
-  bool changes_parameter = false;
   std::string signal;
   std::string signal_unit;
   std::string unit;         ///< of the port
@@ -150,8 +149,9 @@ struct UnknownFinding {
   double p_value = 1;
   double held_out_reduction = 0;  ///< of RMSE on held-out trials
   std::vector<double> knots;
-  std::vector<double> curve;      ///< [knots, unit of the port]
-  std::vector<double> deviation;  ///< standard errors of `curve`
+  std::vector<double> curve;       ///< [knots, unit of the port]
+  std::vector<double> deviation;   ///< standard errors of `curve`
+  bool changes_parameter = false;  ///< `port` is a parameter that is not constant
 };
 
 /// Measured, predicted before and after, of one block; for figures.

@@ -22,6 +22,18 @@ const ChannelNoiseModel* ChannelOf(const NoiseModel& noise, const std::string& c
   return nullptr;
 }
 
+// Of the block's channel; a channel that is only held out (the plate of the other foot) has the noise of a
+// fitted one of the same quantity. Null if there is none.
+const ChannelNoiseModel* NoiseOf(const Block& block, const NoiseModel& noise, const Layout& layout) {
+  if (const ChannelNoiseModel* model = ChannelOf(noise, block.channel)) return model;
+  for (const Block& other : layout) {
+    if (block.quantity.empty() || other.quantity != block.quantity || other.role != BlockRole::kTrain)
+      continue;
+    if (const ChannelNoiseModel* model = ChannelOf(noise, other.channel)) return model;
+  }
+  return nullptr;
+}
+
 double Quantile(std::vector<double>& sorted, double share) {
   const auto at = static_cast<std::size_t>(share * static_cast<double>(sorted.size() - 1) + 0.5);
   return sorted[at];
@@ -29,9 +41,9 @@ double Quantile(std::vector<double>& sorted, double share) {
 
 }  // namespace
 
-double NoiseFloorOf(const Block& block, const NoiseModel& noise) {
+double NoiseFloorOf(const Block& block, const NoiseModel& noise, const Layout& layout) {
   if (block.sigma) return block.weight * *block.sigma;
-  const ChannelNoiseModel* model = ChannelOf(noise, block.channel);
+  const ChannelNoiseModel* model = NoiseOf(block, noise, layout);
   return model == nullptr ? 0 : model->ProcessDeviation();
 }
 
@@ -68,7 +80,7 @@ Result<std::vector<Vector>> HeldOut::Residuals(const Vector& point) const {
 double HeldOut::Innovations(const std::vector<Vector>& residuals, const NoiseModel& noise) const {
   double sum = 0;
   for (std::size_t i = 0; i < blocks_.size(); ++i) {
-    const ChannelNoiseModel* model = ChannelOf(noise, block(i).channel);
+    const ChannelNoiseModel* model = NoiseOf(block(i), noise, problem_.layout());
     if (model == nullptr) continue;
     NoiseModel one;
     one.channels = {*model};
@@ -103,7 +115,7 @@ std::vector<Gain> HeldOut::Gains(const std::vector<Vector>& before, const std::v
       gain.unit = block(i).unit;
       sum_before += before[i].squaredNorm() / (weight * weight);
       sum_after += after[i].squaredNorm() / (weight * weight);
-      const double noise = NoiseFloorOf(block(i), floor) / weight;
+      const double noise = NoiseFloorOf(block(i), floor, problem_.layout()) / weight;
       sum_floor += static_cast<double>(before[i].size()) * noise * noise;
       count += static_cast<double>(before[i].size());
     }

@@ -38,7 +38,7 @@ class HeldOut {
 };
 
 /// Standard deviation of the noise of a block, weighted: what the data state, else what the model says of its
-/// channel; 0 if neither knows.
-[[nodiscard]] double NoiseFloorOf(const Block& block, const NoiseModel& noise);
+/// channel, or of another fitted one of the same quantity; 0 if nothing knows.
+[[nodiscard]] double NoiseFloorOf(const Block& block, const NoiseModel& noise, const Layout& layout);
 
 }  // namespace sinew

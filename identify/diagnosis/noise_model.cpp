@@ -24,6 +24,7 @@ constexpr double kRowsPerCoefficient = 10;     // degrees of freedom that a coef
 constexpr double kMinimumTolerance = 1e-8;     // of the deviance; the sweeps stop at 1e-6
 constexpr double kSweepTolerance = 1e-6;
 constexpr int kMaxSweeps = 50;
+constexpr double kLoud = 1.5;    // times the stated noise: there is more in the residual than noise
 constexpr int kOrderSweeps = 2;  // of several channels: the order of the first depends on the others
 
 int RowsWithPast(const std::vector<const LaggedBlock*>& blocks, int past) {
@@ -56,6 +57,8 @@ struct Channel {
   Vector shape;                            // partial autocorrelations = tanh of it
   double log_variance = 0;                 // of the innovation
   double first_log_variance = 0;           // of the ordinary residual
+  double power = 0;                        // of the ordinary residual
+  double loud_power = 0;                   // above which that is more than the stated noise
 };
 
 class Estimator {
@@ -72,6 +75,10 @@ class Estimator {
         found->name = blocks[b].channel;
       }
       found->blocks.push_back(&reduced.blocks[b]);
+      const auto samples = static_cast<double>(blocks[b].residual.size());
+      const double stated = blocks[b].stated.value_or(std::numeric_limits<double>::infinity());
+      found->power += blocks[b].residual.squaredNorm();
+      found->loud_power += samples * std::pow(kLoud * stated, 2);
       model_.channel_of.push_back(static_cast<int>(found - channels_.begin()));
     }
     for (Channel& channel : channels_) Start(channel);
@@ -114,7 +121,7 @@ class Estimator {
         channel.silent ? 2 * std::log(kSmallestDeviation) : std::log(power / std::max(rows, 1));
     channel.first_log_variance = channel.log_variance;
     channel.shape.resize(0);
-    if (!options_.white && !channel.silent) {
+    if (!options_.white && !channel.silent && channel.power <= channel.loud_power) {
       // Its part of what the regressors take.
       const double spent = static_cast<double>(columns_) * rows / samples_;
       for (int order = 1; order <= options_.largest_order; ++order) {

@@ -16,6 +16,9 @@ constexpr long kFitEvaluations = 80;
 constexpr double kOrdinaryTolerance = 1e-7;  // relative: a tenth of a unit of deviance in 1e6 samples
 constexpr double kWhitenedTolerance = 1e-3;  // of half the deviance
 constexpr int kNoiseRounds = 2;
+// Times the least sum of squares: a fit under coloured noise that leaves so much has exchanged the model for
+// the noise. (Inefficiency of ordinary least squares costs it a few percent.)
+constexpr double kSwallowed = 2;
 
 bool IsPlain(const NoiseModel& noise) {
   return noise.channels.size() == 1 && !noise.IsColoured();
@@ -92,10 +95,12 @@ FitSetup Refitter::SetupWith(const std::vector<int>& released) const {
   return setup;
 }
 
-Status Refitter::EstimateNoise(LeastSquares& fit, Refit& refit) const {
+Status Refitter::EstimateNoise(LeastSquares& fit, bool white, Refit& refit) const {
   fit.set_transform(nullptr);
+  NoiseModelOptions how;
+  how.white = white;
   SINEW_ASSIGN(const auto blocks, NoiseBlocks(fit, refit.x));
-  SINEW_ASSIGN(refit.noise, EstimateNoiseModel(blocks, {}));
+  SINEW_ASSIGN(refit.noise, EstimateNoiseModel(blocks, how));
   return {};
 }
 
@@ -121,8 +126,9 @@ Refit Refitter::FitOrdinary(std::vector<int> released, const std::vector<Vector>
   refit.failure = found.failure;
   if (!refit.usable()) return refit;
   refit.x = found.x;
+  refit.cost = found.cost;
   refit.converged = found.converged;
-  Status status = EstimateNoise(fit, refit);
+  Status status = EstimateNoise(fit, false, refit);
   if (status) status = Finish(fit, refit);
   if (!status) refit.failure = status.error().message;
   return refit;
@@ -130,16 +136,31 @@ Refit Refitter::FitOrdinary(std::vector<int> released, const std::vector<Vector>
 
 Refit Refitter::Fit(std::vector<int> released, const std::vector<Vector>& starts) const {
   Refit refit = FitOrdinary(std::move(released), starts, kOrdinaryTolerance);
-  if (!refit.usable() || IsPlain(refit.noise)) return refit;
+  if (!refit.usable()) return refit;
   LeastSquares fit(problem_, *refit.setup);
+  const Vector ordinary = refit.x;
+  Status status = independent_ ? Status() : Generalise(fit, refit);
+  if (status && !independent_) {
+    auto workspace = fit.NewWorkspace();
+    Vector residual;
+    status = fit.Evaluate(refit.x, workspace, residual, nullptr);
+    refit.swallowed = residual.squaredNorm() > kSwallowed * 2 * refit.cost;
+  }
+  if (status && (independent_ || refit.swallowed)) {
+    refit.x = ordinary;
+    refit.swallowed = true;
+    status = EstimateNoise(fit, true, refit);
+  }
+  if (status) status = Finish(fit, refit);
+  if (!status) refit.failure = status.error().message;
+  return refit;
+}
+
+// Generalised least squares with the noise of its own residual.
+Status Refitter::Generalise(LeastSquares& fit, Refit& refit) const {
   const auto stretches = TrainStretches(fit);
   for (int round = 0; round < kNoiseRounds; ++round) {
-    if (round > 0) {
-      if (const Status status = EstimateNoise(fit, refit); !status) {
-        refit.failure = status.error().message;
-        return refit;
-      }
-    }
+    if (round > 0) SINEW_TRY(EstimateNoise(fit, false, refit));
     if (IsPlain(refit.noise)) break;
     const Whitening whitening(refit.noise, stretches);
     fit.set_transform(&whitening);
@@ -150,8 +171,7 @@ Refit Refitter::Fit(std::vector<int> released, const std::vector<Vector>& starts
     refit.x = outcome.x;
     refit.converged = outcome.converged;
   }
-  if (const Status status = Finish(fit, refit); !status) refit.failure = status.error().message;
-  return refit;
+  return {};
 }
 
 Result<Matrix> Refitter::Covariance(const Refit& refit) const {

@@ -20,10 +20,13 @@ struct Refit {
   Vector x;      ///< [n] variables
   Vector point;  ///< [P]
   NoiseModel noise;
+  double cost = 0;      ///< half the least sum of squared weighted residuals, before any noise model
   double deviance = 0;  ///< -2 log-likelihood, noise levels profiled out; comparable between refits
   int rows = 0;         ///< residuals that the deviance counts
   bool converged = false;
-  std::string failure;  ///< why there is no such model; empty otherwise
+  bool swallowed = false;  ///< coloured noise would have taken the place of the model: errors count as
+                           ///< independent, the fit is ordinary least squares
+  std::string failure;     ///< why there is no such model; empty otherwise
 
   [[nodiscard]] bool usable() const { return failure.empty(); }
   [[nodiscard]] int parameters() const { return static_cast<int>(setup->free.size()); }
@@ -51,17 +54,24 @@ class Refitter {
   /// The base setup with the candidates' parameters free too.
   [[nodiscard]] FitSetup SetupWith(const std::vector<int>& released) const;
 
+  /// From now on all fits are ordinary and take errors for independent: models can be compared only if all of
+  /// them do.
+  void TakeErrorsForIndependent() { independent_ = true; }
+
   /// Standard deviations and covariance of the variables [n x n, unit box] under the refit's own noise; of
   /// variables on a bound 0. Errors: the problem's own.
   [[nodiscard]] Result<Matrix> Covariance(const Refit& refit) const;
 
  private:
-  [[nodiscard]] Status EstimateNoise(LeastSquares& fit, Refit& refit) const;
+  /// Noise of the refit's residual; white if errors count as independent.
+  [[nodiscard]] Status EstimateNoise(LeastSquares& fit, bool white, Refit& refit) const;
+  [[nodiscard]] Status Generalise(LeastSquares& fit, Refit& refit) const;
   [[nodiscard]] Status Finish(const LeastSquares& fit, Refit& refit) const;
 
   const Problem& problem_;
   FitSetup base_;
   const std::vector<Candidate>& candidates_;
+  bool independent_ = false;
 };
 
 /// Least squares from every start, the best of them to the end. @param starts [P] each, not empty. Infinite

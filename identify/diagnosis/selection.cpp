@@ -45,7 +45,7 @@ class Selector {
 
     std::vector<int> chosen;
     Standing standing = base_;
-    if (IsGross(base_.refit.noise)) {
+    if (base_.refit.swallowed || IsGross(base_.refit.noise)) {
       SINEW_TRY(SearchGross(selection));
       if (selection.gross) return selection;
     }

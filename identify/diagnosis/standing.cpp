@@ -69,7 +69,8 @@ Matrix LeadingDirections(const Design& design) {
 
 // A noise model of the residual of a model that lacks something swallows what it lacks; so everything that
 // might be there is among the regressors.
-Result<NoiseModel> NoiseBehindCandidates(const LeastSquares& fit, const Vector& x, const Design& design) {
+Result<NoiseModel> NoiseBehindCandidates(const LeastSquares& fit, const Vector& x, const Design& design,
+                                         bool white) {
   SINEW_ASSIGN(auto blocks, NoiseBlocks(fit, x));
   const Matrix directions = LeadingDirections(design);
   for (std::size_t t = 0; t < blocks.size(); ++t) {
@@ -82,7 +83,9 @@ Result<NoiseModel> NoiseBehindCandidates(const LeastSquares& fit, const Vector& 
     for (Eigen::Index k = 0; k < directions.cols(); ++k)
       block.columns.push_back(fit.variables() + static_cast<int>(k));
   }
-  return EstimateNoiseModel(blocks, {});
+  NoiseModelOptions how;
+  how.white = white;
+  return EstimateNoiseModel(blocks, how);
 }
 
 }  // namespace
@@ -102,7 +105,8 @@ Result<Standing> StandAt(const Problem& problem, const std::vector<Candidate>& c
   const LeastSquares fit(problem, *standing.refit.setup);
   const Whitening whitening(standing.refit.noise, TrainStretches(fit));
   SINEW_ASSIGN(standing.design, MakeDesign(fit, standing.refit.x, candidates, whitening));
-  SINEW_ASSIGN(standing.noise, NoiseBehindCandidates(fit, standing.refit.x, standing.design));
+  SINEW_ASSIGN(standing.noise,
+               NoiseBehindCandidates(fit, standing.refit.x, standing.design, standing.refit.swallowed));
   const Whitening behind(standing.noise, TrainStretches(fit));
   standing.whitened = MakeScores(fit, standing.design, candidates, &behind);
   standing.plain = standing.refit.noise.IsColoured() ? MakeScores(fit, standing.design, candidates, nullptr)

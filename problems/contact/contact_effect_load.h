@@ -51,12 +51,18 @@ struct EffectLoad {
   ContactEffectJacobian by_effect = ContactEffectJacobian::Zero();
 };
 
+/// What of an EffectLoad is asked for; the rest of it is not to be used.
+struct EffectLoadWish {
+  bool vertical_only = false;  ///< the vertical force alone: no friction, no moments
+  bool derivatives = true;     ///< of the vertical force; with the others they always come
+  bool edges = false;          ///< strips of weight 0 too, for the derivative of the weight
+};
+
 /// Fills `load`, whose by_part has the right size. Allocates nothing.
-/// @param beds [parts]; @param effects kHeightOffset with the plate's own added; @param edges_wanted also
-/// where the weight of an edge is 0, for its derivative.
+/// @param beds [parts]; @param effects kHeightOffset with the plate's own added.
 void ComputeEffectLoad(const EffectKinematics& kinematics, int instant,
                        const std::vector<ElasticFoundation>& beds, const ContactEffectValues& effects,
-                       bool edges_wanted, EffectLoad& load);
+                       const EffectLoadWish& wish, EffectLoad& load);
 
 /// Pressure and slip of every face of a region at one instant, with the effects: for pictures.
 void ComputeFaceLoads(const EffectKinematics& kinematics, const EffectRegion& region, int instant,

@@ -17,12 +17,13 @@ double Compression(double depth, double give, double exponent) {
   const double power = 1 + exponent;
   const double share = exponent > 0 ? 1 : 0.5;
   double z = std::min(share * depth, kReferenceDepth * std::pow(share * depth / give, 1 / power));
-  // Quadratic convergence; the bound is never met, it only keeps rounding from playing on.
+  // Quadratic convergence: after a step of 1e-8 what is left is its square, and smaller steps are rounding,
+  // which would play on to the bound.
   for (int i = 0; i < 60; ++i) {
     const double floor = give * std::pow(z / kReferenceDepth, power);
     const double step = (z + floor - depth) / (1 + power * floor / z);
     z -= step;
-    if (std::abs(step) <= 1e-15 * z) break;
+    if (std::abs(step) <= 1e-8 * z) break;
   }
   return z;
 }

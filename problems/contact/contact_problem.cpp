@@ -197,8 +197,9 @@ Status ContactProblem::Predict(const Query& query, Workspace& workspace, Predict
 void ContactProblem::PredictInstant(const Stance& stance, int t, const std::array<bool, kChannels>& wanted,
                                     const Query& query, Scratch& scratch, Prediction& prediction) const {
   if (!scratch.at_null || scratch.differentiates_effects) {
-    ComputeEffectLoad(stance.kinematics, t, scratch.beds, scratch.effects, scratch.differentiates_edges,
-                      scratch.with_effects);
+    const EffectLoadWish wish{PartsFor(wanted) == WrenchParts::kVertical, query.derivatives,
+                              scratch.differentiates_edges};
+    ComputeEffectLoad(stance.kinematics, t, scratch.beds, scratch.effects, wish, scratch.with_effects);
   }
   ContactLoad load = ContactLoad::Zero();
   if (scratch.at_null) {

@@ -192,7 +192,7 @@ Result<std::vector<ContactLoad>> TrueLoads(const MultibodyModel& model, const Co
   EffectLoad load;
   load.by_part.resize(1);
   for (std::size_t i = 0; i < times.size(); ++i) {
-    ComputeEffectLoad(kinematics, static_cast<int>(i), {truth}, effects, false, load);
+    ComputeEffectLoad(kinematics, static_cast<int>(i), {truth}, effects, {}, load);
     loads[i] = load.load;
   }
   return loads;

@@ -211,7 +211,7 @@ TEST(ContactEffects, ATiltedFloorCarriesTheTurnedSole) {
       effects[kFloorSlopeZ] = z;
       EffectLoad load;
       load.by_part.resize(1);
-      ComputeEffectLoad(kinematics, 0, {bed}, effects, false, load);
+      ComputeEffectLoad(kinematics, 0, {bed}, effects, {}, load);
       return Vec3(load.load.head<3>());
     };
     const Vec3 expected = turn * load_of(level, 0, 0);
@@ -248,7 +248,7 @@ TEST(ContactEffects, AFlatSoleFollowsThePowerOfItsDepth) {
     effects[kStiffnessExponent] = 0.5;
     EffectLoad load;
     load.by_part.resize(1);
-    ComputeEffectLoad(kinematics, 0, {{1e6, 50, 0, 0, 0}}, effects, false, load);
+    ComputeEffectLoad(kinematics, 0, {{1e6, 50, 0, 0, 0}}, effects, {}, load);
     const double expected = 1e6 * 0.02 * kReferenceDepth * std::pow(depth / kReferenceDepth, 1.5);
     EXPECT_NEAR(load.load[kForceY], expected, kRounding * expected);
   }
@@ -346,6 +346,32 @@ TEST(ContactEffects, AFullEdgeIsARegionOfTheSettings) {
 }
 
 // Derivatives are exact, parameter by parameter, at points where every effect is off its null.
+// Asked for alone, the vertical force takes a shorter way.
+TEST(ContactEffects, TheVerticalForceAloneIsThatOfTheWholeLoad) {
+  const auto problem = Exact();
+  std::vector<bool> vertical(problem->layout().size(), false);
+  for (const Stance& stance : problem->data().stances)
+    vertical[static_cast<std::size_t>(stance.blocks[kFy])] = true;
+  const std::vector<bool> all(vertical.size(), true);
+  const auto workspace = problem->NewWorkspace();
+  Random random(5);
+  for (int round = 0; round < 10; ++round) {
+    const Vector point = RandomInside(*problem, 0.02, random);
+    Prediction whole(problem->layout());
+    Prediction with_slopes(problem->layout());
+    Prediction alone(problem->layout());
+    ASSERT_TRUE(problem->Predict({point, all, true, nullptr}, *workspace, whole));
+    ASSERT_TRUE(problem->Predict({point, vertical, true, nullptr}, *workspace, with_slopes));
+    ASSERT_TRUE(problem->Predict({point, vertical, false, nullptr}, *workspace, alone));
+    for (const Stance& stance : problem->data().stances) {
+      const int block = stance.blocks[kFy];
+      EXPECT_EQ(alone.values(block), with_slopes.values(block));
+      EXPECT_EQ(whole.values(block), alone.values(block));
+      EXPECT_EQ(whole.derivatives(block), with_slopes.derivatives(block));
+    }
+  }
+}
+
 TEST(ContactEffects, DerivativesAgreeWithDifferences) {
   constexpr double kTolerance = 1e-6;  // of differences, see CheckJacobian
   constexpr double kLeastCompared = 0.9;

@@ -339,6 +339,29 @@ TEST(NoiseModel, OptionsAreObeyed) {
   EXPECT_LE(Estimated(blocks, options).channels[0].coefficients.size(), 2);
 }
 
+// Three short trials, as stances on a force plate are; what is wrong is a constant.
+TEST(NoiseModel, WhatIsLouderThanTheStatedNoiseIsNotCalledNoise) {
+  Random random(11);
+  auto blocks = SmoothTrials(random, kWhite, 3, 32, 2);
+  for (NoiseBlock& block : blocks) {
+    block.residual.array() += 8;
+    block.regressors.resize(block.residual.size(), 0);  // those of this case could imitate a constant
+    block.columns.clear();
+  }
+  EXPECT_FALSE(Estimated(blocks).channels[0].coefficients.empty()) << "nothing is stated: it may be noise";
+  for (NoiseBlock& block : blocks) block.stated = 1;
+  const NoiseModel model = Estimated(blocks);
+  EXPECT_TRUE(model.channels[0].coefficients.empty());
+  EXPECT_NEAR(model.channels[0].deviation, std::hypot(8, 1), 1);
+  for (NoiseBlock& block : blocks) block.stated = 8;
+  EXPECT_FALSE(Estimated(blocks).channels[0].coefficients.empty()) << "as loud as stated";
+  // Coloured noise of the stated level keeps its colour.
+  auto coloured = SmoothTrials(random, kFirstOrder, 4, 1000, 2);
+  const NoiseModel free = Estimated(coloured);
+  for (NoiseBlock& block : coloured) block.stated = 1 / std::sqrt(1 - 0.81);
+  EXPECT_EQ(Estimated(coloured).channels[0].coefficients, free.channels[0].coefficients);
+}
+
 TEST(NoiseModel, AChannelWithoutAnyErrorIsNoObstacle) {
   Random random(6);
   auto blocks = SmoothTrials(random, kFirstOrder, 1, 400, 1, "position");
