@@ -91,8 +91,13 @@ std::string Where(const Diagnosis& d) {
 std::string HowSure(const Diagnosis& d) {
   std::string text;
   for (const Cause& c : d.causes) {
-    std::string line = fmt::format("{}: {}; {}, delta LR {:.1f}, delta BIC {:.1f}", c.effect,
-                                   Sizes(c.parameters), PValue(c.p_value), c.delta_lr, c.delta_bic);
+    std::string line = fmt::format("{}: {}; ", c.effect, Sizes(c.parameters));
+    if (c.left_out > 0) {
+      line += fmt::format("trials left out of the fit are missed by {} less", Percent(1 - c.left_out));
+      text += Line(line, 4);
+      continue;
+    }
+    line += fmt::format("{}, delta LR {:.1f}, delta BIC {:.1f}", PValue(c.p_value), c.delta_lr, c.delta_bic);
     if (c.size > 0) line += fmt::format("; {} times what would just be noticed", Readable(c.size, 2));
     text += Line(line, 4);
   }

@@ -2,8 +2,6 @@
 
 #include <cmath>
 
-#include "base/numbers.h"
-#include "base/text.h"
 #include "datasets/units.h"
 
 namespace sinew {
@@ -87,12 +85,6 @@ std::vector<std::string> Trial::ChannelNames() const {
     for (const auto& [name, channel] : grid.channels) names.push_back(name);
   }
   return names;
-}
-
-std::string Trial::ConditionText() const {
-  std::vector<std::string> parts;
-  for (const auto& [name, value] : conditions) parts.push_back(fmt::format("{} = {}", name, Readable(value)));
-  return Join(parts, ", ");
 }
 
 Status Dataset::Check() const {

@@ -45,8 +45,6 @@ struct Trial {
   };
   [[nodiscard]] Found Find(const std::string& channel) const;
   [[nodiscard]] std::vector<std::string> ChannelNames() const;
-  /// All conditions in words, "kp = 400, speed_rad_per_s = 2"; empty if there are none.
-  [[nodiscard]] std::string ConditionText() const;
 };
 
 struct Constant {

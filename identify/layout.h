@@ -24,8 +24,6 @@ enum class BlockRole { kTrain, kValidate, kPredicted };
 /// (prediction[sample[i]] - measured[i])`.
 struct Block {
   std::string trial;
-  /// What the trial was made under, "kp = 400": alike for repetitions. Empty: like no other trial.
-  std::string condition;
   std::string channel;
   std::string quantity;  ///< what it measures, for people: "vertical force"; alike for both plates. Empty:
                          ///< the channel

@@ -4,11 +4,14 @@
 #include <cmath>
 #include <limits>
 
+#include "base/numbers.h"
 #include "base/text.h"
 #include "identify/diagnosis/diagnosis.h"
 #include "identify/diagnosis/drift.h"
+#include "identify/diagnosis/gross_search.h"
 #include "identify/diagnosis/held_out_gain.h"
 #include "identify/diagnosis/jackknife.h"
+#include "identify/diagnosis/rounding.h"
 #include "identify/diagnosis/selection.h"
 #include "identify/diagnosis/shape.h"
 #include "identify/diagnosis/standing.h"
@@ -39,6 +42,7 @@ class Examination {
     SINEW_TRY(CheckThatThereIsSomethingToDo(setup));
     out_.setup = std::move(setup);
     candidates_ = ListCandidates(problem_, out_.setup);
+    RemoveRoundings(problem_, candidates_);
     Say("fitting the base model");
     SINEW_ASSIGN(const bool fitted, FitBase());
     if (fitted) SINEW_TRY(Investigate());
@@ -202,9 +206,12 @@ class Examination {
     const auto before = held_out_.Residuals(without.point);
     out_.withdrawn.push_back(
         {candidates_[static_cast<std::size_t>(cause.candidate)].effect,
-         fmt::format("it improves the fitted trials (delta LR {:.0f}) but makes the held-out trials worse "
-                     "(by {:.0f} in the same units)",
-                     cause.delta_lr, -gain)});
+         selection_.gross
+             ? std::string("it improves the fitted trials but makes the held-out trials worse")
+             : fmt::format(
+                   "it improves the fitted trials (delta LR {:.0f}) but makes the held-out trials worse "
+                   "(by {:.0f} in the same units)",
+                   cause.delta_lr, -gain)});
     // The next of the set that does carry over.
     for (const Rival& rival : selection_.rivals) {
       if (rival.instead_of != cause.candidate || !before) continue;
@@ -272,7 +279,7 @@ class Examination {
   [[nodiscard]] double SizeOf(int candidate, double delta_lr) const {
     const Score* score = base_.BestOf(candidate);
     const double statistic = std::max(delta_lr, score != nullptr ? 0.0 : delta_lr);
-    return std::sqrt(std::max(0.0, statistic)) / kDetectable;
+    return statistic > 0 ? std::sqrt(statistic) / kDetectable : 0;
   }
 
   Status Report() {
@@ -298,6 +305,44 @@ class Examination {
     }
     for (const Rival& rival : selection_.rivals) SINEW_TRY(ReportRival(rival, n));
     ReportScores(n);
+    return ReportRoundings();
+  }
+
+  // Certain without a test; a cause if it makes more of the residual than a test that knew where to look
+  // would just detect.
+  Status ReportRoundings() {
+    SINEW_ASSIGN(const auto roundings, FindRoundings(problem_, selection_.model.point));
+    for (const Rounding& rounding : roundings) {
+      const double size = std::sqrt(rounding.statistic) / kDetectable;
+      EffectScore score;
+      score.effect = rounding.effect;
+      score.statistic = rounding.statistic;
+      score.p_value = size > 1 ? 0 : 1;
+      score.family_p_value = score.p_value;
+      out_.scores.insert(std::upper_bound(out_.scores.begin(), out_.scores.end(), score,
+                                          [](const EffectScore& a, const EffectScore& b) {
+                                            return a.statistic > b.statistic;
+                                          }),
+                         score);
+      if (size <= 1) continue;
+      Cause cause;
+      cause.effect = rounding.effect;
+      cause.sentence = rounding.channel + ": the sensor rounds its reading; no model can undo that";
+      cause.p_value = 0;
+      cause.delta_lr = rounding.statistic;
+      cause.delta_bic = rounding.statistic - std::log(selection_.model.rows);
+      cause.size = size;
+      const double reach = rounding.uncertainty;
+      cause.parameters = {{rounding.effect,
+                           rounding.unit,
+                           rounding.step,
+                           reach / kNormal95,
+                           {rounding.step - reach, rounding.step + reach},
+                           0}};
+      out_.causes.push_back(std::move(cause));
+      if (!selection_.alarm) selection_.family_p_value = 0;
+      selection_.alarm = true;
+    }
     return {};
   }
 
@@ -381,6 +426,7 @@ class Examination {
     }
     SINEW_ASSIGN(const Standing standing,
                  StandAt(problem_, candidates_, selection_.model, options_.alarm_level, options_.seed));
+    if (selection_.line_left && standing.line) DescribeLine(standing, before);
     for (std::size_t i = 0; i < std::min(selection_.unknown.size(), kMostUnknown); ++i) {
       const int c = selection_.unknown[i];
       if (candidates_[static_cast<std::size_t>(c)].drifting >= 0) {
@@ -410,6 +456,50 @@ class Examination {
       if (out_.unknown_terms.size() == 1) unknown_point_ = refit.point;
     }
     return {};
+  }
+
+  void DescribeLine(const Standing& standing, const std::optional<std::vector<Vector>>& before) {
+    constexpr int kPoints = 17;
+    const SpectralLine& line = *standing.line;
+    const LeastSquares fit(problem_, *standing.refit.setup);
+    // The residual is predicted minus measured.
+    const Vector amplitudes = -LineAmplitudes(fit, standing.design.residual, line);
+    UnknownFinding finding;
+    finding.port = line.channel;
+    finding.signal = "time";
+    finding.signal_unit = "s";
+    finding.shape = fmt::format("periodic, {} Hz", Readable(line.frequency));
+    finding.p_value = standing.AlarmPValue();
+    double weight = 1;
+    for (const Block& block : problem_.layout()) {
+      if (block.channel != line.channel || block.role != BlockRole::kTrain) continue;
+      finding.unit = block.unit;
+      weight = block.weight;
+    }
+    for (int i = 0; i < kPoints; ++i) {
+      const double turn = static_cast<double>(i) / (kPoints - 1);
+      finding.knots.push_back(turn / line.frequency);
+      finding.curve.push_back(
+          (amplitudes[0] * std::cos(2 * M_PI * turn) + amplitudes[1] * std::sin(2 * M_PI * turn)) / weight);
+      finding.deviation.push_back(std::numeric_limits<double>::quiet_NaN());
+    }
+    if (before) {
+      std::vector<Vector> after = *before;
+      held_out_.Add(
+          [&](const Block& block) {
+            return block.channel == line.channel ? LineAt(block, line, amplitudes) : Vector();
+          },
+          after);
+      double sum_before = 0;
+      double sum_after = 0;
+      for (std::size_t b = 0; b < after.size(); ++b) {
+        sum_before += (*before)[b].squaredNorm();
+        sum_after += after[b].squaredNorm();
+      }
+      finding.held_out_reduction = 1 - std::sqrt(sum_after / sum_before);
+      if (sum_after < sum_before) unknown_residuals_ = std::move(after);
+    }
+    out_.unknown_terms.push_back(std::move(finding));
   }
 
   void DiscoverDrift(int c, double p_value, const NoiseModel& noise) {
@@ -535,10 +625,16 @@ class Examination {
   void Conclude() {
     if (!selection_.alarm) {
       out_.verdict = DiagnosisVerdict::kAdequate;
-    } else if (selection_.causes.empty() || selection_.structure_left) {
+    } else if (out_.causes.empty() || selection_.structure_left) {
       out_.verdict = DiagnosisVerdict::kUnexplained;
     } else {
       out_.verdict = out_.alternatives.empty() ? DiagnosisVerdict::kExplained : DiagnosisVerdict::kAmbiguous;
+    }
+    if (!selection_.alarm && IsGross(base_.refit.noise)) {
+      out_.warnings.push_back(
+          "the residual wanders much farther than from one sample to the next: noise of instruments rarely "
+          "does; "
+          "if it is no noise, something is wrong that no effect of the library explains");
     }
     out_.family_p_value = selection_.family_p_value;
     if (selection_.gross) {

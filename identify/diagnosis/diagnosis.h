@@ -92,7 +92,7 @@ struct Cause {
   double delta_lr = 0;  ///< against the model without it
   double delta_bic = 0;
   double size = 0;      ///< in units of what a test that knew where to look would just detect (95 % at 5 %)
-  double left_out = 0;  ///< Diagnosis::left_out: error of left-out conditions with it / without it; else 0
+  double left_out = 0;  ///< Diagnosis::left_out: error of left-out trials with it / without it; else 0
 };
 
 /// A cause that the fitted trials suggest and the held-out trials deny.
@@ -182,7 +182,7 @@ struct Diagnosis {
   double threshold = 0;              ///< on |t| of a single known effect, at the family-wise level
   double family_p_value = 1;         ///< of the strongest alarm
 
-  /// Conditions (or trials) that were left out of the fit in turn, if causes had to be chosen by what they
+  /// Trials that were left out of the fit in turn, if causes had to be chosen by what they
   /// predict there, since what is wrong dwarfs the noise.
   std::vector<std::string> left_out;
   std::vector<EffectScore> scores;  ///< of every effect and unknown term, strongest first

@@ -1,6 +1,7 @@
 #include "identify/diagnosis/drift.h"
 
 #include <Eigen/QR>
+#include <algorithm>
 #include <cmath>
 
 #include "identify/diagnosis/design.h"

@@ -21,6 +21,7 @@ struct DriftFit {
 
 /// One linear step from a fitted model: its free parameters and the drift together, under its noise; held-out
 /// trials get what the training trials say, and their own nuisance values.
+/// @param noise one that has not swallowed the drift: Standing::noise, not that of the refit
 /// Errors: the problem's own; the data do not tell the drift.
 Result<DriftFit> FitDrift(const Problem& problem, const Refit& refit,
                           const std::vector<Candidate>& candidates, int candidate, const NoiseModel& noise);

@@ -8,6 +8,7 @@
 #include <limits>
 #include <set>
 
+#include "base/random.h"
 #include "identify/diagnosis/held_out_gain.h"
 #include "identify/role_view.h"
 
@@ -20,9 +21,11 @@ constexpr double kTolerance = 1e-4;      // relative, of the cost, while searchi
 constexpr double kFineTolerance = 1e-6;  // ... and of the answer
 constexpr std::size_t kMostPromising = 10;
 constexpr std::size_t kMostLeftOut = 6;
+constexpr int kDraws = 40;
+constexpr double kSpread = 0.8;
 constexpr std::size_t kBeam = 2;  // by each of the two errors
 constexpr std::size_t kMostCauses = 5;
-constexpr double kWorthIt = 0.97;  // error of left-out conditions with a cause, as a share of that without
+constexpr double kWorthIt = 0.97;  // error of left-out trials with a cause, as a share of that without
 
 template <class F>
 void InParallel(int threads, std::size_t count, F&& one) {
@@ -56,15 +59,10 @@ GrossSearch::GrossSearch(const Problem& problem, const Refitter& refitter,
                          const std::vector<Candidate>& candidates, const DiagnosisOptions& options)
     : problem_(problem), refitter_(refitter), candidates_(candidates), options_(options) {
   std::set<std::string> trials;
-  std::set<std::string> conditions;
   for (const Block& block : problem.layout()) {
-    if (block.role != BlockRole::kTrain) continue;
-    trials.insert(block.trial);
-    conditions.insert(block.condition.empty() ? block.trial : block.condition);
+    if (block.role == BlockRole::kTrain) trials.insert(block.trial);
   }
-  by_condition_ = conditions.size() > 1;
-  const auto& names = by_condition_ ? conditions : trials;
-  folds_.assign(names.begin(), names.end());
+  folds_.assign(trials.begin(), trials.end());
 }
 
 double GrossSearch::Rows() const {
@@ -78,19 +76,13 @@ double GrossSearch::LeftOutError(const Set& released, const Vector& start) const
   for (const std::string& fold : folds_) {
     const RoleView view(problem_, [&](const Block& block) {
       if (block.role != BlockRole::kTrain) return BlockRole::kPredicted;
-      const std::string& own = by_condition_ && !block.condition.empty() ? block.condition : block.trial;
-      return own == fold ? BlockRole::kValidate : BlockRole::kTrain;
+      return block.trial == fold ? BlockRole::kValidate : BlockRole::kTrain;
     });
     FitSetup setup = refitter_.SetupWith(released);
     setup.rest = start;
-    std::set<std::string> fitted;
-    for (const Block& block : view.layout()) {
-      if (block.role == BlockRole::kTrain) fitted.insert(block.trial);
-    }
     std::vector<int> free;
     for (const int index : setup.free) {
-      const Parameter& p = setup.parameters[static_cast<std::size_t>(index)];
-      if (p.trial.empty() || fitted.count(p.trial) > 0) free.push_back(index);
+      if (setup.parameters[static_cast<std::size_t>(index)].trial != fold) free.push_back(index);
     }
     setup.free = std::move(free);
     const LeastSquares fit(view, setup);
@@ -149,6 +141,46 @@ void GrossSearch::Grow(const Trial& from, const Standing& standing, std::vector<
   }
 }
 
+// Local searches stop in poor places: every set is tried again from what the others found for the parameters
+// that they share, and from random places around its own.
+void GrossSearch::Polish(const Standing& base, std::vector<Trial>& sets) const {
+  std::vector<Trial> again = sets;
+  std::vector<std::vector<Vector>> starts(sets.size());
+  const auto& parameters = base.refit.setup->parameters;
+  for (std::size_t i = 0; i < sets.size(); ++i) {
+    const FitSetup setup = refitter_.SetupWith(sets[i].released);
+    for (std::size_t other = 0; other < sets.size(); ++other) {
+      if (other == i) continue;
+      const FitSetup theirs = refitter_.SetupWith(sets[other].released);
+      Vector start = sets[i].point;
+      for (const int index : setup.free) {
+        if (theirs.IsFree(index)) start[index] = sets[other].point[index];
+      }
+      starts[i].push_back(std::move(start));
+    }
+    Random random(Random::StreamSeed(options_.seed, i));
+    for (int draw = 0; draw < kDraws; ++draw) {
+      Vector start = sets[i].point;
+      for (const int index : setup.free) {
+        const Parameter& p = parameters[static_cast<std::size_t>(index)];
+        if (p.kind == ParameterKind::kNuisance) continue;
+        if (p.scale == Scale::kLog) {
+          start[index] *= std::exp(kSpread * random.Normal());
+        } else {
+          const double size = std::max(std::abs(start[index] - p.null_value), 0.02 * (p.upper - p.lower));
+          start[index] += kSpread * size * random.Normal();
+        }
+        start[index] = std::clamp(start[index], p.lower, p.upper);
+      }
+      starts[i].push_back(std::move(start));
+    }
+  }
+  FitAll(again, starts);
+  for (std::size_t i = 0; i < sets.size(); ++i) {
+    if (again[i].fitted_error < sets[i].fitted_error) sets[i] = std::move(again[i]);
+  }
+}
+
 void GrossSearch::LeaveOut(std::vector<Trial>& sets) const {
   InParallel(options_.threads, sets.size(), [&](std::size_t i) {
     if (std::isfinite(sets[i].fitted_error))
@@ -175,7 +207,7 @@ std::vector<GrossSearch::Trial> GrossSearch::OneLess(const Trial& of) const {
   return smaller;
 }
 
-// What the prediction of left-out conditions does not need goes; what is left of the set is judged one by
+// What the prediction of left-out trials does not need goes; what is left of the set is judged one by
 // one.
 Result<GrossSearch::Outcome> GrossSearch::Conclude(Trial best, double base_error) const {
   Outcome outcome;
@@ -224,6 +256,7 @@ Result<GrossSearch::Outcome> GrossSearch::Run(const Standing& base) {
     std::stable_sort(made.begin(), made.end(),
                      [](const Trial& a, const Trial& b) { return a.fitted_error < b.fitted_error; });
     if (made.size() > kMostLeftOut) made.resize(kMostLeftOut);
+    Polish(base, made);
     LeaveOut(made);
     std::vector<Trial> by_left_out = made;
     std::stable_sort(by_left_out.begin(), by_left_out.end(), ByLeftOut<Trial>);
@@ -236,9 +269,9 @@ Result<GrossSearch::Outcome> GrossSearch::Run(const Standing& base) {
       }
     }
     if (options_.progress) {
-      std::string text =
-          fmt::format("{} causes together: left-out conditions miss by {:.3g} of what the base misses:", size,
-                      by_left_out.front().left_out_error / base_error);
+      std::string text = fmt::format(
+          "{} together: left-out trials are missed by {:.3g} of what the base model misses:", size,
+          by_left_out.front().left_out_error / base_error);
       for (const int c : by_left_out.front().released)
         text += " " + candidates_[static_cast<std::size_t>(c)].effect;
       options_.progress(text);

@@ -1,7 +1,8 @@
 // When what is wrong dwarfs the noise, any noise model swallows it and likelihoods tell little. A set of
-// causes is then judged by what it predicts for conditions that were left out of its fit (cross-validation,
-// Stone 1974), and sets are built from several beginnings at a time, since a cause may show only once another
-// one is in.
+// causes is then judged by what it predicts for trials that were left out of its fit (cross-validation, Stone
+// 1974), and sets are built from several beginnings at a time, since a cause may show only once another one
+// is in. Trials, not conditions, are left out: without the condition that excites an effect no fit can tell
+// its size.
 #pragma once
 
 #include <set>
@@ -25,12 +26,12 @@ class GrossSearch {
   GrossSearch(const Problem& problem, const Refitter& refitter, const std::vector<Candidate>& candidates,
               const DiagnosisOptions& options);
 
-  /// At least two conditions (or trials, if no condition is repeated) to leave out in turn.
+  /// At least two trials to leave out in turn.
   [[nodiscard]] bool possible() const { return folds_.size() > 1; }
-  /// What is left out in turn, for a person: "kp = 100", or a trial.
+  /// The trials that are left out in turn.
   [[nodiscard]] const std::vector<std::string>& folds() const { return folds_; }
 
-  /// Root mean square of the weighted residuals of left-out conditions; infinite where a fit failed.
+  /// Root mean square of the weighted residuals of left-out trials; infinite where a fit failed.
   /// @param start [P] from which every fit starts
   [[nodiscard]] double LeftOutError(const Set& released, const Vector& start) const;
 
@@ -38,9 +39,9 @@ class GrossSearch {
     Set released;
     Refit model;              ///< ordinary least squares
     bool ends_gross = false;  ///< what is left is gross still
-    double base_error = 0;    ///< of left-out conditions, by the base model
+    double base_error = 0;    ///< of left-out trials, by the base model
     double error = 0;         ///< by this one
-    /// Error of left-out conditions with each cause as a share of that without it.
+    /// Error of left-out trials with each cause as a share of that without it.
     std::vector<std::pair<int, double>> left_out_shares;
   };
   /// Best set, from the base model on; ends early if one cause leaves nothing gross. Errors: the problem's
@@ -57,6 +58,7 @@ class GrossSearch {
   };
   void Grow(const Trial& from, const Standing& standing, std::vector<Trial>& made);
   void FitAll(std::vector<Trial>& trials, const std::vector<std::vector<Vector>>& starts) const;
+  void Polish(const Standing& base, std::vector<Trial>& sets) const;
   void LeaveOut(std::vector<Trial>& sets) const;
   [[nodiscard]] std::vector<Trial> OneLess(const Trial& of) const;
   [[nodiscard]] Result<Outcome> Conclude(Trial best, double base_error) const;
@@ -67,7 +69,6 @@ class GrossSearch {
   const std::vector<Candidate>& candidates_;
   const DiagnosisOptions& options_;
   std::vector<std::string> folds_;
-  bool by_condition_ = false;
   std::set<Set> seen_;
 };
 

@@ -2,6 +2,7 @@
 #pragma once
 
 #include <cstdint>
+#include <functional>
 #include <vector>
 
 #include "identify/diagnosis/diagnosis.h"
@@ -19,6 +20,14 @@ class HeldOut {
   /// Weighted residuals [held-out blocks][samples], with every held-out trial's own nuisance values fitted.
   /// Errors: the problem's own.
   [[nodiscard]] Result<std::vector<Vector>> Residuals(const Vector& point) const;
+
+  /// Adds `term(block)` (weighted, empty: nothing) to the residuals.
+  void Add(const std::function<Vector(const Block&)>& term, std::vector<Vector>& residuals) const {
+    for (std::size_t i = 0; i < blocks_.size(); ++i) {
+      const Vector more = term(block(i));
+      if (more.size() > 0) residuals[i] += more;
+    }
+  }
 
   /// Sum of squared innovations of such residuals in units of their variance, by a noise model that was
   /// estimated on the training trials.

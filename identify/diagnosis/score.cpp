@@ -236,10 +236,11 @@ ScoreTable MakeScores(const LeastSquares& fit, const Design& design, const std::
   return TableMaker(fit, design, candidates, whitening).Make();
 }
 
-double JointStatistic(const ScoreTable& table, const Score& a, const Score& b) {
-  std::vector<int> which = a.directions;
-  which.insert(which.end(), b.directions.begin(), b.directions.end());
-  return Drop(table, which);
+double JointStatistic(const ScoreTable& table, const std::vector<const Score*>& scores) {
+  std::vector<int> which;
+  for (const Score* score : scores)
+    which.insert(which.end(), score->directions.begin(), score->directions.end());
+  return which.empty() ? 0 : Drop(table, which);
 }
 
 double Family::FamilyPValue(double weighted_p) const {

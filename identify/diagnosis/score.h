@@ -43,9 +43,9 @@ struct ScoreTable {
 ScoreTable MakeScores(const LeastSquares& fit, const Design& design, const std::vector<Candidate>& candidates,
                       const Whitening* whitening);
 
-/// Drop of twice the negative log-likelihood for both scores' directions together, signs respected for single
-/// directions.
-[[nodiscard]] double JointStatistic(const ScoreTable& table, const Score& a, const Score& b);
+/// Drop of twice the negative log-likelihood for the scores' directions together, signs respected for single
+/// directions; 0 for none.
+[[nodiscard]] double JointStatistic(const ScoreTable& table, const std::vector<const Score*>& scores);
 
 /// One level for everything that could raise an alarm.
 struct Family {

@@ -26,6 +26,8 @@ constexpr std::size_t kMostSurvivors = 14;
 constexpr std::size_t kMostPairs = 8;
 constexpr double kParsimony = 10.8;  // chi-squared with one degree: chance 0.001
 constexpr double kDouble = 0.97;     // correlation of traces above which they count as one
+constexpr double kStandsOut = 3;     // times the answer of any other trial ...
+constexpr double kNoticeable = 6;    // ... and so much more
 constexpr double kWalk = 0.97;       // root of the noise above which it may well be an effect in disguise
 
 class Selector {
@@ -34,12 +36,13 @@ class Selector {
            const Standing& base, const DiagnosisOptions& options)
       : problem_(problem), refitter_(refitter), candidates_(candidates), base_(base), options_(options) {
     cache_[{}] = base.refit;
+    FindTrialThatStandsOut();
   }
 
   Result<Selection> Run() {
     Selection selection;
-    selection.family_p_value = base_.family.p_value;
-    selection.alarm = base_.family.p_value <= options_.alarm_level;
+    selection.family_p_value = base_.AlarmPValue();
+    selection.alarm = selection.family_p_value <= options_.alarm_level;
     selection.model = base_.refit;
     if (!selection.alarm && !MayHide()) return selection;
 
@@ -65,6 +68,7 @@ class Selector {
     }
     if (!selection.alarm) return selection;
     Eliminate(chosen);
+    if (IsOutdoneByUnknown(chosen)) chosen.clear();
     SINEW_ASSIGN(standing, StandAt(problem_, candidates_, cache_.at(chosen), kFurtherLevel, options_.seed));
     selection.model = cache_.at(chosen);
     Judge(chosen, selection);
@@ -76,7 +80,7 @@ class Selector {
  private:
   using Set = std::vector<int>;
 
-  // If one known cause leaves nothing gross, the usual steps do better; else what left-out conditions say
+  // If one known cause leaves nothing gross, the usual steps do better; else what left-out trials say
   // counts.
   Status SearchGross(Selection& selection) {
     GrossSearch search(problem_, refitter_, candidates_, options_);
@@ -97,12 +101,10 @@ class Selector {
     }
     std::stable_sort(selection.causes.begin(), selection.causes.end(),
                      [](const ChosenCause& a, const ChosenCause& b) { return a.left_out < b.left_out; });
+    // Likelihoods mean nothing here.
     for (ChosenCause& cause : selection.causes) {
-      Set rest = found.released;
-      rest.erase(std::remove(rest.begin(), rest.end(), cause.candidate), rest.end());
-      const Refit without = refitter_.FitOrdinary(rest, {found.model.point}, 1e-6);
-      if (without.usable()) cause.delta_lr = without.deviance - found.model.deviance;
-      cause.p_value = RefitPValue(cause.delta_lr, {cause.candidate});
+      cause.p_value = std::numeric_limits<double>::quiet_NaN();
+      cause.delta_lr = std::numeric_limits<double>::quiet_NaN();
     }
     return {};
   }
@@ -113,6 +115,34 @@ class Selector {
     const auto& channels = base_.refit.noise.channels;
     return std::any_of(channels.begin(), channels.end(),
                        [](const ChannelNoiseModel& channel) { return channel.LargestRoot() > kWalk; });
+  }
+
+  // A sensor that fails in one trial alone answers there much more than in any other; an effect that is not
+  // in the library answers in several.
+  void FindTrialThatStandsOut() {
+    std::map<std::string, std::map<std::string, double>> of_kind;  // effect without its trial
+    for (std::size_t c = 0; c < candidates_.size(); ++c) {
+      const Candidate& candidate = candidates_[c];
+      const Score* score = base_.BestOf(static_cast<int>(c));
+      if (!candidate.known || candidate.trial.empty() || score == nullptr) continue;
+      const std::string kind = candidate.effect.substr(0, candidate.effect.rfind('@'));
+      of_kind[kind][candidate.trial] = score->statistic;
+    }
+    double most = 0;
+    for (const auto& [kind, answers] : of_kind) {
+      std::vector<std::pair<double, std::string>> order;
+      for (const auto& [trial, statistic] : answers) order.emplace_back(statistic, trial);
+      std::sort(order.rbegin(), order.rend());
+      const double others = order.size() > 1 ? order[1].first : 0;
+      if (order.front().first < kStandsOut * others + kNoticeable || order.front().first <= most) continue;
+      most = order.front().first;
+      trial_that_stands_out_ = order.front().second;
+    }
+  }
+
+  [[nodiscard]] bool MayBeNamed(int c) const {
+    const std::string& trial = candidates_[static_cast<std::size_t>(c)].trial;
+    return trial.empty() || trial == trial_that_stands_out_;
   }
 
   [[nodiscard]] double Price(const Set& released) const {
@@ -142,7 +172,7 @@ class Selector {
     for (const ScoreTable* table : {&standing.whitened, &standing.plain}) {
       std::vector<std::pair<double, int>> ranking;
       for (std::size_t c = 0; c < candidates_.size(); ++c) {
-        if (!candidates_[c].known) continue;
+        if (!candidates_[c].known || !MayBeNamed(static_cast<int>(c))) continue;
         const Score* score = standing.BestOf(static_cast<int>(c), *table);
         if (score == nullptr) continue;
         const double price = kPerParameter * static_cast<double>(score->directions.size() - 1);
@@ -272,7 +302,7 @@ class Selector {
         const Candidate& second = candidates_[static_cast<std::size_t>(b.candidate)];
         if (!first.primary() || !second.primary() || a.candidate == b.candidate) continue;
         const double statistic =
-            JointStatistic(base_.whitened, a, b) -
+            JointStatistic(base_.whitened, {&a, &b}) -
             kPerParameter * static_cast<double>(first.parameters.size() + second.parameters.size());
         Pair& best = best_of[{a.candidate, b.candidate}];
         if (best.a == nullptr || statistic > best.statistic) best = {statistic, &a, &b};
@@ -293,6 +323,29 @@ class Selector {
       wanted[With({a}, b)].push_back(std::move(start));
     }
     return {};
+  }
+
+  // One curve of one signal does better than all that is in the library: then the cause is not in it.
+  // Compared at the base model, before any refit, and only if the refit agrees that the known ones explain
+  // little more.
+  [[nodiscard]] bool IsOutdoneByUnknown(const Set& chosen) const {
+    if (chosen.empty()) return false;
+    std::vector<const Score*> known;
+    double parameters = 0;
+    for (const int c : chosen) {
+      const Score* score = base_.BestOf(c);
+      if (score != nullptr) known.push_back(score);
+      parameters += static_cast<double>(candidates_[static_cast<std::size_t>(c)].parameters.size());
+    }
+    const double linear = JointStatistic(base_.whitened, known);
+    const double refitted = cache_.at({}).deviance - cache_.at(chosen).deviance;
+    const double explained = std::max(linear, refitted) - kPerParameter * parameters;
+    for (const Score& score : base_.whitened.scores) {
+      if (candidates_[static_cast<std::size_t>(score.candidate)].known) continue;
+      const double price = kPerParameter * static_cast<double>(score.directions.size());
+      if (score.statistic - price > explained + SetWidth(base_.refit)) return true;
+    }
+    return false;
   }
 
   // Backward: what no longer pays its way goes.
@@ -426,7 +479,8 @@ class Selector {
       if (a.first != b.first) return a.first < b.first;
       return standing.BestOf(a.second)->statistic > standing.BestOf(b.second)->statistic;
     });
-    selection.structure_left = nothing_chosen || smallest <= kFurtherLevel;
+    selection.line_left = standing.AlarmPValue() < smallest && standing.AlarmPValue() <= kFurtherLevel;
+    selection.structure_left = nothing_chosen || smallest <= kFurtherLevel || selection.line_left;
     for (const auto& [p, c] : unknown) {
       if (!selection.structure_left || (p > options_.alarm_level && !selection.unknown.empty())) break;
       selection.unknown.push_back(c);
@@ -440,6 +494,7 @@ class Selector {
   const Standing& base_;
   const DiagnosisOptions& options_;
   std::map<Set, Refit> cache_;
+  std::string trial_that_stands_out_;
 };
 
 }  // namespace

@@ -22,22 +22,22 @@ struct ChosenCause {
   int candidate = 0;
   double delta_lr = 0;  ///< against the chosen set without it
   double p_value = 1;   ///< family-wise
-  double left_out =
-      0;  ///< Selection::gross: error of left-out conditions with it, as a share of that without
+  double left_out = 0;  ///< Selection::gross: error of left-out trials with it, as a share of that without
 };
 
 struct Selection {
   bool alarm = false;
   /// What is wrong dwarfs the noise, and something of that kind is left: causes were chosen by what they
-  /// predict for conditions left out of the fit, not by likelihood.
+  /// predict for trials left out of the fit, not by likelihood.
   bool gross = false;
-  std::vector<std::string> left_out;  ///< these conditions, if gross
+  std::vector<std::string> left_out;  ///< these trials, if gross
   double family_p_value = 1;
   std::vector<ChosenCause> causes;  ///< most important first
   std::vector<Rival> rivals;
   std::vector<Refit> tried;     ///< every model with one candidate released, for the table of scores
   Refit model;                  ///< with all causes; the base model if there are none
   bool structure_left = false;  ///< something is wrong still, and no known candidate explains it
+  bool line_left = false;       ///< something periodic in time
   std::vector<int> unknown;     ///< unknown terms that answer to what is left, strongest first
   std::vector<double> unknown_p_value;
 };

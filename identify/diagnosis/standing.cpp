@@ -37,6 +37,7 @@ Vector StartAt(const Standing& standing, const ScoreTable& table, const Candidat
 
 constexpr Eigen::Index kRowsPerDirection = 50;
 constexpr Eigen::Index kMostDirections = 40;
+constexpr double kDenied = 10;        // deviance
 constexpr double kLeastShare = 1e-4;  // of the largest eigenvalue
 
 // Leading directions of what all candidates can do and the base cannot, unit length [m x r].
@@ -46,11 +47,11 @@ Matrix LeadingDirections(const Design& design) {
       design.base * design.base.colwise().norm().cwiseMax(1e-300).cwiseInverse().asDiagonal());
   qr.setThreshold(1e-8);
   const Matrix q = qr.householderQ() * Matrix::Identity(columns.rows(), qr.rank());
+  const Vector before = columns.colwise().norm();
+  columns -= q * (q.transpose() * columns);
   for (Eigen::Index k = 0; k < columns.cols(); ++k) {
-    const double before = columns.col(k).norm();
-    columns.col(k) -= q * (q.transpose() * columns.col(k));
     const double left = columns.col(k).norm();
-    columns.col(k) *= left > 1e-3 * before ? 1 / left : 0;
+    columns.col(k) *= left > 1e-3 * before[k] ? 1 / left : 0;
   }
   const Eigen::SelfAdjointEigenSolver<Matrix> eigen(columns.transpose() * columns);
   const auto last = eigen.eigenvalues().size() - 1;
@@ -70,14 +71,13 @@ Matrix LeadingDirections(const Design& design) {
 // A noise model of the residual of a model that lacks something swallows what it lacks; so everything that
 // might be there is among the regressors.
 Result<NoiseModel> NoiseBehindCandidates(const LeastSquares& fit, const Vector& x, const Design& design,
-                                         bool white) {
+                                         const NoiseModel& own, bool white) {
   SINEW_ASSIGN(auto blocks, NoiseBlocks(fit, x));
   const Matrix directions = LeadingDirections(design);
   for (std::size_t t = 0; t < blocks.size(); ++t) {
     NoiseBlock& block = blocks[t];
     const auto rows = block.residual.size();
-    const auto own = block.regressors.cols();
-    block.regressors.conservativeResize(rows, own + directions.cols());
+    block.regressors.conservativeResize(rows, block.regressors.cols() + directions.cols());
     block.regressors.rightCols(directions.cols()) =
         directions.middleRows(fit.train_blocks()[t].first_row, rows);
     for (Eigen::Index k = 0; k < directions.cols(); ++k)
@@ -85,10 +85,18 @@ Result<NoiseModel> NoiseBehindCandidates(const LeastSquares& fit, const Vector& 
   }
   NoiseModelOptions how;
   how.white = white;
-  return EstimateNoiseModel(blocks, how);
+  SINEW_ASSIGN(auto behind, EstimateNoiseModel(blocks, how));
+  // With so many regressors it is less certain; it stands only if the data deny the other one.
+  const double denial = RestrictedDeviance(blocks, own) - RestrictedDeviance(blocks, behind);
+  return denial > kDenied ? behind : own;
 }
 
 }  // namespace
+
+double Standing::AlarmPValue() const {
+  constexpr double kLineWeight = 20;  // a twentieth of the level
+  return line ? std::min(family.p_value, std::min(1.0, kLineWeight * line->p_value)) : family.p_value;
+}
 
 const Score* Standing::BestOf(int candidate, const ScoreTable& table) const {
   const Score* best = nullptr;
@@ -105,13 +113,14 @@ Result<Standing> StandAt(const Problem& problem, const std::vector<Candidate>& c
   const LeastSquares fit(problem, *standing.refit.setup);
   const Whitening whitening(standing.refit.noise, TrainStretches(fit));
   SINEW_ASSIGN(standing.design, MakeDesign(fit, standing.refit.x, candidates, whitening));
-  SINEW_ASSIGN(standing.noise,
-               NoiseBehindCandidates(fit, standing.refit.x, standing.design, standing.refit.swallowed));
+  SINEW_ASSIGN(standing.noise, NoiseBehindCandidates(fit, standing.refit.x, standing.design,
+                                                     standing.refit.noise, standing.refit.swallowed));
   const Whitening behind(standing.noise, TrainStretches(fit));
   standing.whitened = MakeScores(fit, standing.design, candidates, &behind);
   standing.plain = standing.refit.noise.IsColoured() ? MakeScores(fit, standing.design, candidates, nullptr)
                                                      : standing.whitened;
   standing.family = FamilyOf(standing.whitened, level, seed);
+  standing.line = FindLine(fit, standing.design.residual);
   return standing;
 }
 

@@ -6,6 +6,7 @@
 
 #include "identify/diagnosis/refit.h"
 #include "identify/diagnosis/score.h"
+#include "identify/diagnosis/spectral_line.h"
 
 namespace sinew {
 
@@ -16,6 +17,9 @@ struct Standing {
   ScoreTable whitened;  ///< by that noise
   ScoreTable plain;     ///< without whitening, which swallows what is large
   Family family;
+  std::optional<SpectralLine> line;  ///< strongest in the residual, whether it means something or not
+  /// Chance of any alarm as strong, by scores or by the line, which has a small share of the level.
+  [[nodiscard]] double AlarmPValue() const;
 
   /// Best score of a candidate over its probes, nullptr if it was not judged.
   [[nodiscard]] const Score* BestOf(int candidate, const ScoreTable& table) const;

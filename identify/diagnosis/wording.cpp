@@ -74,7 +74,7 @@ std::vector<std::string> DescribeDiagnosis(const Diagnosis& d, bool has_held_out
                                     cause.effect, DescribeParameters(cause.parameters)));
     if (cause.left_out > 0) {
       sentences.back().pop_back();
-      sentences.back() += fmt::format("; with it, conditions left out of the fit are missed by {} less.",
+      sentences.back() += fmt::format("; with it, trials left out of the fit are missed by {} less.",
                                       Percent(1 - cause.left_out));
     }
     for (const Alternative& other : d.alternatives) {

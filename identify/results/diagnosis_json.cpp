@@ -107,7 +107,8 @@ Json FromUnknown(const UnknownFinding& u) {
           {"held_out_reduction", Finite(u.held_out_reduction)},
           {"knots", FiniteAll(u.knots)},
           {"curve", FiniteAll(u.curve)},
-          {"deviation", FiniteAll(u.deviation)}};
+          {"deviation", FiniteAll(u.deviation)},
+          {"changes_parameter", u.changes_parameter}};
 }
 
 Json FromGain(const Gain& g) {
@@ -208,6 +209,7 @@ std::string DiagnosisJson(const Diagnosis& diagnosis, const Provenance& provenan
   }
   json["gain"] = diagnosis.gain.empty() ? Json(nullptr) : FromGain(diagnosis.gain.front());
   json["gains"] = List(diagnosis.gain, FromGain);
+  json["left_out"] = diagnosis.left_out;
   json["unknown_terms"] = List(diagnosis.unknown_terms, FromUnknown);
   json["extended_parameters"] = List(diagnosis.extended_parameters, FromParameter);
   json["extended_fit"] = List(diagnosis.extended_fit, FromFit);

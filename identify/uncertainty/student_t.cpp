@@ -104,4 +104,8 @@ double StudentTQuantile(double probability, double degrees_of_freedom) {
   return UpperQuantile(probability, degrees_of_freedom);
 }
 
+double FUpperTail(double f, double first, double second) {
+  return f > 0 ? IncompleteBeta(second / 2, first / 2, second / (second + first * f)) : 1;
+}
+
 }  // namespace sinew

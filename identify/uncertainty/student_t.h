@@ -1,4 +1,4 @@
-// Quantiles of the t distribution: how far 95 % reaches when the noise level is itself an estimate.
+// The t and F distributions: how far 95 % reaches when the noise level is itself an estimate.
 #pragma once
 
 namespace sinew {
@@ -10,5 +10,9 @@ namespace sinew {
 /// The t with P(T <= t) = probability; its square is the quantile of F(1, degrees_of_freedom), of chi-squared
 /// with one degree for infinity. NaN unless 0 < probability < 1 and degrees_of_freedom > 0.
 [[nodiscard]] double StudentTQuantile(double probability, double degrees_of_freedom);
+
+/// P(F > f) of the F distribution with `first` and `second` > 0 degrees of freedom; 1 for f <= 0. Relatively
+/// accurate in the tail (Abramowitz, Stegun 1964, 26.6.2).
+[[nodiscard]] double FUpperTail(double f, double first, double second);
 
 }  // namespace sinew

@@ -195,7 +195,6 @@ Status AddBlocks(const Trial& trial, const ContactSettings& settings, Stance& st
     const bool fitted = std::find(settings.fit.begin(), settings.fit.end(), kind) != settings.fit.end();
     Block block;
     block.trial = stance.trial;
-    block.condition = trial.ConditionText();
     block.channel = stance.plate + "_" + kind;
     block.quantity = QuantityOf(kind);
     block.unit = UnitOf(kind);

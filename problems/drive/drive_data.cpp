@@ -388,7 +388,6 @@ Status AddBlocks(const std::string& name, const Trial& trial, const std::vector<
     }
     Block block;
     block.trial = name;
-    block.condition = trial.ConditionText();
     block.channel = channel;
     block.quantity = quantities[c];
     block.unit = units[c];

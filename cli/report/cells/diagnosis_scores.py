@@ -110,7 +110,8 @@ rows = []
 for cause in causes:
     rows.append([effect_cell(cause, "cause"), sizes(cause["effect"]),
                  f"{chance(cause['p_value'])}, ΔBIC {number(cause['delta_bic'])}; {number(cause['size'], 2)} times what a "
-                 "test that knew where to look would notice"])
+                 "test that knew where to look would notice" if np.isfinite(cause["p_value"]) else
+                 "chosen by what it predicts for trials left out of the fit: see the text"])
     for other in rows_of("alternatives"):
         if other["instead_of"] != cause["effect"]:
             continue

@@ -3,6 +3,8 @@
 #pragma once
 
 #include <cmath>
+#include <cstdint>
+#include <optional>
 #include <string>
 #include <utility>
 #include <vector>
@@ -15,7 +17,7 @@ namespace sinew {
 /// y = gain u + rate du/dt + effects, for an input u(t) of several sines that differs from trial to trial.
 /// Effects: quadratic u|u| (>= 0), step sign(u), drift, offset, twin (1.001 times the step plus a little),
 /// absent (changes nothing), stretch tanh(u / width) with probes; per trial an offset. Port y with y(u),
-/// y(time).
+/// y(time). What is wrong may also be something that none of these is (Truth).
 class LinearLaws final : public Problem {
  public:
   struct Truth {
@@ -24,12 +26,23 @@ class LinearLaws final : public Problem {
     std::vector<std::pair<std::string, double>> effects;  ///< parameter name, value
     double unknown = 0;                                   ///< times cos(4 u): no effect of the library
     double noise = 0.1;
-    double correlation = 0;  ///< AR(1)
-    std::string only_trial;  ///< effects are there in this trial alone
+    double correlation = 0;    ///< AR(1)
+    std::string only_trial;    ///< effects are there in this trial alone
+    double gain_change = 0;    ///< times u and time, from -1 at the begin of a trial to 1 at its end
+    double hum = 0;            ///< amplitude of a sine in time, in phase with the begin of every trial ...
+    double hum_frequency = 5;  ///< [Hz]
+    double wander = 0;  ///< of a slow sine whose phase and rate differ from trial to trial: nothing tells it
+    /// The reading may be rounded (effect y.quantisation, known by name alone) to multiples of this; 0: it
+    /// is not.
+    std::optional<double> reading_step;
+    bool starts = false;  ///< a nuisance value per trial, that fades with exp(-time)
   };
 
-  LinearLaws(const Truth& truth, std::uint64_t seed, int train = 4, int validate = 2, int samples = 250) {
+  LinearLaws(const Truth& truth, std::uint64_t seed, int train = 4, int validate = 2, int samples = 250)
+      : seed_(seed) {
     AddParameters(train, samples);
+    if (truth.starts) AddStarts(train + validate);
+    if (truth.reading_step) AddEffect("y.quantisation", 0, 1);
     Random random(seed);
     for (int t = 0; t < train + validate; ++t) AddTrial(truth, t, t < train, samples, random);
   }
@@ -57,6 +70,7 @@ class LinearLaws final : public Problem {
           }
           continue;
         }
+        if (query.parameters[index] == 0 && !query.Differentiates(index)) continue;
         const Vector column = index == stretch_ ? StretchColumn(b, query.parameters[stretch_ + 1])
                                                 : Vector(columns_[b].col(index));
         if (query.parameters[index] != 0) values += query.parameters[index] * column;
@@ -131,6 +145,13 @@ class LinearLaws final : public Problem {
     AddTerm("u", -2.5, 2.5);
     AddTerm("time", 0, duration);
   }
+  void AddStarts(int trials) {
+    for (int t = 0; t < trials; ++t) {
+      Parameter& p = Add("start@" + TrialName(t), -5, 5, 0, "");
+      p.kind = ParameterKind::kNuisance;
+      p.trial = TrialName(t);
+    }
+  }
   void AddTerm(const std::string& signal, double low, double high) {
     UnknownTerm term{"y(" + signal + ")", signal, "1", {}, {}};
     for (int k = 0; k < 8; ++k) {
@@ -191,6 +212,26 @@ class LinearLaws final : public Problem {
       colour =
           truth.correlation * colour + std::sqrt(1 - truth.correlation * truth.correlation) * random.Normal();
     }
+    AddWhatNoEffectIs(truth, t, b);
+  }
+
+  // Random numbers of its own, so that a seed means the same trials with and without.
+  void AddWhatNoEffectIs(const Truth& truth, int t, std::size_t b) {
+    Random random(Random::StreamSeed(seed_, static_cast<std::uint64_t>(t)));
+    constexpr double kPi = 3.14159265358979323846;
+    const double phase = random.Uniform(0, 6.28);
+    const double rate = random.Uniform(0.4, 0.8);
+    const double end = layout_[b].prediction_time.back();
+    for (std::size_t i = 0; i < layout_[b].measured.size(); ++i) {
+      const double time = layout_[b].prediction_time[i];
+      double& y = layout_[b].measured[i];
+      y += truth.gain_change * (2 * time / end - 1) * inputs_[b][i];
+      y += truth.hum * std::sin(2 * kPi * truth.hum_frequency * time + 1);
+      y += truth.wander * std::sin(rate * time + phase);
+      if (truth.starts) y += (t % 2 == 0 ? 1 : -0.5) * std::exp(-time);
+      if (truth.reading_step && *truth.reading_step > 0)
+        y = *truth.reading_step * std::round(y / *truth.reading_step);
+    }
   }
 
   // Derivative of y for a parameter in which it is linear.
@@ -203,6 +244,8 @@ class LinearLaws final : public Problem {
     if (name == "quadratic_size") return u * std::abs(u);
     if (name == "step_size") return u > 0 ? 1 : -1;
     if (name == "drift_size") return time - 5;
+    if (name.rfind("start@", 0) == 0) return std::exp(-time);
+    if (name == "y.quantisation_size") return 0;
     if (name == "offset_size" || !parameters_[static_cast<std::size_t>(index)].trial.empty()) return 1;
     if (name == "twin_size") return (u > 0 ? 1 : -1) + 0.05 * std::sin(3 * time);
     if (name == "absent_size") return 0;
@@ -225,6 +268,7 @@ class LinearLaws final : public Problem {
   }
 
   static constexpr double kStep = 0.04;
+  std::uint64_t seed_;
   std::vector<Parameter> parameters_;
   std::vector<Effect> effects_;
   std::vector<Port> ports_;

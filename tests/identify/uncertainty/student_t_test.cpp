@@ -60,5 +60,50 @@ TEST(StudentT, IsSymmetricAndRejectsNonsense) {
   EXPECT_TRUE(std::isnan(StudentTQuantile(0.9, 0)));
 }
 
+// What a gamma function of a hundred and the continued fraction leave.
+constexpr double kFRounding = 1e-12;
+
+TEST(FUpperTail, MatchesClosedForms) {
+  for (const double n : {1.0, 2.0, 7.0, 40.0, 300.0}) {
+    for (const double f : {1e-6, 0.3, 1.0, 4.0, 25.0, 1e4}) {
+      // Two degrees above or below: powers.
+      const double above = std::exp(-n / 2 * std::log1p(2 * f / n));
+      EXPECT_NEAR(FUpperTail(f, 2, n) / above, 1, kFRounding * n) << f << " " << n;
+      const double below = -std::expm1(-n / 2 * std::log1p(2 / (n * f)));
+      EXPECT_NEAR(FUpperTail(f, n, 2) / below, 1, kFRounding * n) << f << " " << n;
+    }
+    // Four above: P(F > f) = y^(n/2) (1 + n/2 (1 - y)), y = n / (n + 4 f), as one integration by parts shows.
+    const double y = n / (n + 4 * 3.0);
+    EXPECT_NEAR(FUpperTail(3, 4, n) / (std::pow(y, n / 2) * (1 + n / 2 * (1 - y))), 1, kFRounding * n);
+  }
+}
+
+TEST(FUpperTail, IsRelativelyAccurateInTheTail) {
+  for (const double n : {5.0, 20.0, 150.0}) {
+    for (const double p : {1e-6, 1e-12, 1e-100}) {
+      const double f = n / 2 * std::expm1(-2 / n * std::log(p));
+      // The power n / 2 magnifies the rounding of f.
+      EXPECT_NEAR(FUpperTail(f, 2, n) / p, 1, kFRounding * n) << n;
+    }
+  }
+}
+
+TEST(FUpperTail, AgreesWithStudentsTAndWithItself) {
+  for (const double n : {1.0, 3.5, 12.0, 80.0}) {
+    for (const double t : {0.2, 1.0, 2.5}) {
+      EXPECT_NEAR(FUpperTail(t * t, 1, n), 2 * (1 - StudentTCdf(t, n)), kFRounding * n);
+    }
+    // 1 / F has the degrees exchanged.
+    for (const double f : {0.05, 0.7, 1.0, 3.0})
+      EXPECT_NEAR(FUpperTail(f, 6, n) + FUpperTail(1 / f, n, 6), 1, kFRounding * n);
+  }
+}
+
+TEST(FUpperTail, IsOneWhereNothingIsAbove) {
+  EXPECT_EQ(FUpperTail(0, 3, 9), 1);
+  EXPECT_EQ(FUpperTail(-2, 3, 9), 1);
+  EXPECT_EQ(FUpperTail(kInfinity, 3, 9), 0);
+}
+
 }  // namespace
 }  // namespace sinew
