@@ -30,6 +30,8 @@ constexpr double kSameClass = 0.97;
 // denial: with the right cause it happens by chance in 1 of 75 cases.
 constexpr double kTelling = 20;
 constexpr std::size_t kMostUnknown = 3;
+// A base fit that needs more of them has no minimum to speak of (it takes 10 to 200).
+constexpr long kBaseEvaluations = 400;
 constexpr double kNormal95 = 1.959964;
 
 class Examination {
@@ -77,6 +79,7 @@ class Examination {
     SINEW_ASSIGN(const auto solver, MakeSolver("ceres", how));
     Evaluator::Options gate;
     gate.interrupt = options_.interrupt;
+    gate.budget.max_evaluations = kBaseEvaluations;
     Evaluator evaluator(fit, gate);
     out_.base = solver->Solve(evaluator, fit.Start());
     out_.base_point = fit.Parameters(out_.base.x);

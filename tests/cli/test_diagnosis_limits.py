@@ -1,0 +1,81 @@
+"""Data from which little or nothing can be concluded: a clear statement, never a crash or a confident wrong name.
+
+    SINEW_PROGRAM=build/release/sinew /usr/bin/python3 -B -m unittest discover -s tests/cli -p test_diagnosis_limits.py
+"""
+import json
+import shutil
+import unittest
+
+import h5py
+import numpy as np
+
+from program import ProgramTest, ROOT
+
+DRIVE = ROOT / "datasets" / "data" / "knee_drive.h5"  # dry friction is hidden in it, see knee_drive.truth.json
+FRICTION = {"asymmetric_friction", "coulomb_friction", "stribeck_friction"}
+
+
+class Limits(ProgramTest):
+    def data(self, change):
+        """A copy of the knee drive's data on which change(h5py.File) was done."""
+        shutil.copy(DRIVE, self.path("drive.h5"))
+        with h5py.File(self.path("drive.h5"), "r+") as file:
+            change(file)
+        return "drive.h5"
+
+    def diagnose(self, data):
+        said = self.succeeds("diagnose", "drive", "--data", data, "--out", "why.h5", "--json", "why.json", "--quiet")
+        return json.loads(self.path("why.json").read_text()), said
+
+    @staticmethod
+    def each_position(change):
+        def of(file):
+            for trial in file["trials"].values():
+                channel = trial["joint/channels/position"]
+                values = channel["values"] if isinstance(channel, h5py.Group) else channel
+                values[...] = change(values[...])
+        return of
+
+    @staticmethod
+    def without(names):
+        def of(file):
+            for name in list(file["trials"]):
+                if names(name, file["trials"][name]):
+                    del file["trials"][name]
+        return of
+
+    def test_without_validation_trial_no_gain_is_claimed(self):
+        result, said = self.diagnose(self.data(self.without(
+            lambda _, trial: trial.attrs["role"] in ("validate", b"validate"))))
+        self.assertIn(result["causes"][0]["effect"], FRICTION)
+        self.assertFalse(result["gain"])
+        self.assertIn("No held-out trial", said)
+
+    def test_a_channel_without_variation(self):
+        data = self.data(self.each_position(lambda q: 0 * q + 0.3))
+        self.fails(f"{data}: channel 'position' does not vary: nothing to fit", "diagnose", "drive", "--data", data,
+                   "--out", "why.h5")
+
+    def test_gaps_change_nothing_that_matters(self):
+        rng = np.random.default_rng(1)
+
+        def gaps(q):
+            q[100:180] = np.nan
+            q[rng.integers(0, len(q), 40)] = np.nan
+            return q
+        result, _ = self.diagnose(self.data(self.each_position(gaps)))
+        self.assertIn(result["causes"][0]["effect"], FRICTION)
+
+    def test_a_single_short_trial(self):
+        def change(file):
+            self.without(lambda name, _: name != "train_1")(file)
+        self.data(change)
+        self.succeeds("data", "cut", "drive.h5", "--trial", "train_1", "--window", "0:0.4", "--as", "short")
+        self.succeeds("data", "drop", "drive.h5", "--trial", "train_1")
+        result, said = self.diagnose("drive.h5")
+        self.assertNotEqual(result["verdict"], "explained", said)
+        self.assertIn("No held-out trial", said)
+
+
+if __name__ == "__main__":
+    unittest.main()
