@@ -139,19 +139,26 @@ struct Gain {
   double gap_closed = 0;         ///< share of the way to the noise floor, of mean squares
 };
 
+/// kCurve: a curve of a signal adds to a port. kDrift: a parameter is not constant in time. kPeriodic: a line
+/// in the spectrum of a channel.
+enum class UnknownKind { kCurve, kDrift, kPeriodic };
+
+[[nodiscard]] const char* ToString(UnknownKind kind);
+
 struct UnknownFinding {
-  std::string port;  ///< or the parameter that is not constant
+  UnknownKind kind = UnknownKind::kCurve;
+  std::string name;  ///< as in the scores: "torque(position)", "inertia(time)", "position(period)"
+  std::string port;  ///< or the parameter that is not constant, or the channel
   std::string signal;
   std::string signal_unit;
   std::string unit;         ///< of the port
-  std::string shape;        ///< odd, even, step at zero, saturating, quadratic, periodic, ...
+  std::string shape;        ///< odd, even, step at zero, saturating, quadratic, ...; "1.6 Hz"
   std::string nearest_law;  ///< the known effect whose curve is nearest, in words
   double p_value = 1;
   double held_out_reduction = 0;  ///< of RMSE on held-out trials
   std::vector<double> knots;
-  std::vector<double> curve;       ///< [knots, unit of the port]
-  std::vector<double> deviation;   ///< standard errors of `curve`
-  bool changes_parameter = false;  ///< `port` is a parameter that is not constant
+  std::vector<double> curve;      ///< [knots, unit of the port]
+  std::vector<double> deviation;  ///< standard errors of `curve`; NaN where nothing is known
 };
 
 /// Measured, predicted before and after, of one block; for figures.
@@ -181,6 +188,7 @@ struct Diagnosis {
   std::vector<Structure> structure;  ///< strongest first
   double threshold = 0;              ///< on |t| of a single known effect, at the family-wise level
   double family_p_value = 1;         ///< of the strongest alarm
+  bool wanders = false;  ///< no alarm, but the residual wanders as noise of instruments rarely does
 
   /// Trials that were left out of the fit in turn, if causes had to be chosen by what they
   /// predict there, since what is wrong dwarfs the noise.

@@ -16,6 +16,8 @@ class HeldOut {
   explicit HeldOut(const Problem& problem);
 
   [[nodiscard]] bool exists() const { return !blocks_.empty(); }
+  /// Indices into the layout.
+  [[nodiscard]] const std::vector<int>& blocks() const { return blocks_; }
 
   /// Weighted residuals [held-out blocks][samples], with every held-out trial's own nuisance values fitted.
   /// Errors: the problem's own.

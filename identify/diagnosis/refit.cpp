@@ -5,12 +5,12 @@
 #include <cmath>
 #include <limits>
 
+#include "identify/diagnosis/autoregression.h"
 #include "identify/diagnosis/design.h"
 
 namespace sinew {
 namespace {
 
-constexpr int kCommonRows = 6;         // rows at the head of each stretch that no deviance counts
 constexpr long kScoutEvaluations = 8;  // of each start, before the best goes on
 constexpr long kFitEvaluations = 80;
 constexpr double kOrdinaryTolerance = 1e-7;  // relative: a tenth of a unit of deviance in 1e6 samples
@@ -34,27 +34,27 @@ std::vector<std::vector<int>> TrainStretches(const LeastSquares& fit) {
 }
 
 double Deviance(const LeastSquares& fit, const Vector& residual, const NoiseModel& noise, int* counted) {
+  std::vector<AutoregressiveFilter> filters;
+  for (const ChannelNoiseModel& channel : noise.channels)
+    filters.emplace_back(PartialFromCoefficients(channel.coefficients));
   std::vector<double> sum(noise.channels.size(), 0);
   std::vector<double> count(noise.channels.size(), 0);
+  double deviance = 0;
+  Vector innovations = residual;
   const auto& blocks = fit.train_blocks();
   for (std::size_t t = 0; t < blocks.size(); ++t) {
     const auto channel = static_cast<std::size_t>(noise.channel_of[t]);
-    const auto& a = noise.channels[channel].coefficients;
     const Block& block = fit.problem().layout()[static_cast<std::size_t>(blocks[t].block)];
     const std::vector<int> stretches = Stretches(block);
     for (std::size_t s = 0; s < stretches.size(); ++s) {
       const int end = s + 1 < stretches.size() ? stretches[s + 1] : block.samples();
-      const int order = static_cast<int>(a.size());
-      for (int i = stretches[s] + std::max(kCommonRows, order); i < end; ++i) {
-        double innovation = residual[blocks[t].first_row + i];
-        for (int k = 0; k < order; ++k)
-          innovation -= a[static_cast<std::size_t>(k)] * residual[blocks[t].first_row + i - 1 - k];
-        sum[channel] += innovation * innovation;
-        ++count[channel];
-      }
+      auto rows = innovations.segment(blocks[t].first_row + stretches[s], end - stretches[s]);
+      filters[channel].Apply(rows.data(), rows.size());
+      sum[channel] += rows.squaredNorm();
+      count[channel] += static_cast<double>(rows.size());
+      deviance += filters[channel].LogDeterminant(rows.size());
     }
   }
-  double deviance = 0;
   if (counted != nullptr) *counted = 0;
   for (std::size_t c = 0; c < sum.size(); ++c) {
     if (count[c] == 0) continue;
@@ -121,6 +121,10 @@ Refit Refitter::FitOrdinary(std::vector<int> released, const std::vector<Vector>
   auto setup = std::make_shared<FitSetup>(SetupWith(refit.released));
   setup->rest = starts.front();
   refit.setup = setup;
+  if (interrupt_ != nullptr && interrupt_->load()) {
+    refit.failure = "interrupted";
+    return refit;
+  }
   LeastSquares fit(problem_, *setup);
   const auto found = FitFromStarts(fit, starts, tolerance);
   refit.failure = found.failure;

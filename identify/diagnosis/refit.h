@@ -2,6 +2,7 @@
 // two models can be compared by likelihood, each with its own noise.
 #pragma once
 
+#include <atomic>
 #include <memory>
 #include <string>
 #include <vector>
@@ -34,8 +35,10 @@ struct Refit {
 
 class Refitter {
  public:
-  Refitter(const Problem& problem, FitSetup base, const std::vector<Candidate>& candidates)
-      : problem_(problem), base_(std::move(base)), candidates_(candidates) {}
+  /// @param interrupt once true, every further fit fails at once; may be null
+  Refitter(const Problem& problem, FitSetup base, const std::vector<Candidate>& candidates,
+           const std::atomic<bool>* interrupt = nullptr)
+      : problem_(problem), base_(std::move(base)), candidates_(candidates), interrupt_(interrupt) {}
 
   [[nodiscard]] const FitSetup& base() const { return base_; }
 
@@ -71,6 +74,7 @@ class Refitter {
   const Problem& problem_;
   FitSetup base_;
   const std::vector<Candidate>& candidates_;
+  const std::atomic<bool>* interrupt_;
   bool independent_ = false;
 };
 
@@ -82,7 +86,8 @@ class Refitter {
 /// Stretches of every training block.
 [[nodiscard]] std::vector<std::vector<int>> TrainStretches(const LeastSquares& fit);
 
-/// Sum over channels of n log(sum of squared innovations / n), from rows that every order of noise can tell.
+/// -2 log-likelihood (exact, that of stationary stretches; constants left out) with the innovations' variance
+/// of each channel profiled out: comparable between noise models of any order.
 /// @param residual [m] weighted @param counted how many rows that were; may be null
 [[nodiscard]] double Deviance(const LeastSquares& fit, const Vector& residual, const NoiseModel& noise,
                               int* counted);

@@ -5,6 +5,7 @@
 #include <Eigen/QR>
 #include <Eigen/SVD>
 #include <algorithm>
+#include <array>
 #include <cmath>
 
 #include "identify/uncertainty/chi_squared.h"
@@ -16,6 +17,11 @@ constexpr double kNothingLeft =
     1e-3;  // share of a column that the base cannot imitate, below which it is none
 constexpr int kUnknownDirections = 5;   // of a smooth curve: more only dilute
 constexpr double kSecondaryWeight = 5;  // unknown terms and single trials share a fifth of the level
+// A curve with so many knots is also looked at through windows, each at one place of the signal: what happens
+// only there is diluted in all of it.
+constexpr std::size_t kFineKnots = 16;
+constexpr std::array<double, 3> kWindows{0.5, 1, 2};  // standard deviations, in knots
+constexpr double kWindowWeight = 25;
 constexpr double kSingular = 1e-8;
 
 void WhitenAll(const LeastSquares& fit, const Whitening* whitening, const Vector& scale, Matrix& rows) {
@@ -151,8 +157,33 @@ class TableMaker {
       }
     } else {
       AddSmoothDirections(score);
+      if (score.columns.size() >= kFineKnots) AddWindows(score);
     }
     table_.scores.push_back(std::move(score));
+  }
+
+  void AddWindows(const Score& whole) {
+    const auto knots = static_cast<int>(whole.columns.size());
+    for (const double width : kWindows) {
+      for (int centre = 0; centre < knots; ++centre) {
+        Vector window = Vector::Zero(columns_.rows());
+        for (int k = 0; k < knots; ++k) {
+          const double away = (k - centre) / width;
+          if (std::abs(away) < 3)
+            window += std::exp(-0.5 * away * away) * columns_.col(whole.columns[static_cast<std::size_t>(k)]);
+        }
+        const double length = window.norm();
+        if (!(length > 0)) continue;
+        Score score;
+        score.candidate = whole.candidate;
+        score.probe = whole.probe;
+        score.columns = whole.columns;
+        score.weight = kWindowWeight;
+        score.searched = 2;
+        AddDirection(score, window / length, false);
+        table_.scores.push_back(std::move(score));
+      }
+    }
   }
 
   // Smooth curves carry most of what shows; wiggly ones are mostly noise.

@@ -20,7 +20,8 @@ struct Score {
   std::vector<int> columns;     ///< columns of the design that belong to it
   double statistic = 0;         ///< drop of twice the negative log-likelihood that a refit should bring
   double p_value = 1;
-  double weight = 1;  ///< of its p-value in the family: what share of the level it may spend
+  double weight = 1;    ///< of its p-value in the family: what share of the level it may spend
+  double searched = 0;  ///< parameters that were chosen for it without being among its directions
 };
 
 struct ScoreTable {

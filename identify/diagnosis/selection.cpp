@@ -342,7 +342,7 @@ class Selector {
     const double explained = std::max(linear, refitted) - kPerParameter * parameters;
     for (const Score& score : base_.whitened.scores) {
       if (candidates_[static_cast<std::size_t>(score.candidate)].known) continue;
-      const double price = kPerParameter * static_cast<double>(score.directions.size());
+      const double price = kPerParameter * (static_cast<double>(score.directions.size()) + score.searched);
       if (score.statistic - price > explained + SetWidth(base_.refit)) return true;
     }
     return false;
@@ -483,6 +483,7 @@ class Selector {
     selection.structure_left = nothing_chosen || smallest <= kFurtherLevel || selection.line_left;
     for (const auto& [p, c] : unknown) {
       if (!selection.structure_left || (p > options_.alarm_level && !selection.unknown.empty())) break;
+      if (std::count(selection.unknown.begin(), selection.unknown.end(), c) > 0) continue;
       selection.unknown.push_back(c);
       selection.unknown_p_value.push_back(p);
     }

@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <cmath>
 #include <complex>
+#include <limits>
 #include <map>
 
 #include "identify/uncertainty/student_t.h"
@@ -117,10 +118,13 @@ std::optional<SpectralLine> FindLine(const LeastSquares& fit, const Vector& resi
       if (!(around.mean > 0)) continue;
       const double p =
           FUpperTail(power[k] / around.mean, degrees, degrees * around.bins / kBinsPerIndependent);
-      if (!best || p < best->p_value) best = {channel, bin * static_cast<double>(k), p};
+      if (!best || p < best->p_value) best = {channel, bin * static_cast<double>(k), p, 0};
     }
   }
-  if (best) best->p_value = std::min(1.0, tried * best->p_value);
+  if (best) {
+    best->statistic = -2 * std::log(std::max(best->p_value, std::numeric_limits<double>::min()));
+    best->p_value = std::min(1.0, tried * best->p_value);
+  }
   return best;
 }
 

@@ -16,6 +16,8 @@ struct SpectralLine {
   /// Chance of a line so strong anywhere in the spectra, if they are smooth: bounded by the number of
   /// frequencies times the chance at one.
   double p_value = 1;
+  /// Its chance at its own frequency as a chi-squared of two degrees.
+  double statistic = 0;
 };
 
 /// Strongest line over all channels: power of all training blocks of a channel (Hann window, Welch 1967 for

@@ -36,6 +36,9 @@ std::string Headline(const Diagnosis& d) {
                                       : fmt::format("{} known causes explain it", d.causes.size()))
               : "more than one known cause could explain it");
     case DiagnosisVerdict::kUnexplained:
+      if (d.wanders)
+        return "Unexplained: the residual wanders much farther than from one sample to the next, which noise "
+               "of instruments rarely does; no known effect explains it, and no test can tell it from noise.";
       return fmt::format(
           "Unexplained: something is wrong (family-wise {}), and {}.", Chance(d.family_p_value),
           d.causes.empty() ? "no known effect explains it" : "the known effects do not explain all of it");
@@ -51,6 +54,29 @@ std::string GainSentence(const Gain& gain) {
   if (std::isfinite(gain.gap_closed) && gain.gap_closed > 0)
     text += fmt::format("; {} of the way to the noise floor", Percent(gain.gap_closed));
   return text + ".";
+}
+
+// Each explains what is left on its own: all but the first are alternatives.
+std::string UnknownSentence(const UnknownFinding& unknown, bool alternative) {
+  std::string text = alternative ? "Or instead: " : "Not in the library: ";
+  switch (unknown.kind) {
+    case UnknownKind::kDrift:
+      text +=
+          fmt::format("{} is not constant, it {}, from {} to {}{}", unknown.port, unknown.shape,
+                      Readable(unknown.curve.front()), Readable(unknown.curve.back()), Unit(unknown.unit));
+      break;
+    case UnknownKind::kPeriodic:
+      text += fmt::format(
+          "something periodic in time adds to {}: {}, amplitude {}{}", unknown.port, unknown.shape,
+          Readable(*std::max_element(unknown.curve.begin(), unknown.curve.end())), Unit(unknown.unit));
+      break;
+    case UnknownKind::kCurve:
+      text += fmt::format("something adds to {} as a function of {} ({}{})", unknown.port, unknown.signal,
+                          unknown.shape,
+                          unknown.nearest_law.empty() ? "" : "; nearest known law: " + unknown.nearest_law);
+      break;
+  }
+  return text + fmt::format("; held-out RMSE changes by {:+.0f} %.", -100 * unknown.held_out_reduction);
 }
 
 }  // namespace
@@ -96,22 +122,8 @@ std::vector<std::string> DescribeDiagnosis(const Diagnosis& d, bool has_held_out
       sentences.push_back(std::move(text));
     }
   }
-  for (const UnknownFinding& unknown : d.unknown_terms) {
-    if (unknown.changes_parameter) {
-      sentences.push_back(
-          fmt::format("Not in the library: {} is not constant, it {}, from {} to {}{}; held-out RMSE changes "
-                      "by {:+.0f} %.",
-                      unknown.port, unknown.shape, Readable(unknown.curve.front()),
-                      Readable(unknown.curve.back()), Unit(unknown.unit), -100 * unknown.held_out_reduction));
-      continue;
-    }
-    sentences.push_back(
-        fmt::format("Not in the library: something adds to {} as a function of {} ({}{}); held-out RMSE "
-                    "changes by {:+.0f} %.",
-                    unknown.port, unknown.signal, unknown.shape,
-                    unknown.nearest_law.empty() ? "" : "; nearest known law: " + unknown.nearest_law,
-                    -100 * unknown.held_out_reduction));
-  }
+  for (std::size_t i = 0; i < d.unknown_terms.size(); ++i)
+    sentences.push_back(UnknownSentence(d.unknown_terms[i], i > 0));
   if (!d.causes.empty()) {
     for (const DiagnosedParameter& p : d.extended_parameters) {
       const auto base = std::find_if(d.base_parameters.begin(), d.base_parameters.end(),

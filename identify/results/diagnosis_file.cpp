@@ -172,6 +172,8 @@ void WriteCurves(const Diagnosis& diagnosis, Hdf5Node& node) {
   number = 0;
   for (const UnknownFinding& u : diagnosis.unknown_terms) {
     Hdf5Node& curve = node.At("unknown_terms/" + std::to_string(++number));
+    curve.attributes["kind"] = std::string(ToString(u.kind));
+    curve.attributes["name"] = u.name;
     curve.attributes["port"] = u.port;
     curve.attributes["signal"] = u.signal;
     curve.attributes["signal_unit"] = u.signal_unit;

@@ -97,7 +97,9 @@ Json FromAlternative(const Alternative& a) {
 }
 
 Json FromUnknown(const UnknownFinding& u) {
-  return {{"port", u.port},
+  return {{"kind", ToString(u.kind)},
+          {"name", u.name},
+          {"port", u.port},
           {"signal", u.signal},
           {"shape", u.shape},
           {"nearest_law", u.nearest_law},
@@ -107,8 +109,7 @@ Json FromUnknown(const UnknownFinding& u) {
           {"held_out_reduction", Finite(u.held_out_reduction)},
           {"knots", FiniteAll(u.knots)},
           {"curve", FiniteAll(u.curve)},
-          {"deviation", FiniteAll(u.deviation)},
-          {"changes_parameter", u.changes_parameter}};
+          {"deviation", FiniteAll(u.deviation)}};
 }
 
 Json FromGain(const Gain& g) {
@@ -170,7 +171,7 @@ const char* FindingOf(const Diagnosis& diagnosis, const EffectScore& score) {
   if (any(diagnosis.causes)) return "cause";
   if (any(diagnosis.alternatives)) return "alternative";
   if (any(diagnosis.withdrawn)) return "withdrawn";
-  const auto is_term = [&](const UnknownFinding& u) { return u.port + "(" + u.signal + ")" == score.effect; };
+  const auto is_term = [&](const UnknownFinding& u) { return u.name == score.effect; };
   if (std::any_of(diagnosis.unknown_terms.begin(), diagnosis.unknown_terms.end(), is_term))
     return "unknown_term";
   return score.judged ? "ruled_out" : "not_judged";

@@ -42,14 +42,21 @@ Result<FullPrediction> PredictAll(const Problem& problem, const Vector& paramete
   Prediction prediction(layout);
   const std::vector<bool> all(layout.size(), true);
   SINEW_TRY(problem.Predict({parameters, all, false, nullptr}, *workspace, prediction));
-
   FullPrediction full;
+  for (std::size_t b = 0; b < layout.size(); ++b)
+    full.values.emplace_back(prediction.values(static_cast<int>(b)));
+  Assess(layout, full);
+  return full;
+}
+
+void Assess(const Layout& layout, FullPrediction& full) {
+  full.quality.clear();
+  full.pooled.clear();
   std::vector<Sums> pooled_sums;
   for (std::size_t b = 0; b < layout.size(); ++b) {
     const Block& block = layout[b];
-    full.values.emplace_back(prediction.values(static_cast<int>(b)));
     if (block.measured.empty()) continue;
-    const Sums sums = Compare(block, full.values.back());
+    const Sums sums = Compare(block, full.values[b]);
     FitQuality quality{block.trial, block.role, block.channel, block.unit, 0, 0, 0};
     sums.Fill(quality);
     full.quality.push_back(quality);
@@ -69,7 +76,6 @@ Result<FullPrediction> PredictAll(const Problem& problem, const Vector& paramete
     total.n += sums.n;
   }
   for (std::size_t i = 0; i < full.pooled.size(); ++i) pooled_sums[i].Fill(full.pooled[i]);
-  return full;
 }
 
 }  // namespace sinew

@@ -31,4 +31,7 @@ struct FullPrediction {
 /// Errors: the problem's own.
 Result<FullPrediction> PredictAll(const Problem& problem, const Vector& parameters);
 
+/// The errors of `full.values` anew.
+void Assess(const Layout& layout, FullPrediction& full);
+
 }  // namespace sinew

@@ -34,6 +34,7 @@
 // friction).
 #pragma once
 
+#include <array>
 #include <string>
 
 namespace sinew {
@@ -86,15 +87,18 @@ enum DriveSlot : int {
   kInputDrift,
   kInputTimeOffset,
   kInputLowPass,
-  // Unknown terms of the port, kTermKnots each: of position, velocity, command, time.
+  // Unknown terms of the port, a slot per knot: of position, velocity, command, time.
   kFirstTerm,
   // State at the begin.
-  kInitialPosition = kFirstTerm + 4 * 8,
+  kInitialPosition = kFirstTerm + 48,
   kInitialSpeed,
   kDriveSlots
 };
-inline constexpr int kTermKnots = 8;
 inline constexpr int kTerms = 4;
+/// Knots of each. A place that binds may be narrow against the range of motion.
+inline constexpr std::array<int, kTerms> kTermKnots{24, 8, 8, 8};
+inline constexpr std::array<int, kTerms + 1> kTermSlots{kFirstTerm, kFirstTerm + 24, kFirstTerm + 32,
+                                                        kFirstTerm + 40, kInitialPosition};
 
 /// What the command is.
 enum class DriveInput { kTorque, kVoltage, kDuty, kReference };

@@ -174,7 +174,7 @@ class DriveDynamics {
   template <class X>
   void AddTerm(int term, const X& x, T& sum) const {
     const Hats hats = HatsAt(joint_->knots[static_cast<std::size_t>(term)], Value(x));
-    const int slot = kFirstTerm + term * kTermKnots + hats.first;
+    const int slot = kTermSlots[static_cast<std::size_t>(term)] + hats.first;
     const T& left = (*this)[slot];
     sum += hats.left * left;
     if (hats.left_slope == 0) return;

@@ -87,8 +87,9 @@ class Builder {
     unknown.name = port.name + "(" + signal + ")";
     unknown.signal = signal;
     unknown.signal_unit = unit;
-    for (int k = 0; k < kTermKnots; ++k) {
-      unknown.knots.push_back(from + (to - from) * k / (kTermKnots - 1));
+    const int knots = kTermKnots[static_cast<std::size_t>(term)];
+    for (int k = 0; k < knots; ++k) {
+      unknown.knots.push_back(from + (to - from) * k / (knots - 1));
       Parameter p;
       p.name = unknown.name + "[" + std::to_string(k) + "]";
       p.unit = port.unit;
@@ -98,7 +99,7 @@ class Builder {
       p.kind = ParameterKind::kEffect;
       p.effect = unknown.name;
       unknown.parameters.push_back(
-          Add(static_cast<DriveSlot>(kFirstTerm + term * kTermKnots + k), std::move(p)));
+          Add(static_cast<DriveSlot>(kTermSlots[static_cast<std::size_t>(term)] + k), std::move(p)));
     }
     port.terms.push_back(std::move(unknown));
   }

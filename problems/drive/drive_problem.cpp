@@ -33,9 +33,9 @@ DriveUses UsesOf(const Slots& numbers, const std::vector<std::pair<int, int>>& l
     uses.slot[static_cast<std::size_t>(lanes[i].first)] = true;
   for (int term = 0; term < kTerms; ++term) {
     if (joint.knots[static_cast<std::size_t>(term)].empty()) continue;
-    const auto* begin = uses.slot.data() + kFirstTerm + term * kTermKnots;
-    uses.term[static_cast<std::size_t>(term)] =
-        std::any_of(begin, begin + kTermKnots, [](bool b) { return b; });
+    const auto t = static_cast<std::size_t>(term);
+    uses.term[t] = std::any_of(uses.slot.data() + kTermSlots[t], uses.slot.data() + kTermSlots[t + 1],
+                               [](bool b) { return b; });
   }
   uses.dry_friction = uses[kQuadraticLoad] || std::any_of(kFrictionLevels.begin(), kFrictionLevels.end(),
                                                           [&](int slot) { return uses[slot]; });
@@ -71,7 +71,7 @@ double FastestRate(const Slots& p, const DriveJoint& joint, const DriveCommand& 
   for (std::size_t term = 0; term < 2; ++term) {
     const auto& knots = joint.knots[term];
     for (std::size_t k = 0; k + 1 < knots.size(); ++k) {
-      const auto slot = kFirstTerm + term * kTermKnots + k;
+      const auto slot = static_cast<std::size_t>(kTermSlots[term]) + k;
       const double slope = std::abs(p[slot + 1] - p[slot]) / (knots[k + 1] - knots[k]);
       if (term == 0) stiffness = std::max(stiffness, slope);
       if (term == 1) damping = std::max(damping, slope);

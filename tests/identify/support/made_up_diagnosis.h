@@ -94,7 +94,9 @@ inline Diagnosis JointDiagnosis(const ToyProblem& problem) {
   alternative.separated_by = "a trial at two speeds";
   d.alternatives = {alternative};
   d.withdrawn = {{"y.gain", "it makes the held-out trials worse"}};
-  d.unknown_terms = {{"torque",
+  d.unknown_terms = {{UnknownKind::kCurve,
+                      "torque(speed)",
+                      "torque",
                       "speed",
                       "rad/s",
                       "N*m",

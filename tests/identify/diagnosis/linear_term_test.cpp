@@ -1,5 +1,5 @@
 // A parameter that changes within a trial, against trials in which it does.
-#include "identify/diagnosis/drift.h"
+#include "identify/diagnosis/linear_term.h"
 
 #include <gtest/gtest.h>
 
@@ -30,7 +30,7 @@ int CandidateOf(const std::vector<Candidate>& candidates, const std::string& eff
 }
 
 /// The fitted base model of one case and its answer for one candidate, under the noise that is there.
-Result<DriftFit> Examined(const LinearLaws& problem, const std::string& effect, double correlation = 0) {
+Result<LinearTerm> Examined(const LinearLaws& problem, const std::string& effect, double correlation = 0) {
   SINEW_ASSIGN(const FitSetup setup, MakeFitSetup(problem, {}));
   const auto candidates = ListCandidates(problem, setup);
   const Refitter refitter(problem, setup, candidates);
@@ -43,7 +43,7 @@ Result<DriftFit> Examined(const LinearLaws& problem, const std::string& effect, 
   for (const Block& block : problem.layout()) {
     if (block.role == BlockRole::kTrain) noise.channel_of.push_back(0);
   }
-  return FitDrift(problem, base, candidates, CandidateOf(candidates, effect), noise);
+  return FitLinearTerm(problem, base, candidates, CandidateOf(candidates, effect), noise);
 }
 
 LinearLaws::Truth Growing(double correlation) {
@@ -64,7 +64,7 @@ TEST(Drift, ChangeIsWithinItsInterval) {
       const auto drift =
           Examined(LinearLaws(Growing(correlation), seed, 4, 2, 80), "gain(time)", correlation);
       ASSERT_TRUE(drift) << drift.error().message;
-      const double off = (drift->change - 0.2) / drift->std_error;
+      const double off = (drift->values[0] - 0.2) / drift->deviations[0];
       within += std::abs(off) < 1.96 ? 1 : 0;
       squares += off * off / kCases;
       better += SumOfSquares(drift->after) < SumOfSquares(drift->before) ? 1 : 0;
@@ -84,7 +84,7 @@ TEST(Drift, IsNothingWhereNothingChanges) {
   for (std::uint64_t seed = 1; seed <= kCases; ++seed) {
     const auto drift = Examined(LinearLaws({}, seed, 4, 0, 80), "gain(time)");
     ASSERT_TRUE(drift) << drift.error().message;
-    within += std::abs(drift->change) < 1.96 * drift->std_error ? 1 : 0;
+    within += std::abs(drift->values[0]) < 1.96 * drift->deviations[0] ? 1 : 0;
   }
   EXPECT_GE(within, 88);
 }
@@ -113,14 +113,14 @@ TEST(Drift, FitsTheHeldOutTrialsOwnValues) {
   const LinearLaws problem(truth, 3, 4, 4);
   const auto drift = Examined(problem, "gain(time)");
   ASSERT_TRUE(drift) << drift.error().message;
-  EXPECT_NEAR(drift->change, 0.5, 3 * drift->std_error);
+  EXPECT_NEAR(drift->values[0], 0.5, 3 * drift->deviations[0]);
   EXPECT_NEAR(SumOfSquares(drift->after) / 1000 / 0.01, 1, 0.14);
 }
 
 TEST(Drift, WithoutHeldOutTrialsThereIsNothingToCompare) {
   const auto drift = Examined(LinearLaws(Growing(0), 3, 4, 0), "gain(time)");
   ASSERT_TRUE(drift) << drift.error().message;
-  EXPECT_NEAR(drift->change, 0.2, 3 * drift->std_error);
+  EXPECT_NEAR(drift->values[0], 0.2, 3 * drift->deviations[0]);
   EXPECT_TRUE(drift->before.empty());
   EXPECT_TRUE(drift->after.empty());
 }
@@ -156,7 +156,7 @@ TEST(Drift, DiagnosisSaysThatTheParameterIsNotConstant) {
     ASSERT_TRUE(diagnosis) << diagnosis.error().message;
     EXPECT_EQ(diagnosis->verdict, DiagnosisVerdict::kUnexplained) << seed;
     const auto found = std::find_if(diagnosis->unknown_terms.begin(), diagnosis->unknown_terms.end(),
-                                    [](const UnknownFinding& u) { return u.changes_parameter; });
+                                    [](const UnknownFinding& u) { return u.kind == UnknownKind::kDrift; });
     if (found == diagnosis->unknown_terms.end()) continue;
     ++named;
     EXPECT_EQ(found->port, "gain");

@@ -1,0 +1,197 @@
+#include "identify/diagnosis/linear_term.h"
+
+#include <Eigen/Eigenvalues>
+#include <Eigen/QR>
+#include <algorithm>
+#include <cmath>
+#include <limits>
+
+#include "identify/diagnosis/design.h"
+#include "identify/results/held_out.h"
+#include "identify/role_view.h"
+
+namespace sinew {
+namespace {
+
+constexpr double kSingular = 1e-8;
+
+/// Columns of one candidate in a design [m x K].
+Result<Matrix> TermOf(const Design& design, const std::vector<Candidate>& candidates, int candidate) {
+  std::vector<Eigen::Index> own;
+  for (std::size_t k = 0; k < design.columns.size(); ++k) {
+    if (design.columns[k].candidate == candidate) own.push_back(static_cast<Eigen::Index>(k));
+  }
+  if (own.empty())
+    return Fail("{}: these data do not show it", candidates[static_cast<std::size_t>(candidate)].effect);
+  Matrix term(design.candidates.rows(), static_cast<Eigen::Index>(own.size()));
+  for (std::size_t k = 0; k < own.size(); ++k)
+    term.col(static_cast<Eigen::Index>(k)) = design.candidates.col(own[k]);
+  return term;
+}
+
+void Whiten(const LeastSquares& fit, const Whitening& whitening, Matrix& rows) {
+  for (std::size_t t = 0; t < fit.train_blocks().size(); ++t) {
+    const auto& train = fit.train_blocks()[t];
+    const int n = fit.problem().layout()[static_cast<std::size_t>(train.block)].samples();
+    whitening.Apply(static_cast<int>(t), rows.middleRows(train.first_row, n));
+  }
+}
+
+std::vector<Vector> PerBlock(const LeastSquares& fit, const Vector& rows) {
+  std::vector<Vector> blocks;
+  for (const auto& train : fit.train_blocks()) {
+    const int n = fit.problem().layout()[static_cast<std::size_t>(train.block)].samples();
+    blocks.push_back(rows.segment(train.first_row, n));
+  }
+  return blocks;
+}
+
+/// Least squares whose columns may be zero, of any unit, or combinations of each other.
+class Columns {
+ public:
+  explicit Columns(const Matrix& columns) : length_(columns.colwise().norm().cwiseMax(1e-300)) {
+    qr_.setThreshold(kSingular);
+    qr_.compute(columns * length_.cwiseInverse().asDiagonal());
+    q_ = qr_.householderQ() * Matrix::Identity(columns.rows(), qr_.rank());
+  }
+  [[nodiscard]] Vector Solve(const Vector& rows) const { return qr_.solve(rows).cwiseQuotient(length_); }
+  [[nodiscard]] Matrix TakenFrom(const Matrix& rows) const { return rows - q_ * (q_.transpose() * rows); }
+
+ private:
+  Vector length_;
+  Eigen::ColPivHouseholderQR<Matrix> qr_;
+  Matrix q_;
+};
+
+/// Of values that are N(0, deviation^2) each and reach unit noise through columns with these eigenvalues of
+/// their Gram matrix and these scores along its eigenvectors: the deviation of greatest likelihood.
+double LikeliestDeviation(const Vector& eigenvalues, const Vector& scores) {
+  constexpr int kSteps = 120;
+  const double most = eigenvalues.maxCoeff();
+  double best = 0;
+  double best_likelihood = -std::numeric_limits<double>::infinity();
+  for (int step = 0; step < kSteps; ++step) {
+    // From a hundredth of what the best seen direction could just tell, to a million times it.
+    const double variance = std::pow(10.0, -4 + 16.0 * step / (kSteps - 1)) / most;
+    double likelihood = 0;
+    for (Eigen::Index i = 0; i < scores.size(); ++i) {
+      const double grown = 1 + variance * std::max(0.0, eigenvalues[i]);
+      likelihood += 0.5 * (variance * scores[i] * scores[i] / grown - std::log(grown));
+    }
+    if (likelihood > best_likelihood) {
+      best_likelihood = likelihood;
+      best = variance;
+    }
+  }
+  return std::sqrt(best);
+}
+
+/// What the training trials say, for the held-out ones.
+class Transfer {
+ public:
+  Transfer(const Problem& problem, const Refit& refit, const std::vector<Candidate>& candidates,
+           int candidate)
+      : problem_(problem), refit_(refit), candidates_(candidates), candidate_(candidate) {}
+
+  /// @param step [n] of the refit's variables
+  Status Apply(const Vector& step, LinearTerm& term) const {
+    const HeldOut held_out(problem_);
+    if (!held_out.exists()) return {};
+    SINEW_ASSIGN(const Vector point, FitHeldOutNuisance(problem_, refit_.point));
+    SINEW_ASSIGN(term.before, held_out.Residuals(point));
+    const RoleView view(problem_, [](const Block& block) {
+      return block.role == BlockRole::kValidate ? BlockRole::kTrain : BlockRole::kPredicted;
+    });
+    // The same shared variables, then the nuisance values of held-out trials.
+    FitSetup setup = *refit_.setup;
+    setup.rest = point;
+    for (std::size_t i = 0; i < setup.parameters.size(); ++i) {
+      const Parameter& p = setup.parameters[i];
+      if (p.kind == ParameterKind::kNuisance && !setup.IsFree(static_cast<int>(i)))
+        setup.free.push_back(static_cast<int>(i));
+    }
+    std::sort(setup.free.begin(), setup.free.end());
+    const LeastSquares there(view, setup);
+    NoiseModel unit;
+    unit.channels = {{}};
+    unit.channel_of.assign(there.train_blocks().size(), 0);
+    const Whitening none(unit, TrainStretches(there));
+    SINEW_ASSIGN(const Design seen, MakeDesign(there, there.Variables(point), candidates_, none));
+    SINEW_ASSIGN(const Matrix reach, TermOf(seen, candidates_, candidate_));
+    if (reach.cols() != term.values.size())
+      return Fail("{}: held-out trials show another part of it",
+                  candidates_[static_cast<std::size_t>(candidate_)].effect);
+    Vector after = seen.residual + reach * term.values;
+    std::vector<Eigen::Index> own;
+    for (std::size_t v = 0; v < setup.free.size(); ++v) {
+      const auto& mine = refit_.setup->free;
+      const auto column = static_cast<Eigen::Index>(v);
+      const auto at = std::lower_bound(mine.begin(), mine.end(), setup.free[v]);
+      if (at != mine.end() && *at == setup.free[v]) {
+        after += seen.base.col(column) * step[at - mine.begin()];
+      } else {
+        own.push_back(column);
+      }
+    }
+    Matrix nuisance(seen.base.rows(), static_cast<Eigen::Index>(own.size()));
+    for (std::size_t k = 0; k < own.size(); ++k)
+      nuisance.col(static_cast<Eigen::Index>(k)) = seen.base.col(own[k]);
+    if (nuisance.cols() > 0) after = Columns(nuisance).TakenFrom(after);
+    term.after = PerBlock(there, after);
+    return {};
+  }
+
+ private:
+  const Problem& problem_;
+  const Refit& refit_;
+  const std::vector<Candidate>& candidates_;
+  int candidate_;
+};
+
+}  // namespace
+
+Result<LinearTerm> FitLinearTerm(const Problem& problem, const Refit& refit,
+                                 const std::vector<Candidate>& candidates, int candidate,
+                                 const NoiseModel& noise) {
+  const LeastSquares fit(problem, *refit.setup);
+  const Whitening whitening(noise, TrainStretches(fit));
+  SINEW_ASSIGN(const Design design, MakeDesign(fit, refit.x, candidates, whitening));
+  SINEW_ASSIGN(const Matrix term, TermOf(design, candidates, candidate));
+  Matrix residual = design.residual;
+  Matrix base = design.base;
+  Matrix columns = term;
+  Whiten(fit, whitening, residual);
+  Whiten(fit, whitening, base);
+  Whiten(fit, whitening, columns);
+  const Columns taken(base);
+  const Matrix left = taken.TakenFrom(columns);
+  if (!(left.norm() > 1e-6 * columns.norm()))
+    return Fail("{}: these data do not show it", candidates[static_cast<std::size_t>(candidate)].effect);
+
+  LinearTerm answer;
+  const Eigen::SelfAdjointEigenSolver<Matrix> eigen(left.transpose() * left);
+  const Vector gram = eigen.eigenvalues();
+  // The residual is predicted minus measured: a term that is there makes it negative.
+  const Vector pull = -(left.transpose() * taken.TakenFrom(residual).col(0));
+  const Vector turned = eigen.eigenvectors().transpose() * pull;
+  const bool curve = candidates[static_cast<std::size_t>(candidate)].drifting < 0;
+  answer.shrinkage = curve ? LikeliestDeviation(gram, turned) : std::numeric_limits<double>::infinity();
+  const double precision = 1 / (answer.shrinkage * answer.shrinkage);
+  answer.values = Vector::Zero(gram.size());
+  Vector variance = Vector::Zero(gram.size());
+  for (Eigen::Index i = 0; i < gram.size(); ++i) {
+    const double known = std::max(0.0, gram[i]) + precision;
+    if (!(known > 0)) continue;
+    const Vector direction = eigen.eigenvectors().col(i);
+    answer.values += direction * (turned[i] / known);
+    variance += direction.cwiseAbs2() / known;
+  }
+  answer.deviations = variance.cwiseSqrt();
+
+  const Vector step = -taken.Solve(residual.col(0) + columns * answer.values);
+  answer.train = PerBlock(fit, design.residual + design.base * step + term * answer.values);
+  SINEW_TRY(Transfer(problem, refit, candidates, candidate).Apply(step, answer));
+  return answer;
+}
+
+}  // namespace sinew

@@ -1,0 +1,223 @@
+#include "identify/diagnosis/tabulation.h"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+
+#include "identify/diagnosis/rounding.h"
+
+namespace sinew {
+namespace {
+
+constexpr double kDetectable = 3.605;   // see Cause::size
+constexpr double kPower = 1.645;        // 95 % above a threshold
+constexpr double kSeparation = 0.4165;  // see Alternative::separating_size
+constexpr double kSameClass = 0.97;
+constexpr double kNormal95 = 1.959964;
+
+double SizeOf(double statistic) {
+  return statistic > 0 ? std::sqrt(statistic) / kDetectable : 0;
+}
+
+std::vector<int> Findings(const Refit& refit) {
+  std::vector<int> findings;
+  for (const int index : refit.setup->free) {
+    if (refit.setup->parameters[static_cast<std::size_t>(index)].kind != ParameterKind::kNuisance)
+      findings.push_back(index);
+  }
+  return findings;
+}
+
+class Tables {
+ public:
+  Tables(Examination& examination, Diagnosis& diagnosis)
+      : e_(examination), out_(diagnosis), log_rows_(std::log(examination.selection.model.rows)) {}
+
+  Status Fill() {
+    const Refit& model = e_.selection.model;
+    SINEW_ASSIGN(const Matrix base_covariance, e_.CovarianceOf(e_.base.refit));
+    out_.base_parameters = ValuesOf(e_, e_.base.refit, base_covariance, Findings(e_.base.refit));
+    SINEW_ASSIGN(const Matrix covariance, e_.CovarianceOf(model));
+    out_.extended_parameters = ValuesOf(e_, model, covariance, Findings(model));
+    for (const ChosenCause& chosen : e_.selection.causes) AddCause(chosen, covariance);
+    for (const Rival& rival : e_.selection.rivals) SINEW_TRY(AddAlternative(rival));
+    AddScores();
+    return AddRoundings();
+  }
+
+ private:
+  void AddCause(const ChosenCause& chosen, const Matrix& covariance) {
+    const Candidate& candidate = e_.candidate(chosen.candidate);
+    Cause cause;
+    cause.effect = candidate.effect;
+    cause.level = candidate.level;
+    cause.sentence = candidate.says;
+    cause.parameters = ValuesOf(e_, e_.selection.model, covariance, candidate.parameters);
+    cause.p_value = chosen.p_value;
+    cause.left_out = chosen.left_out;
+    cause.delta_lr = chosen.delta_lr;
+    cause.delta_bic = chosen.delta_lr - static_cast<double>(candidate.parameters.size()) * log_rows_;
+    cause.size = SizeOf(chosen.delta_lr);
+    out_.causes.push_back(std::move(cause));
+  }
+
+  Status AddAlternative(const Rival& rival) {
+    const Candidate& candidate = e_.candidate(rival.candidate);
+    const Candidate& cause = e_.candidate(rival.instead_of);
+    SINEW_ASSIGN(const Matrix covariance, e_.CovarianceOf(rival.refit));
+    Alternative other;
+    other.instead_of = cause.effect;
+    other.effect = candidate.effect;
+    other.level = candidate.level;
+    other.sentence = candidate.says;
+    other.parameters = ValuesOf(e_, rival.refit, covariance, candidate.parameters);
+    other.delta_lr = rival.delta_lr;
+    other.delta_bic = rival.delta_lr + (static_cast<double>(candidate.parameters.size()) -
+                                        static_cast<double>(cause.parameters.size())) *
+                                           log_rows_;
+    other.correlation = rival.correlation;
+    other.same_class = std::abs(rival.correlation) > kSameClass;
+    const double apart = 1 - std::abs(rival.correlation);
+    other.separating_size =
+        apart > 1e-6 ? std::sqrt(kSeparation / apart) : std::numeric_limits<double>::infinity();
+    other.separated_by = candidate.exposed_by.empty() ? cause.exposed_by : candidate.exposed_by;
+    out_.alternatives.push_back(std::move(other));
+    return {};
+  }
+
+  void AddScores() {
+    for (std::size_t c = 0; c < e_.candidates.size(); ++c) {
+      const Candidate& candidate = e_.candidates[c];
+      const Score* best = e_.base.BestOf(static_cast<int>(c));
+      // What drifts must be in the model first.
+      if (best == nullptr && candidate.drifting >= 0) continue;
+      EffectScore score;
+      score.effect = candidate.effect;
+      score.level = candidate.level;
+      score.known = candidate.known;
+      if (best == nullptr) {
+        score.judged = false;
+        score.why_not =
+            "these data do not show it, or the base parameters can imitate it fully: it changes no fitted "
+            "channel";
+      } else {
+        FillScore(candidate, static_cast<int>(c), *best, score);
+      }
+      for (const Refit& refit : e_.selection.tried) {
+        if (refit.released != std::vector<int>{static_cast<int>(c)}) continue;
+        score.refitted = true;
+        score.delta_lr = e_.base.refit.deviance - refit.deviance;
+        score.delta_bic = score.delta_lr - static_cast<double>(candidate.parameters.size()) * log_rows_;
+      }
+      out_.scores.push_back(std::move(score));
+    }
+    std::stable_sort(out_.scores.begin(), out_.scores.end(),
+                     [](const EffectScore& a, const EffectScore& b) { return a.statistic > b.statistic; });
+  }
+
+  void FillScore(const Candidate& candidate, int c, const Score& best, EffectScore& score) const {
+    const Standing& base = e_.base;
+    score.probe = candidate.probes[static_cast<std::size_t>(best.probe)].words;
+    score.degrees = static_cast<int>(best.directions.size());
+    score.statistic = best.statistic;
+    score.p_value = best.p_value;
+    if (const Score* plain = base.BestOf(c, base.plain)) score.unwhitened = plain->statistic;
+    for (std::size_t i = 0; i < base.whitened.scores.size(); ++i) {
+      if (base.whitened.scores[i].candidate == c)
+        score.family_p_value = std::min(score.family_p_value, base.family.score_p_value[i]);
+    }
+    if (!candidate.known) return;
+    const int column = best.columns.front();
+    const auto& parameter = base.refit.setup->parameters[static_cast<std::size_t>(
+        base.design.columns[static_cast<std::size_t>(column)].parameter)];
+    score.detectable_parameter = parameter.name;
+    score.detectable_unit = parameter.unit;
+    score.smallest_detectable = (base.family.threshold + kPower) / base.whitened.length[column];
+  }
+
+  Status AddRoundings() {
+    SINEW_ASSIGN(const auto roundings, FindRoundings(e_.problem, e_.selection.model.point));
+    for (const Rounding& rounding : roundings) {
+      const double size = SizeOf(rounding.statistic);
+      EffectScore score;
+      score.effect = rounding.effect;
+      score.statistic = rounding.statistic;
+      score.p_value = size > 1 ? 0 : 1;
+      score.family_p_value = score.p_value;
+      Insert(std::move(score), out_.scores);
+      if (size <= 1) continue;
+      Cause cause;
+      cause.effect = rounding.effect;
+      cause.sentence = rounding.channel + ": the sensor rounds its reading; no model can undo that";
+      cause.p_value = 0;
+      cause.delta_lr = rounding.statistic;
+      cause.delta_bic = rounding.statistic - log_rows_;
+      cause.size = size;
+      const double reach = rounding.uncertainty;
+      cause.parameters = {{rounding.effect,
+                           rounding.unit,
+                           rounding.step,
+                           reach / kNormal95,
+                           {rounding.step - reach, rounding.step + reach},
+                           0}};
+      out_.causes.push_back(std::move(cause));
+      if (!e_.selection.alarm) e_.selection.family_p_value = 0;
+      e_.selection.alarm = true;
+    }
+    return {};
+  }
+
+  Examination& e_;
+  Diagnosis& out_;
+  double log_rows_;
+};
+
+}  // namespace
+
+std::vector<DiagnosedParameter> ValuesOf(const Examination& examination, const Refit& refit,
+                                         const Matrix& covariance, const std::vector<int>& which) {
+  constexpr double kUnknown = std::numeric_limits<double>::quiet_NaN();
+  const LeastSquares fit(examination.problem, *refit.setup);
+  const Vector slopes = fit.Slopes(refit.x);
+  std::vector<DiagnosedParameter> values;
+  for (const int index : which) {
+    const auto at = std::lower_bound(refit.setup->free.begin(), refit.setup->free.end(), index);
+    if (at == refit.setup->free.end() || *at != index) continue;
+    const auto v = static_cast<Eigen::Index>(at - refit.setup->free.begin());
+    const Parameter& p = refit.setup->parameters[static_cast<std::size_t>(index)];
+    DiagnosedParameter one;
+    one.name = p.name;
+    one.unit = p.unit;
+    one.value = refit.point[index];
+    one.before = examination.base.refit.point[index];
+    if (!(covariance(v, v) > 0)) {  // held by its bound, or nothing responds
+      one.std_error = kUnknown;
+      one.ci95 = {kUnknown, kUnknown};
+      values.push_back(std::move(one));
+      continue;
+    }
+    one.std_error = std::sqrt(covariance(v, v)) * std::abs(slopes[v]);
+    if (p.scale == Scale::kLog && one.value > 0) {
+      const double factor = std::exp(kNormal95 * one.std_error / one.value);
+      one.ci95 = {one.value / factor, one.value * factor};
+    } else {
+      one.ci95 = {one.value - kNormal95 * one.std_error, one.value + kNormal95 * one.std_error};
+    }
+    one.ci95 = {std::max(one.ci95[0], p.lower), std::min(one.ci95[1], p.upper)};
+    values.push_back(std::move(one));
+  }
+  return values;
+}
+
+void Insert(EffectScore score, std::vector<EffectScore>& scores) {
+  const auto at =
+      std::upper_bound(scores.begin(), scores.end(), score,
+                       [](const EffectScore& a, const EffectScore& b) { return a.statistic > b.statistic; });
+  scores.insert(at, std::move(score));
+}
+
+Status Tabulate(Examination& examination, Diagnosis& diagnosis) {
+  return Tables(examination, diagnosis).Fill();
+}
+
+}  // namespace sinew

@@ -1,0 +1,137 @@
+#include "identify/diagnosis/withdrawal.h"
+
+#include <cmath>
+#include <limits>
+
+#include "base/text.h"
+
+namespace sinew {
+namespace {
+
+// What a cause changes in held-out trials, in units of their noise's variance, from which a loss there is a
+// denial: with the right cause it happens by chance in 1 of 75 cases.
+constexpr double kTelling = 20;
+constexpr double kTellingShare = 0.05;  // of what is left, if that dwarfs the noise
+
+class Court {
+ public:
+  explicit Court(Examination& examination) : e_(examination), selection_(examination.selection) {}
+
+  Result<std::vector<WithdrawnCause>> Hear() {
+    SINEW_ASSIGN(const auto of_base, e_.held_out.Residuals(e_.base.refit.point));
+    while (!selection_.causes.empty()) {
+      SINEW_ASSIGN(const auto with, e_.held_out.Residuals(selection_.model.point));
+      const double together = Gain(of_base, with);
+      const bool denied = together < 0 && IsTelling(of_base, with);
+      Denial worst = FindWorst(with, denied);
+      if (worst.cause == selection_.causes.size()) break;
+      if (worst.gain >= 0) worst.gain = together;
+      Withdraw(std::move(worst));
+    }
+    return std::move(withdrawn_);
+  }
+
+ private:
+  struct Denial {
+    std::size_t cause = 0;
+    double gain = 0;  // of held-out trials by the cause
+    Refit without;
+  };
+
+  // How much better the held-out trials are with the model.
+  [[nodiscard]] double Gain(const std::vector<Vector>& before, const std::vector<Vector>& with) const {
+    return e_.Loss(before, selection_.model.noise) - e_.Loss(with, selection_.model.noise);
+  }
+
+  [[nodiscard]] bool IsTelling(std::vector<Vector> moved, const std::vector<Vector>& with) const {
+    for (std::size_t b = 0; b < moved.size(); ++b) moved[b] -= with[b];
+    const double loss = e_.Loss(moved, selection_.model.noise);
+    return selection_.gross ? loss > kTellingShare * e_.Loss(with, selection_.model.noise) : loss > kTelling;
+  }
+
+  // The cause that held-out trials miss least; the number of causes if they deny none.
+  [[nodiscard]] Denial FindWorst(const std::vector<Vector>& with, bool denied_together) const {
+    Denial worst;
+    worst.cause = selection_.causes.size();
+    worst.gain = denied_together ? std::numeric_limits<double>::infinity() : 0;
+    for (std::size_t i = 0; i < selection_.causes.size(); ++i) {
+      const int candidate = selection_.causes[i].candidate;
+      if (!e_.candidate(candidate).trial.empty()) continue;
+      Refit without = Without(candidate);
+      if (!without.usable()) continue;
+      const auto before = e_.held_out.Residuals(without.point);
+      if (!before) continue;
+      const double gain = Gain(*before, with);
+      if (gain < worst.gain && (denied_together || IsTelling(*before, with)))
+        worst = {i, gain, std::move(without)};
+    }
+    return worst;
+  }
+
+  [[nodiscard]] Refit Without(int candidate) const {
+    std::vector<int> rest;
+    for (const int c : selection_.model.released) {
+      if (c != candidate) rest.push_back(c);
+    }
+    if (rest.empty()) return e_.base.refit;
+    Vector start = selection_.model.point;
+    for (const int index : e_.candidate(candidate).parameters) start[index] = e_.base.refit.point[index];
+    return e_.Fit(rest, {start});
+  }
+
+  void Withdraw(Denial denial) {
+    const ChosenCause cause = selection_.causes[denial.cause];
+    withdrawn_.push_back(
+        {e_.candidate(cause.candidate).effect,
+         selection_.gross
+             ? std::string("it improves the fitted trials but makes the held-out trials worse")
+             : fmt::format(
+                   "it improves the fitted trials (delta LR {:.0f}) but makes the held-out trials worse "
+                   "(by {:.0f} in the same units)",
+                   cause.delta_lr, -denial.gain)});
+    if (ReplaceByRival(denial)) return;
+    selection_.model = std::move(denial.without);
+    selection_.causes.erase(selection_.causes.begin() + static_cast<std::ptrdiff_t>(denial.cause));
+    std::vector<Rival> others;
+    for (Rival& other : selection_.rivals) {
+      if (other.instead_of != cause.candidate) others.push_back(std::move(other));
+    }
+    selection_.rivals = std::move(others);
+    selection_.structure_left = true;  // what it had taken up in the fitted trials has no name now
+  }
+
+  // The next of the set that does carry over.
+  bool ReplaceByRival(const Denial& denial) {
+    const ChosenCause cause = selection_.causes[denial.cause];
+    const auto before = e_.held_out.Residuals(denial.without.point);
+    for (const Rival& rival : selection_.rivals) {
+      if (rival.instead_of != cause.candidate || !before) continue;
+      const auto with = e_.held_out.Residuals(rival.refit.point);
+      if (!with || e_.Loss(*before, rival.refit.noise) <= e_.Loss(*with, rival.refit.noise)) continue;
+      const int next = rival.candidate;
+      selection_.model = rival.refit;
+      selection_.causes[denial.cause] = {next, cause.delta_lr - rival.delta_lr, cause.p_value};
+      std::vector<Rival> others;
+      for (Rival& other : selection_.rivals) {
+        if (other.candidate == next) continue;
+        if (other.instead_of == cause.candidate) other.instead_of = next;
+        others.push_back(std::move(other));
+      }
+      selection_.rivals = std::move(others);
+      return true;
+    }
+    return false;
+  }
+
+  Examination& e_;
+  Selection& selection_;
+  std::vector<WithdrawnCause> withdrawn_;
+};
+
+}  // namespace
+
+Result<std::vector<WithdrawnCause>> AskHeldOutTrials(Examination& examination) {
+  return Court(examination).Hear();
+}
+
+}  // namespace sinew

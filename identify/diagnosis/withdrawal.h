@@ -1,0 +1,16 @@
+// Step 6, first half: held-out trials may deny what fitted trials suggest.
+#pragma once
+
+#include <vector>
+
+#include "identify/diagnosis/examination.h"
+
+namespace sinew {
+
+/// A cause that held-out trials deny is withdrawn from the selection; if another one of its set carries over,
+/// that takes its place. Causes that lean on each other may each look needed and be wrong together: then the
+/// whole is compared with the base model, and what is missed least goes first.
+/// Errors: the problem's own on the held-out trials.
+Result<std::vector<WithdrawnCause>> AskHeldOutTrials(Examination& examination);
+
+}  // namespace sinew
