@@ -19,6 +19,7 @@ from concurrent.futures import ThreadPoolExecutor
 from pathlib import Path
 
 LONGEST = 600       # [s] of one command; a case that takes longer is counted as failed
+MATCHED = 0.8       # an outsider whose signature an effect of the library matches so well is counted apart
 SEPARABLE = 0.4165  # size s tells two effects apart with 95 % only if 1 - |R| > SEPARABLE / s^2
 NOMINAL = 1.959964
 
@@ -112,6 +113,10 @@ def compare(case, truth, found):
     case["withdrawn"] = [w["effect"] for w in found.get("withdrawn", [])]
     case["gain"] = found.get("gain")
     case["detected"] = found["verdict"] != "adequate"
+    gain = found.get("gain") or {}
+    # Of held-out trials, by an extended model that has an unknown term.
+    case["unknown_term_gains"] = bool(found["unknown_terms"]) and (gain.get("reduction") or 0) > 0
+    case["unknown_term_gains_for_sure"] = case["unknown_term_gains"] and gain["ci95"][0] > 0
     stated = set(causes) | {a["effect"] for a in found["alternatives"]}
     case["set_size"] = sum(1 + len(others.get(c, [])) for c in causes)
     hidden = [e["name"] for e in truth["effects"]]
@@ -176,6 +181,15 @@ def coverage(cases, key):
     return wilson(sum(hits), len(hits))
 
 
+# Outsiders that are a function of one signal that the model has: the others depend on two, on time or are periodic in it.
+OF_ONE_SIGNAL = ("cubic_spring", "torque_bump", "dead_zone", "cubic_drag", "eccentric_encoder")
+
+
+def best_match(case):
+    """Largest |correlation| of an outsider's signature with an effect of the library."""
+    return max((abs(r) for r in case["truth"]["effects"][0]["correlations"].values()), default=0)
+
+
 def tally(kind, cases):
     """The counts of cases of one kind, size and noise."""
     done = [c for c in cases if "failure" not in c]
@@ -192,7 +206,17 @@ def tally(kind, cases):
     if kind == "outsider":
         result["explained_by_the_library"] = share(done, lambda c: c["verdict"] in ("explained", "ambiguous")
                                                    and not c["unknown_terms"])
+        far = [c for c in done if best_match(c) < MATCHED]
+        near = [c for c in done if best_match(c) >= MATCHED]
+        result["explained_unmatched"] = share(far, lambda c: c["verdict"] in ("explained", "ambiguous"))
+        result["explained_matched"] = share(near, lambda c: c["verdict"] in ("explained", "ambiguous"))
         result["unknown_term_found"] = share(named, lambda c: bool(c["unknown_terms"]))
+        one = [c for c in named if c["truth"]["effects"][0]["name"] in OF_ONE_SIGNAL]
+        more = [c for c in named if c["truth"]["effects"][0]["name"] not in OF_ONE_SIGNAL]
+        for key, group in (("one_signal", one), ("more_signals", more)):
+            result["held_out_gain_" + key] = share(group, lambda c: c["unknown_term_gains"])
+            unnamed = [c for c in group if c["verdict"] == "unexplained"]
+            result["held_out_gain_unexplained_" + key] = share(unnamed, lambda c: c["unknown_term_gains"])
         names = sorted({c["truth"]["effects"][0]["name"] for c in done})
         result["by_outsider"] = {
             n: {v: sum(c["verdict"] == v for c in done if c["truth"]["effects"][0]["name"] == n)
@@ -211,6 +235,7 @@ def tally(kind, cases):
         result["in_set_if_correlation_low"] = share(far, lambda c: c["in_set"])
         result["in_set_if_correlation_high"] = share(near, lambda c: c["in_set"])
         return result
+    result["unexplained"] = share(done, lambda c: c["verdict"] == "unexplained")
     result["first"] = share(named, lambda c: c["first"])
     result["first_in_class"] = share(named, lambda c: c["first_in_class"])
     result["separable"] = share(done, lambda c: c.get("inseparable", None) == 0)
@@ -231,12 +256,15 @@ COLUMNS = {
     "none": [("false alarms", "detected")],
     "single": [("detect", "detected"), ("oracle 5%", "oracle_at_5"), ("oracle fam.", "oracle_at_threshold"),
                ("first", "first"), ("class", "first_in_class"), ("separable", "first_if_separable"),
-               ("in set", "in_set_if_detected"), ("size", "mean_set_size"), ("ci told", "told_interval_covers"),
+               ("in set", "in_set_if_detected"), ("size", "mean_set_size"), ("unexpl.", "unexplained"), ("ci told", "told_interval_covers"),
                ("ci stated", "stated_interval_covers")],
     "pair": [("detect", "detected"), ("exact", "exact"), ("in set", "in_set"), ("|R|<=0.7", "in_set_if_correlation_low"),
              ("|R|>0.7", "in_set_if_correlation_high"), ("size", "mean_set_size")],
-    "outsider": [("detect", "detected"), ("oracle 5%", "oracle_at_5"), ("explained", "explained_by_the_library"),
-                 ("unknown term", "unknown_term_found")],
+    "outsider": [("detect", "detected"), ("oracle 5%", "oracle_at_5"), ("expl. unmatched", "explained_unmatched"),
+                 ("matched", "explained_matched"), ("unknown term", "unknown_term_found"),
+                 ("gain, 1 signal", "held_out_gain_one_signal"), ("more", "held_out_gain_more_signals"),
+                 ("if unexpl., 1", "held_out_gain_unexplained_one_signal"),
+                 ("more", "held_out_gain_unexplained_more_signals")],
 }
 
 

@@ -108,11 +108,11 @@ class Diagnostician {
     if (!base.usable()) return Fail("the base model: {}", base.failure);
     const double share = ShareThatIsNotNoise(problem_, LeastSquares(problem_, *base.setup), base.noise);
     if (share < kLeastExplained) {
-      ConcludeNothing(fmt::format("{:.0f} % of what was measured varies from one sample to the next as noise "
-                                  "does, and the base model explains next to nothing of it",
-                                  100 * std::min(1.0, 1 - share)),
-                      "An effect small enough to hide in this noise cannot be named. Reduce the noise, or "
-                      "excite the system more.");
+      ConcludeNothing(
+          "what the base model leaves is about as large as what was measured, and varies from one "
+          "sample to the next as noise does",
+          "An effect that hides in such noise cannot be named. Reduce the noise, excite the system "
+          "more, or give the base model better starts.");
       return MeasureGain(base.noise);
     }
     if (base.swallowed) {

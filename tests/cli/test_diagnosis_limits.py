@@ -66,6 +66,14 @@ class Limits(ProgramTest):
         result, _ = self.diagnose(self.data(self.each_position(gaps)))
         self.assertIn(result["causes"][0]["effect"], FRICTION)
 
+    def test_noise_larger_than_the_signal_names_nothing(self):
+        rng = np.random.default_rng(1)
+        result, said = self.diagnose(self.data(self.each_position(
+            lambda q: q + rng.normal(size=len(q)) * 5 * np.ptp(q))))
+        self.assertEqual(result["causes"], [])
+        self.assertEqual(result["verdict"], "unexplained")
+        self.assertIn("Nothing can be concluded", said)
+
     def test_a_single_short_trial(self):
         def change(file):
             self.without(lambda name, _: name != "train_1")(file)

@@ -1,8 +1,9 @@
 # %% unknown [markdown]
 # ## Not in the library
 #
-# A curve that the data ask for and that no known effect gives. Band: 95 %; where it fills the picture, the base parameters can
-# imitate part of the curve, so that only its shape is known, not its height or slope.
+# What the data ask for and no known effect gives. Where there are several, each is an alternative to the others. Band: 95 %;
+# where it fills the picture, the base parameters can imitate part of the curve, so that only its shape is known, not its height
+# or slope.
 
 # %% unknown
 terms = [{**{key: value.decode() if isinstance(value, bytes) else value for key, value in node.attrs.items()},
@@ -13,13 +14,14 @@ columns = min(3, len(shown))
 rows = -(-len(shown) // columns)
 figure, axes = plt.subplots(rows, columns, figsize=(WIDTH if columns > 1 else 0.6 * WIDTH, 0.8 + 2.5 * rows), squeeze=False)
 for axis, term in zip(axes.flat, shown):
-    axis.axhline(0, color="#999999", lw=0.7)
+    if term["kind"] != "drift":
+        axis.axhline(0, color="#999999", lw=0.7)
     axis.fill_between(term["knots"], term["curve"] - 1.96 * term["deviation"], term["curve"] + 1.96 * term["deviation"],
                       color=COLOURS["unknown_term"], alpha=0.18, lw=0)
     axis.plot(term["knots"], term["curve"], "-o", ms=3, color=COLOURS["unknown_term"])
     known = term["curve"][np.isfinite(term["curve"])]
     reach = 3 * np.max(np.abs(known), initial=0)
-    if reach > 0 and np.nanmax(term["deviation"], initial=0) > reach:
+    if term["kind"] != "drift" and reach > 0 and np.nanmax(term["deviation"], initial=0) > reach:
         axis.set_ylim(-reach, reach)  # else the curve is a line in the middle of its own uncertainty
     axis.set_title(f"{elided(term['shape'], 44)}" + (f"\nnearest known law: {elided(term['nearest_law'], 34)}"
                                                      if term["nearest_law"] else ""))
@@ -27,8 +29,9 @@ for axis, term in zip(axes.flat, shown):
     axis.set_ylabel(f"{term['port']} ({pretty(term['unit'])})" if pretty(term["unit"]) else term["port"])
 for axis in axes.flat[len(shown):]:
     axis.remove()
-headline(figure, "; ".join(dict.fromkeys(f"{term['port']} needs something that goes with {term['signal']}"
-                                         for term in shown)))
+SAYS = {"curve": "{port} needs something that goes with {signal}", "drift": "{port} changes with time",
+        "periodic": "something periodic adds to {port}"}
+headline(figure, "; or ".join(dict.fromkeys(SAYS[term["kind"]].format(**term) for term in shown)))
 plt.show()
-display(HTML(items([f"{term['port']} as a function of {term['signal']}: {chance(term['p_value'])}; held-out error "
+display(HTML(items([f"{term['name']}: {chance(term['p_value'])}; held-out error "
                     f"{percent(-term['held_out_reduction'])}." for term in terms], "notes")))

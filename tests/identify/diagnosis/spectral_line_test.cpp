@@ -230,7 +230,22 @@ TEST(SpectralLine, DiagnosisNamesItAndMeasuresIt) {
   const UnknownFinding& hum = diagnosis->unknown_terms.front();
   EXPECT_EQ(hum.port, "y");
   EXPECT_EQ(hum.signal, "time");
-  EXPECT_EQ(hum.shape.rfind("periodic, ", 0), 0U) << hum.shape;
+  EXPECT_EQ(hum.kind, UnknownKind::kPeriodic);
+  EXPECT_EQ(hum.name, "y(period)");
+  const auto score = std::find_if(diagnosis->scores.begin(), diagnosis->scores.end(),
+                                  [&](const EffectScore& s) { return s.effect == hum.name; });
+  ASSERT_NE(score, diagnosis->scores.end());
+  EXPECT_EQ(score->family_p_value, hum.p_value);
+  // The figures show it: trials that were fitted are explained better too.
+  double before = 0;
+  double after = 0;
+  for (const TracePair& trace : diagnosis->traces) {
+    for (std::size_t i = 0; i < trace.time.size(); ++i) {
+      before += std::pow(trace.before[i] - trace.measured[i], 2);
+      after += std::pow(trace.after[i] - trace.measured[i], 2);
+    }
+  }
+  EXPECT_LT(after, 0.8 * before);
   EXPECT_LT(hum.p_value, 0.05);
   EXPECT_NEAR(1 / hum.knots.back(), truth.hum_frequency, 0.06);  // bins of 0.05 Hz
   const auto [least, most] = std::minmax_element(hum.curve.begin(), hum.curve.end());
