@@ -57,6 +57,11 @@ Result<FitSetup> MakeFitSetup(const Problem& problem, const FitRequest& request)
   for (const std::string& name : request.release) {
     SINEW_ASSIGN(const std::vector<int> parameters, ParametersOf(problem, name));
     free.insert(parameters.begin(), parameters.end());
+    for (const int index : parameters) {
+      Parameter& p = setup.parameters[static_cast<std::size_t>(index)];
+      // At the null of what has probes nothing responds: a local solver would never leave it.
+      if (p.start == p.null_value && !p.probes.empty()) p.start = p.probes[p.probes.size() / 2];
+    }
   }
 
   for (const auto& [name, interval] : request.bounds) {

@@ -11,6 +11,7 @@ namespace {
 // What a cause changes in held-out trials, in units of their noise's variance, from which a loss there is a
 // denial: with the right cause it happens by chance in 1 of 75 cases.
 constexpr double kTelling = 20;
+constexpr double kFarLess = -2.33;      // standard deviations: chance 0.01
 constexpr double kTellingShare = 0.05;  // of what is left, if that dwarfs the noise
 
 class Court {
@@ -24,7 +25,10 @@ class Court {
       const double together = Gain(of_base, with);
       const bool denied = together < 0 && IsTelling(of_base, with);
       Denial worst = FindWorst(with, denied);
-      if (worst.cause == selection_.causes.size()) break;
+      if (worst.cause == selection_.causes.size()) {
+        if (StandsInForSomethingElse(of_base, with)) selection_.structure_left = true;
+        break;
+      }
       if (worst.gain >= 0) worst.gain = together;
       Withdraw(std::move(worst));
     }
@@ -47,6 +51,15 @@ class Court {
     for (std::size_t b = 0; b < moved.size(); ++b) moved[b] -= with[b];
     const double loss = e_.Loss(moved, selection_.model.noise);
     return selection_.gross ? loss > kTellingShare * e_.Loss(with, selection_.model.noise) : loss > kTelling;
+  }
+
+  [[nodiscard]] bool StandsInForSomethingElse(const std::vector<Vector>& before,
+                                              const std::vector<Vector>& with) const {
+    if (selection_.gross) return false;
+    std::vector<Vector> moved = before;
+    for (std::size_t b = 0; b < moved.size(); ++b) moved[b] -= with[b];
+    const double squared = e_.Loss(moved, selection_.model.noise);
+    return squared > 0 && Gain(before, with) - squared < kFarLess * std::sqrt(6 * squared);
   }
 
   // The cause that held-out trials miss least; the number of causes if they deny none.
