@@ -11,32 +11,30 @@
 #include <set>
 
 #include "identify/diagnosis/gross_search.h"
+#include "identify/diagnosis/shortlist.h"
 #include "identify/uncertainty/chi_squared.h"
 
 namespace sinew {
 namespace {
 
-constexpr double kSetWidth = 6;          // units of deviance within which causes count as not told apart ...
 constexpr double kSetWidthColoured = 9;  // ... if the noise model itself is a guess
-constexpr double kPerParameter = 4;      // price of a parameter in the same units: two standard deviations
 constexpr int kMostCauses = 5;
 constexpr double kFurtherLevel = 0.02;  // of an alarm after the first cause
-constexpr std::size_t kLeastSurvivors = 4;
-constexpr std::size_t kMostSurvivors = 14;
-constexpr std::size_t kMostPairs = 8;
-constexpr double kParsimony = 10.8;  // chi-squared with one degree: chance 0.001
-constexpr double kDouble = 0.97;     // correlation of traces above which they count as one
-constexpr double kStandsOut = 3;     // times the answer of any other trial ...
-constexpr double kNoticeable = 6;    // ... and so much more
-constexpr double kWalk = 0.97;       // root of the noise above which it may well be an effect in disguise
+constexpr double kParsimony = 10.8;     // chi-squared with one degree: chance 0.001
+constexpr double kDouble = 0.97;        // correlation of traces above which they count as one
+constexpr double kWalk = 0.97;          // root of the noise above which it may well be an effect in disguise
 
 class Selector {
  public:
   Selector(const Problem& problem, const Refitter& refitter, const std::vector<Candidate>& candidates,
            const Standing& base, const DiagnosisOptions& options)
-      : problem_(problem), refitter_(refitter), candidates_(candidates), base_(base), options_(options) {
+      : problem_(problem),
+        refitter_(refitter),
+        candidates_(candidates),
+        base_(base),
+        options_(options),
+        shortlist_(candidates, base) {
     cache_[{}] = base.refit;
-    FindTrialThatStandsOut();
   }
 
   Result<Selection> Run() {
@@ -117,34 +115,6 @@ class Selector {
                        [](const ChannelNoiseModel& channel) { return channel.LargestRoot() > kWalk; });
   }
 
-  // A sensor that fails in one trial alone answers there much more than in any other; an effect that is not
-  // in the library answers in several.
-  void FindTrialThatStandsOut() {
-    std::map<std::string, std::map<std::string, double>> of_kind;  // effect without its trial
-    for (std::size_t c = 0; c < candidates_.size(); ++c) {
-      const Candidate& candidate = candidates_[c];
-      const Score* score = base_.BestOf(static_cast<int>(c));
-      if (!candidate.known || candidate.trial.empty() || score == nullptr) continue;
-      const std::string kind = candidate.effect.substr(0, candidate.effect.rfind('@'));
-      of_kind[kind][candidate.trial] = score->statistic;
-    }
-    double most = 0;
-    for (const auto& [kind, answers] : of_kind) {
-      std::vector<std::pair<double, std::string>> order;
-      for (const auto& [trial, statistic] : answers) order.emplace_back(statistic, trial);
-      std::sort(order.rbegin(), order.rend());
-      const double others = order.size() > 1 ? order[1].first : 0;
-      if (order.front().first < kStandsOut * others + kNoticeable || order.front().first <= most) continue;
-      most = order.front().first;
-      trial_that_stands_out_ = order.front().second;
-    }
-  }
-
-  [[nodiscard]] bool MayBeNamed(int c) const {
-    const std::string& trial = candidates_[static_cast<std::size_t>(c)].trial;
-    return trial.empty() || trial == trial_that_stands_out_;
-  }
-
   [[nodiscard]] double Price(const Set& released) const {
     double parameters = 0;
     for (const int c : released)
@@ -164,32 +134,6 @@ class Selector {
   static Set Without(Set set, int c) {
     set.erase(std::remove(set.begin(), set.end(), c), set.end());
     return set;
-  }
-
-  // Candidates whose score, whitened or not, is so near the best that a refit may put them first.
-  [[nodiscard]] std::vector<int> Survivors(const Standing& standing) const {
-    std::set<int> survivors;
-    for (const ScoreTable* table : {&standing.whitened, &standing.plain}) {
-      std::vector<std::pair<double, int>> ranking;
-      for (std::size_t c = 0; c < candidates_.size(); ++c) {
-        if (!candidates_[c].known || !MayBeNamed(static_cast<int>(c))) continue;
-        const Score* score = standing.BestOf(static_cast<int>(c), *table);
-        if (score == nullptr) continue;
-        const double price = kPerParameter * static_cast<double>(score->directions.size() - 1);
-        ranking.emplace_back(score->statistic - price - (candidates_[c].primary() ? 0 : 2 * kPerParameter),
-                             static_cast<int>(c));
-      }
-      std::sort(ranking.begin(), ranking.end(), [](const auto& a, const auto& b) {
-        return a.first != b.first ? a.first > b.first : a.second < b.second;
-      });
-      for (std::size_t i = 0; i < std::min(ranking.size(), kMostSurvivors); ++i) {
-        const double behind = ranking.front().first - ranking[i].first;
-        if (i >= kLeastSurvivors && behind > std::max(2 * kSetWidth, 0.4 * ranking.front().first)) break;
-        if (ranking[i].first > 0) survivors.insert(ranking[i].second);
-      }
-      if (table == &standing.whitened && !standing.refit.noise.IsColoured()) break;
-    }
-    return {survivors.begin(), survivors.end()};
   }
 
   // Refits what is not in the cache yet, in parallel; each from the given starts.
@@ -232,8 +176,9 @@ class Selector {
   // empty.
   Result<Set> Extend(const Set& chosen, const Standing& standing) {
     std::map<Set, std::vector<Vector>> wanted;
-    for (const int c : Survivors(standing)) wanted[With(chosen, c)] = StartsFor(standing, candidates_, c);
-    if (chosen.size() == 1) SINEW_TRY(AddPairs(wanted));
+    for (const int c : shortlist_.Singles(standing))
+      wanted[With(chosen, c)] = StartsFor(standing, candidates_, c);
+    if (chosen.size() == 1) AddPairs(wanted);
     Fit(wanted);
     const Refit* best = nullptr;
     for (const auto& [released, starts] : wanted) {
@@ -284,45 +229,14 @@ class Selector {
     return known <= standing.family.level;
   }
 
-  // Pairs that the linear analysis at the base model likes best: two causes that only show together, or of
-  // which a third imitates the sum.
-  Status AddPairs(std::map<Set, std::vector<Vector>>& wanted) {
-    struct Pair {
-      double statistic;
-      const Score* a;
-      const Score* b;
-    };
-    std::map<std::pair<int, int>, Pair> best_of;
-    const auto& scores = base_.whitened.scores;
-    for (std::size_t i = 0; i < scores.size(); ++i) {
-      for (std::size_t j = i + 1; j < scores.size(); ++j) {
-        const Score& a = scores[i];
-        const Score& b = scores[j];
-        const Candidate& first = candidates_[static_cast<std::size_t>(a.candidate)];
-        const Candidate& second = candidates_[static_cast<std::size_t>(b.candidate)];
-        if (!first.primary() || !second.primary() || a.candidate == b.candidate) continue;
-        const double statistic =
-            JointStatistic(base_.whitened, {&a, &b}) -
-            kPerParameter * static_cast<double>(first.parameters.size() + second.parameters.size());
-        Pair& best = best_of[{a.candidate, b.candidate}];
-        if (best.a == nullptr || statistic > best.statistic) best = {statistic, &a, &b};
-      }
-    }
-    std::vector<Pair> pairs;
-    for (const auto& [key, pair] : best_of) pairs.push_back(pair);
-    std::stable_sort(pairs.begin(), pairs.end(),
-                     [](const Pair& a, const Pair& b) { return a.statistic > b.statistic; });
-    for (std::size_t i = 0; i < std::min(pairs.size(), kMostPairs); ++i) {
-      const int a = pairs[i].a->candidate;
-      const int b = pairs[i].b->candidate;
-      const auto first = StartsFor(base_, candidates_, a);
-      const auto second = StartsFor(base_, candidates_, b);
-      Vector start = first.front();
+  void AddPairs(std::map<Set, std::vector<Vector>>& wanted) const {
+    for (const auto& [a, b] : shortlist_.Pairs()) {
+      Vector start = StartsFor(base_, candidates_, a).front();
+      const Vector second = StartsFor(base_, candidates_, b).front();
       for (const int index : candidates_[static_cast<std::size_t>(b)].parameters)
-        start[index] = second.front()[index];
+        start[index] = second[index];
       wanted[With({a}, b)].push_back(std::move(start));
     }
-    return {};
   }
 
   // One curve of one signal does better than all that is in the library: then the cause is not in it.
@@ -412,7 +326,7 @@ class Selector {
       }
       const Standing& standing = made ? *made : base_;
       std::map<Set, std::vector<Vector>> wanted;
-      for (const int other : Survivors(standing)) {
+      for (const int other : shortlist_.Singles(standing)) {
         if (std::find(chosen.begin(), chosen.end(), other) == chosen.end())
           wanted[With(rest, other)] = StartsFor(standing, candidates_, other);
       }
@@ -495,7 +409,7 @@ class Selector {
   const Standing& base_;
   const DiagnosisOptions& options_;
   std::map<Set, Refit> cache_;
-  std::string trial_that_stands_out_;
+  Shortlist shortlist_;
 };
 
 }  // namespace
