@@ -9,48 +9,41 @@ namespace sinew {
 namespace {
 
 // Every seed is a whole number in the run file, in JSON and in HDF5's readers.
-const CLI::Range kSeeds(std::uint64_t{0}, std::uint64_t{1} << 53, "SEED");
-
-// CLI11's own check states the largest number in full, with 309 digits.
-const CLI::Validator kAtLeastZero(
-    [](const std::string& word) {
-      const auto number = ParseNumber(word);
-      return number && *number >= 0 ? std::string() : "'" + word + "' is not a number of at least 0";
-    },
-    "NUMBER");
+constexpr std::uint64_t kMostSeed = std::uint64_t{1} << 53;
 
 }  // namespace
 
-void BindingOptions::AddTo(CLI::App& command) {
-  command.add_option("problem", problem, "One of `sinew list problems`")->required()->type_name("PROBLEM");
-  command.add_option("--data", data, "Data set (HDF5, docs/dataset_file.md)")->required()->type_name("F.h5");
-  command
-      .add_option("--config", config, "Settings of the problem; default: PROBLEM.yaml inside the data set")
-      ->type_name("C.yaml");
+void BindingOptions::AddTo(Command command) {
+  command.Add("problem", problem, "One of `sinew list problems`").Required().Shows("PROBLEM");
+  command.Add("--data", data, "Data set (HDF5, docs/dataset_file.md)").Required().Shows("F.h5");
+  command.Add("--config", config, "Settings of the problem; default: PROBLEM.yaml inside the data set")
+      .Shows("C.yaml");
 }
 
-void FitOptions::AddChoiceTo(CLI::App& command) {
-  command.add_option("--free", free, "Fit these parameters only")->delimiter(',')->type_name("A,B");
-  command.add_option("--fix", fix, "Hold a parameter at a value")->delimiter(',')->type_name("A=V");
-  command.add_option("--bounds", bounds, "Other bounds")->delimiter(',')->type_name("A=LO:HI");
-  command.add_option("--start", start, "Another start")->delimiter(',')->type_name("A=V");
+void FitOptions::AddChoiceTo(Command command) {
+  command.Add("--free", free, "Fit these parameters only").Split(',').Shows("A,B");
+  command.Add("--fix", fix, "Hold a parameter at a value").Split(',').Shows("A=V");
+  command.Add("--bounds", bounds, "Other bounds").Split(',').Shows("A=LO:HI");
+  command.Add("--start", start, "Another start").Split(',').Shows("A=V");
 }
 
-void FitOptions::AddWorkTo(CLI::App& command) {
-  command.add_option("--seed", seed, "Seed of everything random")->check(kSeeds)->capture_default_str();
-  command.add_option("--threads", threads, "Threads; the answer does not depend on it")
-      ->check(CLI::Range(1, 1024))
-      ->capture_default_str();
-  command.add_flag("--quiet", quiet, "Print no progress");
+void FitOptions::AddWorkTo(Command command) {
+  command.Add("--seed", seed, "Seed of everything random")
+      .Between(std::uint64_t{0}, kMostSeed, "SEED")
+      .ShowsDefault();
+  command.Add("--threads", threads, "Threads; the answer does not depend on it")
+      .Between(1, 1024)
+      .ShowsDefault();
+  command.AddFlag("--quiet", quiet, "Print no progress");
 }
 
-void FitOptions::AddTo(CLI::App& command) {
+void FitOptions::AddTo(Command command) {
   AddChoiceTo(command);
-  command.add_option("--release", release, "Release an effect (`sinew list effects PROBLEM`)")
-      ->delimiter(',')
-      ->type_name("EFFECT");
-  command.add_option("--max-evaluations", max_evaluations, "Budget")->check(kAtLeastZero)->type_name("N");
-  command.add_option("--max-seconds", max_seconds, "Budget")->check(kAtLeastZero)->type_name("S");
+  command.Add("--release", release, "Release an effect (`sinew list effects PROBLEM`)")
+      .Split(',')
+      .Shows("EFFECT");
+  command.Add("--max-evaluations", max_evaluations, "Budget").AtLeastZero().Shows("N");
+  command.Add("--max-seconds", max_seconds, "Budget").AtLeastZero().Shows("S");
   AddWorkTo(command);
 }
 

@@ -2,12 +2,12 @@
 // in common.
 #pragma once
 
-#include <CLI/CLI.hpp>
 #include <optional>
 #include <string>
 #include <utility>
 #include <vector>
 
+#include "cli/command.h"
 #include "identify/fit_setup.h"
 #include "identify/results/run_file.h"
 #include "identify/solvers/solver.h"
@@ -20,7 +20,7 @@ struct BindingOptions {
   std::string problem;
   std::string data;
   std::string config;
-  void AddTo(CLI::App& command);
+  void AddTo(Command command);
 };
 
 /// The words of a command that say what is fitted and how.
@@ -35,11 +35,11 @@ struct FitOptions {
   std::optional<long> max_evaluations;
   std::optional<double> max_seconds;
   bool quiet = false;
-  void AddTo(CLI::App& command);
+  void AddTo(Command command);
   /// Only what chooses the base parameters and where they begin.
-  void AddChoiceTo(CLI::App& command);
+  void AddChoiceTo(Command command);
   /// Seed, threads, quiet.
-  void AddWorkTo(CLI::App& command);
+  void AddWorkTo(Command command);
 
   /// Errors: a word that is not NAME=VALUE or NAME=LOW:HIGH.
   [[nodiscard]] Result<FitRequest> Request() const;

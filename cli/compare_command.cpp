@@ -292,26 +292,22 @@ Result<int> RunCompare(const CompareWords& words) {
 
 }  // namespace
 
-void AddCompareCommand(CLI::App& app, const RunAction& run) {
+void AddCompareCommand(Command app, const RunAction& run) {
   auto words = std::make_shared<CompareWords>();
-  auto* command = app.add_subcommand("compare", "Solvers against each other, over several starts and seeds");
-  words->binding.AddTo(*command);
-  words->fit.AddTo(*command);
-  command->add_option("--solvers", words->solvers, "Solvers and chains")
-      ->required()
-      ->delimiter(',')
-      ->type_name("A,B,C");
+  Command command = app.AddCommand("compare", "Solvers against each other, over several starts and seeds");
+  words->binding.AddTo(command);
+  words->fit.AddTo(command);
+  command.Add("--solvers", words->solvers, "Solvers and chains").Required().Split(',').Shows("A,B,C");
   command
-      ->add_option("--repeats", words->repeats,
-                   "Runs per solver; the first starts where the problem says, the others at random")
-      ->check(CLI::Range(1, 100000))
-      ->capture_default_str();
-  command->add_option("--target", words->target,
-                      "Cost that counts as success; default: within 1 % of the best found");
-  command->add_option("--out", words->out, "Study file to write")->required()->type_name("STUDY.h5");
-  command->add_option("--json", words->json, "Result for machines; - for standard output")
-      ->type_name("FILE|-");
-  command->callback([=] { run([=] { return RunCompare(*words); }); });
+      .Add("--repeats", words->repeats,
+           "Runs per solver; the first starts where the problem says, the others at random")
+      .Between(1, 100000)
+      .ShowsDefault();
+  command.Add("--target", words->target,
+              "Cost that counts as success; default: within 1 % of the best found");
+  command.Add("--out", words->out, "Study file to write").Required().Shows("STUDY.h5");
+  command.Add("--json", words->json, "Result for machines; - for standard output").Shows("FILE|-");
+  command.Runs(run, [=] { return RunCompare(*words); });
 }
 
 }  // namespace sinew

@@ -145,21 +145,18 @@ Result<int> RunIdentify(const IdentifyWords& words) {
 
 }  // namespace
 
-void AddIdentifyCommand(CLI::App& app, const RunAction& run) {
+void AddIdentifyCommand(Command app, const RunAction& run) {
   auto words = std::make_shared<IdentifyWords>();
-  auto* command = app.add_subcommand("identify", "Find the parameters that explain the training trials");
-  words->binding.AddTo(*command);
-  words->fit.AddTo(*command);
-  command->add_option("--out", words->out, "Run file to write (docs/run_file.md)")
-      ->required()
-      ->type_name("RUN.h5");
-  command->add_option("--solver", words->solver, "One of `sinew list solvers`, or a chain a+b")
-      ->capture_default_str()
-      ->type_name("S");
-  command->add_flag("--resume", words->resume, "Go on with an interrupted run file to the same answer");
-  command->add_option("--json", words->json, "Result for machines; - for standard output")
-      ->type_name("FILE|-");
-  command->callback([=] { run([=] { return RunIdentify(*words); }); });
+  Command command = app.AddCommand("identify", "Find the parameters that explain the training trials");
+  words->binding.AddTo(command);
+  words->fit.AddTo(command);
+  command.Add("--out", words->out, "Run file to write (docs/run_file.md)").Required().Shows("RUN.h5");
+  command.Add("--solver", words->solver, "One of `sinew list solvers`, or a chain a+b")
+      .ShowsDefault()
+      .Shows("S");
+  command.AddFlag("--resume", words->resume, "Go on with an interrupted run file to the same answer");
+  command.Add("--json", words->json, "Result for machines; - for standard output").Shows("FILE|-");
+  command.Runs(run, [=] { return RunIdentify(*words); });
 }
 
 }  // namespace sinew

@@ -149,17 +149,16 @@ Result<int> List(const std::string& what, const std::string& problem, const std:
 
 }  // namespace
 
-void AddListCommand(CLI::App& app, const RunAction& run) {
-  auto* command =
-      app.add_subcommand("list", "What there is: problems, solvers, formats, and a problem's parts");
+void AddListCommand(Command app, const RunAction& run) {
+  Command command =
+      app.AddCommand("list", "What there is: problems, solvers, formats, and a problem's parts");
   auto what = std::make_shared<std::string>("problems");
   auto problem = std::make_shared<std::string>();
-  command->add_option("what", *what, "One of " + Join(kSubjects, ", "))->capture_default_str();
-  command->add_option("problem", *problem, "For effects, parameters and channels");
+  command.Add("what", *what, "One of " + Join(kSubjects, ", ")).ShowsDefault();
+  command.Add("problem", *problem, "For effects, parameters and channels");
   auto data = std::make_shared<std::string>();
-  command->add_option("--data", *data, "For effects: of these data; else of synthetic ones")
-      ->type_name("F.h5");
-  command->callback([=] { run([=] { return List(*what, *problem, *data); }); });
+  command.Add("--data", *data, "For effects: of these data; else of synthetic ones").Shows("F.h5");
+  command.Runs(run, [=] { return List(*what, *problem, *data); });
 }
 
 }  // namespace sinew

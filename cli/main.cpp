@@ -1,4 +1,5 @@
 // The sinew program: parses, calls, prints.
+#include <CLI/CLI.hpp>
 #include <cstdio>
 #include <exception>
 

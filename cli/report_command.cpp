@@ -53,16 +53,14 @@ Result<int> RunReport(const std::vector<std::string>& files, const std::string& 
 
 }  // namespace
 
-void AddReportCommand(CLI::App& app, const RunAction& run) {
+void AddReportCommand(Command app, const RunAction& run) {
   auto files = std::make_shared<std::vector<std::string>>();
   auto out_dir = std::make_shared<std::string>();
-  auto* command = app.add_subcommand(
+  Command command = app.AddCommand(
       "report", "An executed notebook and a self-contained HTML page of runs, diagnoses and studies");
-  command->add_option("files", *files, "Run, diagnosis or study files")->required()->type_name("FILE.h5");
-  command->add_option("--out-dir", *out_dir, "Folder for the notebook and the page")
-      ->required()
-      ->type_name("DIR");
-  command->callback([=] { run([=] { return RunReport(*files, *out_dir); }); });
+  command.Add("files", *files, "Run, diagnosis or study files").Required().Shows("FILE.h5");
+  command.Add("--out-dir", *out_dir, "Folder for the notebook and the page").Required().Shows("DIR");
+  command.Runs(run, [=] { return RunReport(*files, *out_dir); });
 }
 
 }  // namespace sinew

@@ -134,16 +134,16 @@ Result<int> RunSimulate(const SimulateWords& words) {
 
 }  // namespace
 
-void AddSimulateCommand(CLI::App& app, const RunAction& run) {
+void AddSimulateCommand(Command app, const RunAction& run) {
   auto words = std::make_shared<SimulateWords>();
-  auto* command = app.add_subcommand("simulate", "Predict every channel at given parameters");
-  words->binding.AddTo(*command);
-  command->add_option("--set", words->set, "Parameters; all others rest at their start")
-      ->delimiter(',')
-      ->type_name("NAME=VALUE");
-  command->add_option("--from", words->from, "Parameters of a run file")->type_name("RUN.h5");
-  command->add_option("--out", words->out, "Predicted channels")->required()->type_name("OUT.h5|OUT.sto");
-  command->callback([=] { run([=] { return RunSimulate(*words); }); });
+  Command command = app.AddCommand("simulate", "Predict every channel at given parameters");
+  words->binding.AddTo(command);
+  command.Add("--set", words->set, "Parameters; all others rest at their start")
+      .Split(',')
+      .Shows("NAME=VALUE");
+  command.Add("--from", words->from, "Parameters of a run file").Shows("RUN.h5");
+  command.Add("--out", words->out, "Predicted channels").Required().Shows("OUT.h5|OUT.sto");
+  command.Runs(run, [=] { return RunSimulate(*words); });
 }
 
 }  // namespace sinew

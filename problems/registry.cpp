@@ -6,6 +6,7 @@
 #include "identify/observation/sensor_effects.h"
 #include "problems/contact/contact_problem.h"
 #include "problems/contact/contact_synthesis.h"
+#include "problems/drive/drive_channels.h"
 #include "problems/drive/drive_problem.h"
 #include "problems/drive/drive_synthesis.h"
 

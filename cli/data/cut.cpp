@@ -80,27 +80,25 @@ Result<int> Drop(const std::string& path, const std::string& trial) {
 
 }  // namespace
 
-void AddCutCommand(CLI::App& data, const RunAction& run) {
+void AddCutCommand(Command data, const RunAction& run) {
   auto words = std::make_shared<CutWords>();
-  auto* command = data.add_subcommand("cut", "A window of a trial becomes a trial of its own");
-  command->add_option("file", words->path)->required()->type_name("F.h5");
-  command->add_option("--trial", words->trial, "Trial to cut from")->required();
-  command->add_option("--window", words->window, "In seconds")->required()->type_name("FROM:TO");
-  command->add_option("--as", words->as, "Name of the new trial")->required();
-  command->add_option("--role", words->role, "train or validate; default: that of the source");
-  command->add_option("--plate", words->only, "Keep the forces of these plates only")
-      ->delimiter(',')
-      ->type_name("PLATE");
-  command->callback([=] { run([=] { return Cut(*words); }); });
+  Command command = data.AddCommand("cut", "A window of a trial becomes a trial of its own");
+  command.Add("file", words->path).Required().Shows("F.h5");
+  command.Add("--trial", words->trial, "Trial to cut from").Required();
+  command.Add("--window", words->window, "In seconds").Required().Shows("FROM:TO");
+  command.Add("--as", words->as, "Name of the new trial").Required();
+  command.Add("--role", words->role, "train or validate; default: that of the source");
+  command.Add("--plate", words->only, "Keep the forces of these plates only").Split(',').Shows("PLATE");
+  command.Runs(run, [=] { return Cut(*words); });
 }
 
-void AddDropCommand(CLI::App& data, const RunAction& run) {
+void AddDropCommand(Command data, const RunAction& run) {
   auto path = std::make_shared<std::string>();
   auto trial = std::make_shared<std::string>();
-  auto* command = data.add_subcommand("drop", "Remove a trial (the recording that stances were cut from)");
-  command->add_option("file", *path)->required()->type_name("F.h5");
-  command->add_option("--trial", *trial)->required();
-  command->callback([=] { run([=] { return Drop(*path, *trial); }); });
+  Command command = data.AddCommand("drop", "Remove a trial (the recording that stances were cut from)");
+  command.Add("file", *path).Required().Shows("F.h5");
+  command.Add("--trial", *trial).Required();
+  command.Runs(run, [=] { return Drop(*path, *trial); });
 }
 
 }  // namespace sinew

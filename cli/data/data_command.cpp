@@ -9,15 +9,15 @@ Result<std::optional<Role>> ParseRole(const std::string& word) {
   return Fail("--role {}: expected train or validate", word);
 }
 
-void AddDataCommand(CLI::App& app, const RunAction& run) {
-  auto* data = app.add_subcommand("data", "Make, import, cut and inspect data sets");
-  data->require_subcommand(1);
-  AddSynthesizeCommand(*data, run);
-  AddImportCommand(*data, run);
-  AddInfoCommand(*data, run);
-  AddCutCommand(*data, run);
-  AddDropCommand(*data, run);
-  AddKinematicsCommand(*data, run);
+void AddDataCommand(Command app, const RunAction& run) {
+  Command data = app.AddCommand("data", "Make, import, cut and inspect data sets");
+  data.RequireCommand();
+  AddSynthesizeCommand(data, run);
+  AddImportCommand(data, run);
+  AddInfoCommand(data, run);
+  AddCutCommand(data, run);
+  AddDropCommand(data, run);
+  AddKinematicsCommand(data, run);
 }
 
 }  // namespace sinew

@@ -9,12 +9,12 @@
 
 namespace sinew {
 
-void AddSynthesizeCommand(CLI::App& data, const RunAction& run);
-void AddImportCommand(CLI::App& data, const RunAction& run);
-void AddInfoCommand(CLI::App& data, const RunAction& run);
-void AddCutCommand(CLI::App& data, const RunAction& run);
-void AddDropCommand(CLI::App& data, const RunAction& run);
-void AddKinematicsCommand(CLI::App& data, const RunAction& run);
+void AddSynthesizeCommand(Command data, const RunAction& run);
+void AddImportCommand(Command data, const RunAction& run);
+void AddInfoCommand(Command data, const RunAction& run);
+void AddCutCommand(Command data, const RunAction& run);
+void AddDropCommand(Command data, const RunAction& run);
+void AddKinematicsCommand(Command data, const RunAction& run);
 
 /// The word of --role; nothing if it is empty. Errors: any other word than train and validate.
 Result<std::optional<Role>> ParseRole(const std::string& word);

@@ -96,27 +96,24 @@ Result<int> Import(const ImportWords& words) {
 
 }  // namespace
 
-void AddImportCommand(CLI::App& data, const RunAction& run) {
+void AddImportCommand(Command data, const RunAction& run) {
   auto words = std::make_shared<ImportWords>();
-  auto* command = data.add_subcommand("import", "Somebody's files become a trial of a data set");
-  command->add_option("files", words->files, ".trc .mot .sto .csv .osim .xml .yaml .obj")
-      ->required()
-      ->type_name("FILE");
-  command->add_option("--out", words->out, "Data set to write")->required()->type_name("F.h5");
-  command->add_option("--map", words->map, "Which columns mean what (docs/import.md)")->type_name("MAP.yaml");
-  command->add_option("--trial", words->trial, "Name of the trial; default: that of the first file");
-  command->add_option("--role", words->role, "train or validate");
-  command->add_flag("--append", words->append, "Add to the data set if it exists");
-  command->add_option("--plates", words->plates, "Force plates: NAME=PREFIX of their columns")
-      ->delimiter(',')
-      ->type_name("right=PREFIX,left=PREFIX");
-  command->add_option("--external-loads", words->external_loads, "Force plates as OpenSim names them")
-      ->type_name("X.xml");
-  command->add_option("--title", words->title, "What these data are");
-  command->add_option("--subject", words->subject, "Whose");
-  command->add_option("--source", words->source, "From where");
-  command->add_option("--licence", words->licence, "Under which terms");
-  command->callback([=] { run([=] { return Import(*words); }); });
+  Command command = data.AddCommand("import", "Somebody's files become a trial of a data set");
+  command.Add("files", words->files, ".trc .mot .sto .csv .osim .xml .yaml .obj").Required().Shows("FILE");
+  command.Add("--out", words->out, "Data set to write").Required().Shows("F.h5");
+  command.Add("--map", words->map, "Which columns mean what (docs/import.md)").Shows("MAP.yaml");
+  command.Add("--trial", words->trial, "Name of the trial; default: that of the first file");
+  command.Add("--role", words->role, "train or validate");
+  command.AddFlag("--append", words->append, "Add to the data set if it exists");
+  command.Add("--plates", words->plates, "Force plates: NAME=PREFIX of their columns")
+      .Split(',')
+      .Shows("right=PREFIX,left=PREFIX");
+  command.Add("--external-loads", words->external_loads, "Force plates as OpenSim names them").Shows("X.xml");
+  command.Add("--title", words->title, "What these data are");
+  command.Add("--subject", words->subject, "Whose");
+  command.Add("--source", words->source, "From where");
+  command.Add("--licence", words->licence, "Under which terms");
+  command.Runs(run, [=] { return Import(*words); });
 }
 
 }  // namespace sinew

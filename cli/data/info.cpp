@@ -106,13 +106,13 @@ Result<int> Info(const std::string& path, bool json) {
 
 }  // namespace
 
-void AddInfoCommand(CLI::App& data, const RunAction& run) {
+void AddInfoCommand(Command data, const RunAction& run) {
   auto path = std::make_shared<std::string>();
   auto json = std::make_shared<bool>(false);
-  auto* command = data.add_subcommand("info", "What a data set holds");
-  command->add_option("file", *path)->required()->type_name("F.h5");
-  command->add_flag("--json", *json, "For machines");
-  command->callback([=] { run([=] { return Info(*path, *json); }); });
+  Command command = data.AddCommand("info", "What a data set holds");
+  command.Add("file", *path).Required().Shows("F.h5");
+  command.AddFlag("--json", *json, "For machines");
+  command.Runs(run, [=] { return Info(*path, *json); });
 }
 
 }  // namespace sinew

@@ -125,19 +125,19 @@ Result<int> Kinematics(const KinematicsWords& words) {
 
 }  // namespace
 
-void AddKinematicsCommand(CLI::App& data, const RunAction& run) {
+void AddKinematicsCommand(Command data, const RunAction& run) {
   auto words = std::make_shared<KinematicsWords>();
-  auto* command =
-      data.add_subcommand("kinematics", "Inverse kinematics: markers become coordinates of a model");
-  command->add_option("file", words->path)->required()->type_name("F.h5");
-  command->add_option("--model", words->model, "OpenSim model; default: model.osim inside the data set")
-      ->type_name("M.osim");
+  Command command =
+      data.AddCommand("kinematics", "Inverse kinematics: markers become coordinates of a model");
+  command.Add("file", words->path).Required().Shows("F.h5");
+  command.Add("--model", words->model, "OpenSim model; default: model.osim inside the data set")
+      .Shows("M.osim");
   command
-      ->add_option("--weights", words->weights,
-                   "OpenSim inverse kinematics setup with marker weights; default: all 1")
-      ->type_name("SETUP.xml");
-  command->add_flag("--quiet", words->quiet, "Print no progress");
-  command->callback([=] { run([=] { return Kinematics(*words); }); });
+      .Add("--weights", words->weights,
+           "OpenSim inverse kinematics setup with marker weights; default: all 1")
+      .Shows("SETUP.xml");
+  command.AddFlag("--quiet", words->quiet, "Print no progress");
+  command.Runs(run, [=] { return Kinematics(*words); });
 }
 
 }  // namespace sinew

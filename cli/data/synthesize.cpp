@@ -54,22 +54,17 @@ Result<int> Synthesize(const SynthesizeWords& words) {
 
 }  // namespace
 
-void AddSynthesizeCommand(CLI::App& data, const RunAction& run) {
+void AddSynthesizeCommand(Command data, const RunAction& run) {
   auto words = std::make_shared<SynthesizeWords>();
-  auto* command = data.add_subcommand("synthesize", "An experiment that never happened, marked synthetic");
-  command->add_option("problem", words->problem)->required()->type_name("PROBLEM");
-  command->add_option("--out", words->out, "Data set to write")->required()->type_name("F.h5");
-  command->add_option("--seed", words->seed, "Seed")
-      ->check(CLI::Range(std::uint64_t{0}, std::uint64_t{1} << 53))
-      ->capture_default_str();
-  command
-      ->add_option("--set", words->set,
-                   "True parameters and the experiment (`sinew list parameters PROBLEM`)")
-      ->type_name("NAME=VALUE");
-  command->add_option("--effect", words->effects, "Something wrong with the measurement")
-      ->type_name("NAME:PARAM=VALUE");
-  command->add_option("--noise", words->noise, "Factor on all noise; 0 for none")->type_name("X");
-  command->callback([=] { run([=] { return Synthesize(*words); }); });
+  Command command = data.AddCommand("synthesize", "An experiment that never happened, marked synthetic");
+  command.Add("problem", words->problem).Required().Shows("PROBLEM");
+  command.Add("--out", words->out, "Data set to write").Required().Shows("F.h5");
+  command.Add("--seed", words->seed, "Seed").Between(std::uint64_t{0}, std::uint64_t{1} << 53).ShowsDefault();
+  command.Add("--set", words->set, "True parameters and the experiment (`sinew list parameters PROBLEM`)")
+      .Shows("NAME=VALUE");
+  command.Add("--effect", words->effects, "Something wrong with the measurement").Shows("NAME:PARAM=VALUE");
+  command.Add("--noise", words->noise, "Factor on all noise; 0 for none").Shows("X");
+  command.Runs(run, [=] { return Synthesize(*words); });
 }
 
 }  // namespace sinew

@@ -1,12 +1,12 @@
 #include "identify/solvers/cmaes.h"
 
-#include <Eigen/Eigenvalues>
 #include <algorithm>
 #include <cmath>
 #include <deque>
 #include <numeric>
 #include <vector>
 
+#include "base/decompositions.h"
 #include "base/random.h"
 #include "identify/solvers/objective.h"
 

@@ -1,11 +1,12 @@
 #include "identify/uncertainty/local_fit.h"
 
-#include <Eigen/Cholesky>
 #include <algorithm>
 #include <cmath>
 #include <limits>
 #include <utility>
 #include <vector>
+
+#include "base/decompositions.h"
 
 namespace sinew {
 namespace {

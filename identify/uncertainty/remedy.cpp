@@ -1,11 +1,11 @@
 #include "identify/uncertainty/remedy.h"
 
-#include <Eigen/Eigenvalues>
 #include <algorithm>
 #include <cmath>
 #include <limits>
 #include <optional>
 
+#include "base/decompositions.h"
 #include "base/text.h"
 #include "identify/uncertainty/interval.h"
 #include "identify/uncertainty/verdict.h"

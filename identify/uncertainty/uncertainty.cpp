@@ -1,6 +1,5 @@
 #include "identify/uncertainty/uncertainty.h"
 
-#include <Eigen/Cholesky>
 #include <algorithm>
 #include <cmath>
 #include <iterator>
@@ -8,6 +7,7 @@
 #include <optional>
 #include <utility>
 
+#include "base/decompositions.h"
 #include "base/text.h"
 #include "identify/uncertainty/covariance.h"
 #include "identify/uncertainty/explain.h"

@@ -41,7 +41,4 @@ struct DriveData {
 /// to fit, a channel that does not vary, a reference without controller, no supply voltage.
 Result<DriveData> PrepareDriveData(const Dataset& data, const DriveSettings& settings, double margin);
 
-/// For `sinew list channels drive`.
-std::string DescribeDriveChannels();
-
 }  // namespace sinew

@@ -260,9 +260,9 @@ Status DriveProblem::Pass(std::size_t run_index, const Query& query, std::size_t
   const DriveDynamics<T> dynamics(data_.joint, variables, uses, frictional);
   const DriveDynamics<double> plain(data_.joint, numbers, uses, frictional);
   const double rate = FastestRate(numbers, data_.joint, data_.command, run);
-  DriveIntegrator<T> integrator(data_.command, run, dynamics, plain, rate, history);
+  DriveIntegrator<T> integrator(data_.command, run, dynamics, plain, rate, shift_moves, history);
   bool finite = true;
-  SINEW_TRY(integrator.Run(shift_moves, [&](std::size_t stop, const DriveSample<T>& sample) {
+  SINEW_TRY(integrator.Run([&](std::size_t stop, const DriveSample<T>& sample) {
     const std::array<const T*, 4> channels{&sample.position, &sample.speed, &sample.torque, &sample.current};
     for (const int block : blocks_of_run_[run_index]) {
       const auto b = static_cast<std::size_t>(block);

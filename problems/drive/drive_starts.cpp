@@ -1,10 +1,9 @@
 #include "problems/drive/drive_starts.h"
 
-#include <Eigen/Dense>
 #include <algorithm>
 #include <cmath>
 
-#include "base/linear_algebra.h"
+#include "base/decompositions.h"
 
 namespace sinew {
 namespace {

@@ -1,0 +1,29 @@
+// What a drive looks for in a data set: channels, and numbers that are constants or conditions of a trial.
+#pragma once
+
+#include <optional>
+#include <string>
+
+#include "base/error.h"
+#include "datasets/dataset.h"
+
+namespace sinew {
+
+/// The measured channel of that name, and its grid; nullptr (and the grid as it was): there is none.
+const Channel* MeasuredIn(const Trial& trial, const std::string& name, const Grid** grid);
+
+/// The input of that name, and its grid; nullptr (and the grid as it was): there is none.
+const Channel* InputIn(const Trial& trial, const std::string& name, const Grid** grid);
+
+/// The name of the one input of a trial. Errors, to follow "trial 'x' ": none, or more than one.
+Result<std::string> InputName(const Trial& trial);
+
+std::optional<double> ConstantOf(const Dataset& data, const std::string& name);
+
+/// A condition of the trial, else a constant.
+std::optional<double> NumberOf(const Dataset& data, const Trial& trial, const std::string& name);
+
+/// For `sinew list channels drive`.
+std::string DescribeDriveChannels();
+
+}  // namespace sinew
