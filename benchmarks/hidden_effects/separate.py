@@ -83,21 +83,23 @@ def set_size(found):
 
 
 def rivals(truth, found):
-    """What is stated beside the truth and is not of its class: [name, |R|, the suggestion that tells them apart]."""
+    """What is stated beside the truth, and the suggestion that shall tell them apart; `class`: of the truth's declared class."""
     own = {truth}
-    for a in found["alternatives"]:
-        if a.get("same_class") and own & {a["instead_of"], a["effect"]}:
-            own |= {a["instead_of"], a["effect"]}
-    for a in found["alternatives"]:  # once more: the truth may have come after others of its class
-        if a.get("same_class") and a["instead_of"] in own:
-            own.add(a["effect"])
+    for _ in range(2):  # twice: the truth may come after others of its class
+        for a in found["alternatives"]:
+            if a.get("same_class") and own & {a["instead_of"], a["effect"]}:
+                own |= {a["instead_of"], a["effect"]}
     result = []
     for a in found["alternatives"]:
         pair = [a["instead_of"], a["effect"]]
         others = [e for e in pair if e not in own]
-        if not a.get("same_class") and len(others) == 1:
-            result.append({"rival": others[0], "correlation": abs(a["correlation"]), "separated_by": a["separated_by"],
-                           "kind": KIND_OF.get(a["separated_by"], "unknown")})
+        if a.get("same_class"):
+            if truth not in pair:
+                continue
+            others = [e for e in pair if e != truth]
+        if len(others) == 1:
+            result.append({"rival": others[0], "class": bool(a.get("same_class")), "correlation": abs(a["correlation"]),
+                           "separated_by": a["separated_by"], "kind": KIND_OF.get(a["separated_by"], "unknown")})
     return result
 
 
@@ -164,51 +166,62 @@ def by(pairs, key):
     return sorted(groups.items(), key=lambda g: (-len(g[1]), str(g[0])))
 
 
-def summarise(cases, every_kind):
-    pairs = [(c, p) for c in cases for p in c["pairs"]]
-    done = [(c, p) for c, p in pairs if p["kind"] in KINDS]
-    extra = [k for k in KINDS if k != "same"] if every_kind else []
-    print("pairs that one more trial was made for")
-    rows = [["truth", "stated beside it", "trial", "|R|", "seen", "suggested", "control", *extra]]
-    for (truth, rival, kind), group in by(done, lambda c, p: (c["truth"], p["rival"], p["kind"])):
-        rows.append([truth, rival, kind, mean_correlation(group), str(len(group)),
-                     short(separated(c, p, kind) for c, p in group), short(separated(c, p, "same") for c, p in group),
-                     *(short(separated(c, p, k) for c, p in group) for k in extra)])
-    print_rows(rows)
-    print("\nby suggestion")
-    rows = [["suggestion", "trial", "", "|R|", "seen", "suggested", "control", *extra]]
-    for (text, kind), group in by(pairs, lambda c, p: (p["separated_by"], str(p["kind"]))):
-        rows.append([text, {"None": "not in these data"}.get(kind, kind), "", mean_correlation(group), str(len(group)),
-                     short(separated(c, p, kind) for c, p in group), short(separated(c, p, "same") for c, p in group),
-                     *(short(separated(c, p, k) for c, p in group) for k in extra)])
+def print_groups(titles, pairs, key, extra):
+    rows = [[*titles, "|R|", "seen", "suggested", "control", *extra]]
+    for words, group in by(pairs, key):
+        kind = group[0][1]["kind"]
+        rows.append([*words, mean_correlation(group), str(len(group)),
+                     *(short(separated(c, p, k) for c, p in group) for k in (kind, "same", *extra))])
     print_rows(rows)
 
-    summary = {"cases": len(cases), "failed": sum("failure" in c for c in cases),
-               "truth_in_set": sum(c["truth"] in c.get("stated", []) for c in cases),
-               "truth_with_others": sum(bool(c["pairs"]) for c in cases), "pairs": len(pairs), "pairs_tried": len(done),
-               "suggested": count(separated(c, p, p["kind"]) for c, p in done),
-               "control": count(separated(c, p, "same") for c, p in done),
-               "only_suggested": sum(bool(separated(c, p, p["kind"])) and not separated(c, p, "same") for c, p in done),
-               "only_control": sum(bool(separated(c, p, "same")) and not separated(c, p, p["kind"]) for c, p in done)}
-    print(f"\n{summary['cases']} cases, {summary['failed']} failed, truth stated in {summary['truth_in_set']}, with others "
-          f"in {summary['truth_with_others']}; {len(pairs)} pairs, {len(done)} with a suggestion that these data can have")
-    print(f"separated by the suggested trial {cell(summary['suggested'])}, by one more ordinary trial "
-          f"{cell(summary['control'])}; only by the first {summary['only_suggested']}, only by the second "
-          f"{summary['only_control']}")
+
+def summarise_pairs(title, pairs, extra):
+    """Tables and counts of pairs of a case and a rival."""
+    print(f"\n{title}")
+    words_of = {None: "not in these data"}
+    print_groups(["truth", "stated beside it", "trial"], pairs,
+                 lambda c, p: (c["truth"], p["rival"], words_of.get(p["kind"], p["kind"])), extra)
+    print()
+    print_groups(["suggestion", "", "trial"], pairs,
+                 lambda _, p: (p["separated_by"], "", words_of.get(p["kind"], p["kind"])), extra)
+    done = [(c, p) for c, p in pairs if p["kind"] in KINDS]
+    counts = {"pairs": len(pairs), "pairs_tried": len(done),
+              "suggested": count(separated(c, p, p["kind"]) for c, p in done),
+              "control": count(separated(c, p, "same") for c, p in done),
+              "only_suggested": sum(bool(separated(c, p, p["kind"])) and not separated(c, p, "same") for c, p in done),
+              "only_control": sum(bool(separated(c, p, "same")) and not separated(c, p, p["kind"]) for c, p in done)}
+    print(f"{len(pairs)} pairs, {len(done)} with a suggestion that these data can have; separated by the suggested trial "
+          f"{cell(counts['suggested'])}, by one more ordinary trial {cell(counts['control'])}; only by the first "
+          f"{counts['only_suggested']}, only by the second {counts['only_control']}")
     # Of a case and a suggested kind: each once, however many pairs it is suggested for.
     once = {(c["size"], c["seed"], p["kind"]): (c, p["kind"]) for c, p in done}.values()
-    for title, kind_of in (("suggested", lambda k: k), ("control", lambda _: "same")):
-        after = [(c, c["after"][kind_of(k)]) for c, k in once if "failure" not in c["after"].get(kind_of(k), {"failure": ""})]
+    for name, kind_of in (("suggested", lambda k: k), ("control", lambda _: "same")):
+        after = [(c, c["after"][kind_of(k)]) for c, k in once]
+        after = [(c, a) for c, a in after if "failure" not in a]
         if not after:
             continue
         row = {"mean_set_size_before": statistics.fmean(c["set_size"] for c, _ in after),
                "mean_set_size_after": statistics.fmean(a["set_size"] for _, a in after),
                "truth_first_before": count(c["first"] for c, _ in after), "truth_first_after": count(a["first"] for _, a in after),
                "truth_in_set_after": count(a["truth_in_set"] for _, a in after)}
-        summary["sets_" + title] = row
-        print(f"{title}: stated set {row['mean_set_size_before']:.2f} -> {row['mean_set_size_after']:.2f}, truth first "
+        counts["sets_" + name] = row
+        print(f"{name}: stated set {row['mean_set_size_before']:.2f} -> {row['mean_set_size_after']:.2f}, truth first "
               f"{cell(row['truth_first_before'])} -> {cell(row['truth_first_after'])}, truth stated "
               f"{cell(row['truth_in_set_after'])}")
+    return counts
+
+
+def summarise(cases, every_kind):
+    pairs = [(c, p) for c in cases for p in c["pairs"]]
+    extra = [k for k in KINDS if k != "same"] if every_kind else []
+    summary = {"cases": len(cases), "failed": sum("failure" in c for c in cases),
+               "truth_in_set": sum(c["truth"] in c.get("stated", []) for c in cases),
+               "truth_with_others": sum(any(not p["class"] for p in c["pairs"]) for c in cases),
+               "truth_with_its_class": sum(any(p["class"] for p in c["pairs"]) for c in cases)}
+    print(f"{summary['cases']} cases, {summary['failed']} failed, truth stated in {summary['truth_in_set']}, with others in "
+          f"{summary['truth_with_others']}, with others of its class in {summary['truth_with_its_class']}")
+    summary["others"] = summarise_pairs("not of one class", [(c, p) for c, p in pairs if not p["class"]], extra)
+    summary["classes"] = summarise_pairs("of one class", [(c, p) for c, p in pairs if p["class"]], extra)
     unknown = Counter(p["separated_by"] for _, p in pairs if p["kind"] == "unknown")
     for text, often in unknown.items():
         print(f"not in the table of this script ({often}): {text}")
