@@ -20,7 +20,8 @@ from pathlib import Path
 from run import cell, numbers, read, run, wilson
 
 KINDS = ("same", "rest", "creep", "hold", "fast", "sharp")
-# By what a suggestion says. None: it needs an instrument, a stop or a weight that these data do not have.
+# By what a suggestion says. None: it needs an instrument, a stop or a weight that these data do not have. Where a suggestion
+# has two parts ("several positions, one of them known"), the trial is the part that these data can have.
 KIND_OF = {
     "slow reversals under small torques, where the joint sticks": "creep",
     "the same slow motion forwards and backwards": "creep",
@@ -31,24 +32,24 @@ KIND_OF = {
     "the same slow motion under several weights": None,
     "constant speeds up to the highest": "fast",
     "a very slow full turn": "creep",
-    "letting the joint hang free": "rest",
-    "holding several positions at rest": "hold",
-    "rest at zero command in both directions": "rest",
+    "holding several positions at rest, one of them an angle that is known by other means": "hold",
+    "motion over a wider range of positions": "fast",
+    "holding several positions at rest, and a rest with the drive switched off": "hold",
     "large commands against a fixed stop": None,
     "large commands without a load": "fast",
     "commands of several sizes at rest against a torque sensor": None,
     "the same motion at the begin and at the end of a long trial": "same",
-    "one sharp command, recorded at a high sampling rate": "sharp",
+    "a trigger that all instruments record, then one sharp command, at a high sampling rate": None,
     "fast commands recorded much faster than they are sent": "sharp",
     "slow reversals with sensors on both sides of the gear": None,
     "torque against a fixed stop": None,
-    "a rest phase, where the input is known": "rest",
-    "a rest phase, where the true value is known": "rest",
-    "rest phases at the begin and end of a long trial": "rest",
-    "rest phases at the begin and at the end of a long trial": "rest",
+    "holding several positions at rest, one of them with an input that is known by other means": "hold",
+    "rest phases at several values, one of them known by other means": "hold",
+    "holding several positions at rest, at the begin and at the end of a long trial": "hold",
+    "rest phases at several values, at the begin and at the end of a long trial": "hold",
     "a known input": None,
-    "a known load on the sensor": None,
-    "one sharp event that all instruments see, at a high sampling rate": "sharp",
+    "a true value that is known by other means, or a trial over a wider range": "fast",
+    "a trigger that all instruments record, at a high sampling rate": None,
     "a sharp input, recorded before and after the filter": None,
     "a sudden event (a drop, a tap) recorded without the filter, at a high sampling rate": None,
     "a trial with larger values, or with a sensor of a wider range": "fast",

@@ -104,7 +104,7 @@ class HiddenEffectsTest(ProgramTest):
         import separate
         def other(of, effect, same_class=False):
             return {"instead_of": of, "effect": effect, "same_class": same_class, "correlation": -0.9,
-                    "separated_by": "letting the joint hang free"}
+                    "separated_by": "motion over a wider range of positions"}
         found = {"causes": [{"effect": "a"}], "alternatives": [other("a", "b", True), other("a", "c"), other("a", "d")]}
         def names(truth):
             return [(p["rival"], p["class"]) for p in separate.rivals(truth, found)]
@@ -113,10 +113,10 @@ class HiddenEffectsTest(ProgramTest):
         self.assertEqual(names("c"), [("a", False)])  # nothing is said about c and d
         self.assertEqual(separate.set_size(found), 3)
         pair = separate.rivals("a", found)[1]
-        self.assertEqual((pair["kind"], pair["correlation"]), ("rest", 0.9))
-        case = {"after": {"rest": {"truth_in_set": True, "stated": ["a"]}, "same": {"truth_in_set": True, "stated": ["a", "c"]},
-                          "hold": {"truth_in_set": False, "stated": []}, "fast": {"failure": "x"}}}
-        self.assertEqual([separate.separated(case, pair, k) for k in ("rest", "same", "hold", "fast", "creep")],
+        self.assertEqual((pair["kind"], pair["correlation"]), ("fast", 0.9))
+        case = {"after": {"fast": {"truth_in_set": True, "stated": ["a"]}, "same": {"truth_in_set": True, "stated": ["a", "c"]},
+                          "hold": {"truth_in_set": False, "stated": []}, "rest": {"failure": "x"}}}
+        self.assertEqual([separate.separated(case, pair, k) for k in ("fast", "same", "hold", "rest", "creep")],
                          [True, False, False, False, None])
 
     def test_wrong_words(self):
