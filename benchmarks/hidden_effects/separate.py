@@ -1,9 +1,10 @@
 #!/usr/bin/python3
 """Does the experiment that a diagnosis suggests tell two effects apart that it could not tell apart?
 
-Each case: one effect is hidden as in run.py and the file is diagnosed. Where the truth is stated together with effects that
-are not of its class, the case is made again with one more trial of the kind that `separated_by` names (joint, effect, ordinary
-trials and their noise stay the same), diagnosed again, and the sets are compared. Control: one more trial of the ordinary kind.
+Each case: one effect is hidden as in run.py and the file is diagnosed. Where the truth is stated together with others, the case
+is made again with one more trial of the kind that `separated_by` names (joint, effect, ordinary trials and their noise stay
+the same), diagnosed again, and the sets are compared. Control: one more trial of the ordinary kind. Effects of the truth's
+declared class are counted apart.
 
 usage: separate.py --sinew PATH --generate PATH [--cases 60] [--sizes 2,3] [--effect NAME] [--first-seed 1] [--every-kind]
                    [--jobs 1] [--out results.json]
@@ -21,7 +22,8 @@ from run import cell, numbers, read, run, wilson
 
 KINDS = ("same", "rest", "creep", "hold", "fast", "sharp")
 # By what a suggestion says. None: it needs an instrument, a stop or a weight that these data do not have. Where a suggestion
-# has two parts ("several positions, one of them known"), the trial is the part that these data can have.
+# has two parts ("several positions, one of them known", "a trigger, then a sharp command"), the trial is the part that these
+# data can have.
 KIND_OF = {
     "slow reversals under small torques, where the joint sticks": "creep",
     "the same slow motion forwards and backwards": "creep",
@@ -31,7 +33,7 @@ KIND_OF = {
     "breaking away slowly under several weights": None,
     "the same slow motion under several weights": None,
     "constant speeds up to the highest": "fast",
-    "a very slow full turn": "creep",
+    "holding many positions over the whole range at rest": "hold",
     "holding several positions at rest, one of them an angle that is known by other means": "hold",
     "motion over a wider range of positions": "fast",
     "holding several positions at rest, and a rest with the drive switched off": "hold",
@@ -39,7 +41,7 @@ KIND_OF = {
     "large commands without a load": "fast",
     "commands of several sizes at rest against a torque sensor": None,
     "the same motion at the begin and at the end of a long trial": "same",
-    "a trigger that all instruments record, then one sharp command, at a high sampling rate": None,
+    "a trigger that all instruments record, then one sharp command, at a high sampling rate": "sharp",
     "fast commands recorded much faster than they are sent": "sharp",
     "slow reversals with sensors on both sides of the gear": None,
     "torque against a fixed stop": None,

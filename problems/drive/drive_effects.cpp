@@ -203,7 +203,8 @@ void AddOtherTorques(const DriveTraits& is, const DriveScales& s, const Units& u
     periods.push_back(*is.pole_period);
     shortest = std::min(shortest, 0.5 * *is.pole_period);
   }
-  add.Name("cogging", Level::kRobot, "the drive's torque ripples with position", "a very slow full turn")
+  add.Name("cogging", Level::kRobot, "the drive's torque ripples with position",
+           "holding many positions over the whole range at rest")
       .TwoSided(kCoggingCos, "cogging_cos", unit.torque, "ripple, in phase with the position's cosine",
                 s.torque)
       .TwoSided(kCoggingSin, "cogging_sin", unit.torque, "ripple, in phase with the position's sine",
