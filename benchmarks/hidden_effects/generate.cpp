@@ -4,6 +4,7 @@
 #include <nlohmann/json.hpp>
 
 #include "base/text.h"
+#include "benchmarks/hidden_effects/further_trial.h"
 #include "benchmarks/hidden_effects/oracle.h"
 #include "datasets/io/dataset_file.h"
 
@@ -13,7 +14,7 @@ namespace {
 constexpr const char* kUsage =
     "usage: hidden_effects_generate --kind none|single|pair|outsider --seed N [--size S] "
     "[--noise white|ar|other] [--effect NAME]... [--experiment multisine|trapezoid] [--no-correlations] "
-    "--out F.h5 --truth T.json | --list\n";
+    "[--also same|rest|creep|hold|fast|sharp]... --out F.h5 --truth T.json | --list\n";
 
 struct Options {
   std::string kind = "single";
@@ -22,6 +23,7 @@ struct Options {
   std::string out;
   std::string truth;
   std::vector<std::string> effects;
+  std::vector<std::string> also;  // kinds of trials that come on top of the ordinary ones
   std::uint64_t seed = 1;
   double size = 2;
   bool correlations = true;
@@ -47,6 +49,8 @@ Result<Options> ReadOptions(const std::vector<std::string>& words) {
       *text->second = value;
     } else if (word == "--effect") {
       options.effects.push_back(value);
+    } else if (word == "--also") {
+      options.also.push_back(value);
     } else if (word == "--seed") {
       const auto seed = ParseInteger(value);
       if (!seed || *seed < 0) return Fail("--seed {}: expected a whole number of at least 0", value);
@@ -70,6 +74,7 @@ Result<Options> ReadOptions(const std::vector<std::string>& words) {
   for (const std::string& effect : options.effects) {
     SINEW_TRY(one_of("--effect", effect, options.kind == "outsider" ? OutsiderNames() : LibraryEffects()));
   }
+  for (const std::string& kind : options.also) SINEW_TRY(one_of("--also", kind, FurtherKinds()));
   const std::size_t most = options.kind == "none" ? 0 : options.kind == "pair" ? 2 : 1;
   if (options.effects.size() > most) return Fail("--kind {} takes at most {} --effect", options.kind, most);
   if (options.out.empty() || options.truth.empty()) return Fail("--out and --truth are needed\n{}", kUsage);
@@ -77,7 +82,7 @@ Result<Options> ReadOptions(const std::vector<std::string>& words) {
 }
 
 // Streams of the seed: each choice has its own, so that one does not move the others.
-enum Stream : std::uint64_t { kJoint = 1, kNoise, kChoice, kExperiment };
+enum Stream : std::uint64_t { kJoint = 1, kNoise, kChoice, kExperiment, kAlso };
 
 Random StreamOf(const Options& options, std::uint64_t stream) {
   return Random(Random::StreamSeed(options.seed, stream));
@@ -163,18 +168,34 @@ std::string DependsOn(const std::string& effect) {
   return "";
 }
 
+// Appends the trials of a further plan to those of a case, to train on.
+Status Append(const DrivePlan& further, const std::vector<std::string>& kinds, Dataset& data) {
+  SINEW_ASSIGN(Dataset recorded, RecordDrive(further));
+  for (std::size_t i = 0; i < kinds.size(); ++i) {
+    Trial& trial = recorded.trials.at(fmt::format("train_{}", i + 1));
+    trial.task = kinds[i];
+    data.trials[fmt::format("train_also_{}_{}", i + 1, kinds[i])] = std::move(trial);
+  }
+  return data.Check();
+}
+
 Status Generate(const Options& options) {
   SINEW_ASSIGN(DrivePlan plan, DrawPlan(options));
   SINEW_ASSIGN(const Oracle oracle, Oracle::Make(plan));
   SINEW_ASSIGN(const std::vector<Hidden> hidden, Hide(options, oracle, plan));
 
+  // What comes on top is drawn after the effect was sized, and changes none of the ordinary trials.
+  SINEW_ASSIGN(DrivePlan further, PlanFurther(plan, options.also, Random::StreamSeed(options.seed, kAlso)));
   const DriveTruth joint = plan.truth;
   for (const Hidden& one : hidden) {
     for (const DriveTruthEntry& entry : DriveTruthEntries("torque")) {
       if (entry.effect == one.name) plan.truth.*entry.value = one.alone.*entry.value;
     }
   }
-  SINEW_ASSIGN(const double scale, CommandScale(plan.truth, plan.trials));
+  further.truth = plan.truth;
+  std::vector<DriveTrial> recorded = plan.trials;
+  recorded.insert(recorded.end(), further.trials.begin(), further.trials.end());
+  SINEW_ASSIGN(const double scale, CommandScale(plan.truth, recorded));
 
   nlohmann::json truth;
   truth["schema"] = "sinew.hidden_effect/1";
@@ -182,6 +203,7 @@ Status Generate(const Options& options) {
   truth["seed"] = options.seed;
   truth["experiment"] = options.experiment;
   truth["size"] = options.size;
+  if (!options.also.empty()) truth["also"] = options.also;
   truth["unit_norm"] = kUnitNorm;
   truth["base"] = {{"inertia", joint.inertia},
                    {"viscous_friction", joint.viscous_friction},
@@ -216,7 +238,8 @@ Status Generate(const Options& options) {
   SINEW_ASSIGN(const Vector whole, oracle.Signature(plan.truth));
   truth["oracle_norm"] = whole.norm();
 
-  SINEW_ASSIGN(const Dataset data, RecordDrive(plan));
+  SINEW_ASSIGN(Dataset data, RecordDrive(plan));
+  if (!options.also.empty()) SINEW_TRY(Append(further, options.also, data));
   SINEW_TRY(WriteDataset(options.out, data));
   std::ofstream file(options.truth);
   file << truth.dump(1) << "\n";

@@ -73,13 +73,13 @@ Parameter Describe(SensorEffect effect, const ChannelSummary& channel) {
 const char* ExposedBy(SensorEffect effect) {
   switch (effect) {
     case kOffset:
-      return "a rest phase, where the true value is known";
+      return "rest phases at several values, one of them known by other means";
     case kDrift:
-      return "rest phases at the begin and at the end of a long trial";
+      return "rest phases at several values, at the begin and at the end of a long trial";
     case kGain:
-      return "a known load on the sensor";
+      return "a true value that is known by other means, or a trial over a wider range";
     case kTimeOffset:
-      return "one sharp event that all instruments see, at a high sampling rate";
+      return "a trigger that all instruments record, at a high sampling rate";
     case kLowPass:
       return "a sudden event (a drop, a tap) recorded without the filter, at a high sampling rate";
     case kSaturation:

@@ -203,7 +203,8 @@ void AddOtherTorques(const DriveTraits& is, const DriveScales& s, const Units& u
     periods.push_back(*is.pole_period);
     shortest = std::min(shortest, 0.5 * *is.pole_period);
   }
-  add.Name("cogging", Level::kRobot, "the drive's torque ripples with position", "a very slow full turn")
+  add.Name("cogging", Level::kRobot, "the drive's torque ripples with position",
+           "holding many positions over the whole range at rest")
       .TwoSided(kCoggingCos, "cogging_cos", unit.torque, "ripple, in phase with the position's cosine",
                 s.torque)
       .TwoSided(kCoggingSin, "cogging_sin", unit.torque, "ripple, in phase with the position's sine",
@@ -213,7 +214,7 @@ void AddOtherTorques(const DriveTraits& is, const DriveScales& s, const Units& u
       .Probes(periods);
   if (is.rotary) {
     add.Name("gravity_imbalance", Level::kRobot, "the load does not hang straight down at position 0",
-             "letting the joint hang free")
+             "holding several positions at rest, one of them an angle that is known by other means")
         .TwoSided(kImbalance, "imbalance_torque", unit.torque, "gravity torque at position 0", s.torque);
   }
   if (is.fixed[kInertia]) {
@@ -223,11 +224,11 @@ void AddOtherTorques(const DriveTraits& is, const DriveScales& s, const Units& u
                   0.9 * *is.fixed[kInertia]);
   }
   add.Name("parallel_spring", Level::kRobot, "something elastic pulls the joint back to position 0",
-           "holding several positions at rest")
+           "motion over a wider range of positions")
       .Positive(kSpring, "spring_stiffness", unit.stiffness, "torque per position",
                 4 * s.torque / s.position);
   add.Name("torque_offset", Level::kRobot, "a constant torque acts besides the drive's",
-           "rest at zero command in both directions")
+           "holding several positions at rest, and a rest with the drive switched off")
       .TwoSided(kOffsetTorque, "offset_torque", unit.torque, "constant torque", s.torque);
 }
 
@@ -250,7 +251,7 @@ void AddDrive(const DriveTraits& is, const DriveScales& s, const Units& unit, Bu
            "the same motion at the begin and at the end of a long trial")
       .Positive(kThermalRate, "thermal_rate", "1/s", "share of the gain lost per second", 0.9 / s.duration);
   add.Name("command_delay", Level::kRobot, "the drive acts late on its command",
-           "one sharp command, recorded at a high sampling rate")
+           "a trigger that all instruments record, then one sharp command, at a high sampling rate")
       .Positive(kCommandDelay, "command_delay", "s", "age of the command that acts",
                 std::min(kLongestDelay, 0.25 * s.shortest));
   if (is.controller != DriveControllerKind::kNone) {
@@ -279,16 +280,18 @@ void AddInputSensor(const DriveTraits& is, const DriveScales& s, Builder& add) {
                         const std::string& exposed_by) -> Builder& {
     return add.Name(channel + "." + kind, Level::kSensor, channel + ": " + says, exposed_by);
   };
-  name("offset", "the recorded input is too large by a constant", "a rest phase, where the input is known")
+  name("offset", "the recorded input is too large by a constant",
+       "holding several positions at rest, one of them with an input that is known by other means")
       .TwoSided(kInputOffset, channel + ".offset", is.input_unit, "constant error of the recorded input",
                 s.command);
   name("gain", "the recorded input is too large by a factor", "a known input")
       .Number(kInputGain, channel + ".gain", "1", "recorded per true input", 0.1, 1.9, 1);
-  name("drift", "the recorded input drifts with time", "rest phases at the begin and end of a long trial")
+  name("drift", "the recorded input drifts with time",
+       "holding several positions at rest, at the begin and at the end of a long trial")
       .TwoSided(kInputDrift, channel + ".drift", is.input_unit + "/s", "growth of the input's error",
                 s.command / s.duration);
   name("time_offset", "the input's clock is late against the other instruments",
-       "one sharp event that all instruments see, at a high sampling rate")
+       "a trigger that all instruments record, at a high sampling rate")
       .TwoSided(kInputTimeOffset, channel + ".time_offset", "s", "age of the recorded input", kSensorReach);
   name("low_pass", "the recorded input was smoothed by a first-order low-pass",
        "a sharp input, recorded before and after the filter")

@@ -15,6 +15,7 @@ GENERATE = os.environ.get(
     "SINEW_HIDDEN_EFFECTS_GENERATE",
     str(ROOT / "build" / "release" / "benchmarks" / "hidden_effects" / "hidden_effects_generate"))
 RUN = ROOT / "benchmarks" / "hidden_effects" / "run.py"
+SEPARATE = RUN.with_name("separate.py")
 
 
 @unittest.skipUnless(Path(GENERATE).exists(), "the benchmarks are not built")
@@ -64,6 +65,60 @@ class HiddenEffectsTest(ProgramTest):
                 self.assertGreater(np.abs(difference).max(), 1e-4)  # same noise: what is left is the effect
         self.assertAlmostEqual(truth["effects"][0]["norm"], 6 * truth["unit_norm"], delta=0.3)
 
+    def test_further_trials_change_nothing_else(self):
+        words = ("--kind", "single", "--effect", "stribeck_friction", "--seed", 11, "--size", 3)
+        plain, truth = self.generate(*words, name="plain")
+        kinds = ["same", "rest", "creep", "hold", "fast", "sharp"]
+        more, again = self.generate(*words, *(w for kind in kinds for w in ("--also", kind)), name="more")
+        self.assertEqual(again.pop("also"), kinds)
+        self.assertEqual(again, truth)
+        with h5py.File(plain) as a, h5py.File(more) as b:
+            for trial in a["trials"]:
+                for channel in ("torque", "position"):
+                    path = f"trials/{trial}/joint/channels/{channel}"
+                    np.testing.assert_array_equal(a[path][()], b[path][()])
+            added = sorted(set(b["trials"]) - set(a["trials"]))
+            self.assertEqual([name.split("_")[-1] for name in added], kinds)
+            trials = {kind: b["trials"][name]["joint"] for kind, name in zip(kinds, added)}
+            position = {kind: trial["channels/position"][()] for kind, trial in trials.items()}
+            torque = {kind: trial["channels/torque"][()] for kind, trial in trials.items()}
+            for kind, trial in trials.items():
+                self.assertAlmostEqual(trial["time"][-1], 10, msg=kind)
+                self.assertEqual(len(trial["time"]), 10001 if kind == "sharp" else 1001)
+            ordinary = b["trials/train_1/joint/channels/position"][()]
+        # Noise of 3 mrad: over 0.1 s a mean speed is known to 0.05 rad/s.
+        speed = {kind: np.abs(p[10:] - p[:-10]).max() * 10 for kind, p in position.items() if kind != "sharp"}
+        self.assertEqual(np.abs(torque["rest"]).max(), 0)
+        self.assertLess(np.abs(position["rest"]).max(), 0.35)
+        self.assertLess(np.abs(position["rest"][-200:]).max(), 0.1)
+        self.assertGreater(np.abs(position["fast"]).max(), 1.5)
+        self.assertLess(np.abs(position["fast"]).max(), 3)
+        self.assertGreater(speed["fast"], np.abs(ordinary[10:] - ordinary[:-10]).max() * 10)
+        held = [position["hold"][k + 100:k + 124].std() for k in range(0, 1000, 125)]
+        self.assertLess(max(held), 0.03)
+        self.assertGreater(np.ptp(position["hold"]), 1.8)
+        self.assertGreater(np.sum(np.abs(np.diff(torque["sharp"])) > 0.05 * np.ptp(torque["sharp"])), 20)
+
+    def test_what_counts_as_separated(self):
+        sys.path.insert(0, str(SEPARATE.parent))
+        import separate
+        def other(of, effect, same_class=False):
+            return {"instead_of": of, "effect": effect, "same_class": same_class, "correlation": -0.9,
+                    "separated_by": "motion over a wider range of positions"}
+        found = {"causes": [{"effect": "a"}], "alternatives": [other("a", "b", True), other("a", "c"), other("a", "d")]}
+        def names(truth):
+            return [(p["rival"], p["class"]) for p in separate.rivals(truth, found)]
+        self.assertEqual(names("a"), [("b", True), ("c", False), ("d", False)])
+        self.assertEqual(names("b"), [("a", True), ("c", False), ("d", False)])  # of the class of a
+        self.assertEqual(names("c"), [("a", False)])  # nothing is said about c and d
+        self.assertEqual(separate.set_size(found), 3)
+        pair = separate.rivals("a", found)[1]
+        self.assertEqual((pair["kind"], pair["correlation"]), ("fast", 0.9))
+        case = {"after": {"fast": {"truth_in_set": True, "stated": ["a"]}, "same": {"truth_in_set": True, "stated": ["a", "c"]},
+                          "hold": {"truth_in_set": False, "stated": []}, "rest": {"failure": "x"}}}
+        self.assertEqual([separate.separated(case, pair, k) for k in ("fast", "same", "hold", "rest", "creep")],
+                         [True, False, False, False, None])
+
     def test_wrong_words(self):
         def error(*words):
             done = subprocess.run([GENERATE, *words, "--out", self.path("x.h5"), "--truth", self.path("x.json")],
@@ -74,6 +129,7 @@ class HiddenEffectsTest(ProgramTest):
         self.assertIn("--kind odd: expected one of none, single, pair, outsider", error("--kind", "odd"))
         self.assertIn("--size 0: expected", error("--size", "0"))
         self.assertIn("--effect friction: expected one of", error("--effect", "friction"))
+        self.assertIn("--also odd: expected one of same, rest,", error("--also", "odd"))
         self.assertIn("cannot have a size of 900", error("--effect", "hold", "--size", "900"))
 
     def test_benchmark_end_to_end(self):
