@@ -18,8 +18,8 @@
 namespace sinew {
 namespace {
 
-// A base fit that needs more of them has no minimum to speak of (it takes 10 to 200).
-constexpr long kBaseEvaluations = 400;
+// A base fit that needs more of them has no minimum to speak of (it takes 10 to 200, 650 in a narrow valley).
+constexpr long kBaseEvaluations = 2000;
 // Of the variance of what was measured: a base model that explains less of it, and leaves the rest as
 // innovations, tells nothing from noise.
 constexpr double kLeastExplained = 0.1;
