@@ -140,7 +140,8 @@ std::string RuledOut(const Diagnosis& d) {
 std::string DiagnosisText(const Diagnosis& diagnosis) {
   std::string text;
   for (const std::string& sentence : diagnosis.sentences) {
-    const bool belongs_to_cause = sentence.rfind("Could also be", 0) == 0;
+    const bool belongs_to_cause =
+        sentence.rfind("Could also be", 0) == 0 || sentence.rfind("A richer law", 0) == 0;
     text += Line(sentence, belongs_to_cause ? 4 : 2);
   }
   text += HowSure(diagnosis) + Where(diagnosis) + BaseModel(diagnosis) + RuledOut(diagnosis);

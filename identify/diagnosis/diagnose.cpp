@@ -243,7 +243,9 @@ class Diagnostician {
     } else if (out_.causes.empty() || selection.structure_left) {
       out_.verdict = DiagnosisVerdict::kUnexplained;
     } else {
-      out_.verdict = out_.alternatives.empty() ? DiagnosisVerdict::kExplained : DiagnosisVerdict::kAmbiguous;
+      const bool alone = std::all_of(out_.alternatives.begin(), out_.alternatives.end(),
+                                     [](const Alternative& other) { return other.contains_cause; });
+      out_.verdict = alone ? DiagnosisVerdict::kExplained : DiagnosisVerdict::kAmbiguous;
     }
     out_.family_p_value = selection.family_p_value;
     if (selection.gross) {

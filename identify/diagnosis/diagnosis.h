@@ -77,6 +77,9 @@ struct Alternative {
   double delta_bic = 0;
   double correlation = 0;   ///< of the two signatures after the base parameters took what they can
   bool same_class = false;  ///< |correlation| > 0.97: no experiment of this kind tells them apart
+  /// It is a richer law with the cause as a special case: no experiment can exclude it, and as long as it
+  /// fits no better it is no rival.
+  bool contains_cause = false;
   /// Size (as Cause::size) at which data of this kind would tell the two apart with 95 %: 1 - |R| > 0.4165 /
   /// s^2; infinite if never.
   double separating_size = 0;

@@ -13,6 +13,7 @@ constexpr double kDetectable = 3.605;   // see Cause::size
 constexpr double kPower = 1.645;        // 95 % above a threshold
 constexpr double kSeparation = 0.4165;  // see Alternative::separating_size
 constexpr double kSameClass = 0.97;
+constexpr double kContained = 0.9999;
 constexpr double kNormal95 = 1.959964;
 
 double SizeOf(double statistic) {
@@ -80,7 +81,10 @@ class Tables {
     const double apart = 1 - std::abs(rival.correlation);
     other.separating_size =
         apart > 1e-6 ? std::sqrt(kSeparation / apart) : std::numeric_limits<double>::infinity();
-    other.separated_by = candidate.exposed_by.empty() ? cause.exposed_by : candidate.exposed_by;
+    other.contains_cause =
+        std::abs(rival.correlation) > kContained && candidate.parameters.size() > cause.parameters.size();
+    if (!other.contains_cause)
+      other.separated_by = candidate.exposed_by.empty() ? cause.exposed_by : candidate.exposed_by;
     out_.alternatives.push_back(std::move(other));
     return {};
   }

@@ -56,6 +56,24 @@ std::string GainSentence(const Gain& gain) {
   return text + ".";
 }
 
+std::string AlternativeSentence(const Cause& cause, const Alternative& other) {
+  std::string text =
+      fmt::format("{} [{}]: {} ({}); {}; delta LR {:.1f}.",
+                  other.contains_cause ? "A richer law fits as well" : "Could also be", ToString(other.level),
+                  other.sentence, other.effect, DescribeParameters(other.parameters), other.delta_lr);
+  if (other.contains_cause)
+    return text + " It contains the cause as a special case; what it adds is not needed.";
+  text += other.same_class ? std::string(" The two leave nearly the same trace")
+                           : fmt::format(" The traces correlate {:.2f}", other.correlation);
+  if (std::isfinite(other.separating_size) && cause.size > 0 && other.separating_size > cause.size) {
+    text += fmt::format("; data of this kind would separate them from {} times this size on",
+                        Readable(other.separating_size / cause.size, 2));
+  }
+  text += ".";
+  if (!other.separated_by.empty()) text += " To tell them apart: " + other.separated_by + ".";
+  return text;
+}
+
 // Each explains what is left on its own: all but the first are alternatives.
 std::string UnknownSentence(const UnknownFinding& unknown, bool alternative) {
   std::string text = alternative ? "Or instead: " : "Not in the library: ";
@@ -104,22 +122,7 @@ std::vector<std::string> DescribeDiagnosis(const Diagnosis& d, bool has_held_out
                                       Percent(1 - cause.left_out));
     }
     for (const Alternative& other : d.alternatives) {
-      if (other.instead_of != cause.effect) continue;
-      std::string text =
-          fmt::format("Could also be [{}]: {} ({}); {}; delta LR {:.1f}.", ToString(other.level),
-                      other.sentence, other.effect, DescribeParameters(other.parameters), other.delta_lr);
-      if (other.same_class) {
-        text += " The two leave nearly the same trace";
-      } else {
-        text += fmt::format(" The traces correlate {:.2f}", other.correlation);
-      }
-      if (std::isfinite(other.separating_size) && cause.size > 0 && other.separating_size > cause.size) {
-        text += fmt::format("; data of this kind would separate them from {} times this size on",
-                            Readable(other.separating_size / cause.size, 2));
-      }
-      text += ".";
-      if (!other.separated_by.empty()) text += " To tell them apart: " + other.separated_by + ".";
-      sentences.push_back(std::move(text));
+      if (other.instead_of == cause.effect) sentences.push_back(AlternativeSentence(cause, other));
     }
   }
   for (std::size_t i = 0; i < d.unknown_terms.size(); ++i)

@@ -127,6 +127,7 @@ void WriteFindings(const Diagnosis& diagnosis, Hdf5Node& node) {
       .Add("delta_bic", [](const Alternative& a) { return a.delta_bic; })
       .Add("correlation", [](const Alternative& a) { return a.correlation; })
       .Add("same_class", [](const Alternative& a) { return a.same_class; })
+      .Add("contains_cause", [](const Alternative& a) { return a.contains_cause; })
       .Add("separating_size", [](const Alternative& a) { return a.separating_size; });
   WriteDiagnosed(ParametersOf(diagnosis.alternatives), node.At("alternative_parameters"));
   Columns(diagnosis.withdrawn, node.At("withdrawn"))

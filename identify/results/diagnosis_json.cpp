@@ -92,6 +92,7 @@ Json FromAlternative(const Alternative& a) {
           {"delta_bic", Finite(a.delta_bic)},
           {"correlation", Finite(a.correlation)},
           {"same_class", a.same_class},
+          {"contains_cause", a.contains_cause},
           {"separating_size", Finite(a.separating_size)},
           {"separated_by", a.separated_by}};
 }

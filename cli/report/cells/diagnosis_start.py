@@ -87,7 +87,7 @@ if cards:
 # %% findings
 sentences = texts("/diagnosis/sentences") or ["This diagnosis says nothing."]
 display(HTML('<ul class="findings">' + "".join(
-    f'<li{" class=minor" if text.startswith("Could also be") else ""}>{escape(tidy(text))}</li>' for text in sentences)
+    f'<li{" class=minor" if text.startswith(("Could also be", "A richer law")) else ""}>{escape(tidy(text))}</li>' for text in sentences)
     + "</ul>"))
 if texts("/diagnosis/warnings"):
     display(HTML(items(texts("/diagnosis/warnings"), "warnings")))
