@@ -2,6 +2,7 @@
 
 #include <cmath>
 #include <set>
+#include <utility>
 
 #include "base/text.h"
 
@@ -39,6 +40,27 @@ Status CheckOne(const Parameter& p) {
 }
 
 }  // namespace
+
+Parameter BaseParameter(std::string name, std::string unit, std::string meaning, double lower, double upper,
+                        double start) {
+  Parameter p;
+  p.name = std::move(name);
+  p.unit = std::move(unit);
+  p.meaning = std::move(meaning);
+  p.lower = lower;
+  p.upper = upper;
+  p.start = start;
+  return p;
+}
+
+Parameter EffectParameter(std::string name, std::string unit, std::string meaning, double lower, double upper,
+                          double null, std::string effect) {
+  Parameter p = BaseParameter(std::move(name), std::move(unit), std::move(meaning), lower, upper, null);
+  p.null_value = null;
+  p.kind = ParameterKind::kEffect;
+  p.effect = std::move(effect);
+  return p;
+}
 
 Status CheckParameters(const std::vector<Parameter>& parameters) {
   std::set<std::string> names;

@@ -48,6 +48,14 @@ struct Parameter {
   [[nodiscard]] double rest_value() const { return kind == ParameterKind::kEffect ? null_value : start; }
 };
 
+/// A base parameter on a linear scale.
+[[nodiscard]] Parameter BaseParameter(std::string name, std::string unit, std::string meaning, double lower,
+                                      double upper, double start);
+
+/// A parameter of an effect, at rest where the effect vanishes.
+[[nodiscard]] Parameter EffectParameter(std::string name, std::string unit, std::string meaning, double lower,
+                                        double upper, double null, std::string effect);
+
 /// Checks names (unique, not empty), bounds, starts, nulls and scales; the error names parameter, value and
 /// constraint.
 [[nodiscard]] Status CheckParameters(const std::vector<Parameter>& parameters);

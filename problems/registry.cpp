@@ -17,12 +17,9 @@ namespace {
 // CHANNEL.time_offset.
 constexpr double kSensorMargin = 0.1;
 
-Result<BoundProblem> BindContact(const Dataset& data, const YamlReader& settings, bool with_sensor_effects) {
-  SINEW_TRY(settings.OnlyKeys({"contact"}));
-  SINEW_ASSIGN(const YamlReader section, settings.At("contact"));
-  SINEW_ASSIGN(ContactSettings contact, ReadContactSettings(section, data.files));
-  SINEW_ASSIGN(auto problem,
-               ContactProblem::Make(data, std::move(contact), with_sensor_effects ? kSensorMargin : 0));
+// A problem with its notes, behind the sensors' effects if they are wanted.
+template <class P>
+BoundProblem Bound(std::unique_ptr<P> problem, bool with_sensor_effects) {
   BoundProblem bound;
   bound.notes = problem->data().notes;
   if (with_sensor_effects) {
@@ -33,19 +30,21 @@ Result<BoundProblem> BindContact(const Dataset& data, const YamlReader& settings
   return bound;
 }
 
+Result<BoundProblem> BindContact(const Dataset& data, const YamlReader& settings, bool with_sensor_effects) {
+  SINEW_TRY(settings.OnlyKeys({"contact"}));
+  SINEW_ASSIGN(const YamlReader section, settings.At("contact"));
+  SINEW_ASSIGN(ContactSettings contact, ReadContactSettings(section, data.files));
+  SINEW_ASSIGN(auto problem,
+               ContactProblem::Make(data, std::move(contact), with_sensor_effects ? kSensorMargin : 0));
+  return Bound(std::move(problem), with_sensor_effects);
+}
+
 Result<BoundProblem> BindDrive(const Dataset& data, const YamlReader& settings, bool with_sensor_effects) {
   SINEW_TRY(settings.OnlyKeys({"drive"}));
   SINEW_ASSIGN(const YamlReader section, settings.At("drive"));
   SINEW_ASSIGN(const DriveSettings drive, ReadDriveSettings(section));
   SINEW_ASSIGN(auto problem, DriveProblem::Make(data, drive, with_sensor_effects ? kSensorMargin : 0));
-  BoundProblem bound;
-  bound.notes = problem->data().notes;
-  if (with_sensor_effects) {
-    bound.problem = std::make_unique<SensorEffects>(std::move(problem));
-  } else {
-    bound.problem = std::move(problem);
-  }
-  return bound;
+  return Bound(std::move(problem), with_sensor_effects);
 }
 
 }  // namespace

@@ -16,19 +16,10 @@ InputSensor AddInputSensor(const std::string& input, const std::string& unit, do
                            std::vector<Effect>& effects) {
   const auto add = [&](const char* kind, const std::string& of_unit, double lower, double null, double upper,
                        const char* meaning, const char* exposed_by) {
-    Parameter p;
-    p.name = input + "." + kind;
-    p.unit = of_unit;
-    p.meaning = meaning;
-    p.lower = lower;
-    p.upper = upper;
-    p.start = null;
-    p.null_value = null;
-    p.kind = ParameterKind::kEffect;
-    p.effect = p.name;
+    const std::string name = input + "." + kind;
     const int index = static_cast<int>(parameters.size());
-    effects.push_back({p.name, Level::kSensor, input + ": " + meaning, exposed_by, {index}});
-    parameters.push_back(std::move(p));
+    effects.push_back({name, Level::kSensor, input + ": " + meaning, exposed_by, {index}});
+    parameters.push_back(EffectParameter(name, of_unit, meaning, lower, upper, null, name));
     return index;
   };
   const double steepest = magnitude / duration;

@@ -2,17 +2,11 @@
 
 #include <algorithm>
 #include <cmath>
-#include <nlohmann/json.hpp>
+
+#include "identify/results/json_values.h"
 
 namespace sinew {
 namespace {
-
-using Json = nlohmann::ordered_json;
-
-// JSON knows no NaN and no infinity.
-Json Finite(double value) {
-  return std::isfinite(value) ? Json(value) : Json(nullptr);
-}
 
 Json FiniteAll(const std::vector<double>& values) {
   Json json = Json::array();
@@ -180,10 +174,7 @@ const char* FindingOf(const Diagnosis& diagnosis, const EffectScore& score) {
 
 std::string DiagnosisJson(const Diagnosis& diagnosis, const Provenance& provenance,
                           const DiagnosisOptions& options) {
-  Json json;
-  json["schema"] = "sinew.diagnosis/1";
-  json["problem"] = provenance.problem;
-  json["data"] = provenance.data_file;
+  Json json = ResultHead("sinew.diagnosis/1", provenance);
   json["seed"] = options.seed;
   json["seconds"] = Finite(diagnosis.seconds);
   json["verdict"] = ToString(diagnosis.verdict);

@@ -1,26 +1,11 @@
-#include <cmath>
-#include <nlohmann/json.hpp>
-
+#include "identify/results/json_values.h"
 #include "identify/results/run_file.h"
 
 namespace sinew {
-namespace {
-
-using Json = nlohmann::ordered_json;
-
-// JSON knows no NaN and no infinity.
-Json Finite(double value) {
-  return std::isfinite(value) ? Json(value) : Json(nullptr);
-}
-
-}  // namespace
 
 std::string RunJson(const Problem& problem, const Identification& identification,
                     const Provenance& provenance) {
-  Json json;
-  json["schema"] = "sinew.run/1";
-  json["problem"] = provenance.problem;
-  json["data"] = provenance.data_file;
+  Json json = ResultHead("sinew.run/1", provenance);
   json["solver"] = identification.solver;
   json["seed"] = identification.solver_options.seed;
   json["stop_reason"] = ToString(identification.result.stop.kind);

@@ -49,15 +49,8 @@ int ContactEffectList::size() const {
 std::vector<Parameter> ContactEffectList::MakeParameters() const {
   std::vector<Parameter> parameters;
   const auto add = [&](const Kind& kind, const std::string& prefix, const std::string& meaning) {
-    Parameter p;
-    p.name = prefix + kind.parameter;
-    p.unit = kind.unit;
-    p.meaning = meaning;
-    p.lower = kind.lower;
-    p.upper = kind.upper;
-    p.kind = ParameterKind::kEffect;
-    p.effect = prefix + kind.effect;
-    parameters.push_back(std::move(p));
+    parameters.push_back(EffectParameter(prefix + kind.parameter, kind.unit, meaning, kind.lower, kind.upper,
+                                         0, prefix + kind.effect));
   };
   for (const Kind& kind : kKinds) add(kind, "", kind.meaning);
   for (const std::string& plate : plates_) {

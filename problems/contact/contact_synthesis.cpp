@@ -4,9 +4,7 @@
 #include <array>
 #include <cmath>
 
-#include "base/numbers.h"
 #include "base/random.h"
-#include "base/text.h"
 #include "models/contact/contact_sums.h"
 #include "models/multibody/coordinate_trajectory.h"
 #include "models/multibody/multibody_model.h"
@@ -15,6 +13,7 @@
 #include "problems/contact/contact_truth.h"
 #include "problems/contact/nao_like_osim.h"
 #include "problems/contact/stepping_robot.h"
+#include "problems/experiment_settings.h"
 
 namespace sinew {
 namespace {
@@ -78,26 +77,12 @@ using Values = std::map<std::string, double>;
 
 Result<Values> ReadSettings(const SynthesisRequest& request) {
   Values values;
-  std::vector<std::string> names;
-  for (const Setting& setting : kSettings) {
-    values[setting.name] = setting.value;
-    names.emplace_back(setting.name);
-  }
+  for (const Setting& setting : kSettings) values[setting.name] = setting.value;
   for (const auto& [name, value] : request.set) {
-    const auto* setting = std::find_if(std::begin(kSettings), std::end(kSettings),
-                                       [&, &wanted = name](const Setting& s) { return wanted == s.name; });
-    if (setting == std::end(kSettings))
-      return Fail("--set: '{}' does not exist{}", name, Suggestion(name, names));
-    if (!(value >= setting->lower && value <= setting->upper)) {
-      return Fail("--set {}={}: expected {} to {}", name, value, setting->lower, setting->upper);
-    }
+    SINEW_TRY(FindSetting(kSettings, name, value));
     values[name] = value;
   }
-  if (request.noise) {
-    if (!(*request.noise >= 0)) return Fail("--noise {}: expected a factor of at least 0", *request.noise);
-    values["force_noise"] *= *request.noise;
-    values["marker_noise"] *= *request.noise;
-  }
+  SINEW_TRY(ScaleNoise(request.noise, {"force_noise", "marker_noise"}, values));
   return values;
 }
 
@@ -322,21 +307,15 @@ Result<Dataset> SynthesizeContact(const SynthesisRequest& request) {
     const Step step = DrawStep(random, i % 2 == 0, values.at("slip"));
     SINEW_ASSIGN(Trial trial, RecordStance(model, step, values, hidden, random));
     trial.role = i < train ? Role::kTrain : Role::kValidate;
-    const std::string name =
-        i < train ? fmt::format("train_{}", i + 1) : fmt::format("validate_{}", i - train + 1);
-    data.trials[name] = std::move(trial);
+    data.trials[SyntheticTrialName(static_cast<std::size_t>(i), static_cast<std::size_t>(train))] =
+        std::move(trial);
   }
   SINEW_TRY(data.Check());
   return data;
 }
 
 std::vector<std::pair<std::string, std::string>> ContactExperiment() {
-  std::vector<std::pair<std::string, std::string>> settings;
-  for (const Setting& setting : kSettings) {
-    settings.emplace_back(setting.name,
-                          fmt::format("{} (default {})", setting.says, Readable(setting.value)));
-  }
-  return settings;
+  return DescribeSettings(kSettings);
 }
 
 }  // namespace sinew

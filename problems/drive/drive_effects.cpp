@@ -33,13 +33,7 @@ class Builder {
             double upper, double start, Scale scale, const std::optional<double>& known) {
     list_.resting[slot] = known.value_or(start);
     if (known) return;
-    Parameter p;
-    p.name = name;
-    p.unit = unit;
-    p.meaning = meaning;
-    p.lower = lower;
-    p.upper = upper;
-    p.start = std::clamp(start, lower, upper);
+    Parameter p = BaseParameter(name, unit, meaning, lower, upper, std::clamp(start, lower, upper));
     p.scale = scale;
     p.source = "equation of motion, drive.h";
     Add(slot, std::move(p));
@@ -54,17 +48,8 @@ class Builder {
   }
   Builder& Number(DriveSlot slot, const std::string& name, const std::string& unit,
                   const std::string& meaning, double lower, double upper, double null = 0) {
-    Parameter p;
-    p.name = name;
-    p.unit = unit;
-    p.meaning = meaning;
-    p.lower = lower;
-    p.upper = upper;
-    p.start = null;
-    p.null_value = null;
+    Parameter p = EffectParameter(name, unit, meaning, lower, upper, null, list_.effects.back().name);
     p.source = source_;
-    p.kind = ParameterKind::kEffect;
-    p.effect = list_.effects.back().name;
     list_.resting[slot] = null;
     list_.effects.back().parameters.push_back(Add(slot, std::move(p)));
     return *this;

@@ -4,11 +4,10 @@
 #include <cmath>
 #include <map>
 
-#include "base/numbers.h"
 #include "base/random.h"
-#include "base/text.h"
 #include "problems/drive/drive_exact.h"
 #include "problems/drive/drive_excitation.h"
+#include "problems/experiment_settings.h"
 
 namespace sinew {
 namespace {
@@ -58,31 +57,18 @@ Result<Values> ReadSettings(const SynthesisRequest& request) {
   const auto mafo = request.set.find("mafo");
   const bool orthosis = mafo != request.set.end() && mafo->second != 0;
   Values values;
-  std::vector<std::string> names;
-  for (const Setting& setting : kSettings) {
+  for (const Setting& setting : kSettings)
     values[setting.name] = orthosis ? setting.of_orthosis : setting.value;
-    names.emplace_back(setting.name);
-  }
   for (const auto& [name, value] : request.set) {
     if (IsStart(name)) continue;
-    const auto* setting = std::find_if(std::begin(kSettings), std::end(kSettings),
-                                       [&, &wanted = name](const Setting& s) { return wanted == s.name; });
-    if (setting == std::end(kSettings))
-      return Fail("--set: '{}' does not exist{}", name, Suggestion(name, names));
-    if (!(value >= setting->lower && value <= setting->upper)) {
-      return Fail("--set {}={}: expected {} to {}", name, value, setting->lower, setting->upper);
-    }
+    SINEW_ASSIGN(const Setting* setting, FindSetting(kSettings, name, value));
     const bool fixed = name == "train" || name == "validate" || name == "excitation";
     if (orthosis && fixed && value != setting->of_orthosis) {
       return Fail("--set {}={}: the trials of the orthosis (mafo=1) are fixed", name, value);
     }
     values[name] = value;
   }
-  if (request.noise) {
-    if (!(*request.noise >= 0)) return Fail("--noise {}: expected a factor of at least 0", *request.noise);
-    values["position_noise"] *= *request.noise;
-    values["speed_noise"] *= *request.noise;
-  }
+  SINEW_TRY(ScaleNoise(request.noise, {"position_noise", "speed_noise"}, values));
   return values;
 }
 
@@ -240,9 +226,7 @@ Result<Dataset> RecordDrive(const DrivePlan& plan) {
   data.files["drive.yaml"] = SettingsText(plan);
   const char* const of_orthosis[] = {"speed_05", "speed_10", "speed_20", "speed_10_20", "speed_20_10"};
   for (std::size_t i = 0; i < plan.trials.size(); ++i) {
-    std::string name =
-        i < plan.train ? fmt::format("train_{}", i + 1) : fmt::format("validate_{}", i - plan.train + 1);
-    if (plan.orthosis) name = of_orthosis[i];
+    const std::string name = plan.orthosis ? of_orthosis[i] : SyntheticTrialName(i, plan.train);
     SINEW_ASSIGN(data.trials[name], RecordTrial(plan, i));
   }
   if (plan.exact) SINEW_TRY(MakeExact(plan.truth, plan.starts, data));
@@ -256,12 +240,7 @@ Result<Dataset> SynthesizeDrive(const SynthesisRequest& request) {
 }
 
 std::vector<std::pair<std::string, std::string>> DriveExperiment() {
-  std::vector<std::pair<std::string, std::string>> settings;
-  for (const Setting& setting : kSettings) {
-    settings.emplace_back(setting.name,
-                          fmt::format("{} (default {})", setting.says, Readable(setting.value)));
-  }
-  return settings;
+  return DescribeSettings(kSettings);
 }
 
 }  // namespace sinew

@@ -8,7 +8,6 @@
 #include <cmath>
 
 #include "base/random.h"
-#include "models/multibody/coordinate_trajectory.h"
 #include "models/multibody/multibody_model.h"
 #include "models/multibody/osim_reader.h"
 #include "problems/contact/contact_effect_load.h"
@@ -266,15 +265,7 @@ TEST(ContactEffects, AMassThatNobodyModelledHasItsWeightAndItsInertia) {
       MultibodyModel::Build(ReadOsim(data.files.at("model.osim"), "model.osim").value()).value();
   const Stance& stance = problem->data().stances.front();
   const Grid& recorded = data.trials.at(stance.trial).grids.at("coordinates");
-  Matrix values(static_cast<Eigen::Index>(recorded.time.size()),
-                static_cast<Eigen::Index>(recorded.channels.size()));
-  std::vector<std::string> names;
-  for (const auto& [name, channel] : recorded.channels) {
-    values.col(static_cast<Eigen::Index>(names.size())) =
-        Eigen::Map<const Vector>(channel.values.data(), values.rows());
-    names.push_back(name);
-  }
-  const auto motion = CoordinateTrajectory::Fit(model, recorded.time, names, values).value();
+  const auto motion = RecordedMotion(model, recorded);
   const int body = model.BodyIndex("calcn_r").value();
   const auto height = [&](double t) {
     const CoordinateState state = motion.At(t);
@@ -373,22 +364,10 @@ TEST(ContactEffects, TheVerticalForceAloneIsThatOfTheWholeLoad) {
 }
 
 TEST(ContactEffects, DerivativesAgreeWithDifferences) {
-  constexpr double kTolerance = 1e-6;  // of differences, see CheckJacobian
-  constexpr double kLeastCompared = 0.9;
   Random random(3);
   for (const char* settings : {kFitsVertical, kFitsForce}) {
     const auto problem = Exact(kFitsVertical, settings);
-    JacobianCheck total;
-    for (int round = 0; round < 10; ++round) {
-      const JacobianCheck check = CheckJacobian(*problem, RandomInside(*problem, 0.02, random));
-      total.columns += check.columns;
-      total.compared += check.compared;
-      total.worst = std::max(total.worst, check.worst);
-    }
-    std::printf("%d of %d columns compared, worst relative difference %.2e\n", total.compared, total.columns,
-                total.worst);
-    EXPECT_LT(total.worst, kTolerance);
-    EXPECT_GE(total.compared, kLeastCompared * total.columns);
+    ExpectJacobianAgrees(*problem, random);
   }
 }
 

@@ -7,7 +7,6 @@
 
 #include "base/random.h"
 #include "models/contact/simbody_contact.h"
-#include "models/multibody/coordinate_trajectory.h"
 #include "models/multibody/multibody_model.h"
 #include "models/multibody/osim_reader.h"
 #include "tests/problems/support/jacobian_check.h"
@@ -90,21 +89,9 @@ TEST(ContactProblem, TwoGroupsOfEqualParametersAreOneSole) {
 }
 
 TEST(ContactProblem, JacobianOfTwoGroupsAgreesWithDifferences) {
-  constexpr double kTolerance = 1e-6;  // of differences, see CheckJacobian
-  constexpr double kLeastCompared = 0.9;
   const auto problem = MakeContact(ExactData(), kHeelAndForefoot).value();
   Random random(1);
-  JacobianCheck total;
-  for (int round = 0; round < 10; ++round) {
-    const JacobianCheck check = CheckJacobian(*problem, RandomInside(*problem, 0.02, random));
-    total.columns += check.columns;
-    total.compared += check.compared;
-    total.worst = std::max(total.worst, check.worst);
-  }
-  std::printf("%d of %d columns compared, worst relative difference %.2e\n", total.compared, total.columns,
-              total.worst);
-  EXPECT_LT(total.worst, kTolerance);
-  EXPECT_GE(total.compared, kLeastCompared * total.columns);
+  ExpectJacobianAgrees(*problem, random);
 }
 
 // From the file of the model and the recorded coordinates to the channels of the plate, by another road.
@@ -120,15 +107,7 @@ TEST(ContactProblem, EveryChannelIsThatOfSimbodyOnTheSameStates) {
   const auto model =
       MultibodyModel::Build(ReadOsim(data.files.at("model.osim"), "model.osim").value()).value();
   const Grid& recorded = data.trials.at(stance.trial).grids.at("coordinates");
-  Matrix values(static_cast<Eigen::Index>(recorded.time.size()),
-                static_cast<Eigen::Index>(recorded.channels.size()));
-  std::vector<std::string> names;
-  for (const auto& [name, channel] : recorded.channels) {
-    values.col(static_cast<Eigen::Index>(names.size())) =
-        Eigen::Map<const Vector>(channel.values.data(), values.rows());
-    names.push_back(name);
-  }
-  const auto motion = CoordinateTrajectory::Fit(model, recorded.time, names, values).value();
+  const auto motion = RecordedMotion(model, recorded);
   const ContactRegionSettings& sole = problem->settings().regions.front();
   const int body = model.BodyIndex(sole.body).value();
   SimbodyContact simbody({sole.region}, {ContactProblem::Foundation(TruthOf(*problem), 0)},

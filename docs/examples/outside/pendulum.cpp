@@ -18,9 +18,12 @@ constexpr double kGravity = 9.81;
 class Pendulum final : public Problem {
  public:
   Pendulum(std::vector<double> time, std::vector<double> angle) {
-    parameters_ = {Make("length", "m", 0.1, 2.0, 0.9), Make("damping", "1/s", 0.0, 2.0, 0.1),
-                   Make("amplitude", "rad", 0.01, 1.0, 0.2), Make("phase", "rad", -1.5, 1.5, 0.0),
-                   Make("mass", "kg", 0.1, 10.0, 1.0)};  // a pendulum's mass does not show: sinew will say so
+    parameters_ = {BaseParameter("length", "m", "from the pivot to the mass", 0.1, 2.0, 0.9),
+                   BaseParameter("damping", "1/s", "rate of decay", 0.0, 2.0, 0.1),
+                   BaseParameter("amplitude", "rad", "of the swing at t = 0", 0.01, 1.0, 0.2),
+                   BaseParameter("phase", "rad", "of the swing at t = 0", -1.5, 1.5, 0.0),
+                   // It does not show in the angle: sinew will say so.
+                   BaseParameter("mass", "kg", "at the end", 0.1, 10.0, 1.0)};
     Block block;
     block.trial = "swing";
     block.channel = "angle";
@@ -55,16 +58,6 @@ class Pendulum final : public Problem {
   }
 
  private:
-  static Parameter Make(const char* name, const char* unit, double lower, double upper, double start) {
-    Parameter p;
-    p.name = name;
-    p.unit = unit;
-    p.lower = lower;
-    p.upper = upper;
-    p.start = start;
-    return p;
-  }
-
   std::vector<Parameter> parameters_;
   Layout layout_;
 };

@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <cstdio>
 
 #include "base/random.h"
 
@@ -83,6 +84,22 @@ JacobianCheck CheckJacobian(const Problem& problem, const Vector& parameters) {
     }
   }
   return check;
+}
+
+void ExpectJacobianAgrees(const Problem& problem, Random& random) {
+  constexpr double kTolerance = 1e-6;  // of differences, see CheckJacobian
+  constexpr double kLeastCompared = 0.9;
+  JacobianCheck total;
+  for (int round = 0; round < 10; ++round) {
+    const JacobianCheck check = CheckJacobian(problem, RandomInside(problem, 0.02, random));
+    total.columns += check.columns;
+    total.compared += check.compared;
+    total.worst = std::max(total.worst, check.worst);
+  }
+  std::printf("%d of %d columns compared, worst relative difference %.2e\n", total.compared, total.columns,
+              total.worst);
+  EXPECT_LT(total.worst, kTolerance);
+  EXPECT_GE(total.compared, kLeastCompared * total.columns);
 }
 
 Vector RandomInside(const Problem& problem, double margin, Random& random) {

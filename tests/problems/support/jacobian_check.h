@@ -21,6 +21,9 @@ struct JacobianCheck {
 /// of which more than a fifth of the samples are left out is not compared.
 JacobianCheck CheckJacobian(const Problem& problem, const Vector& parameters);
 
+/// Expects that nearly all columns compare, and agree, at ten random points.
+void ExpectJacobianAgrees(const Problem& problem, Random& random);
+
 /// A random point at least `margin` of the range away from every bound; logarithmic where the scale is.
 Vector RandomInside(const Problem& problem, double margin, Random& random);
 

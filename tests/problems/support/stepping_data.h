@@ -8,8 +8,11 @@
 #include <optional>
 #include <string>
 #include <utility>
+#include <vector>
 
 #include "base/text.h"
+#include "models/multibody/coordinate_trajectory.h"
+#include "models/multibody/multibody_model.h"
 #include "problems/contact/contact_problem.h"
 #include "problems/contact/contact_synthesis.h"
 
@@ -104,6 +107,19 @@ inline Prediction PredictEverything(const Problem& problem, const Vector& parame
   const Status status = problem.Predict({parameters, all, true, nullptr}, *workspace, prediction);
   EXPECT_TRUE(status) << status.error().message;
   return prediction;
+}
+
+/// The motion that was recorded, as a function of time.
+inline CoordinateTrajectory RecordedMotion(const MultibodyModel& model, const Grid& recorded) {
+  Matrix values(static_cast<Eigen::Index>(recorded.time.size()),
+                static_cast<Eigen::Index>(recorded.channels.size()));
+  std::vector<std::string> names;
+  for (const auto& [name, channel] : recorded.channels) {
+    values.col(static_cast<Eigen::Index>(names.size())) =
+        Eigen::Map<const Vector>(channel.values.data(), values.rows());
+    names.push_back(name);
+  }
+  return CoordinateTrajectory::Fit(model, recorded.time, names, values).value();
 }
 
 }  // namespace sinew
