@@ -73,7 +73,7 @@ void AddListCommand(Command app, const RunAction& run);
 void AddDataCommand(Command app, const RunAction& run);
 void AddSimulateCommand(Command app, const RunAction& run);
 void AddIdentifyCommand(Command app, const RunAction& run);
-void AddDiagnoseCommand(CLI::App& app, const RunAction& run);
+void AddDiagnoseCommand(Command app, const RunAction& run);
 void AddCompareCommand(Command app, const RunAction& run);
 void AddReportCommand(Command app, const RunAction& run);
 

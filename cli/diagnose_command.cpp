@@ -119,21 +119,17 @@ Result<int> RunDiagnose(const DiagnoseWords& words) {
 
 }  // namespace
 
-void AddDiagnoseCommand(CLI::App& app, const RunAction& run) {
+void AddDiagnoseCommand(Command app, const RunAction& run) {
   auto words = std::make_shared<DiagnoseWords>();
-  auto* command =
-      app.add_subcommand("diagnose", "Say what the fitted model still gets wrong, why, and what that brings");
-  words->binding.AddTo(*command);
-  words->fit.AddChoiceTo(*command);
-  words->fit.AddWorkTo(*command);
-  command->add_option("--from", words->from, "Start the base fit from the answer of a run file")
-      ->type_name("RUN.h5");
-  command->add_option("--out", words->out, "Diagnosis file to write (docs/run_file.md)")
-      ->required()
-      ->type_name("DIAG.h5");
-  command->add_option("--json", words->json, "Result for machines; - for standard output")
-      ->type_name("FILE|-");
-  command->callback([=] { run([=] { return RunDiagnose(*words); }); });
+  Command command =
+      app.AddCommand("diagnose", "Say what the fitted model still gets wrong, why, and what that brings");
+  words->binding.AddTo(command);
+  words->fit.AddChoiceTo(command);
+  words->fit.AddWorkTo(command);
+  command.Add("--from", words->from, "Start the base fit from the answer of a run file").Shows("RUN.h5");
+  command.Add("--out", words->out, "Diagnosis file to write (docs/run_file.md)").Required().Shows("DIAG.h5");
+  command.Add("--json", words->json, "Result for machines; - for standard output").Shows("FILE|-");
+  command.Runs(run, [=] { return RunDiagnose(*words); });
 }
 
 }  // namespace sinew

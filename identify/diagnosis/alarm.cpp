@@ -1,12 +1,12 @@
 #include "identify/diagnosis/alarm.h"
 
-#include <Eigen/Eigenvalues>
 #include <algorithm>
 #include <cmath>
 #include <map>
 #include <tuple>
 
 #include "base/assert.h"
+#include "base/decompositions.h"
 #include "base/random.h"
 #include "identify/uncertainty/chi_squared.h"
 

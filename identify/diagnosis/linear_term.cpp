@@ -1,11 +1,10 @@
 #include "identify/diagnosis/linear_term.h"
 
-#include <Eigen/Eigenvalues>
-#include <Eigen/QR>
 #include <algorithm>
 #include <cmath>
 #include <limits>
 
+#include "base/decompositions.h"
 #include "identify/diagnosis/design.h"
 #include "identify/results/held_out.h"
 #include "identify/role_view.h"

@@ -1,13 +1,11 @@
 #include "identify/diagnosis/score.h"
 
-#include <Eigen/Cholesky>
-#include <Eigen/Eigenvalues>
-#include <Eigen/QR>
 #include <Eigen/SVD>
 #include <algorithm>
 #include <array>
 #include <cmath>
 
+#include "base/decompositions.h"
 #include "identify/uncertainty/chi_squared.h"
 
 namespace sinew {

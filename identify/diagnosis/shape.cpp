@@ -1,9 +1,9 @@
 #include "identify/diagnosis/shape.h"
 
-#include <Eigen/QR>
 #include <algorithm>
 #include <cmath>
 
+#include "base/decompositions.h"
 #include "base/linear_algebra.h"
 #include "base/numbers.h"
 #include "base/text.h"

@@ -1,12 +1,12 @@
 #include "identify/diagnosis/spectral_line.h"
 
-#include <Eigen/QR>
 #include <algorithm>
 #include <cmath>
 #include <complex>
 #include <limits>
 #include <map>
 
+#include "base/decompositions.h"
 #include "identify/uncertainty/student_t.h"
 
 namespace sinew {

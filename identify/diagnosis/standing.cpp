@@ -1,9 +1,9 @@
 #include "identify/diagnosis/standing.h"
 
-#include <Eigen/Eigenvalues>
-#include <Eigen/QR>
 #include <algorithm>
 #include <cmath>
+
+#include "base/decompositions.h"
 
 namespace sinew {
 namespace {

@@ -1,11 +1,11 @@
 #include "identify/diagnosis/structure.h"
 
-#include <Eigen/Cholesky>
 #include <algorithm>
 #include <cmath>
 #include <map>
 #include <set>
 
+#include "base/decompositions.h"
 #include "identify/diagnosis/shape.h"
 #include "identify/uncertainty/chi_squared.h"
 

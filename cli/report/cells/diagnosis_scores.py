@@ -118,7 +118,7 @@ for cause in causes:
         apart = f"fits worse by ΔLR {number(other['delta_lr'], 2)}" if other["delta_lr"] >= 0 else \
             f"fits better by ΔLR {number(-other['delta_lr'], 2)}"
         apart += f"; traces correlate {other['correlation']:.3f}".replace("-", "−")
-        if other["contains_cause"]:
+        if other.get("contains_cause"):
             apart += "<br>a richer law that contains the cause: what it adds is not needed"
         if other["separated_by"]:
             apart += f"<br><b>To tell them apart:</b> {escape(other['separated_by'])}"

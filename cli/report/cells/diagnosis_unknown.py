@@ -9,6 +9,9 @@
 terms = [{**{key: value.decode() if isinstance(value, bytes) else value for key, value in node.attrs.items()},
           **{key: node[key][:] for key in ("knots", "curve", "deviation")}}
          for node in (run[f"/diagnosis/unknown_terms/{i}"] for i in children("/diagnosis/unknown_terms"))]
+for term in terms:  # files of earlier versions know curves only
+    term.setdefault("kind", "curve")
+    term.setdefault("name", f"{term['port']}({term['signal']})")
 shown = terms[:6]
 columns = min(3, len(shown))
 rows = -(-len(shown) // columns)
