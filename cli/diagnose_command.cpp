@@ -114,6 +114,7 @@ Result<int> RunDiagnose(const DiagnoseWords& words) {
   if (!diagnosis.base.stop.converged()) {
     return NotUsable("the base model was not fitted: " + diagnosis.base.stop.test);
   }
+  if (!diagnosis.concluded) return NotUsable("noise hides what could be wrong");
   return kDone;
 }
 

@@ -99,6 +99,7 @@ class Diagnostician {
 
   void ConcludeNothing(const std::string& why, const std::string& what_to_do) {
     out_.verdict = DiagnosisVerdict::kUnexplained;
+    out_.concluded = false;
     out_.sentences = {"Nothing can be concluded: " + why + ".", what_to_do};
   }
 

@@ -178,6 +178,7 @@ struct TracePair {
 
 struct Diagnosis {
   DiagnosisVerdict verdict = DiagnosisVerdict::kAdequate;
+  bool concluded = true;               ///< false: nothing can be concluded; the sentences say why
   std::vector<std::string> sentences;  ///< for people, the most important first
   std::vector<std::string> warnings;   ///< what limits the conclusion
 

@@ -207,7 +207,7 @@ void WriteRun(const Problem& problem, const Diagnosis& diagnosis, const Provenan
   run.attributes["stop_reason"] = std::string(ToString(stop.kind));
   run.attributes["stop_test"] = stop.test;
   run.attributes["converged"] = std::int64_t{stop.converged() ? 1 : 0};
-  run.attributes["usable"] = std::int64_t{stop.usable() ? 1 : 0};
+  run.attributes["usable"] = std::int64_t{stop.usable() && diagnosis.concluded ? 1 : 0};
   run.attributes["iterations"] = std::int64_t{diagnosis.base.iterations};
   run.attributes["seconds"] = diagnosis.seconds;
   run.attributes["cost"] = diagnosis.base.cost;

@@ -178,6 +178,7 @@ std::string DiagnosisJson(const Diagnosis& diagnosis, const Provenance& provenan
   json["seed"] = options.seed;
   json["seconds"] = Finite(diagnosis.seconds);
   json["verdict"] = ToString(diagnosis.verdict);
+  json["concluded"] = diagnosis.concluded;
   json["sentences"] = diagnosis.sentences;
   json["warnings"] = diagnosis.warnings;
   json["alarm_level"] = options.alarm_level;

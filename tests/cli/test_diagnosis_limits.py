@@ -68,11 +68,12 @@ class Limits(ProgramTest):
 
     def test_noise_larger_than_the_signal_names_nothing(self):
         rng = np.random.default_rng(1)
-        result, said = self.diagnose(self.data(self.each_position(
-            lambda q: q + rng.normal(size=len(q)) * 5 * np.ptp(q))))
-        self.assertEqual(result["causes"], [])
-        self.assertEqual(result["verdict"], "unexplained")
-        self.assertIn("Nothing can be concluded", said)
+        data = self.data(self.each_position(lambda q: q + rng.normal(size=len(q)) * 5 * np.ptp(q)))
+        done = self.run_program("diagnose", "drive", "--data", data, "--out", "why.h5", "--json", "why.json", "--quiet")
+        self.assertEqual((done.returncode, done.stderr), (1, "sinew: no usable answer: noise hides what could be wrong\n"))
+        self.assertIn("Nothing can be concluded", done.stdout)
+        result = json.loads(self.path("why.json").read_text())
+        self.assertEqual((result["verdict"], result["concluded"], result["causes"]), ("unexplained", False, []))
 
     def test_a_single_short_trial(self):
         def change(file):

@@ -21,7 +21,7 @@ def value_cell(row):
 
 def shift_cell(name):
     """How far the missing causes had pushed a base parameter: in percent of its value now, bold where it is beyond chance and 1 %."""
-    if name not in base or name not in after or not extended:
+    if name not in base or name not in after or not causes:
         return ""
     change = base[name]["value"] - after[name]["value"]
     if not np.isfinite(after[name]["std_error"]):
@@ -40,9 +40,9 @@ for name in dict.fromkeys([*base, *after]):
     mark = f' style="color:{COLOURS["cause"]}"' if name in effect_parameters and name in after else ""
     label = f"<b{mark}>{escape(name)}</b>" + (f"<br><small>{escape(meaning)}</small>" if meaning else "")
     start = value_cell(base[name]) if name in base else f'><span class="pale">{number(row["before"])} (null)</span>'
-    rows.append([label, start] + [value_cell(after.get(name))] * bool(extended) + [escape(pretty(row["unit"]))]
-                + [shift_cell(name)] * bool(extended))
-heads = ["Parameter", ">Base model"] + [">Extended model"] * extended + ["Unit"] + ["What the missing cause had done"] * extended
+    rows.append([label, start] + [value_cell(after.get(name))] * bool(causes) + [escape(pretty(row["unit"]))]
+                + [shift_cell(name)] * bool(causes))
+heads = ["Parameter", ">Base model"] + [">Extended model"] * bool(causes) + ["Unit"] + ["What the missing cause had done"] * bool(causes)
 display(HTML(table(heads, rows, "parameters")))
 display(HTML(items(["± is half the 95 % interval; pale: not determined by these data. The model can be used at once: "
                     f"sinew simulate {info['problem']} --data {info['data_file']} --from {RUN_FILE} --out simulated.h5"],

@@ -2,7 +2,8 @@
 # ## The error
 #
 # First one channel as it was measured and simulated, then every error: simulated minus measured. The **base model** is the
-# fitted model as it is; the **extended model** has the named causes in it. Held-out trials were used for no fit.
+# fitted model as it is; the **extended model** has the named causes, or the first thing that is not in the library, in it. Held-out
+# trials were used for no fit.
 
 # %% residuals
 BEFORE, AFTER, MOST_PANELS = "#E69F00", "#0072B2", 24

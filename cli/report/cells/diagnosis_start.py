@@ -56,10 +56,12 @@ display(HTML('<p class="provenance">' + " · ".join(escape(text) for text in [
     "synthetic data" if info["synthetic"] else "measured data", f"problem {info['problem']}", f"seed {info['seed']}",
     f"sinew {info['version']}", f"diagnosed in {duration(info['seconds'])}"]) + "</p>"))
 
-extended = "parameters" in run and not np.array_equal(run["/parameters/before"], run["/parameters/value"])
-concluded = info["finished"] and info["converged"]
+extended = "unknown_terms" in diagnosis or (
+    "parameters" in run and not np.array_equal(run["/parameters/before"], run["/parameters/value"]))
+concluded = info["finished"] and info["converged"] and info.get("usable", 1)
 word, meaning, colour = VERDICTS[about["verdict"]] if concluded else \
-    ("No conclusion", "the base model was not fitted" if info["finished"] else "the diagnosis was interrupted", "#6f6f6f")
+    ("No conclusion", "the diagnosis was interrupted" if not info["finished"] else "the base model was not fitted"
+     if not info["converged"] else "noise hides what could be wrong", "#6f6f6f")
 if concluded and about["verdict"] == "unexplained" and rows_of("causes"):
     meaning = "known effects explain only a part of what is wrong"
 display(HTML(f'<p class="verdict" style="background:{colour}"><b>{word}</b> {escape(meaning)}</p>'))
