@@ -6,6 +6,7 @@ data only; its JSON is compared with the truth. What is counted, and what no met
 
 usage: run.py --sinew PATH --generate PATH [--kind none,single,pair,outsider] [--cases 100] [--sizes 1,1.5,2,3,6]
               [--noise white,ar] [--experiment multisine] [--effect NAME] [--jobs 2] [--first-seed 1] [--out results.json]
+       run.py --merge results.json...
 """
 import argparse
 import json
@@ -292,6 +293,33 @@ def print_table(kind, rows):
             print(f"  {noise}: false alarms, 95 % interval {100 * low:.1f} to {100 * high:.1f} %")
 
 
+def run_all(options, plan):
+    with ThreadPoolExecutor(options.jobs) as pool:
+        # A size of 0 is for the table only: the generator ignores it where nothing is hidden.
+        tasks = [pool.submit(study, options, n, kind, size or 1.0, noise, seed)
+                 for n, (kind, size, noise, seed) in enumerate(plan)]
+        cases = []
+        for task in tasks:
+            cases.append(task.result())
+            if sys.stderr.isatty():
+                print(f"\r{len(cases)} of {len(plan)}", end="", file=sys.stderr)
+    return cases
+
+
+def summarise(cases):
+    """Prints the tables and returns them, by kind."""
+    summary = {}
+    for kind in dict.fromkeys(c["kind"] for c in cases):
+        own = [c for c in cases if c["kind"] == kind]
+        groups = {}
+        for c in own:
+            groups.setdefault((c["noise"], 0.0 if kind == "none" else c["size"]), []).append(c)
+        rows = {group: tally(kind, groups[group]) for group in sorted(groups)}
+        print_table(kind, rows)
+        summary[kind] = [{"noise": noise, "size": size, **result} for (noise, size), result in rows.items()]
+    return summary
+
+
 def numbers(text):
     return [float(word) for word in text.split(",")]
 
@@ -302,8 +330,8 @@ def words(text):
 
 def main():
     parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
-    parser.add_argument("--sinew", type=Path, required=True)
-    parser.add_argument("--generate", type=Path, required=True, help="hidden_effects_generate")
+    parser.add_argument("--sinew", type=Path)
+    parser.add_argument("--generate", type=Path, help="hidden_effects_generate")
     parser.add_argument("--kind", type=words, default=["none", "single"], help="of none,single,pair,outsider")
     parser.add_argument("--cases", type=int, default=100, help="per kind, size and noise")
     parser.add_argument("--sizes", type=numbers, default=[2.0], help="in units of what an oracle just detects")
@@ -314,6 +342,7 @@ def main():
     parser.add_argument("--first-seed", type=int, default=1, help="cases of one seed share joint and motion")
     parser.add_argument("--program-seed", type=int, default=1, help="--seed of the diagnosis")
     parser.add_argument("--no-coverage", action="store_true", help="without the fit that is told the true effect")
+    parser.add_argument("--merge", type=Path, nargs="+", help="no new cases: the tables of these results together")
     parser.add_argument("--out", type=Path)
     options = parser.parse_args()
 
@@ -321,30 +350,19 @@ def main():
             for kind in options.kind for noise in options.noise
             for size in (options.sizes if kind != "none" else [0.0]) for i in range(options.cases)]
     begin = time.monotonic()
-    with ThreadPoolExecutor(options.jobs) as pool:
-        # A size of 0 is for the table only: the generator ignores it where nothing is hidden.
-        tasks = [pool.submit(study, options, n, kind, size or 1.0, noise, seed)
-                 for n, (kind, size, noise, seed) in enumerate(plan)]
-        cases = []
-        for task in tasks:
-            cases.append(task.result())
-            if sys.stderr.isatty():
-                print(f"\r{len(cases)} of {len(plan)}", end="", file=sys.stderr)
-    summary = {}
-    for kind in options.kind:
-        rows = {}
-        for noise in options.noise:
-            for size in options.sizes if kind != "none" else [0.0]:
-                own = [c for c, p in zip(cases, plan) if p[:3] == (kind, size, noise)]
-                rows[noise, size] = tally(kind, own)
-        print_table(kind, rows)
-        summary[kind] = [{"noise": noise, "size": size, **result} for (noise, size), result in rows.items()]
-    failures = sorted({c["failure"] for c in cases if "failure" in c})
-    for failure in failures[:5]:
+    if options.merge:
+        cases = [case for path in options.merge for case in json.loads(path.read_text())["cases"]]
+    else:
+        if not options.sinew or not options.generate:
+            parser.error("--sinew and --generate are needed")
+        cases = run_all(options, plan)
+    summary = summarise(cases)
+    for failure in sorted({c["failure"] for c in cases if "failure" in c})[:5]:
         print(f"failed: {failure}")
-    print(f"\n{len(cases)} cases in {time.monotonic() - begin:.0f} s")
+    print(f"\n{len(cases)} cases" + ("" if options.merge else f" in {time.monotonic() - begin:.0f} s"))
     if options.out:
-        settings = {k: str(v) if isinstance(v, Path) else v for k, v in vars(options).items()}
+        settings = {k: [str(w) for w in v] if k == "merge" and v else str(v) if isinstance(v, Path) else v
+                    for k, v in vars(options).items()}
         options.out.write_text(json.dumps({"schema": "sinew.hidden_effects/1", "settings": settings,
                                            "summary": summary, "cases": cases}, indent=1))
 
