@@ -79,6 +79,7 @@ void WriteFit(const std::vector<FitQuality>& fit, Hdf5Node& node) {
       .Add("channel", [](const FitQuality& q) { return q.channel; })
       .Add("unit", [](const FitQuality& q) { return q.unit; })
       .Add("rmse", [](const FitQuality& q) { return q.rmse; })
+      .Add("mae", [](const FitQuality& q) { return q.mae; })
       .Add("r2", [](const FitQuality& q) { return q.r2; })
       .Add("n", [](const FitQuality& q) { return q.n; });
 }

@@ -35,8 +35,8 @@ Json FromParameter(const DiagnosedParameter& p) {
 }
 
 Json FromFit(const FitQuality& q) {
-  return {{"role", ToString(q.role)}, {"channel", q.channel}, {"unit", q.unit},
-          {"rmse", Finite(q.rmse)},   {"r2", Finite(q.r2)},   {"n", q.n}};
+  return {{"role", ToString(q.role)}, {"channel", q.channel}, {"unit", q.unit}, {"rmse", Finite(q.rmse)},
+          {"mae", Finite(q.mae)},     {"r2", Finite(q.r2)},   {"n", q.n}};
 }
 
 Json FromNoise(const NoiseFloor& floor) {

@@ -9,12 +9,14 @@ namespace {
 
 struct Sums {
   double errors = 0;
+  double absolute = 0;
   double deviations = 0;
   int n = 0;
 
   void Fill(FitQuality& quality) const {
     quality.n = n;
     quality.rmse = std::sqrt(errors / n);
+    quality.mae = absolute / n;
     quality.r2 = deviations > 0 ? 1 - errors / deviations : std::numeric_limits<double>::quiet_NaN();
   }
 };
@@ -29,6 +31,7 @@ Sums Compare(const Block& block, const Vector& predicted) {
   for (std::size_t i = 0; i < block.measured.size(); ++i) {
     const double error = predicted[block.sample[i]] - block.measured[i];
     sums.errors += error * error;
+    sums.absolute += std::abs(error);
     sums.deviations += (block.measured[i] - mean) * (block.measured[i] - mean);
   }
   return sums;
@@ -57,7 +60,7 @@ void Assess(const Layout& layout, FullPrediction& full) {
     const Block& block = layout[b];
     if (block.measured.empty()) continue;
     const Sums sums = Compare(block, full.values[b]);
-    FitQuality quality{block.trial, block.role, block.channel, block.unit, 0, 0, 0};
+    FitQuality quality{block.trial, block.role, block.channel, block.unit, 0, 0, 0, 0};
     sums.Fill(quality);
     full.quality.push_back(quality);
 
@@ -66,12 +69,13 @@ void Assess(const Layout& layout, FullPrediction& full) {
       return q.role == block.role && q.channel == quantity;
     });
     if (pool == full.pooled.end()) {
-      full.pooled.push_back({"", block.role, quantity, block.unit, 0, 0, 0});
+      full.pooled.push_back({"", block.role, quantity, block.unit, 0, 0, 0, 0});
       pooled_sums.emplace_back();
       pool = full.pooled.end() - 1;
     }
     Sums& total = pooled_sums[static_cast<std::size_t>(pool - full.pooled.begin())];
     total.errors += sums.errors;
+    total.absolute += sums.absolute;
     total.deviations += sums.deviations;
     total.n += sums.n;
   }

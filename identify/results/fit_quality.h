@@ -17,7 +17,8 @@ struct FitQuality {
   double rmse = 0;  ///< [unit]
   double r2 =
       0;  ///< 1 - sum of squared errors / sum of squared deviations from the mean; NaN if it does not vary
-  int n = 0;  ///< samples compared
+  int n = 0;       ///< samples compared
+  double mae = 0;  ///< mean absolute error [unit]
 };
 
 /// A prediction of every channel, measured or not, and its errors.

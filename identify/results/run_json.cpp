@@ -39,6 +39,7 @@ std::string RunJson(const Problem& problem, const Identification& identification
                            {"channel", q.channel},
                            {"unit", q.unit},
                            {"rmse", Finite(q.rmse)},
+                           {"mae", Finite(q.mae)},
                            {"r2", Finite(q.r2)},
                            {"n", q.n}});
   }

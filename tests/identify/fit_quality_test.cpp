@@ -42,6 +42,7 @@ TEST(FitQuality, RmseAndR2AreTheirFormulas) {
   EXPECT_EQ(q.channel, "y");
   EXPECT_EQ(q.n, 3);
   EXPECT_DOUBLE_EQ(q.rmse, std::sqrt((9 + 4 + 4) / 3.0));
+  EXPECT_DOUBLE_EQ(q.mae, (3 + 2 + 2) / 3.0);
   EXPECT_DOUBLE_EQ(q.r2, 1 - 17 / 14.0);
 }
 
@@ -73,6 +74,7 @@ TEST(FitQuality, PoolsTheTrialsOfARoleByQuantity) {
   EXPECT_EQ(full.pooled[0].channel, "vertical force");
   EXPECT_EQ(full.pooled[0].n, 4);
   EXPECT_DOUBLE_EQ(full.pooled[0].rmse, std::sqrt((1 + 1 + 81 + 121) / 4.0));
+  EXPECT_DOUBLE_EQ(full.pooled[0].mae, (1 + 1 + 9 + 11) / 4.0);
   // From the mean of each trial: that one stands 10 above the other explains nothing.
   EXPECT_DOUBLE_EQ(full.pooled[0].r2, 1 - 204 / 4.0);
   EXPECT_EQ(full.pooled[1].channel, "angle");
