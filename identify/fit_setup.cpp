@@ -54,14 +54,14 @@ Result<FitSetup> MakeFitSetup(const Problem& problem, const FitRequest& request)
     SINEW_ASSIGN(const int index, FindParameter(setup.parameters, name));
     free.insert(index);
   }
+  std::vector<int> flat_at_null;  // parameters of effects of which all have probes: no slope there
   for (const std::string& name : request.release) {
     SINEW_ASSIGN(const std::vector<int> parameters, ParametersOf(problem, name));
     free.insert(parameters.begin(), parameters.end());
-    for (const int index : parameters) {
-      Parameter& p = setup.parameters[static_cast<std::size_t>(index)];
-      // At the null of what has probes nothing responds: a local solver would never leave it.
-      if (p.start == p.null_value && !p.probes.empty()) p.start = p.probes[p.probes.size() / 2];
-    }
+    const bool flat = std::none_of(parameters.begin(), parameters.end(), [&](int index) {
+      return setup.parameters[static_cast<std::size_t>(index)].probes.empty();
+    });
+    if (flat) flat_at_null.insert(flat_at_null.end(), parameters.begin(), parameters.end());
   }
 
   for (const auto& [name, interval] : request.bounds) {
@@ -69,6 +69,12 @@ Result<FitSetup> MakeFitSetup(const Problem& problem, const FitRequest& request)
     Parameter& p = setup.parameters[static_cast<std::size_t>(index)];
     p.lower = interval.first;
     p.upper = interval.second;
+  }
+  for (const int index : flat_at_null) {
+    Parameter& p = setup.parameters[static_cast<std::size_t>(index)];
+    if (p.start != p.null_value) continue;
+    const double probe = p.probes[p.probes.size() / 2];
+    if (probe >= p.lower && probe <= p.upper) p.start = probe;
   }
   for (const auto& [name, value] : request.start) {
     SINEW_ASSIGN(const int index, FindParameter(setup.parameters, name));

@@ -31,10 +31,9 @@ struct FitSetup {
 };
 
 /// By default all base parameters, and the nuisance parameters of training trials, are free, and all effects
-/// By default all base parameters, and the nuisance parameters of training trials, are free, and all effects
-/// rest at their null. Released parameters with probes, which would start at a null where nothing responds,
-/// start at a probe. Errors: unknown names (with a suggestion), bounds that exclude the start, a fixed value
-/// outside the bounds, a parameter both free and fixed.
+/// rest at their null. A released effect whose parameters all have probes has no slope at its null; it starts
+/// at its middle probe, unless bounds or a start say otherwise. Errors: unknown names (with a suggestion),
+/// bounds that exclude the start, a fixed value outside the bounds, a parameter both free and fixed.
 Result<FitSetup> MakeFitSetup(const Problem& problem, const FitRequest& request);
 
 }  // namespace sinew

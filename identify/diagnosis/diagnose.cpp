@@ -3,6 +3,7 @@
 #include <chrono>
 #include <cmath>
 #include <limits>
+#include <vector>
 
 #include "base/text.h"
 #include "identify/diagnosis/discovery.h"
@@ -24,7 +25,7 @@ constexpr long kBaseEvaluations = 2000;
 // innovations, tells nothing from noise.
 constexpr double kLeastExplained = 0.1;
 
-Status CheckThatThereIsSomethingToDo(const Problem& problem, const FitSetup& setup) {
+Status CheckThatDataSuffice(const Problem& problem, const FitSetup& setup) {
   int rows = 0;
   for (const Block& block : problem.layout()) rows += block.role == BlockRole::kTrain ? block.samples() : 0;
   if (rows == 0)
@@ -36,18 +37,23 @@ Status CheckThatThereIsSomethingToDo(const Problem& problem, const FitSetup& set
   return {};
 }
 
-// Share of the variance of what was measured, about the mean of each training block, that is not innovations.
+// Share of the variance of what was measured, about the mean of each training block, that is not innovations:
+// of the channel where it is largest, since one that says something is enough.
 double ShareThatIsNotNoise(const Problem& problem, const LeastSquares& fit, const NoiseModel& noise) {
-  double variance = 0;
-  double innovations = 0;
+  std::vector<double> variance(noise.channels.size(), 0);
+  std::vector<double> innovations(noise.channels.size(), 0);
   for (std::size_t t = 0; t < fit.train_blocks().size(); ++t) {
     const Block& block = problem.layout()[static_cast<std::size_t>(fit.train_blocks()[t].block)];
     const Eigen::Map<const Vector> measured(block.measured.data(), block.samples());
-    variance += block.weight * block.weight * (measured.array() - measured.mean()).square().sum();
-    const double deviation = noise.channels[static_cast<std::size_t>(noise.channel_of[t])].deviation;
-    innovations += block.samples() * deviation * deviation;
+    const auto channel = static_cast<std::size_t>(noise.channel_of[t]);
+    variance[channel] += block.weight * block.weight * (measured.array() - measured.mean()).square().sum();
+    innovations[channel] += block.samples() * std::pow(noise.channels[channel].deviation, 2);
   }
-  return variance > 0 ? 1 - innovations / variance : 1;
+  double largest = -std::numeric_limits<double>::infinity();
+  for (std::size_t c = 0; c < variance.size(); ++c) {
+    if (variance[c] > 0) largest = std::max(largest, 1 - innovations[c] / variance[c]);
+  }
+  return largest;
 }
 
 class Diagnostician {
@@ -57,7 +63,7 @@ class Diagnostician {
 
   Result<Diagnosis> Run(FitSetup setup) {
     const auto began = std::chrono::steady_clock::now();
-    SINEW_TRY(CheckThatThereIsSomethingToDo(problem_, setup));
+    SINEW_TRY(CheckThatDataSuffice(problem_, setup));
     out_.setup = std::move(setup);
     e_.candidates = ListCandidates(problem_, out_.setup);
     RemoveRoundings(problem_, e_.candidates);

@@ -4,6 +4,7 @@
 #include <cmath>
 #include <limits>
 #include <optional>
+#include <utility>
 
 #include "base/numbers.h"
 #include "base/text.h"
@@ -103,20 +104,23 @@ class Explorer {
       if (!after || e_.Loss(*before_, refit.noise) <= e_.Loss(*after, refit.noise)) return false;
       finding.held_out_reduction = Reduction(*before_, *after);
     }
-    if (out_.unknown_terms.empty()) out_.extended_point = refit.point;
+    if (!std::exchange(extended_, true)) out_.extended_point = refit.point;
     return true;
   }
 
   bool AddToFirstOrder(int c, const NoiseModel& noise, UnknownFinding& finding) {
-    const auto term = FitLinearTerm(e_.problem, e_.selection.model, e_.candidates, c, noise);
+    const auto term = FitLinearTerm(e_.problem, e_.selection.model, e_.candidate(c), noise);
     if (!term) return false;
+    const bool whole =
+        finding.knots.empty() || finding.knots.size() == static_cast<std::size_t>(term->values.size());
+    if (!whole) return false;
     finding.curve.assign(term->values.begin(), term->values.end());
     finding.deviation.assign(term->deviations.begin(), term->deviations.end());
     if (!term->before.empty()) {
       if (e_.Loss(term->before, noise) <= e_.Loss(term->after, noise)) return false;
       finding.held_out_reduction = Reduction(term->before, term->after);
     }
-    if (out_.unknown_terms.empty()) {
+    if (!std::exchange(extended_, true)) {
       const LeastSquares fit(e_.problem, *e_.selection.model.setup);
       for (std::size_t t = 0; t < fit.train_blocks().size(); ++t)
         e_.added[fit.train_blocks()[t].block] = term->train[t];
@@ -174,7 +178,10 @@ class Explorer {
     score.p_value = line.p_value;
     score.family_p_value = finding.p_value;
     Insert(std::move(score), out_.scores);
-    if (finding.held_out_reduction >= 0) e_.added = std::move(added);
+    if (finding.held_out_reduction >= 0) {
+      e_.added = std::move(added);
+      extended_ = true;
+    }
     out_.unknown_terms.push_back(std::move(finding));
   }
 
@@ -211,6 +218,7 @@ class Explorer {
   Examination& e_;
   Diagnosis& out_;
   std::optional<std::vector<Vector>> before_;  // held-out residuals without any unknown term
+  bool extended_ = false;                      // the extended model has one already
 };
 
 }  // namespace

@@ -9,8 +9,8 @@
 namespace sinew {
 
 /// Fits the unknown terms that the selection left, on top of its causes, strongest first; those that make the
-/// held-out trials worse are left out. The first one becomes part of the extended model: a curve moves
-/// `extended_point`, anything else fills `examination.added`. Errors: the problem's own.
+/// held-out trials worse are left out. The first one that does not becomes part of the extended model: a
+/// curve moves `extended_point`, anything else fills `examination.added`. Errors: the problem's own.
 Status DiscoverUnknown(Examination& examination, Diagnosis& diagnosis);
 
 }  // namespace sinew

@@ -14,20 +14,6 @@ namespace {
 
 constexpr double kSingular = 1e-8;
 
-/// Columns of one candidate in a design [m x K].
-Result<Matrix> TermOf(const Design& design, const std::vector<Candidate>& candidates, int candidate) {
-  std::vector<Eigen::Index> own;
-  for (std::size_t k = 0; k < design.columns.size(); ++k) {
-    if (design.columns[k].candidate == candidate) own.push_back(static_cast<Eigen::Index>(k));
-  }
-  if (own.empty())
-    return Fail("{}: these data do not show it", candidates[static_cast<std::size_t>(candidate)].effect);
-  Matrix term(design.candidates.rows(), static_cast<Eigen::Index>(own.size()));
-  for (std::size_t k = 0; k < own.size(); ++k)
-    term.col(static_cast<Eigen::Index>(k)) = design.candidates.col(own[k]);
-  return term;
-}
-
 void Whiten(const LeastSquares& fit, const Whitening& whitening, Matrix& rows) {
   for (std::size_t t = 0; t < fit.train_blocks().size(); ++t) {
     const auto& train = fit.train_blocks()[t];
@@ -88,9 +74,8 @@ double LikeliestDeviation(const Vector& eigenvalues, const Vector& scores) {
 /// What the training trials say, for the held-out ones.
 class Transfer {
  public:
-  Transfer(const Problem& problem, const Refit& refit, const std::vector<Candidate>& candidates,
-           int candidate)
-      : problem_(problem), refit_(refit), candidates_(candidates), candidate_(candidate) {}
+  Transfer(const Problem& problem, const Refit& refit, const Candidate& candidate)
+      : problem_(problem), refit_(refit), candidate_(candidate) {}
 
   /// @param step [n] of the refit's variables
   Status Apply(const Vector& step, LinearTerm& term) const {
@@ -115,12 +100,10 @@ class Transfer {
     unit.channels = {{}};
     unit.channel_of.assign(there.train_blocks().size(), 0);
     const Whitening none(unit, TrainStretches(there));
-    SINEW_ASSIGN(const Design seen, MakeDesign(there, there.Variables(point), candidates_, none));
-    SINEW_ASSIGN(const Matrix reach, TermOf(seen, candidates_, candidate_));
-    if (reach.cols() != term.values.size())
-      return Fail("{}: held-out trials show another part of it",
-                  candidates_[static_cast<std::size_t>(candidate_)].effect);
-    Vector after = seen.residual + reach * term.values;
+    SINEW_ASSIGN(const Design seen, MakeDesign(there, there.Variables(point), {candidate_}, none));
+    if (seen.candidates.cols() != term.values.size())
+      return Fail("{}: held-out trials show another part of it", candidate_.effect);
+    Vector after = seen.residual + seen.candidates * term.values;
     std::vector<Eigen::Index> own;
     for (std::size_t v = 0; v < setup.free.size(); ++v) {
       const auto& mine = refit_.setup->free;
@@ -143,29 +126,25 @@ class Transfer {
  private:
   const Problem& problem_;
   const Refit& refit_;
-  const std::vector<Candidate>& candidates_;
-  int candidate_;
+  const Candidate& candidate_;
 };
 
 }  // namespace
 
-Result<LinearTerm> FitLinearTerm(const Problem& problem, const Refit& refit,
-                                 const std::vector<Candidate>& candidates, int candidate,
+Result<LinearTerm> FitLinearTerm(const Problem& problem, const Refit& refit, const Candidate& candidate,
                                  const NoiseModel& noise) {
   const LeastSquares fit(problem, *refit.setup);
   const Whitening whitening(noise, TrainStretches(fit));
-  SINEW_ASSIGN(const Design design, MakeDesign(fit, refit.x, candidates, whitening));
-  SINEW_ASSIGN(const Matrix term, TermOf(design, candidates, candidate));
+  SINEW_ASSIGN(const Design design, MakeDesign(fit, refit.x, {candidate}, whitening));
   Matrix residual = design.residual;
   Matrix base = design.base;
-  Matrix columns = term;
+  Matrix columns = design.candidates;
   Whiten(fit, whitening, residual);
   Whiten(fit, whitening, base);
   Whiten(fit, whitening, columns);
   const Columns taken(base);
   const Matrix left = taken.TakenFrom(columns);
-  if (!(left.norm() > 1e-6 * columns.norm()))
-    return Fail("{}: these data do not show it", candidates[static_cast<std::size_t>(candidate)].effect);
+  if (!(left.norm() > 1e-6 * columns.norm())) return Fail("{}: these data do not show it", candidate.effect);
 
   LinearTerm answer;
   const Eigen::SelfAdjointEigenSolver<Matrix> eigen(left.transpose() * left);
@@ -173,7 +152,7 @@ Result<LinearTerm> FitLinearTerm(const Problem& problem, const Refit& refit,
   // The residual is predicted minus measured: a term that is there makes it negative.
   const Vector pull = -(left.transpose() * taken.TakenFrom(residual).col(0));
   const Vector turned = eigen.eigenvectors().transpose() * pull;
-  const bool curve = candidates[static_cast<std::size_t>(candidate)].drifting < 0;
+  const bool curve = candidate.drifting < 0;
   answer.shrinkage = curve ? LikeliestDeviation(gram, turned) : std::numeric_limits<double>::infinity();
   const double precision = 1 / (answer.shrinkage * answer.shrinkage);
   answer.values = Vector::Zero(gram.size());
@@ -188,8 +167,8 @@ Result<LinearTerm> FitLinearTerm(const Problem& problem, const Refit& refit,
   answer.deviations = variance.cwiseSqrt();
 
   const Vector step = -taken.Solve(residual.col(0) + columns * answer.values);
-  answer.train = PerBlock(fit, design.residual + design.base * step + term * answer.values);
-  SINEW_TRY(Transfer(problem, refit, candidates, candidate).Apply(step, answer));
+  answer.train = PerBlock(fit, design.residual + design.base * step + design.candidates * answer.values);
+  SINEW_TRY(Transfer(problem, refit, candidate).Apply(step, answer));
   return answer;
 }
 

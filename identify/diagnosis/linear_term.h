@@ -28,8 +28,7 @@ struct LinearTerm {
 /// makes the data most likely: knots that the data hardly see stay at zero instead of going wild.
 /// @param candidate an unknown term @param noise one that has not swallowed the term: Standing::noise, not
 /// that of the refit. Errors: the problem's own; the data do not tell the term.
-Result<LinearTerm> FitLinearTerm(const Problem& problem, const Refit& refit,
-                                 const std::vector<Candidate>& candidates, int candidate,
+Result<LinearTerm> FitLinearTerm(const Problem& problem, const Refit& refit, const Candidate& candidate,
                                  const NoiseModel& noise);
 
 }  // namespace sinew

@@ -14,11 +14,11 @@ constexpr double kTelling = 20;
 constexpr double kFarLess = -2.33;      // standard deviations: chance 0.01
 constexpr double kTellingShare = 0.05;  // of what is left, if that dwarfs the noise
 
-class Court {
+class Withdrawal {
  public:
-  explicit Court(Examination& examination) : e_(examination), selection_(examination.selection) {}
+  explicit Withdrawal(Examination& examination) : e_(examination), selection_(examination.selection) {}
 
-  Result<std::vector<WithdrawnCause>> Hear() {
+  Result<std::vector<WithdrawnCause>> Run() {
     SINEW_ASSIGN(const auto of_base, e_.held_out.Residuals(e_.base.refit.point));
     while (!selection_.causes.empty()) {
       SINEW_ASSIGN(const auto with, e_.held_out.Residuals(selection_.model.point));
@@ -144,7 +144,7 @@ class Court {
 }  // namespace
 
 Result<std::vector<WithdrawnCause>> AskHeldOutTrials(Examination& examination) {
-  return Court(examination).Hear();
+  return Withdrawal(examination).Run();
 }
 
 }  // namespace sinew

@@ -245,6 +245,7 @@ Result<Hdf5Node> DiagnosisTree(const Problem& problem, const Diagnosis& diagnosi
   Hdf5Node& node = root.At("diagnosis");
   node.attributes["sinew_schema"] = std::string("diagnosis/1");
   node.attributes["verdict"] = std::string(ToString(diagnosis.verdict));
+  node.attributes["wanders"] = std::int64_t{diagnosis.wanders ? 1 : 0};
   node.attributes["alarm_level"] = options.alarm_level;
   node.attributes["threshold"] = diagnosis.threshold;
   node.attributes["family_p_value"] = diagnosis.family_p_value;

@@ -179,6 +179,7 @@ std::string DiagnosisJson(const Diagnosis& diagnosis, const Provenance& provenan
   json["seconds"] = Finite(diagnosis.seconds);
   json["verdict"] = ToString(diagnosis.verdict);
   json["concluded"] = diagnosis.concluded;
+  json["wanders"] = diagnosis.wanders;
   json["sentences"] = diagnosis.sentences;
   json["warnings"] = diagnosis.warnings;
   json["alarm_level"] = options.alarm_level;

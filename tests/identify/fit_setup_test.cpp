@@ -2,6 +2,8 @@
 
 #include <gtest/gtest.h>
 
+#include <utility>
+
 #include "tests/identify/support/error_of.h"
 #include "tests/identify/support/function_problem.h"
 #include "tests/identify/support/toy_problem.h"
@@ -79,6 +81,47 @@ TEST_F(FitSetupTest, ReleaseFreesAllParametersOfAnEffectFromTheirStarts) {
   const FitSetup setup = Make(request);
   EXPECT_EQ(setup.free, (std::vector<int>{kMass, kDamping, kInitial, kDragLinear, kDragSquare}));
   EXPECT_EQ(setup.rest, Values({2, 1, 0.25, 0.5, 0.75, 0}));
+}
+
+// A saturation: at its null nothing responds, so that a local search would never leave it.
+class Saturated final : public FunctionProblem {
+ public:
+  Saturated() {
+    Add(MakeParameter("mass", 1, 10, 2));
+    AddOfEffect("limit", "saturation", {0.1, 0.2, 0.4});
+    AddOfEffect("break", "friction", {});
+    AddOfEffect("width", "friction", {0.3});
+  }
+  [[nodiscard]] const std::vector<Effect>& effects() const override { return effects_; }
+
+ private:
+  void AddOfEffect(const std::string& name, const std::string& effect, std::vector<double> probes) {
+    Parameter p = MakeParameter(name, -1, 1, 0, ParameterKind::kEffect);
+    p.effect = effect;
+    p.probes = std::move(probes);
+    Add(p);
+  }
+  std::vector<Effect> effects_{{"saturation", Level::kRobot, "it clips", "large motion", {1}},
+                               {"friction", Level::kRobot, "it sticks", "slow motion", {2, 3}}};
+};
+
+TEST(FitSetup, AReleasedEffectWithoutSlopeStartsAtAProbe) {
+  const Saturated problem;
+  const auto rest = [&](const FitRequest& request) {
+    auto setup = MakeFitSetup(problem, request);
+    EXPECT_EQ(ErrorOf(setup), "");
+    return setup ? setup->rest : Vector();
+  };
+  FitRequest request;
+  request.release = {"friction"};  // "break" has a slope at the null
+  EXPECT_EQ(rest(request), Values({2, 0, 0, 0}));
+  request.release = {"saturation"};
+  EXPECT_EQ(rest(request), Values({2, 0.2, 0, 0}));
+  request.bounds = {{"limit", {-0.1, 0.1}}};  // the probe lies outside
+  EXPECT_EQ(rest(request), Values({2, 0, 0, 0}));
+  request.bounds.clear();
+  request.start = {{"limit", 0}};
+  EXPECT_EQ(rest(request), Values({2, 0, 0, 0}));
 }
 
 TEST_F(FitSetupTest, FixHoldsAnyParameterAtAValue) {

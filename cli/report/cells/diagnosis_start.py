@@ -64,6 +64,8 @@ word, meaning, colour = VERDICTS[about["verdict"]] if concluded else \
      if not info["converged"] else "noise hides what could be wrong", "#6f6f6f")
 if concluded and about["verdict"] == "unexplained" and rows_of("causes"):
     meaning = "known effects explain only a part of what is wrong"
+if concluded and about.get("wanders"):
+    meaning = "what is left is unlike the noise of instruments, and no known effect explains it"
 display(HTML(f'<p class="verdict" style="background:{colour}"><b>{word}</b> {escape(meaning)}</p>'))
 
 scores = sorted(rows_of("scores"), key=lambda score: -score["statistic"])

@@ -43,7 +43,8 @@ Result<LinearTerm> Examined(const LinearLaws& problem, const std::string& effect
   for (const Block& block : problem.layout()) {
     if (block.role == BlockRole::kTrain) noise.channel_of.push_back(0);
   }
-  return FitLinearTerm(problem, base, candidates, CandidateOf(candidates, effect), noise);
+  return FitLinearTerm(problem, base, candidates[static_cast<std::size_t>(CandidateOf(candidates, effect))],
+                       noise);
 }
 
 LinearLaws::Truth Growing(double correlation) {
