@@ -2,6 +2,7 @@
 #include <gtest/gtest.h>
 
 #include <algorithm>
+#include <atomic>
 #include <cstdio>
 
 #include "identify/diagnosis/diagnosis.h"
@@ -96,6 +97,114 @@ TEST(Diagnose, SaysThatTheCauseIsNotInTheLibrary) {
   ASSERT_FALSE(d.unknown_terms.empty());
   EXPECT_EQ(d.unknown_terms[0].signal, "u");
   EXPECT_GT(d.unknown_terms[0].held_out_reduction, 0.05);
+}
+
+TEST(Diagnose, ARicherLawThatContainsTheCauseMakesNothingAmbiguous) {
+  LinearLaws::Truth truth;
+  truth.lopsided = true;
+  truth.effects = {{"quadratic_size", 0.3}};
+  const Diagnosis d = Examine(LinearLaws(truth, 7));
+  EXPECT_EQ(d.verdict, DiagnosisVerdict::kExplained);
+  ASSERT_EQ(d.causes.size(), 1U);
+  EXPECT_EQ(d.causes[0].effect, "quadratic");
+  ASSERT_EQ(d.alternatives.size(), 1U);
+  EXPECT_EQ(d.alternatives[0].effect, "lopsided");
+  EXPECT_TRUE(d.alternatives[0].contains_cause);
+  EXPECT_TRUE(d.alternatives[0].separated_by.empty())
+      << "no experiment takes a law out of one that contains it";
+}
+
+TEST(Diagnose, TheRicherLawIsNamedWhereItIsNeeded) {
+  LinearLaws::Truth truth;
+  truth.lopsided = true;
+  truth.effects = {{"lopsided_size", 0.3}};
+  const Diagnosis d = Examine(LinearLaws(truth, 7));
+  ASSERT_EQ(d.causes.size(), 1U);
+  EXPECT_EQ(d.causes[0].effect, "lopsided");
+}
+
+TEST(Diagnose, ACauseThatHelpsHeldOutTrialsTooLittleStandsInForSomethingElse) {
+  LinearLaws::Truth truth;
+  truth.effects = {{"quadratic_size", 0.2}};
+  EXPECT_EQ(Examine(LinearLaws(truth, 7)).verdict, DiagnosisVerdict::kExplained);
+  truth.held_out_share = 0.6;
+  const Diagnosis d = Examine(LinearLaws(truth, 7));
+  EXPECT_EQ(d.verdict, DiagnosisVerdict::kUnexplained);
+  EXPECT_TRUE(d.withdrawn.empty());
+  ASSERT_FALSE(d.causes.empty());
+  EXPECT_EQ(d.causes[0].effect, "quadratic");
+  ASSERT_FALSE(d.gain.empty());
+  EXPECT_GT(d.gain[0].reduction, 0) << "it does help";
+  truth.held_out_share = -0.5;
+  const Diagnosis denied = Examine(LinearLaws(truth, 7));
+  EXPECT_FALSE(denied.withdrawn.empty());
+}
+
+// What differs from trial to trial and hides from every effect raises no alarm under a noise model that took
+// it up; but no instrument has such noise.
+TEST(Diagnose, AResidualThatWandersIsNotAdequate) {
+  int wanders = 0;
+  for (std::uint64_t seed = 1; seed <= 20; ++seed) {
+    LinearLaws::Truth truth;
+    truth.noise = 0.02;
+    truth.wander = 1;
+    const Diagnosis d = Examine(LinearLaws(truth, seed));
+    EXPECT_NE(d.verdict, DiagnosisVerdict::kAdequate) << seed;
+    if (!d.wanders) continue;
+    ++wanders;
+    EXPECT_EQ(d.verdict, DiagnosisVerdict::kUnexplained) << seed;
+    EXPECT_TRUE(d.causes.empty()) << seed;
+    ASSERT_FALSE(d.sentences.empty());
+    EXPECT_NE(d.sentences[0].find("wanders"), std::string::npos) << d.sentences[0];
+  }
+  EXPECT_GT(wanders, 0);
+}
+
+// A problem during whose n-th prediction somebody presses Ctrl-C.
+class Impatient final : public Problem {
+ public:
+  Impatient(const LinearLaws& laws, long predictions) : laws_(laws), left_(predictions) {}
+  [[nodiscard]] const std::vector<Parameter>& parameters() const override { return laws_.parameters(); }
+  [[nodiscard]] const Layout& layout() const override { return laws_.layout(); }
+  [[nodiscard]] const std::vector<Effect>& effects() const override { return laws_.effects(); }
+  [[nodiscard]] const std::vector<Port>& ports() const override { return laws_.ports(); }
+  Status Predict(const Query& query, Workspace& workspace, Prediction& prediction) const override {
+    if (--left_ == 0) pressed_ = true;
+    return laws_.Predict(query, workspace, prediction);
+  }
+  [[nodiscard]] const std::atomic<bool>& pressed() const { return pressed_; }
+  [[nodiscard]] long left() const { return left_; }
+
+ private:
+  const LinearLaws& laws_;
+  mutable std::atomic<long> left_;
+  mutable std::atomic<bool> pressed_{false};
+};
+
+TEST(Diagnose, WhatWasInterruptedIsNoAnswer) {
+  LinearLaws::Truth truth;
+  truth.effects = {{"quadratic_size", 0.05}, {"drift_size", 0.01}};
+  const LinearLaws laws(truth, 5);
+  constexpr long kNever = 1000000;
+  const Impatient patient(laws, kNever);
+  const auto setup = MakeFitSetup(patient, {});
+  ASSERT_TRUE(setup);
+  ASSERT_TRUE(Diagnose(patient, *setup, {}));
+  const long predictions = kNever - patient.left();
+  ASSERT_GT(predictions, 100);
+  for (long stop = 1; stop < predictions; stop += predictions / 40) {
+    const Impatient problem(laws, stop);
+    DiagnosisOptions options;
+    options.interrupt = &problem.pressed();
+    const auto diagnosis = Diagnose(problem, *setup, options);
+    if (!diagnosis) {
+      EXPECT_EQ(diagnosis.error().message, "interrupted") << stop;
+    } else {  // in the base fit, whose parameters may be told
+      EXPECT_FALSE(diagnosis->concluded) << stop;
+      EXPECT_EQ(diagnosis->base.stop.kind, Termination::kInterrupted) << stop;
+    }
+    EXPECT_GT(problem.left(), -100) << "it goes on after " << stop;
+  }
 }
 
 TEST(Diagnose, JudgesNothingThatTheDataDoNotContain) {

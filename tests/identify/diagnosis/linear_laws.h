@@ -17,7 +17,8 @@ namespace sinew {
 /// y = gain u + rate du/dt + effects, for an input u(t) of several sines that differs from trial to trial.
 /// Effects: quadratic u|u| (>= 0), step sign(u), drift, offset, twin (1.001 times the step plus a little),
 /// absent (changes nothing), stretch tanh(u / width) with probes; per trial an offset. Port y with y(u),
-/// y(time). What is wrong may also be something that none of these is (Truth).
+/// y(time), whose values at the knots are parameters y(u)[0] ... What is wrong may also be something that
+/// none of these is (Truth).
 class LinearLaws final : public Problem {
  public:
   struct Truth {
@@ -36,11 +37,20 @@ class LinearLaws final : public Problem {
     /// is not.
     std::optional<double> reading_step;
     bool starts = false;  ///< a nuisance value per trial, that fades with exp(-time)
+    /// Effect lopsided: u|u| for u > 0 and for u < 0 with a size of its own each; it contains quadratic.
+    bool lopsided = false;
+    double held_out_share = 1;  ///< of the effects, in held-out trials
+    int knots = 8;              ///< of y(u) and y(time)
   };
 
   LinearLaws(const Truth& truth, std::uint64_t seed, int train = 4, int validate = 2, int samples = 250)
       : seed_(seed) {
-    AddParameters(train, samples);
+    AddParameters(train, samples, truth.knots);
+    if (truth.lopsided) {
+      AddEffect("lopsided", -5, 5);
+      Add("lopsided_left", -5, 5, 0, "lopsided");
+      effects_.back().parameters.push_back(static_cast<int>(parameters_.size()) - 1);
+    }
     if (truth.starts) AddStarts(train + validate);
     if (truth.reading_step) AddEffect("y.quantisation", 0, 1);
     Random random(seed);
@@ -116,7 +126,7 @@ class LinearLaws final : public Problem {
                         {static_cast<int>(parameters_.size()) - 1}});
   }
 
-  void AddParameters(int train, int samples) {
+  void AddParameters(int train, int samples, int knots) {
     Add("gain", -10, 10, 1, "");
     Add("rate", -10, 10, 0, "");
     AddEffect("quadratic", 0, 5);
@@ -142,8 +152,8 @@ class LinearLaws final : public Problem {
     }
     const double duration = samples * kStep;
     ports_.push_back({"y", "1", "something adds to y", {}});
-    AddTerm("u", -2.5, 2.5);
-    AddTerm("time", 0, duration);
+    AddTerm("u", -2.5, 2.5, knots);
+    AddTerm("time", 0, duration, knots);
   }
   void AddStarts(int trials) {
     for (int t = 0; t < trials; ++t) {
@@ -152,10 +162,10 @@ class LinearLaws final : public Problem {
       p.trial = TrialName(t);
     }
   }
-  void AddTerm(const std::string& signal, double low, double high) {
+  void AddTerm(const std::string& signal, double low, double high, int knots) {
     UnknownTerm term{"y(" + signal + ")", signal, "1", {}, {}};
-    for (int k = 0; k < 8; ++k) {
-      term.knots.push_back(low + (high - low) * k / 7);
+    for (int k = 0; k < knots; ++k) {
+      term.knots.push_back(low + (high - low) * k / (knots - 1));
       Add(term.name + "[" + std::to_string(k) + "]", -20, 20, 0, term.name);
       term.parameters.push_back(static_cast<int>(parameters_.size()) - 1);
     }
@@ -195,7 +205,8 @@ class LinearLaws final : public Problem {
     p[0] = truth.gain;
     p[1] = truth.rate;
     if (truth.only_trial.empty() || truth.only_trial == block.trial) {
-      for (const auto& [name, value] : truth.effects) p[Index(name)] = value;
+      for (const auto& [name, value] : truth.effects)
+        p[Index(name)] = train ? value : value * truth.held_out_share;
     }
     columns_.emplace_back(Matrix::Zero(samples, static_cast<Eigen::Index>(parameters_.size())));
     for (const int index : layout_[b].columns) {
@@ -242,6 +253,8 @@ class LinearLaws final : public Problem {
     if (name == "gain") return u;
     if (name == "rate") return slopes_[b][i];
     if (name == "quadratic_size") return u * std::abs(u);
+    if (name == "lopsided_size") return u > 0 ? u * u : 0;
+    if (name == "lopsided_left") return u > 0 ? 0 : -u * u;
     if (name == "step_size") return u > 0 ? 1 : -1;
     if (name == "drift_size") return time - 5;
     if (name.rfind("start@", 0) == 0) return std::exp(-time);

@@ -1,4 +1,4 @@
-// A parameter that changes within a trial, against trials in which it does.
+// A parameter that changes within a trial, and a curve of many knots, against trials that have them.
 #include "identify/diagnosis/linear_term.h"
 
 #include <gtest/gtest.h>
@@ -6,7 +6,9 @@
 #include <algorithm>
 #include <cmath>
 #include <cstdio>
+#include <string>
 
+#include "base/random.h"
 #include "identify/diagnosis/diagnosis.h"
 #include "tests/identify/diagnosis/linear_laws.h"
 
@@ -144,6 +146,67 @@ TEST(Drift, TimeRunsFromMinusOneToOneInEveryTrial) {
   block.sample = {0};
   block.measured = {0};
   EXPECT_EQ(TimeInTrial(block)[0], 0);
+}
+
+// A curve whose knots are drawn from a normal distribution, which is what shrinking supposes.
+LinearLaws DrawnCurve(double deviation, std::uint64_t seed, int train, int samples) {
+  LinearLaws::Truth truth;
+  truth.noise = kNoise;
+  truth.knots = 24;
+  Random random(Random::StreamSeed(seed, 99));
+  for (int k = 0; k < truth.knots; ++k)
+    truth.effects.emplace_back("y(u)[" + std::to_string(k) + "]", deviation * random.Normal());
+  return LinearLaws(truth, seed, train, 2, samples);
+}
+
+TEST(Curve, StandardDeviationsAreThoseOfTheError) {
+  constexpr int kCases = 60;
+  constexpr double kDeviation = 0.15;
+  double squares = 0;
+  double shrinkage = 0;
+  int better = 0;
+  for (std::uint64_t seed = 1; seed <= kCases; ++seed) {
+    const LinearLaws problem = DrawnCurve(kDeviation, seed, 4, 250);
+    const auto curve = Examined(problem, "y(u)");
+    ASSERT_TRUE(curve) << curve.error().message;
+    ASSERT_EQ(curve->values.size(), 24);
+    Random random(Random::StreamSeed(seed, 99));
+    for (int k = 0; k < 24; ++k)
+      squares += std::pow((curve->values[k] - kDeviation * random.Normal()) / curve->deviations[k], 2) / 24;
+    shrinkage += curve->shrinkage / kCases;
+    better += SumOfSquares(curve->after) < SumOfSquares(curve->before) ? 1 : 0;
+  }
+  std::printf("mean square %.2f, deviation found %.3f, better %d of %d\n", squares / kCases, shrinkage,
+              better, kCases);
+  // The errors of one case are as good as 6 independent ones at least: deviation of the mean sqrt(2 / 360) =
+  // 0.075. That the deviation of the values is itself an estimate (24 values: +-15 %) adds 0.1.
+  EXPECT_NEAR(squares / kCases, 1.1, 0.22);
+  EXPECT_NEAR(shrinkage, kDeviation, 0.03);
+  EXPECT_EQ(better, kCases);
+}
+
+// One short trial sees few of the knots: without shrinking, those that it hardly sees go wild elsewhere.
+TEST(Curve, OfFewDataStaysNearZeroWhereTheyDoNotReach) {
+  constexpr int kCases = 40;
+  double worst = 0;
+  for (std::uint64_t seed = 1; seed <= kCases; ++seed) {
+    const auto curve = Examined(DrawnCurve(0.1, seed, 1, 80), "y(u)");
+    ASSERT_TRUE(curve) << curve.error().message;
+    worst = std::max(worst, SumOfSquares(curve->after) / SumOfSquares(curve->before));
+  }
+  std::printf("held-out trials at worst %.2f of what they were\n", worst);
+  EXPECT_LT(worst, 2);
+}
+
+TEST(Curve, IsFlatWhereThereIsNone) {
+  constexpr int kCases = 100;
+  int flat = 0;
+  for (std::uint64_t seed = 1; seed <= kCases; ++seed) {
+    const auto curve = Examined(DrawnCurve(0, seed, 4, 80), "y(u)");
+    ASSERT_TRUE(curve) << curve.error().message;
+    flat += curve->values.cwiseAbs().maxCoeff() < 0.3 * kNoise ? 1 : 0;
+  }
+  EXPECT_GE(flat, 90);
 }
 
 TEST(Drift, DiagnosisSaysThatTheParameterIsNotConstant) {
