@@ -76,5 +76,6 @@ void AddIdentifyCommand(Command app, const RunAction& run);
 void AddDiagnoseCommand(Command app, const RunAction& run);
 void AddCompareCommand(Command app, const RunAction& run);
 void AddReportCommand(Command app, const RunAction& run);
+void AddMbsCommand(Command app, const RunAction& run);
 
 }  // namespace sinew

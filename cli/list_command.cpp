@@ -8,6 +8,7 @@
 #include "cli/command.h"
 #include "cli/terminal.h"
 #include "identify/solvers/solver.h"
+#include "models/mechanisms/integrator.h"
 #include "problems/registry.h"
 
 namespace sinew {
@@ -30,6 +31,12 @@ std::string ListSolvers() {
                     entry.constraints ? "yes" : "no", entry.description});
   }
   return Table(rows, 0) + "Join them into a chain with '+': sa+ceres starts ceres from the answer of sa.\n";
+}
+
+std::string ListIntegrators() {
+  std::vector<std::vector<std::string>> rows{{"integrator", "description"}};
+  for (const IntegratorEntry& entry : IntegratorRegistry()) rows.push_back({entry.name, entry.says});
+  return Table(rows, 0) + "What uses them: sinew mbs.\n";
 }
 
 std::string ListFormats() {
@@ -121,7 +128,7 @@ Result<std::string> ListEffects(const ProblemEntry& entry, const std::string& da
          " --release EFFECT` fits one; `sinew diagnose` asks which are needed.\n";
 }
 
-const std::vector<std::string> kSubjects{"problems", "solvers",    "formats",
+const std::vector<std::string> kSubjects{"problems", "solvers",    "integrators", "formats",
                                          "effects",  "parameters", "channels"};
 
 Result<int> List(const std::string& what, const std::string& problem, const std::string& data) {
@@ -129,6 +136,8 @@ Result<int> List(const std::string& what, const std::string& problem, const std:
     return Fail("list: '{}' does not exist{}", what, Suggestion(what, kSubjects));
   if (what == "solvers") {
     Print(ListSolvers());
+  } else if (what == "integrators") {
+    Print(ListIntegrators());
   } else if (what == "formats") {
     Print(ListFormats());
   } else if (what == "problems") {

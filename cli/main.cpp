@@ -65,6 +65,7 @@ int Run(int argc, char** argv) {
   sinew::AddDiagnoseCommand(app, run);
   sinew::AddCompareCommand(app, run);
   sinew::AddReportCommand(app, run);
+  sinew::AddMbsCommand(app, run);
   try {
     app.parse(argc, argv);
   } catch (const CLI::Success& success) {

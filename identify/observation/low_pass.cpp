@@ -15,6 +15,8 @@ double LagSlope(double a) {
 
 void LowPass::Set(const std::vector<double>& time, double time_constant) {
   steps_.resize(time.size());
+  time_constant_ = time_constant;
+  first_step_ = time.size() > 1 ? time[1] - time[0] : 1;
   for (std::size_t i = 1; i < time.size(); ++i) {
     const double h = time[i] - time[i - 1];
     Step& step = steps_[i];
@@ -31,8 +33,10 @@ void LowPass::Set(const std::vector<double>& time, double time_constant) {
 }
 
 void LowPass::Apply(Eigen::Ref<Vector> signal) const {
-  double error = 0;
+  if (signal.size() < 2) return;
+  double error = -time_constant_ * (signal[1] - signal[0]) / first_step_;
   double before = signal[0];
+  signal[0] += error;
   for (Eigen::Index i = 1; i < signal.size(); ++i) {
     const Step& step = steps_[static_cast<std::size_t>(i)];
     error = step.decay * error - step.lag * (signal[i] - before);
@@ -42,8 +46,10 @@ void LowPass::Apply(Eigen::Ref<Vector> signal) const {
 }
 
 void LowPass::Differentiate(const Eigen::Ref<const Vector>& signal, Eigen::Ref<Vector> slope) const {
-  double error = 0;
-  slope[0] = 0;
+  slope.setZero();
+  if (signal.size() < 2) return;
+  slope[0] = -(signal[1] - signal[0]) / first_step_;
+  double error = time_constant_ * slope[0];
   for (Eigen::Index i = 1; i < signal.size(); ++i) {
     const Step& step = steps_[static_cast<std::size_t>(i)];
     const double rise = signal[i] - signal[i - 1];

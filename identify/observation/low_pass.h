@@ -7,14 +7,16 @@
 
 namespace sinew {
 
-/// time_constant * dy/dt + y = x with y = x (balance) at the first time; x runs straight from sample to
-/// sample, for which the recursion is exact, whatever the sampling:
+/// time_constant * dy/dt + y = x; x runs straight from sample to sample, for which the recursion is exact,
+/// whatever the sampling, and ran straight before the first one: an instrument was on before its record
+/// began.
 ///
+///   e_0 = -time_constant (x_1 - x_0) / h_1
 ///   e_i = E e_{i-1} - (time_constant / h) (1 - E) (x_i - x_{i-1}),   y = x + e,   E = exp(-h /
 ///   time_constant)
 ///
 /// At a time constant of 0 the signal passes unchanged and its derivative for the time constant is the limit
-/// -dx/dt, dx/dt being that of the piece that ends at the sample (0 at the first).
+/// -dx/dt, dx/dt being that of the piece that ends at the sample (at the first: that begins there).
 ///
 /// Source: exact discretisation of a first-order lag with first-order hold (Franklin, Powell, Workman,
 /// Digital Control of Dynamic Systems, 1998, ch. 6.3).
@@ -36,6 +38,8 @@ class LowPass {
     double decay_slope = 0;  // d/d(time_constant)
     double lag_slope = 0;
   };
+  double time_constant_ = 0;
+  double first_step_ = 1;    // [s]
   std::vector<Step> steps_;  // [M], that to sample i from i - 1; the first is not used
 };
 

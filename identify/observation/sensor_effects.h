@@ -28,8 +28,8 @@ namespace sinew {
 ///
 /// A time offset interpolates the prediction by a natural cubic spline over its prediction times; what it
 /// would need beyond them continues as a straight line, so the wrapped problem should predict a margin around
-/// its samples (those of all trials and of one alone add up to twice the reach of each). A low-pass starts in
-/// balance at the first prediction.
+/// its samples (those of all trials and of one alone add up to twice the reach of each). A low-pass starts as
+/// if the prediction had run straight before its first sample.
 ///
 /// Derivatives are exact but for quantisation, whose true ones are zero or infinite: the rounding is passed
 /// over (that of the reading is taken, that for the step is zero). A fit can thus follow the other parameters

@@ -40,11 +40,7 @@ TEST(LowPass, ARampLagsByTheTimeConstant) {
     Vector ramp(100);
     for (int i = 0; i < 100; ++i) ramp[i] = 2 + 3 * time[static_cast<std::size_t>(i)];
     const Vector out = Filtered(time, ramp, time_constant);
-    for (int i = 0; i < 100; ++i) {
-      const double t = time[static_cast<std::size_t>(i)] - time[0];
-      const double lag = 3 * time_constant * -std::expm1(-t / time_constant);
-      EXPECT_NEAR(out[i], ramp[i] - lag, 10 * kRounding);
-    }
+    for (int i = 0; i < 100; ++i) EXPECT_NEAR(out[i], ramp[i] - 3 * time_constant, 10 * kRounding);
   }
 }
 
@@ -58,7 +54,8 @@ TEST(LowPass, AgreesWithAFineNumericalSolution) {
   const auto time = IrregularTimes(60, random);
   const Vector signal = RandomSignal(60, random);
   const Vector out = Filtered(time, signal, kTimeConstant);
-  double y = signal[0];
+  double y = signal[0] - kTimeConstant * (signal[1] - signal[0]) / (time[1] - time[0]);
+  EXPECT_NEAR(out[0], y, kTolerance);
   for (int i = 1; i < 60; ++i) {
     const double h = time[static_cast<std::size_t>(i)] - time[static_cast<std::size_t>(i) - 1];
     const auto slope = [&](double s, double at) {
@@ -93,7 +90,9 @@ TEST(LowPass, ItsDerivativeAgreesWithDifferences) {
     const Vector difference =
         (Filtered(time, signal, time_constant + step) - Filtered(time, signal, time_constant - step)) /
         (2 * step);
-    EXPECT_LT(time_constant * (slope - difference).norm(), kTolerance * signal.norm()) << time_constant;
+    // A long time constant lags far behind from the begin.
+    const double size = signal.norm() + Filtered(time, signal, time_constant).norm();
+    EXPECT_LT(time_constant * (slope - difference).norm(), kTolerance * size) << time_constant;
   }
 }
 
@@ -124,7 +123,7 @@ TEST(LowPass, WithoutATimeConstantNothingChangesAndTheSlopeIsTheLimit) {
   filter.Differentiate(signal, at_null);
   filter.Set(time, 1e-9);
   filter.Differentiate(signal, near_null);
-  EXPECT_EQ(at_null[0], 0);
+  EXPECT_DOUBLE_EQ(at_null[0], at_null[1]);
   EXPECT_LT((at_null - near_null).norm(), 1e-12 * at_null.norm());
   for (int i = 1; i < 50; ++i) {
     const auto at = static_cast<std::size_t>(i);
@@ -132,10 +131,21 @@ TEST(LowPass, WithoutATimeConstantNothingChangesAndTheSlopeIsTheLimit) {
   }
 }
 
-TEST(LowPass, StartsInBalance) {
+TEST(LowPass, AConstantPasses) {
   const Vector constant = Vector::Constant(20, 3.5);
   Random random(5);
   EXPECT_EQ(Filtered(IrregularTimes(20, random), constant, 0.2), constant);
+}
+
+TEST(LowPass, OneSamplePasses) {
+  Vector one = Vector::Constant(1, 2);
+  LowPass filter;
+  filter.Set({0.5}, 0.2);
+  filter.Apply(one);
+  EXPECT_EQ(one[0], 2);
+  Vector slope = Vector::Constant(1, 7);
+  filter.Differentiate(one, slope);
+  EXPECT_EQ(slope[0], 0);
 }
 
 }  // namespace
