@@ -28,10 +28,10 @@ KIND_OF = {
     "slow reversals under small torques, where the joint sticks": "creep",
     "the same slow motion forwards and backwards": "creep",
     "creeping at several constant, very low speeds": "creep",
-    "the same slow motion with and without a weight": None,
-    "lifting and lowering the same weight slowly": "creep",
-    "breaking away slowly under several weights": None,
-    "the same slow motion under several weights": None,
+    "the same slow motion with and without a weight, or swings over a wider range": "fast",
+    "lifting and lowering the same weight slowly, or swings over a wider range": "fast",
+    "breaking away slowly under several weights, or swings over a wider range": "fast",
+    "the same slow motion under several weights, or swings over a wider range": "fast",
     "constant speeds up to the highest": "fast",
     "holding many positions over the whole range at rest": "hold",
     "holding several positions at rest, one of them an angle that is known by other means": "hold",
@@ -94,6 +94,8 @@ def rivals(truth, found):
                 own |= {a["instead_of"], a["effect"]}
     result = []
     for a in found["alternatives"]:
+        if a.get("contains_cause"):  # no experiment takes a law out of one that contains it
+            continue
         pair = [a["instead_of"], a["effect"]]
         others = [e for e in pair if e not in own]
         if a.get("same_class"):

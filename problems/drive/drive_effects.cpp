@@ -152,16 +152,16 @@ void AddDryFriction(const DriveScales& s, const Units& unit, Builder& add) {
               kSlowest * s.speed, 2 * s.speed, 0.1 * s.speed)
       .Probes(velocities);
   add.Name("load_friction", Level::kRobot, "dry friction grows with the torque through the gear",
-           "the same slow motion with and without a weight", kBam)
+           "the same slow motion with and without a weight, or swings over a wider range", kBam)
       .Positive(kLoadFriction, "load_friction_coefficient", "1", "dry friction per load of the gear", 1);
   add.Name("directional_friction", Level::kRobot,
            "friction of the gear depends on whether motor or load drives it",
-           "lifting and lowering the same weight slowly", kBam)
+           "lifting and lowering the same weight slowly, or swings over a wider range", kBam)
       .Positive(kMotorLoadFriction, "motor_load_friction", "1", "dry friction per drive torque", 1)
       .Positive(kExternalLoadFriction, "external_load_friction", "1", "dry friction per gravity torque", 1);
   add.Name("stribeck_load_friction", Level::kRobot,
            "near standstill, dry friction grows with the torque through the gear",
-           "breaking away slowly under several weights", kBam)
+           "breaking away slowly under several weights, or swings over a wider range", kBam)
       .Positive(kStribeckLoad, "stribeck_load_coefficient", "1",
                 "dry friction per load of the gear that motion takes away", 1)
       .Number(kStribeckLoadVelocity, "stribeck_load_velocity", unit.speed, "speed at which 1/e of it is left",
@@ -169,7 +169,7 @@ void AddDryFriction(const DriveScales& s, const Units& unit, Builder& add) {
       .Probes(velocities);
   add.Name("quadratic_load_friction", Level::kRobot,
            "dry friction grows with the square of the torque through the gear",
-           "the same slow motion under several weights", kBam)
+           "the same slow motion under several weights, or swings over a wider range", kBam)
       .Positive(kQuadraticLoad, "quadratic_load_coefficient", unit.per_torque,
                 "dry friction per squared load of the gear", 2 / s.torque);
 }
