@@ -59,7 +59,23 @@ class Withdrawal {
     std::vector<Vector> moved = before;
     for (std::size_t b = 0; b < moved.size(); ++b) moved[b] -= with[b];
     const double squared = e_.Loss(moved, selection_.model.noise);
-    return squared > 0 && Gain(before, with) - squared < kFarLess * std::sqrt(6 * squared);
+    const double fitted = FittedChange();
+    if (!(squared > 0 && fitted > 0)) return false;
+    const double deviation = std::sqrt(4 * (1 + squared / fitted) * squared);
+    return Gain(before, with) - squared < kFarLess * deviation;
+  }
+
+  // What the causes change in the fitted trials, in units of the noise's variance; 0 if that cannot be said.
+  [[nodiscard]] double FittedChange() const {
+    LeastSquares fit(e_.problem, *selection_.model.setup);
+    const Whitening whitening(selection_.model.noise, TrainStretches(fit));
+    fit.set_transform(&whitening);
+    auto workspace = fit.NewWorkspace();
+    Vector with;
+    Vector without;
+    if (!fit.Evaluate(selection_.model.x, workspace, with, nullptr)) return 0;
+    if (!fit.Evaluate(fit.Variables(e_.base.refit.point), workspace, without, nullptr)) return 0;
+    return (with - without).squaredNorm();
   }
 
   // The cause that held-out trials miss least; the number of causes if they deny none.
