@@ -164,8 +164,11 @@ class Tables {
                            reach / kNormal95,
                            {rounding.step - reach, rounding.step + reach},
                            0}};
-      out_.causes.push_back(std::move(cause));
-      if (!e_.selection.alarm) e_.selection.family_p_value = 0;
+      // The others come as they were chosen: a fact goes before those that explain less.
+      const auto less = std::find_if(out_.causes.begin(), out_.causes.end(),
+                                     [&](const Cause& other) { return other.delta_lr < cause.delta_lr; });
+      out_.causes.insert(less, std::move(cause));
+      e_.selection.family_p_value = 0;
       e_.selection.alarm = true;
     }
     return {};
