@@ -7,12 +7,12 @@
 #include <optional>
 #include <vector>
 
+#include "base/constants.h"
 #include "base/text.h"
 
 namespace sinew {
 namespace {
 
-constexpr double kPi = 3.14159265358979323846;
 constexpr double kRadPerDeg = kPi / 180;
 
 // The symbols that SI units are written with, in the order in which a product names them.

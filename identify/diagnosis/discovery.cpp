@@ -6,6 +6,7 @@
 #include <optional>
 #include <utility>
 
+#include "base/constants.h"
 #include "base/numbers.h"
 #include "base/text.h"
 #include "identify/diagnosis/linear_term.h"
@@ -157,7 +158,7 @@ class Explorer {
       const double turn = static_cast<double>(i) / (kPoints - 1);
       finding.knots.push_back(turn / line.frequency);
       finding.curve.push_back(
-          (amplitudes[0] * std::cos(2 * M_PI * turn) + amplitudes[1] * std::sin(2 * M_PI * turn)) / weight);
+          (amplitudes[0] * std::cos(2 * kPi * turn) + amplitudes[1] * std::sin(2 * kPi * turn)) / weight);
       finding.deviation.push_back(kNaN);
     }
     if (before_) {

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "base/constants.h"
 #include "base/decompositions.h"
 #include "base/linear_algebra.h"
 #include "base/numbers.h"
@@ -13,7 +14,6 @@ namespace {
 
 constexpr double kWell = 0.85;    // share of the variance that makes a shape worth naming
 constexpr double kBetter = 0.05;  // a law with one more number must explain so much more
-constexpr double kPi = 3.14159265358979323846;
 
 struct Law {
   std::string words;

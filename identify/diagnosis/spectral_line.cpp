@@ -6,13 +6,13 @@
 #include <limits>
 #include <map>
 
+#include "base/constants.h"
 #include "base/decompositions.h"
 #include "identify/uncertainty/student_t.h"
 
 namespace sinew {
 namespace {
 
-constexpr double kPi = 3.14159265358979323846;
 constexpr int kFewest = 64;
 constexpr double kUneven = 0.02;
 constexpr double kCycles = 4;

@@ -4,13 +4,14 @@
 #include <initializer_list>
 #include <limits>
 
+#include "base/constants.h"
+
 namespace sinew {
 namespace {
 
 // Above this the two leading terms of the expansion about the normal distribution are exact to 1e-9, and the
 // difference of two large log-gamma values is not.
 constexpr double kNearlyNormal = 1e5;
-constexpr double kPi = 3.14159265358979323846;
 
 double NormalCdf(double z) {
   return 0.5 * std::erfc(-z / std::sqrt(2.0));

@@ -4,11 +4,11 @@
 #include <cmath>
 
 #include "base/assert.h"
+#include "base/constants.h"
 
 namespace sinew {
 namespace {
 
-constexpr double kPi = 3.14159265358979323846;
 constexpr std::size_t kMostSteps = 16;  // it converges quadratically
 
 struct Mean {

@@ -4,6 +4,7 @@
 #include <cmath>
 #include <limits>
 
+#include "base/constants.h"
 #include "models/multibody/marker_fit.h"
 #include "models/multibody/name_lists.h"
 
@@ -90,7 +91,7 @@ std::vector<Vector> Starts(const MultibodyModel& model) {
     const bool turns =
         coordinate.motion == MotionType::kRotational && !coordinate.locked && !model.IsDependent(i);
     if (!turns || !model.IsGroundCoordinate(i)) continue;
-    for (const double turn : {M_PI / 2, M_PI, -M_PI / 2}) {
+    for (const double turn : {kPi / 2, kPi, -kPi / 2}) {
       Vector start = model.default_values();
       start[i] += turn;
       if (coordinate.clamped && (start[i] < coordinate.lower || start[i] > coordinate.upper)) continue;
@@ -113,7 +114,7 @@ MarkerFit::Solution WithoutWholeTurns(MarkerFit& fit, const MultibodyModel& mode
   for (const int i : fit.free_coordinates()) {
     const OsimCoordinate& coordinate = model.coordinate(i);
     if (coordinate.motion != MotionType::kRotational || coordinate.clamped) continue;
-    wrapped[i] = model.default_values()[i] + std::remainder(wrapped[i] - model.default_values()[i], 2 * M_PI);
+    wrapped[i] = model.default_values()[i] + std::remainder(wrapped[i] - model.default_values()[i], 2 * kPi);
   }
   if (wrapped == solution.values) return solution;
   const MarkerFit::Solution again = fit.Solve(wrapped, options.accuracy, options.max_iterations);
