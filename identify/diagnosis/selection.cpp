@@ -243,9 +243,10 @@ class Selector {
 
   // One curve of one signal does better than all that is in the library: then the cause is not in it.
   // Compared at the base model, before any refit, and only if the refit agrees that the known ones explain
-  // little more. Scores are linear: what they neglect grows with the effect.
+  // little more. Scores are linear: what they neglect grows with the effect. Where no noise model holds, they
+  // compare nothing.
   [[nodiscard]] bool IsOutdoneByUnknown(const Set& chosen) const {
-    if (chosen.empty()) return false;
+    if (chosen.empty() || base_.refit.swallowed) return false;
     std::vector<const Score*> known;
     double parameters = 0;
     for (const int c : chosen) {
