@@ -72,6 +72,25 @@ class MeasuredGait(ProgramTest):
         self.assertEqual(roles, {"right_1": "train", "left_1": "validate"})
         self.assertTrue(all(np.isfinite(entry["rmse"]) for entry in result["fit"]))
 
+    def test_what_is_wrong_with_the_walk(self):
+        """What docs/walking.md says: a residual that no noise model holds, and what helps the other foot."""
+        self.import_gait("--external-loads", LOADS)
+        self.succeeds("data", "kinematics", "gait.h5", "--weights", WEIGHTS, "--quiet")
+        for stance, window, plate, role in (("right_stance", "0.60:1.43", "right", "train"),
+                                            ("left_stance", "1.23:2.04", "left", "validate")):
+            self.succeeds("data", "cut", "gait.h5", "--trial", "walk", "--window", window, "--as", stance, "--plate",
+                          plate, "--role", role)
+        self.succeeds("data", "drop", "gait.h5", "--trial", "walk")
+        found = json.loads(self.succeeds("diagnose", "contact", "--data", "gait.h5", "--config",
+                                         ROOT / "docs" / "examples" / "gait_subject01.yaml", "--out", "why.h5", "--quiet",
+                                         "--json", "-"))
+        self.assertEqual(found["verdict"], "unexplained")
+        self.assertEqual([c["effect"] for c in found["causes"]], ["tilted_floor"])
+        self.assertEqual({w["effect"] for w in found["withdrawn"]}, {"right_force_y.saturation", "stiffness_exponent"})
+        self.assertAlmostEqual(found["gain"]["validate_rmse_before"], 113, delta=1)
+        self.assertAlmostEqual(found["gain"]["validate_rmse_after"], 97.2, delta=1)
+        self.assertTrue(any("noise model would take the model's place" in w for w in found["warnings"]))
+
 
 if __name__ == "__main__":
     unittest.main()
