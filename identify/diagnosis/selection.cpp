@@ -49,10 +49,17 @@ class Selector {
     std::vector<int> chosen;
     Standing standing = base_;
     if (base_.refit.swallowed || IsGross(base_.refit.noise)) {
-      SINEW_TRY(SearchGross(selection));
+      SINEW_TRY(SearchGross(selection, chosen));
       if (selection.gross) return selection;
+      if (!chosen.empty()) {
+        selection.alarm = true;
+        selection.family_p_value = std::min(selection.family_p_value, options_.alarm_level);
+        SINEW_ASSIGN(standing,
+                     StandAt(problem_, candidates_, cache_.at(chosen), kFurtherLevel, options_.seed));
+      }
     }
-    while (static_cast<int>(chosen.size()) < kMostCauses) {
+    while (static_cast<int>(chosen.size()) < kMostCauses &&
+           (chosen.empty() || standing.family.p_value <= kFurtherLevel)) {
       SINEW_ASSIGN(const std::vector<int> next, Extend(chosen, standing));
       if (next.empty()) break;
       if (!selection.alarm) {
@@ -61,7 +68,6 @@ class Selector {
       }
       chosen = next;
       SINEW_ASSIGN(standing, StandAt(problem_, candidates_, cache_.at(chosen), kFurtherLevel, options_.seed));
-      if (standing.family.p_value > kFurtherLevel) break;
     }
     for (const auto& [released, refit] : cache_) {
       if (released.size() == 1 && refit.usable()) selection.tried.push_back(refit);
@@ -80,12 +86,18 @@ class Selector {
  private:
   using Set = std::vector<int>;
 
-  // If one known cause leaves nothing gross, the usual steps do better; else what left-out trials say
-  // counts.
-  Status SearchGross(Selection& selection) {
+  // If one known cause leaves nothing gross, the usual steps do better. If several together do, the usual
+  // steps go on from them; else what left-out trials say counts.
+  Status SearchGross(Selection& selection, Set& chosen) {
     GrossSearch search(problem_, refitter_, candidates_, options_);
     if (!search.possible()) return {};
     SINEW_ASSIGN(const auto found, search.Run(base_));
+    if (!found.ends_gross && found.released.size() > 1) {
+      chosen = found.released;
+      std::sort(chosen.begin(), chosen.end());
+      Fit({{chosen, {found.model.point}}});
+      if (!cache_.at(chosen).usable()) chosen.clear();
+    }
     if (found.released.empty() || !found.ends_gross) return {};
     selection.alarm = true;
     selection.gross = true;
