@@ -1,5 +1,7 @@
 #include "cli/binding.h"
 
+#include <tbb/global_control.h>
+
 #include "base/text.h"
 #include "cli/terminal.h"
 #include "datasets/dataset_hash.h"
@@ -90,6 +92,11 @@ SolverOptions FitOptions::ToSolverOptions() const {
   options.seed = seed;
   options.threads = threads;
   return options;
+}
+
+std::shared_ptr<void> FitOptions::LimitThreads() const {
+  return std::make_shared<tbb::global_control>(tbb::global_control::max_allowed_parallelism,
+                                               static_cast<std::size_t>(threads));
 }
 
 Provenance Binding::ToProvenance(const BindingOptions& options) const {

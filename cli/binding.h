@@ -2,6 +2,7 @@
 // in common.
 #pragma once
 
+#include <memory>
 #include <optional>
 #include <string>
 #include <utility>
@@ -45,6 +46,8 @@ struct FitOptions {
   [[nodiscard]] Result<FitRequest> Request() const;
   [[nodiscard]] Budget ToBudget() const;
   [[nodiscard]] SolverOptions ToSolverOptions() const;
+  /// Until the result is destroyed, nothing in the program uses more threads.
+  [[nodiscard]] std::shared_ptr<void> LimitThreads() const;
 };
 
 /// Data, settings and problem, bound together.

@@ -78,6 +78,7 @@ int NotUsable(const std::string& why) {
 }
 
 Result<int> RunDiagnose(const DiagnoseWords& words) {
+  const auto limit = words.fit.LimitThreads();
   const std::vector<std::string> inputs{words.binding.data, words.binding.config, words.from};
   SINEW_TRY(CheckOutput(words.out, inputs));
   SINEW_TRY(CheckOutput(words.json.empty() ? "-" : words.json,

@@ -94,6 +94,7 @@ void PrintFindings(const IdentifyWords& words, const Binding& binding, const Ide
 }
 
 Result<int> RunIdentify(const IdentifyWords& words) {
+  const auto limit = words.fit.LimitThreads();
   SINEW_TRY(CheckOutput(words.out, {words.binding.data, words.binding.config}));
   SINEW_TRY(CheckOutput(words.json.empty() ? "-" : words.json,
                         {words.binding.data, words.binding.config, words.out}));

@@ -9,6 +9,8 @@
 #include "problems/drive/drive_channels.h"
 #include "problems/drive/drive_problem.h"
 #include "problems/drive/drive_synthesis.h"
+#include "problems/free_body/free_body_problem.h"
+#include "problems/free_body/free_body_synthesis.h"
 
 namespace sinew {
 namespace {
@@ -47,6 +49,16 @@ Result<BoundProblem> BindDrive(const Dataset& data, const YamlReader& settings, 
   return Bound(std::move(problem), with_sensor_effects);
 }
 
+// The cameras' faults are effects of the problem itself: they must reach the states that its windows fit.
+Result<BoundProblem> BindFreeBody(const Dataset& data, const YamlReader& settings,
+                                  bool /*with_sensor_effects*/) {
+  SINEW_TRY(settings.OnlyKeys({"free_body"}));
+  SINEW_ASSIGN(const YamlReader section, settings.At("free_body"));
+  SINEW_ASSIGN(const FreeBodySettings body, ReadFreeBodySettings(section));
+  SINEW_ASSIGN(auto problem, FreeBodyProblem::Make(data, body));
+  return Bound(std::move(problem), false);
+}
+
 }  // namespace
 
 const std::vector<ProblemEntry>& ProblemRegistry() {
@@ -56,6 +68,9 @@ const std::vector<ProblemEntry>& ProblemRegistry() {
        ContactExperiment},
       {"drive", "inertia, friction, gravity and motor of one actuated joint from its input and its motion",
        DescribeDriveChannels(), BindDrive, SynthesizeDrive, DefaultDriveParameters, DriveExperiment, true},
+      {"free_body", "contact and friction of a body that is thrown on a table, from its recorded pose",
+       DescribeFreeBodyChannels(), BindFreeBody, SynthesizeFreeBody, DefaultFreeBodyParameters,
+       FreeBodyExperiment},
   };
   return kProblems;
 }

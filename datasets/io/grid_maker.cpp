@@ -221,6 +221,22 @@ Result<const CsvColumn*> GridMaker::FindColumn(const std::string& path, const Cs
   return found;
 }
 
+Result<std::vector<double>> GridMaker::TimesOf(const std::string& path, const CsvTable& table,
+                                               const MappedTime& mapped) {
+  if (mapped.rate) {
+    std::vector<double> times(table.lines.size());
+    for (std::size_t i = 0; i < times.size(); ++i) times[i] = static_cast<double>(i) / *mapped.rate;
+    return times;
+  }
+  SINEW_ASSIGN(const CsvColumn* time, FindColumn(path, table, mapped.column, mapped.line));
+  PrintedTimes printed;
+  printed.lines = table.lines;
+  for (const double value : time->values) printed.time_s.push_back(value * mapped.factor);
+  constexpr int kMostDecimals = 12;  // more digits than that: computed times, not rounded ones
+  if (time->decimals <= kMostDecimals) printed.last_digit_s = std::pow(10.0, -time->decimals) * mapped.factor;
+  return UsableTimes(path, printed, notes_);
+}
+
 Result<NamedGrid> GridMaker::FromCsv(const std::string& path) {
   SINEW_ASSIGN(const CsvTable table, ReadCsv(path));
   std::vector<std::string> left_out;
@@ -232,21 +248,13 @@ Result<NamedGrid> GridMaker::FromCsv(const std::string& path) {
   if (!map.time) return Fail("{}: has no time, expected for example time: {{column: t, unit: s}}", map.file);
   if (map.channels.empty()) return Fail("{}: names no channels for {}", map.file, path);
 
-  SINEW_ASSIGN(const CsvColumn* time, FindColumn(path, table, map.time->column, map.time->line));
-  PrintedTimes printed;
-  printed.lines = table.lines;
-  for (const double value : time->values) printed.time_s.push_back(value * map.time->factor);
-  constexpr int kMostDecimals = 12;  // more digits than that: computed times, not rounded ones
-  if (time->decimals <= kMostDecimals)
-    printed.last_digit_s = std::pow(10.0, -time->decimals) * map.time->factor;
-
+  NamedGrid made;
+  made.name = Stem(path);
+  SINEW_ASSIGN(made.grid.time, TimesOf(path, table, *map.time));
   auto use = [&](const std::string& column) {
     left_out.erase(std::remove(left_out.begin(), left_out.end(), column), left_out.end());
   };
   use(map.time->column);
-  NamedGrid made;
-  made.name = Stem(path);
-  SINEW_ASSIGN(made.grid.time, UsableTimes(path, printed, notes_));
   for (const auto& [name, mapped] : map.channels) {
     if (!mapped.unit) {
       return FailAt(map.file, mapped.line,

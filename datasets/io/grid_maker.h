@@ -46,6 +46,8 @@ class GridMaker {
   // Adds one column under the names that the map gives it, or under its own.
   Status AddColumn(const std::string& path, const std::string& column, const ColumnMeaning& meaning,
                    const std::vector<double>& values, Grid& grid);
+  Result<std::vector<double>> TimesOf(const std::string& path, const CsvTable& table,
+                                      const MappedTime& mapped);
   Result<const CsvColumn*> FindColumn(const std::string& path, const CsvTable& table, const std::string& name,
                                       long line);
 

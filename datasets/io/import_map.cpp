@@ -106,14 +106,23 @@ class MapParser {
         SINEW_ASSIGN(time.column, Text(value, at, "column"));
         return {};
       }
-      if (key != "unit") return UnknownKey(key, at, "time", {"column", "unit"});
+      if (key == "rate") {
+        SINEW_ASSIGN(const double rate, Number(value, at, "time: rate"));
+        if (!(rate > 0))
+          return FailAt(file_, at, "time: rate is {}, expected samples per second above 0", rate);
+        time.rate = rate;
+        return {};
+      }
+      if (key != "unit") return UnknownKey(key, at, "time", {"column", "unit", "rate"});
       SINEW_ASSIGN(const auto unit, Unit(value, at));
       if (unit.si_unit != "s")
         return FailAt(file_, at, "the unit of time is {}, expected s or ms", unit.si_unit);
       time.factor = unit.factor;
       return {};
     }));
-    if (time.column.empty()) return FailAt(file_, line, "time has no column");
+    if (time.column.empty() == !time.rate)
+      return FailAt(file_, line,
+                    time.rate ? "time has a column and a rate, expected one of them" : "time has no column");
     map_.time = std::move(time);
     return {};
   }

@@ -22,10 +22,11 @@ struct MappedChannel {
   long line = 0;                       ///< in the map
 };
 
-/// The time column of a .csv.
+/// The time column of a .csv, or the rate of one that has none: its first line is then at 0 s.
 struct MappedTime {
-  std::string column;
-  double factor = 1;  ///< to seconds
+  std::string column;          ///< empty if there is a rate
+  double factor = 1;           ///< to seconds
+  std::optional<double> rate;  ///< [1/s, > 0]
   long line = 0;
 };
 
@@ -48,7 +49,7 @@ struct ImportMap {
 
 /// Reads a map:
 ///
-///     time: {column: t, unit: s}
+///     time: {column: t, unit: s}     # or {rate: 148}, samples per second, where no column says it
 ///     channels: {position: {column: qm, unit: deg, kind: measured, scale: 1.0, sigma: 0.1}}
 ///     markers: {R.ASIS: RASI}
 ///     constants: {gear_ratio: {value: 120, unit: "1"}}

@@ -49,6 +49,13 @@ class ImportTest : public testing::Test {
   std::vector<std::string> notes_;
 };
 
+TEST_F(ImportTest, ATableWithoutTimesGetsThemFromItsRate) {
+  UseMap("time: {rate: 8}\nchannels: {position: {column: q, unit: m}}\n");
+  ASSERT_EQ(ErrorOf(Import({folder_.Write("walk.csv", "q\n1\n2\n4\n")})), "");
+  EXPECT_THAT(dataset_.trials.at("walk").grids.at("walk").time, ElementsAre(0, 0.125, 0.25));
+  EXPECT_THAT(At("walk", "position").values, ElementsAre(1, 2, 4));
+}
+
 TEST_F(ImportTest, MarkersForcesAndAnglesMakeOneTrial) {
   options_.plates = *ParsePlates("right=ground_,left=1_ground_");
   options_.role = Role::kValidate;
