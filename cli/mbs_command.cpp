@@ -119,6 +119,7 @@ nlohmann::ordered_json ToJson(const Outcome& o) {
                               {"integrator", o.options.integrator},
                               {"accuracy", o.options.accuracy},
                               {"reference", o.reference.source},
+                              {"reference_certain_to", o.reference.certain_to},
                               {"failure", nullptr}};
   if (!o.failure.empty()) json["failure"] = o.failure;
   if (!o.failure.empty()) return json;
@@ -176,7 +177,7 @@ void AddMbsCommand(Command app, const RunAction& run) {
   Command command = app.AddCommand("mbs", "The simulator against five mechanisms whose motion is known");
   command.Add("mechanism", words->which, "A01 .. A05, A03-IVP or all").ShowsDefault();
   command.Add("--integrator", words->integrator, "One of 'sinew list integrators'");
-  command.Add("--accuracy", words->accuracy, "Relative error per step, 1e-14 .. 0.1; default 1e-8");
+  command.Add("--accuracy", words->accuracy, "Relative error per step, 1e-14 .. 0.1; default 1e-9");
   command.Add("--formulation", words->formulation, "Of a mechanism that has several (docs/mbs.md)");
   command.Add("--max-seconds", words->longest_seconds,
               "CPU time after which a mechanism is given up; default 600");

@@ -4,8 +4,8 @@
 Errors are total errors (equation 3.2 of the thesis) against the built-in references. Prints, per mechanism, formulation and
 integrator, the cheapest run that is at least as good as the thesis (OpenSim), and the cheapest that is ten times better.
 
-usage: precision.py --sinew PATH [--accuracies 1e-3,1e-4,...] [--max-seconds 60] [--out results.json] [--figure FILE.svg]
-       precision.py --from results.json [--figure FILE.svg]
+usage: precision.py --sinew PATH [--accuracies 1e-3,1e-4,...] [--max-seconds 60] [--out results.json] [--figure FILE.png]
+       precision.py --from results.json [--figure FILE.png]
 """
 import argparse
 import json
@@ -15,7 +15,7 @@ from pathlib import Path
 MECHANISMS = {"A01": ["tree"], "A02": ["merged", "couplers", "loops"], "A03": ["tree"], "A04": ["end", "middle"], "A05": ["tree"]}
 THESIS = {"A01": 3.6e-3, "A02": 9.8e-4, "A03": 4.7e-2, "A04": 6.4e-4, "A05": 7.3e-5}  # total error [%]
 SLOW = {"couplers", "loops"}  # only where they can be compared: with the default integrator
-DEFAULT = "rk_feldberg"
+DEFAULT = "rk_feldberg"  # of the slow formulations
 
 
 def integrators(sinew):
@@ -74,7 +74,7 @@ def draw(runs, file):
     matplotlib.use("Agg")
     from matplotlib import pyplot
     names = list(dict.fromkeys(r["integrator"] for r in runs))
-    figure, axes = pyplot.subplots(1, len(MECHANISMS), figsize=(17, 3.8), constrained_layout=True)
+    figure, axes = pyplot.subplots(1, len(MECHANISMS), figsize=(15, 3.4), constrained_layout=True)
     for axis, mechanism in zip(axes, MECHANISMS):
         for formulation in MECHANISMS[mechanism]:
             for number, name in enumerate(names):
@@ -84,8 +84,7 @@ def draw(runs, file):
                     continue
                 first = formulation == MECHANISMS[mechanism][0]
                 axis.plot([r["cpu_seconds"] for r in group], [r["total_error_percent"] for r in group], "o-" if first else "x--",
-                          color=f"C{number}", markersize=3, linewidth=1,
-                          label=name if first else f"{name}, {formulation}")
+                          color=f"C{number}", markersize=3, linewidth=1, label=name if first else None)
         axis.axhline(THESIS[mechanism], color="0.5", linewidth=0.8)
         axis.text(0.98, THESIS[mechanism], "thesis", transform=axis.get_yaxis_transform(), ha="right", va="bottom", fontsize=7,
                   color="0.4")
@@ -94,8 +93,8 @@ def draw(runs, file):
     axes[0].set_ylabel("total error [%]")
     handles = {label: handle for axis in axes for handle, label in zip(*axis.get_legend_handles_labels())}
     figure.legend(handles.values(), handles.keys(), loc="lower center", ncol=len(handles),
-                  fontsize=7, bbox_to_anchor=(0.5, -0.09))
-    figure.savefig(file, bbox_inches="tight")
+                  fontsize=8, bbox_to_anchor=(0.5, -0.1))
+    figure.savefig(file, bbox_inches="tight", dpi=110)
 
 
 def main():

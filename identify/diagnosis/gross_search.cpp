@@ -22,6 +22,8 @@ constexpr double kFineTolerance = 1e-6;  // ... and of the answer
 constexpr std::size_t kMostPromising = 10;
 constexpr std::size_t kMostLeftOut = 6;
 constexpr int kDraws = 40;
+// Fits take longer with more trials, and many trials leave fewer poor places to stop at.
+constexpr double kFewTrials = 6;
 constexpr double kSpread = 0.8;
 constexpr std::size_t kBeam = 2;  // by each of the two errors
 constexpr std::size_t kMostCauses = 5;
@@ -58,11 +60,9 @@ bool IsGross(const NoiseModel& noise) {
 GrossSearch::GrossSearch(const Problem& problem, const Refitter& refitter,
                          const std::vector<Candidate>& candidates, const DiagnosisOptions& options)
     : problem_(problem), refitter_(refitter), candidates_(candidates), options_(options) {
-  std::set<std::string> trials;
-  for (const Block& block : problem.layout()) {
-    if (block.role == BlockRole::kTrain) trials.insert(block.trial);
-  }
-  folds_.assign(trials.begin(), trials.end());
+  folds_ = FoldsOf(problem);
+  const auto trials = static_cast<double>(TrainingTrials(problem).size());
+  restarts_ = static_cast<int>(kDraws * std::min(1.0, std::pow(kFewTrials / trials, 2)));
 }
 
 double GrossSearch::Rows() const {
@@ -73,16 +73,16 @@ double GrossSearch::Rows() const {
 
 double GrossSearch::LeftOutError(const Set& released, const Vector& start) const {
   double squares = 0;
-  for (const std::string& fold : folds_) {
+  for (const TrialFold& fold : folds_) {
     const RoleView view(problem_, [&](const Block& block) {
       if (block.role != BlockRole::kTrain) return BlockRole::kPredicted;
-      return block.trial == fold ? BlockRole::kValidate : BlockRole::kTrain;
+      return fold.Has(block.trial) ? BlockRole::kValidate : BlockRole::kTrain;
     });
     FitSetup setup = refitter_.SetupWith(released);
     setup.rest = start;
     std::vector<int> free;
     for (const int index : setup.free) {
-      if (setup.parameters[static_cast<std::size_t>(index)].trial != fold) free.push_back(index);
+      if (!fold.Has(setup.parameters[static_cast<std::size_t>(index)].trial)) free.push_back(index);
     }
     setup.free = std::move(free);
     const LeastSquares fit(view, setup);
@@ -159,7 +159,7 @@ void GrossSearch::Polish(const Standing& base, std::vector<Trial>& sets) const {
       starts[i].push_back(std::move(start));
     }
     Random random(Random::StreamSeed(options_.seed, i));
-    for (int draw = 0; draw < kDraws; ++draw) {
+    for (int draw = 0; draw < restarts_; ++draw) {
       Vector start = sets[i].point;
       for (const int index : setup.free) {
         const Parameter& p = parameters[static_cast<std::size_t>(index)];

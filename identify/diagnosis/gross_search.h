@@ -13,6 +13,7 @@
 #include "identify/diagnosis/diagnosis.h"
 #include "identify/diagnosis/refit.h"
 #include "identify/diagnosis/standing.h"
+#include "identify/diagnosis/trial_folds.h"
 
 namespace sinew {
 
@@ -28,8 +29,8 @@ class GrossSearch {
 
   /// At least two trials to leave out in turn.
   [[nodiscard]] bool possible() const { return folds_.size() > 1; }
-  /// The trials that are left out in turn.
-  [[nodiscard]] const std::vector<std::string>& folds() const { return folds_; }
+  /// What is left out in turn.
+  [[nodiscard]] const std::vector<TrialFold>& folds() const { return folds_; }
 
   /// Root mean square of the weighted residuals of left-out trials; infinite where a fit failed.
   /// @param start [P] from which every fit starts
@@ -68,7 +69,8 @@ class GrossSearch {
   const Refitter& refitter_;
   const std::vector<Candidate>& candidates_;
   const DiagnosisOptions& options_;
-  std::vector<std::string> folds_;
+  std::vector<TrialFold> folds_;
+  int restarts_ = 0;  // of every set, from random places
   std::set<Set> seen_;
 };
 

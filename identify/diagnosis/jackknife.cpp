@@ -1,10 +1,9 @@
 #include "identify/diagnosis/jackknife.h"
 
 #include <cmath>
-#include <set>
-#include <string>
 #include <vector>
 
+#include "identify/diagnosis/trial_folds.h"
 #include "identify/role_view.h"
 #include "identify/uncertainty/student_t.h"
 
@@ -13,27 +12,24 @@ namespace sinew {
 Result<Matrix> JackknifeCovariance(const Problem& problem, const Refit& refit) {
   constexpr double kTolerance = 1e-5;
   constexpr double kNormal = 1.959964;
-  std::set<std::string> trials;
-  for (const Block& block : problem.layout()) {
-    if (block.role == BlockRole::kTrain) trials.insert(block.trial);
-  }
-  const auto count = static_cast<double>(trials.size());
+  const std::vector<TrialFold> folds = FoldsOf(problem);
+  const auto count = static_cast<double>(folds.size());
   if (count < 2) return Fail("a jackknife needs at least two training trials");
   std::vector<Vector> found;
   Vector mean = Vector::Zero(refit.x.size());
-  for (const std::string& trial : trials) {
+  for (const TrialFold& fold : folds) {
     const RoleView view(problem, [&](const Block& block) {
-      return block.role == BlockRole::kTrain && block.trial == trial ? BlockRole::kPredicted : block.role;
+      return block.role == BlockRole::kTrain && fold.Has(block.trial) ? BlockRole::kPredicted : block.role;
     });
     FitSetup setup = *refit.setup;
     setup.rest = refit.point;
     setup.free.clear();
     for (const int index : refit.setup->free) {
-      if (setup.parameters[static_cast<std::size_t>(index)].trial != trial) setup.free.push_back(index);
+      if (!fold.Has(setup.parameters[static_cast<std::size_t>(index)].trial)) setup.free.push_back(index);
     }
     const LeastSquares fit(view, setup);
     const auto without = FitFromStarts(fit, {refit.point}, kTolerance);
-    if (!without.failure.empty()) return Fail("without trial '{}': {}", trial, without.failure);
+    if (!without.failure.empty()) return Fail("without {}: {}", fold.says, without.failure);
     const LeastSquares whole(problem, *refit.setup);
     found.push_back(whole.Variables(fit.Parameters(without.x)));
     mean += found.back() / count;

@@ -103,7 +103,7 @@ class Selector {
     selection.gross = true;
     selection.family_p_value = std::min(selection.family_p_value, options_.alarm_level);
     selection.structure_left = true;
-    selection.left_out = search.folds();
+    for (const TrialFold& fold : search.folds()) selection.left_out.push_back(fold.says);
     selection.model = found.model;
     for (const auto& [c, share] : found.left_out_shares) {
       ChosenCause cause;

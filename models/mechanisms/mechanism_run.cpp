@@ -126,6 +126,8 @@ Status CheckMechanismOptions(const Mechanism& mechanism, const MechanismOptions&
   if (!options.integrator.empty()) SINEW_TRY(CheckIntegrator(options.integrator));
   if (!(options.accuracy >= 1e-14 && options.accuracy <= 0.1))
     return Fail("accuracy {}: expected 1e-14 .. 0.1", options.accuracy);
+  if (!(options.longest_seconds > 0))
+    return Fail("at most {} s of CPU time: expected a time above 0", options.longest_seconds);
   if (options.windows < 1 || options.windows > kMostWindows)
     return Fail("{} windows: expected 1 .. {}", options.windows, kMostWindows);
   return {};

@@ -13,9 +13,9 @@ namespace sinew {
 struct MechanismOptions {
   std::string formulation;  ///< empty: the mechanism's first
   std::string integrator;   ///< empty: the first of IntegratorRegistry
-  double accuracy = 1e-8;   ///< relative error per unit time and step, 1e-14 .. 0.1; of the constraints too
+  double accuracy = 1e-9;   ///< relative error per unit time and step, 1e-14 .. 0.1; of the constraints too
   int windows = 40;         ///< of A02, 1 .. 1000
-  double longest_seconds = 600;  ///< of CPU time
+  double longest_seconds = 600;  ///< of CPU time, > 0
 };
 
 struct MechanismRun {
@@ -30,7 +30,7 @@ struct MechanismRun {
   long evaluations = 0;  ///< of the accelerations
 };
 
-/// Errors: no such formulation or integrator, an accuracy out of range.
+/// Errors: no such formulation or integrator, an accuracy or a time out of range.
 [[nodiscard]] Status CheckMechanismOptions(const Mechanism& mechanism, const MechanismOptions& options);
 
 /// @param times [samples] s, from 0 on, increasing. Errors: no such formulation or integrator, an accuracy

@@ -210,7 +210,7 @@ struct ReadOut {
 };
 
 Result<ReadOut> ReadToss(const std::string& name, const Trial& trial, const FreeBodySettings& settings,
-                         std::vector<std::string>& notes) {
+                         std::vector<std::string>& notes, std::vector<std::string>& in_hand) {
   SINEW_ASSIGN(Frames frames, ReadFrames(trial));
   ReadOut out;
   const int dropped = DropOutliers(settings.body.size, frames);
@@ -222,8 +222,7 @@ Result<ReadOut> ReadToss(const std::string& name, const Trial& trial, const Free
   out.free = FallsFreely(frames, settings);
   const std::size_t released = ReleasedAt(frames, out.free, settings);
   if (released > 0) {
-    notes.push_back(
-        fmt::format("trial '{}': begins in the hand; the first {} frames are left out", name, released));
+    in_hand.push_back(fmt::format("{} ({})", name, released));
     frames.erase(frames.begin(), frames.begin() + static_cast<std::ptrdiff_t>(released));
     out.free.erase(out.free.begin(), out.free.begin() + static_cast<std::ptrdiff_t>(released));
   }
@@ -292,19 +291,25 @@ double NoiseOf(const FreeBodyData& data, std::size_t channel) {
   return *middle / 0.6745 / std::sqrt(20.0);
 }
 
-// Positions and orientations have one weight each per phase. In flight it is that of the noise; after the
-// first touch, no simulation is better than a hundredth of the body's size (a turn by an angle a changes a
-// quaternion by a/2).
+// Positions and orientations have one weight each per phase: that of the noise, if the data state it. If not,
+// the noise is what flights show, and after the first touch errors of a hundredth of the body's size are
+// expected, which no simulation of a real impact undercuts (a turn by an angle a changes a quaternion by
+// a/2).
 void Weigh(FreeBodyData& data) {
   for (const bool turns : {false, true}) {
     const std::size_t begin = turns ? 3 : 0;
     const std::size_t end = turns ? kPoseChannels : 3;
     const double expected = kExpected * (turns ? 0.5 : data.body.size);
     double noise = kLeastNoise * expected;
-    for (std::size_t c = begin; c < end; ++c) noise = std::max(noise, NoiseOf(data, c));
+    bool stated = true;
+    for (std::size_t c = begin; c < end; ++c) {
+      noise = std::max(noise, NoiseOf(data, c));
+      for (const Toss& toss : data.tosses)
+        stated = stated && data.layout[static_cast<std::size_t>(toss.first_block) + c].sigma;
+    }
     for (std::size_t c = begin; c < end; ++c) {
       data.weight[kFlight][c] = 1 / noise;
-      data.weight[kContact][c] = 1 / std::max(noise, expected);
+      data.weight[kContact][c] = 1 / (stated ? noise : std::max(noise, expected));
     }
   }
   for (const Toss& toss : data.tosses) {
@@ -352,8 +357,9 @@ Result<FreeBodyData> PrepareFreeBodyData(const Dataset& data, const FreeBodySett
   out.body = settings.body;
   out.speed = 0;
   bool any_training = false;
+  std::vector<std::string> in_hand;
   for (const auto& [name, trial] : data.trials) {
-    auto read = ReadToss(name, trial, settings, out.notes);
+    auto read = ReadToss(name, trial, settings, out.notes, in_hand);
     if (!read) return Fail("trial '{}': {}", name, read.error().message);
     any_training = any_training || trial.role == Role::kTrain;
     Toss& toss = read->toss;
@@ -366,6 +372,9 @@ Result<FreeBodyData> PrepareFreeBodyData(const Dataset& data, const FreeBodySett
     AddWindows(out.tosses.back(), read->free, static_cast<int>(out.tosses.size()) - 1, settings, out.windows);
   }
   if (!any_training) return Fail("no trial has the role train: nothing to fit");
+  if (!in_hand.empty()) {
+    out.notes.push_back("begins in the hand (so many frames are left out): " + Join(in_hand, ", "));
+  }
   out.speed = std::max(out.speed, 0.1);
   for (int k = 0; k < kFreeBodyKnots; ++k) {
     // Finer where slip is slow; approach is positive on the way in.

@@ -113,8 +113,11 @@ Status FreeBodyProblem::PredictWindow(std::size_t w, const Query& query, const F
 }
 
 std::string FreeBodyProblem::objective() const {
-  return "half the sum of squared residuals of the poses: before the first touch in units of the noise, "
-         "after it in hundredths of the body's size";
+  return data_.weight[kContact] == data_.weight[kFlight]
+             ? "half the sum of squared residuals of the poses in units of their noise"
+             : "half the sum of squared residuals of the poses: before the first touch in units of the "
+               "noise, "
+               "after it in hundredths of the body's size";
 }
 
 Status FreeBodyProblem::Describe(const Vector& parameters, Hdf5Node& details) const {

@@ -52,6 +52,8 @@ WindowFit::WindowFit(const FreeBodyData& data, const TossWindow& window) : data_
   flown4_.resize(frames);
   flown16_.resize(frames);
   for (Vector* v : {&weight_, &residual_, &trial_residual_}) v->resize(Rows(window));
+  const std::size_t half = (flight_.size() + frames) / 2;
+  half_.assign(window.times.begin(), window.times.begin() + static_cast<std::ptrdiff_t>(half));
   const Toss& toss = data.tosses[static_cast<std::size_t>(window.toss)];
   for (std::size_t i = 0; i < frames; ++i) {
     for (std::size_t c = 0; c < kPoseChannels; ++c) {
@@ -90,6 +92,7 @@ Status WindowFit::Evaluate(const FreeBodyNumbers& numbers, const FlightStart& st
 Status WindowFit::Fit(const FreeBodyNumbers& numbers) {
   start_ = window_.guess;
   if (!flight_.empty()) SINEW_TRY(Search(numbers, flight_));
+  SINEW_TRY(Search(numbers, half_));
   return Search(numbers, window_.times);
 }
 

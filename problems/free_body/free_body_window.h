@@ -49,6 +49,7 @@ class WindowFit {
   const FreeBodyData& data_;
   const TossWindow& window_;
   std::vector<double> flight_;  // times of the frames before the first touch; empty if too few
+  std::vector<double> half_;    // and of half of the others too
   const std::vector<double>* times_ = nullptr;  // of the frames that are compared now
   FlightLimits limits_;
   FlightStart start_;

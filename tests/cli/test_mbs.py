@@ -12,6 +12,10 @@ from program import ROOT, ProgramTest
 SHARED = Path(os.environ.get("SINEW_SHARED_DATA", ROOT.parent / "shared" / "data")) / "mbs_benchmark"
 
 
+# Total errors of OpenSim in the thesis [%], a tenth of them; A03-IVP was not in it.
+TENTH_OF_THESIS = {"A01": 3.6e-4, "A02": 9.8e-5, "A03": 4.7e-3, "A04": 6.4e-5, "A05": 7.3e-6, "A03-IVP": 2e-5}
+
+
 class Mbs(ProgramTest):
     def runs(self, *words):
         return json.loads(self.succeeds("mbs", *words, "--json", "-"))["runs"]
@@ -22,7 +26,7 @@ class Mbs(ProgramTest):
         for one in runs:
             with self.subTest(one["mechanism"]):
                 self.assertIsNone(one["failure"])
-                self.assertLess(one["total_error_percent"], 0.02)
+                self.assertLess(one["total_error_percent"], TENTH_OF_THESIS[one["mechanism"]])
                 self.assertLess(one["energy_drift"], 1e-3 * one["kinetic_energy"])
                 self.assertGreater(one["cpu_seconds"], 0)
                 self.assertGreater(one["evaluations"], one["steps"])
@@ -31,7 +35,7 @@ class Mbs(ProgramTest):
 
     def test_the_table_names_what_it_shows(self):
         text = self.succeeds("mbs", "A01")
-        for words in ("rk_feldberg at accuracy", "A01", "thesis %", "0.00360", "exact (Jacobi's elliptic functions)"):
+        for words in ("rk_merson at accuracy", "A01", "thesis %", "0.00360", "exact (Jacobi's elliptic functions)"):
             self.assertIn(words, text)
 
     def test_every_integrator_that_is_listed_runs(self):
@@ -63,6 +67,7 @@ class Mbs(ProgramTest):
 
     def test_what_cannot_be_had(self):
         self.fails("mechanism 'A06' does not exist; did you mean 'A01'?", "mbs", "A06")
+        self.fails("at most -1 s of CPU time: expected a time above 0", "mbs", "A01", "--max-seconds", "-1")
         self.fails("integrator 'rk_fehlberg' does not exist; did you mean 'rk_feldberg'?", "mbs", "A01", "--integrator",
                    "rk_fehlberg")
         self.fails("accuracy 1: expected 1e-14 .. 0.1", "mbs", "A01", "--accuracy", "1")

@@ -79,11 +79,29 @@ TEST(GrossSearch, AnUnknownWanderIsGrossAndNoiseIsNot) {
 
 TEST(GrossSearch, FoldsAreTheFittedTrials) {
   const LinearLaws several({}, 1, 3, 2);
-  EXPECT_EQ(Case(several).search->folds(), (std::vector<std::string>{"trial_1", "trial_2", "trial_3"}))
+  const Case of_several(several);
+  std::vector<std::string> says;
+  for (const TrialFold& fold : of_several.search->folds()) says.push_back(fold.says);
+  EXPECT_EQ(says, (std::vector<std::string>{"trial_1", "trial_2", "trial_3"}))
       << "held-out trials are no folds";
-  EXPECT_TRUE(Case(several).search->possible());
+  EXPECT_TRUE(of_several.search->possible());
   const LinearLaws one({}, 1, 1, 2);
   EXPECT_FALSE(Case(one).search->possible());
+}
+
+TEST(GrossSearch, ManyTrialsAreDealtToTenFolds) {
+  const LinearLaws many({}, 1, 23, 1);
+  const std::vector<TrialFold> folds = FoldsOf(many);
+  ASSERT_EQ(folds.size(), 10U);
+  std::size_t trials = 0;
+  for (const TrialFold& fold : folds) {
+    trials += fold.trials.size();
+    for (const std::string& trial : fold.trials) EXPECT_TRUE(fold.Has(trial));
+    EXPECT_FALSE(fold.Has("trial_24")) << "is held out";
+  }
+  EXPECT_EQ(trials, 23U);
+  EXPECT_EQ(folds.front().says, "trial_1 and 2 more");
+  EXPECT_EQ(folds.back().says, folds.back().trials.front() + " and 1 more");
 }
 
 // By normal equations on the other trials.
