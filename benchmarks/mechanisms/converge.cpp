@@ -1,5 +1,6 @@
 // Writes models/mechanisms/converged_curves.cpp: what A03, A04 and A05 do, by rk_feldberg at an accuracy at
-// which nothing changes any more, and how far rk_merson (the default) and cpodes_bdf are from it. Takes minutes.
+// which nothing changes any more, and how far rk_merson (the default) and cpodes_bdf are from it. Takes
+// minutes.
 #include <algorithm>
 #include <cstdio>
 

@@ -8,7 +8,8 @@ namespace sinew {
 
 const std::vector<IntegratorEntry>& IntegratorRegistry() {
   static const std::vector<IntegratorEntry> entries{
-      {"rk_merson", "Runge-Kutta-Merson 4(3), explicit, adaptive; keeps best to the accuracy that is asked for"},
+      {"rk_merson",
+       "Runge-Kutta-Merson 4(3), explicit, adaptive; keeps best to the accuracy that is asked for"},
       {"rk_feldberg", "Runge-Kutta-Fehlberg 5(4), explicit, adaptive; what the thesis used"},
       {"rk3", "Runge-Kutta 3(2), explicit, adaptive"},
       {"cpodes_bdf", "backward differences of order 1 to 5, implicit, adaptive (CPODES); for stiff systems"},
