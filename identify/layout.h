@@ -34,7 +34,11 @@ struct Block {
   std::vector<double> measured;         ///< [N, unit], finite; empty for kPredicted without measurement
   double weight = 1;                    ///< [1/unit], > 0
   std::optional<double> sigma;          ///< [unit] noise level, if known
-  std::vector<int> columns;             ///< parameters that it may depend on, increasing
+  /// The noise is white, and no lower than `sigma` where that is known. For predictions that fit values of
+  /// their own inside (states of a toss): their residual has lost what these took up, so that an
+  /// autoregression or a lower level estimated from it would be one of the fit.
+  bool white = false;
+  std::vector<int> columns;  ///< parameters that it may depend on, increasing
 
   [[nodiscard]] int samples() const { return static_cast<int>(measured.size()); }
   [[nodiscard]] int predictions() const { return static_cast<int>(prediction_time.size()); }

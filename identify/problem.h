@@ -71,6 +71,11 @@ class Problem {
   /// What the cost is, for a person.
   [[nodiscard]] virtual std::string objective() const { return "half the sum of squared weighted residuals"; }
 
+  /// Share of the cost that a small change of the parameters may add to it or take from it by chance: a
+  /// prediction that searches or integrates in steps is no smoother than these. Searches and profiles look no
+  /// closer. 0: smooth to rounding.
+  [[nodiscard]] virtual double cost_grain() const { return 0; }
+
   /// Adds what only this problem has to show (pressures under a sole, muscle forces) at these parameters to a
   /// run file.
   virtual Status Describe(const Vector& parameters, Hdf5Node& details) const;

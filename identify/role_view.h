@@ -24,6 +24,7 @@ class RoleView final : public Problem {
   [[nodiscard]] const std::vector<Port>& ports() const override { return inner_.ports(); }
   [[nodiscard]] const std::vector<Constraint>& constraints() const override { return inner_.constraints(); }
   [[nodiscard]] std::unique_ptr<Workspace> NewWorkspace() const override { return inner_.NewWorkspace(); }
+  [[nodiscard]] double cost_grain() const override { return inner_.cost_grain(); }
   Status Predict(const Query& query, Workspace& workspace, Prediction& prediction) const override {
     return inner_.Predict(query, workspace, prediction);
   }

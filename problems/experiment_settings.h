@@ -14,8 +14,18 @@
 #include "base/error.h"
 #include "base/numbers.h"
 #include "base/text.h"
+#include "problems/registry.h"
 
 namespace sinew {
+
+/// Everything that --set takes, with its default and range.
+struct ExperimentSetting {
+  const char* name;
+  double value;
+  double lower;
+  double upper;
+  const char* says;
+};
 
 /// Errors: no such setting (with a suggestion), or a value out of its range.
 template <class Setting, std::size_t N>
@@ -39,6 +49,22 @@ inline Status ScaleNoise(const std::optional<double>& factor, std::initializer_l
   if (!(*factor >= 0)) return Fail("--noise {}: expected a factor of at least 0", *factor);
   for (const char* name : names) values[name] *= *factor;
   return {};
+}
+
+/// Value of every setting by name: its default, or that of --set. @param noise scaled by --noise
+/// Errors: FindSetting's, ScaleNoise's.
+template <std::size_t N>
+Result<std::map<std::string, double>> ReadExperiment(const ExperimentSetting (&settings)[N],
+                                                     std::initializer_list<const char*> noise,
+                                                     const SynthesisRequest& request) {
+  std::map<std::string, double> values;
+  for (const ExperimentSetting& setting : settings) values[setting.name] = setting.value;
+  for (const auto& [name, value] : request.set) {
+    SINEW_TRY(FindSetting(settings, name, value));
+    values[name] = value;
+  }
+  SINEW_TRY(ScaleNoise(request.noise, noise, values));
+  return values;
 }
 
 /// Name and default of every setting.

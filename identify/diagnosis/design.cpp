@@ -264,6 +264,7 @@ Result<std::vector<NoiseBlock>> NoiseBlocks(const LeastSquares& fit, const Vecto
     noise.columns = jacobian.pieces[t].variables;
     noise.stretches = Stretches(block);
     if (block.sigma) noise.stated = block.weight * *block.sigma;
+    noise.white = block.white;
     blocks.push_back(std::move(noise));
   }
   return blocks;

@@ -53,6 +53,8 @@ struct Channel {
   std::vector<double> burg;                // partial autocorrelations of the ordinary residual, the start
   int largest_order = 0;                   // that its rows can bear
   bool silent = false;                     // zero throughout
+  bool white = false;                      // by decree
+  double least_deviation = 0;              // by decree
   std::optional<LaggedProducts> products;  // of the rows that count now
   Vector shape;                            // partial autocorrelations = tanh of it
   double log_variance = 0;                 // of the innovation
@@ -79,6 +81,9 @@ class Estimator {
       const double stated = blocks[b].stated.value_or(std::numeric_limits<double>::infinity());
       found->power += blocks[b].residual.squaredNorm();
       found->loud_power += samples * std::pow(kLoud * stated, 2);
+      found->white = found->white || blocks[b].white;
+      if (blocks[b].white)
+        found->least_deviation = std::max(found->least_deviation, blocks[b].stated.value_or(0));
       model_.channel_of.push_back(static_cast<int>(found - channels_.begin()));
     }
     for (Channel& channel : channels_) Start(channel);
@@ -97,8 +102,10 @@ class Estimator {
       last = deviance;
     }
     for (const Channel& channel : channels_) {
-      const double deviation = channel.silent ? kSmallestDeviation : std::exp(0.5 * channel.log_variance);
-      model_.channels.push_back({channel.name, FilterOf(channel.shape).coefficients(), deviation});
+      const double estimated = channel.silent ? kSmallestDeviation : std::exp(0.5 * channel.log_variance);
+      const double deviation = std::max(estimated, channel.least_deviation);
+      model_.channels.push_back(
+          {channel.name, FilterOf(channel.shape).coefficients(), deviation, channel.least_deviation});
     }
     return std::move(model_);
   }
@@ -121,7 +128,7 @@ class Estimator {
         channel.silent ? 2 * std::log(kSmallestDeviation) : std::log(power / std::max(rows, 1));
     channel.first_log_variance = channel.log_variance;
     channel.shape.resize(0);
-    if (!options_.white && !channel.silent && channel.power <= channel.loud_power) {
+    if (!options_.white && !channel.white && !channel.silent && channel.power <= channel.loud_power) {
       // Its part of what the regressors take.
       const double spent = static_cast<double>(columns_) * rows / samples_;
       for (int order = 1; order <= options_.largest_order; ++order) {

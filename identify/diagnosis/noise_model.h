@@ -17,6 +17,7 @@ struct ChannelNoiseModel {
   std::string channel;
   std::vector<double> coefficients;  ///< [order]; empty: white
   double deviation = 1;              ///< of the innovation, in units of the weighted residual, > 0
+  double least_deviation = 0;        ///< below which no estimate of it may go; of white channels
 
   /// Standard deviation of the process itself, in units of the weighted residual; infinite if not stationary.
   [[nodiscard]] double ProcessDeviation() const;
@@ -40,6 +41,7 @@ struct NoiseBlock {
   /// First row of every stretch without a gap, increasing, starts with 0. Whitening never reaches across.
   std::vector<int> stretches;
   std::optional<double> stated;  ///< noise level that the data state [unit of `residual`], > 0
+  bool white = false;            ///< order 0, and no lower than `stated`; as in Block
 };
 
 /// Price of one coefficient in the deviance: log(rows) or 2.
@@ -83,6 +85,8 @@ struct NoiseModelOptions {
 /// 0: an autoregression would pass off as noise what the data say is none. (On stances of 32 samples it
 /// swallows a plate's offset of eleven times the stated noise.) By chance a white residual of 60 samples is
 /// so loud once in a million cases.
+///
+/// A channel with a white block gets order 0, and no level below the largest stated one of its white blocks.
 ///
 /// Regressors that are combinations of others count once. Several channels: one at a time, the others as they
 /// stand, until the likelihood no longer changes. Cost does not depend on the number of samples after one

@@ -58,7 +58,10 @@ double Deviance(const LeastSquares& fit, const Vector& residual, const NoiseMode
   if (counted != nullptr) *counted = 0;
   for (std::size_t c = 0; c < sum.size(); ++c) {
     if (count[c] == 0) continue;
-    deviance += count[c] * std::log(std::max(sum[c] / count[c], std::numeric_limits<double>::min()));
+    const double least = std::pow(noise.channels[c].least_deviation, 2);
+    const double variance = std::max({sum[c] / count[c], least, std::numeric_limits<double>::min()});
+    // Counts where the least one stands in for the estimate, else 0.
+    deviance += count[c] * std::log(variance) + (sum[c] / variance - count[c]);
     if (counted != nullptr) *counted += static_cast<int>(count[c]);
   }
   return deviance;

@@ -49,6 +49,7 @@ class SensorEffects final : public Problem {
   [[nodiscard]] std::unique_ptr<Workspace> NewWorkspace() const override;
   Status Predict(const Query& query, Workspace& workspace, Prediction& prediction) const override;
   [[nodiscard]] std::string objective() const override { return inner_->objective(); }
+  [[nodiscard]] double cost_grain() const override { return inner_->cost_grain(); }
   Status Describe(const Vector& parameters, Hdf5Node& details) const override;
   [[nodiscard]] std::vector<Signal> SignalsOf(int block) const override { return inner_->SignalsOf(block); }
 

@@ -290,6 +290,7 @@ Round SolveFace(Evaluator& evaluator, Iterate& iterate, std::vector<Group>& grou
 Search CeresSolver::DoSolve(Evaluator& evaluator, const Vector& start) const {
   SilenceGlog();
   const auto n = static_cast<std::size_t>(start.size());
+  const double cost_tolerance = std::max(cost_tolerance_, evaluator.problem().problem().cost_grain());
   Iterate iterate(evaluator, start);
   Vector x = start;
   std::vector<bool> held(n, false);
@@ -298,7 +299,7 @@ Search CeresSolver::DoSolve(Evaluator& evaluator, const Vector& start) const {
     std::vector<Group> groups = GroupByTrial(evaluator.problem(), x, held);
     Round round;
     if (!groups.empty()) {
-      round = SolveFace(evaluator, iterate, groups, held, cost_tolerance_);
+      round = SolveFace(evaluator, iterate, groups, held, cost_tolerance);
       search.stop = StopFromSummary(round.summary);
       search.iterations += static_cast<int>(round.summary.iterations.size());
       if (evaluator.stop_cause() != Evaluator::StopCause::kNone) return search;
@@ -318,7 +319,7 @@ Search CeresSolver::DoSolve(Evaluator& evaluator, const Vector& start) const {
     for (std::size_t k = 0; k < n; ++k) {
       if (!pushed[k]) gain = std::max(gain, slopes.gain[static_cast<Eigen::Index>(k)]);
     }
-    const double allowed = cost_tolerance_ * evaluator.best().cost;
+    const double allowed = cost_tolerance * evaluator.best().cost;
     if (gain <= allowed) {
       if (groups.empty() || !search.stop.converged()) {
         search.stop = {

@@ -117,7 +117,8 @@ LocalFit::Outcome LocalFit::Minimize(const Vector& start, int held, Tolerance to
     double predicted = 0;
     const Vector step = Step(outcome.x, held, damping, predicted);
     const bool tiny_step = step.cwiseAbs().maxCoeff() <= std::numeric_limits<double>::epsilon();
-    const double enough = tolerance.absolute + tolerance.relative * outcome.cost;
+    const double enough = std::max(tolerance.absolute + tolerance.relative * outcome.cost,
+                                   problem_.problem().cost_grain() * outcome.cost);
     if (tiny_step || std::abs(predicted) <= enough) {
       outcome.converged = true;
       return outcome;

@@ -24,7 +24,8 @@ class LocalFit {
   /// compared if their penalties are the same.
   explicit LocalFit(const LeastSquares& problem, double penalty = 0);
 
-  /// The search ends when the next step is predicted to gain less than absolute + relative * cost.
+  /// The search ends when the next step is predicted to gain less than absolute + relative * cost, or than
+  /// the grain of the cost.
   struct Tolerance {
     double absolute = 0;
     double relative = 0;
@@ -34,6 +35,7 @@ class LocalFit {
   /// residuals, with or without Jacobian.
   Outcome Minimize(const Vector& start, int held, Tolerance tolerance, long max_evaluations);
 
+  [[nodiscard]] const LeastSquares& problem() const { return problem_; }
   [[nodiscard]] long evaluations() const { return evaluations_; }
   [[nodiscard]] double penalty() const { return penalty_; }
 

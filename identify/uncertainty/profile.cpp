@@ -15,7 +15,8 @@
 namespace sinew {
 namespace {
 
-// Ends are found to this share of their distance: far below what a 95 % interval is worth.
+// Ends are found to this share of their distance, far below what a 95 % interval is worth, or as closely as
+// the grain of the cost allows.
 constexpr double kEndTolerance = 2e-3;
 // Refits stop when the next step would change the rise by this share; half of it is the error of the end.
 constexpr double kRefitTolerance = 1e-3;
@@ -43,6 +44,9 @@ class EndSearch {
         sign_(sign),
         last_(fit.evaluations() + max_evaluations),
         interrupt_(interrupt),
+        // Half of an error of the rise is that of the end.
+        end_tolerance_(
+            std::max(kEndTolerance, fit.problem().problem().cost_grain() * cost / request.rise / 2)),
         inner_{0, 0, minimum, true},
         lowest_(cost) {}
 
@@ -56,12 +60,12 @@ class EndSearch {
         return Failure("it was stopped");
       if (fit_.evaluations() >= last_) return Failure("its evaluations were used up");
       Point point = Evaluate(distance);
-      if (std::abs(point.height - 1) <= kEndTolerance || (point.height < 1 && distance >= room)) {
+      if (std::abs(point.height - 1) <= end_tolerance_ || (point.height < 1 && distance >= room)) {
         if (!point.converged) return Failure("a refit of the other values did not converge");
         return {At(distance), point.height < 1 && distance >= room, {}};
       }
       Narrow(std::move(point));
-      if (has_outer_ && outer_.distance - inner_.distance <= kEndTolerance * outer_.distance) {
+      if (has_outer_ && outer_.distance - inner_.distance <= end_tolerance_ * outer_.distance) {
         if (std::isinf(outer_.height)) return Failure("there is no prediction at its end");
         return {At(outer_.distance), false, {}};  // the cost jumps here
       }
@@ -129,6 +133,7 @@ class EndSearch {
   double sign_;
   long last_;
   const std::atomic<bool>* interrupt_;
+  double end_tolerance_;
   Point inner_;
   Point outer_;
   bool has_outer_ = false;

@@ -49,15 +49,7 @@ contact:
     dissipation: {lower: 0, upper: 600, start: 10}
 )";
 
-// Everything that --set takes, with its default and range.
-struct Setting {
-  const char* name;
-  double value;
-  double lower;
-  double upper;
-  const char* says;
-};
-constexpr Setting kSettings[] = {
+constexpr ExperimentSetting kSettings[] = {
     {"stiffness", 9e5, 1e4, 1e7, "true stiffness [N/m3]"},
     {"dissipation", 30, 0, 600, "true dissipation [s/m]"},
     {"static_friction", 0.9, 0, 15, "true static friction"},
@@ -74,17 +66,6 @@ constexpr Setting kSettings[] = {
 };
 
 using Values = std::map<std::string, double>;
-
-Result<Values> ReadSettings(const SynthesisRequest& request) {
-  Values values;
-  for (const Setting& setting : kSettings) values[setting.name] = setting.value;
-  for (const auto& [name, value] : request.set) {
-    SINEW_TRY(FindSetting(kSettings, name, value));
-    values[name] = value;
-  }
-  SINEW_TRY(ScaleNoise(request.noise, {"force_noise", "marker_noise"}, values));
-  return values;
-}
 
 Step DrawStep(Random& random, bool right, double slip) {
   Step step;
@@ -285,7 +266,7 @@ Result<Trial> RecordStance(const MultibodyModel& model, const Step& step, const 
 }  // namespace
 
 Result<Dataset> SynthesizeContact(const SynthesisRequest& request) {
-  SINEW_ASSIGN(const Values values, ReadSettings(request));
+  SINEW_ASSIGN(const Values values, ReadExperiment(kSettings, {"force_noise", "marker_noise"}, request));
   SINEW_ASSIGN(const ContactTruth hidden, ReadContactTruth(request.effects));
   SINEW_ASSIGN(const OsimModel osim, ReadOsim(kNaoLikeOsim, "nao_like.osim"));
   SINEW_ASSIGN(const MultibodyModel model, MultibodyModel::Build(osim));

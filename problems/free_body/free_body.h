@@ -76,7 +76,7 @@ struct FreeBody {
   double transition_velocity = 0.01;         ///< vt [m/s]
   double size = 0.1;                         ///< half of the longest edge [m]
   double reach = 0.1;                        ///< from the middle to the farthest point [m]
-  double accuracy = 1e-6;                    ///< of the integrator
+  double accuracy = 1e-8;                    ///< of the integrator
   std::array<std::vector<double>, 2> knots;  ///< [kFreeBodyKnots] slip speed, depth rate [m/s]
 };
 

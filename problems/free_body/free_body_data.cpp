@@ -267,6 +267,7 @@ void AddBlocks(const Trial& trial, const Toss& toss, Layout& layout) {
         block.measured.push_back(toss.poses[static_cast<std::size_t>(i)][c]);
       }
       block.sigma = trial.Find(kPoseNames[c]).channel->sigma;
+      block.white = block.sigma.has_value();
       layout.push_back(std::move(block));
     }
   }

@@ -21,7 +21,7 @@ struct FlightStart {
 };
 
 struct FlightLimits {
-  double accuracy = 1e-6;  ///< of place, speed and turn per step, as shares of the body's size, 1 m/s, 1 rad
+  double accuracy = 1e-8;  ///< of place, speed and turn per step, as shares of the body's size, 1 m/s, 1 rad
   long most_steps = 4000;
 
   /// Ordinary windows take 3 to 10 steps per frame.

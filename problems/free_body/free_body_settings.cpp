@@ -76,7 +76,7 @@ Result<FreeBodySettings> ReadFreeBodySettings(const YamlReader& yaml) {
   SINEW_ASSIGN(settings.window, ReadNumber(yaml, {"window", 0, 0, 1e6}));
   SINEW_ASSIGN(body.gravity, ReadNumber(yaml, {"gravity", 9.81, 0, 1000}));
   SINEW_ASSIGN(body.transition_velocity, ReadNumber(yaml, {"transition_velocity", 0.01, 1e-5, 10}));
-  SINEW_ASSIGN(body.accuracy, ReadNumber(yaml, {"accuracy", 1e-6, 1e-12, 1e-2}));
+  SINEW_ASSIGN(body.accuracy, ReadNumber(yaml, {"accuracy", 1e-8, 1e-12, 1e-2}));
   body.points = PointsOfBox(settings.edges, body.contact, static_cast<int>(divisions));
   body.size = settings.edges.maxCoeff() / 2;
   body.reach = settings.edges.norm() / 2;

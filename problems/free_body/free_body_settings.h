@@ -10,7 +10,7 @@
 //     window: 0                        # [s] after which the simulation starts anew; 0: never
 //     gravity: 9.81                    # [m/s2]
 //     transition_velocity: 0.01        # [m/s] of the friction law
-//     accuracy: 1e-6                   # of the integrator, per step
+//     accuracy: 1e-8                   # of the integrator, per step
 #pragma once
 
 #include "base/error.h"

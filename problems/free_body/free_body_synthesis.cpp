@@ -13,14 +13,7 @@
 namespace sinew {
 namespace {
 
-struct Setting {
-  const char* name;
-  double value;
-  double lower;
-  double upper;
-  const char* says;
-};
-constexpr Setting kSettings[] = {
+constexpr ExperimentSetting kSettings[] = {
     {"stiffness", 0, 0, 1e15, "true stiffness [N/m^1.5, elastic_foundation N/m3]; 0: 1e6, or 2e9"},
     {"dissipation", 1.5, 0.01, 100, "true dissipation [s/m]"},
     {"friction", 0.2, 0, 2, "true friction coefficient"},
@@ -45,17 +38,6 @@ constexpr double kMass = 0.37;    // [kg]
 constexpr double kInertia = 8.1e-4;
 
 using Values = std::map<std::string, double>;
-
-Result<Values> ReadSettings(const SynthesisRequest& request) {
-  Values values;
-  for (const Setting& setting : kSettings) values[setting.name] = setting.value;
-  for (const auto& [name, value] : request.set) {
-    SINEW_TRY(FindSetting(kSettings, name, value));
-    values[name] = value;
-  }
-  SINEW_TRY(ScaleNoise(request.noise, {"position_noise", "orientation_noise"}, values));
-  return values;
-}
 
 std::string SettingsText(const Values& values) {
   return fmt::format(
@@ -142,7 +124,7 @@ Result<Trial> RecordToss(const Values& values, const FreeBody& body, const FreeB
 }  // namespace
 
 Result<Dataset> SynthesizeFreeBody(const SynthesisRequest& request) {
-  SINEW_ASSIGN(Values values, ReadSettings(request));
+  SINEW_ASSIGN(Values values, ReadExperiment(kSettings, {"position_noise", "orientation_noise"}, request));
   const std::string text = SettingsText(values);
   SINEW_ASSIGN(const YamlReader yaml, YamlReader::Parse(text, "free_body.yaml"));
   SINEW_ASSIGN(const YamlReader section, yaml.At("free_body"));
