@@ -257,10 +257,12 @@ class Diagnostician {
     out_.family_p_value = selection.family_p_value;
     if (selection.gross) {
       out_.left_out = selection.left_out;
+      const std::size_t all = TrainingTrials(problem_).size();
+      const std::string some = fmt::format(" ({} of {} trials were searched)", selection.searched, all);
       out_.warnings.push_back(
           "what is wrong dwarfs the noise, and the known effects do not explain all of it: causes were "
           "chosen by what they predict for " +
-          Join(selection.left_out, "; ") +
+          Join(selection.left_out, "; ") + (all > selection.searched ? some : "") +
           ", each left out of the fit in turn, and intervals show what leaving out one trial does");
     }
     if (!e_.held_out.exists())

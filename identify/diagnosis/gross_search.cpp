@@ -24,6 +24,7 @@ constexpr std::size_t kMostLeftOut = 6;
 constexpr int kDraws = 40;
 // Fits take longer with more trials, and many trials leave fewer poor places to stop at.
 constexpr double kFewTrials = 6;
+constexpr std::size_t kMostSearched = 20;  // two in each fold
 constexpr double kSpread = 0.8;
 constexpr std::size_t kBeam = 2;  // by each of the two errors
 constexpr std::size_t kMostCauses = 5;
@@ -44,6 +45,21 @@ bool ByLeftOut(const T& a, const T& b) {
   return a.left_out_error < b.left_out_error;
 }
 
+std::set<std::string> Searched(const Problem& problem) {
+  const std::vector<std::string> all = TrainingTrials(problem);
+  const std::size_t count = std::min(all.size(), kMostSearched);
+  std::set<std::string> some;
+  for (std::size_t i = 0; i < count; ++i) some.insert(all[i * all.size() / count]);
+  return some;
+}
+
+RoleView ViewOf(const Problem& problem, const std::set<std::string>& trials) {
+  return RoleView(problem, [&](const Block& block) {
+    const bool left = block.role == BlockRole::kTrain && trials.count(block.trial) == 0;
+    return left ? BlockRole::kPredicted : block.role;
+  });
+}
+
 GrossSearch::Set With(GrossSearch::Set set, int c) {
   set.insert(std::lower_bound(set.begin(), set.end(), c), c);
   return set;
@@ -59,22 +75,26 @@ bool IsGross(const NoiseModel& noise) {
 
 GrossSearch::GrossSearch(const Problem& problem, const Refitter& refitter,
                          const std::vector<Candidate>& candidates, const DiagnosisOptions& options)
-    : problem_(problem), refitter_(refitter), candidates_(candidates), options_(options) {
-  folds_ = FoldsOf(problem);
-  const auto trials = static_cast<double>(TrainingTrials(problem).size());
+    : problem_(problem),
+      refitter_(refitter),
+      candidates_(candidates),
+      options_(options),
+      searched_(ViewOf(problem, Searched(problem))) {
+  folds_ = FoldsOf(searched_);
+  const auto trials = static_cast<double>(TrainingTrials(searched_).size());
   restarts_ = static_cast<int>(kDraws * std::min(1.0, std::pow(kFewTrials / trials, 2)));
 }
 
 double GrossSearch::Rows() const {
   double rows = 0;
-  for (const Block& block : problem_.layout()) rows += block.role == BlockRole::kTrain ? block.samples() : 0;
+  for (const Block& block : searched_.layout()) rows += block.role == BlockRole::kTrain ? block.samples() : 0;
   return rows;
 }
 
 double GrossSearch::LeftOutError(const Set& released, const Vector& start) const {
   double squares = 0;
   for (const TrialFold& fold : folds_) {
-    const RoleView view(problem_, [&](const Block& block) {
+    const RoleView view(searched_, [&](const Block& block) {
       if (block.role != BlockRole::kTrain) return BlockRole::kPredicted;
       return fold.Has(block.trial) ? BlockRole::kValidate : BlockRole::kTrain;
     });
@@ -118,7 +138,7 @@ void GrossSearch::FitAll(std::vector<Trial>& trials, const std::vector<std::vect
     trial.left_out_error = std::numeric_limits<double>::infinity();
     FitSetup setup = refitter_.SetupWith(trial.released);
     setup.rest = starts[i].front();
-    const LeastSquares fit(problem_, setup);
+    const LeastSquares fit(searched_, setup);
     const auto found = FitFromStarts(fit, starts[i], kTolerance);
     if (!found.failure.empty() || !std::isfinite(found.cost)) return;
     trial.point = fit.Parameters(found.x);

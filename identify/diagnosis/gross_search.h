@@ -3,6 +3,9 @@
 // 1974), and sets are built from several beginnings at a time, since a cause may show only once another one
 // is in. Trials, not conditions, are left out: without the condition that excites an effect no fit can tell
 // its size.
+//
+// Hundreds of fits are made, so that of many trials only some are searched; what is found is then fitted to
+// all.
 #pragma once
 
 #include <set>
@@ -14,6 +17,7 @@
 #include "identify/diagnosis/refit.h"
 #include "identify/diagnosis/standing.h"
 #include "identify/diagnosis/trial_folds.h"
+#include "identify/role_view.h"
 
 namespace sinew {
 
@@ -29,7 +33,9 @@ class GrossSearch {
 
   /// At least two trials to leave out in turn.
   [[nodiscard]] bool possible() const { return folds_.size() > 1; }
-  /// What is left out in turn.
+  /// Training trials in the search: all, or twenty of them, evenly from the first to the last by name.
+  [[nodiscard]] const Problem& searched() const { return searched_; }
+  /// What is left out in turn, of these.
   [[nodiscard]] const std::vector<TrialFold>& folds() const { return folds_; }
 
   /// Root mean square of the weighted residuals of left-out trials; infinite where a fit failed.
@@ -69,6 +75,7 @@ class GrossSearch {
   const Refitter& refitter_;
   const std::vector<Candidate>& candidates_;
   const DiagnosisOptions& options_;
+  RoleView searched_;
   std::vector<TrialFold> folds_;
   int restarts_ = 0;  // of every set, from random places
   std::set<Set> seen_;

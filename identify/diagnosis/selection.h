@@ -31,6 +31,7 @@ struct Selection {
   /// predict for trials left out of the fit, not by likelihood.
   bool gross = false;
   std::vector<std::string> left_out;  ///< these trials, if gross
+  std::size_t searched = 0;           ///< of the training trials, if gross
   double family_p_value = 1;
   std::vector<ChosenCause> causes;  ///< most important first
   std::vector<Rival> rivals;

@@ -22,8 +22,8 @@ template <class T>
 Triple<T> Cross(const Triple<T>& a, const Triple<T>& b) {
   return {a[1] * b[2] - a[2] * b[1], a[2] * b[0] - a[0] * b[2], a[0] * b[1] - a[1] * b[0]};
 }
-template <class T>
-T Dot(const Triple<T>& a, const Triple<T>& b) {
+template <class A, class B>
+auto Dot(const Triple<A>& a, const Triple<B>& b) {
   return a[0] * b[0] + a[1] * b[1] + a[2] * b[2];
 }
 
@@ -48,8 +48,8 @@ std::array<Triple<T>, 3> RotationOf(const T* q) {
 }
 
 /// a b, Hamilton's product.
-template <class T>
-std::array<T, 4> Product(const T* a, const T* b) {
+template <class A, class B>
+auto Product(const A* a, const B* b) -> std::array<decltype(a[0] * b[0]), 4> {
   return {a[0] * b[0] - a[1] * b[1] - a[2] * b[2] - a[3] * b[3],
           a[0] * b[1] + a[1] * b[0] + a[2] * b[3] - a[3] * b[2],
           a[0] * b[2] - a[1] * b[3] + a[2] * b[0] + a[3] * b[1],
@@ -64,25 +64,26 @@ std::array<T, 4> SmallTurn(const Triple<T>& turn) {
   return {scale, 0.5 * turn[0] * scale, 0.5 * turn[1] * scale, 0.5 * turn[2] * scale};
 }
 
-template <class T>
-Triple<T> Times(const std::array<Triple<T>, 3>& rotation, const Triple<T>& a) {
+template <class T, class A>
+Triple<T> Times(const std::array<Triple<T>, 3>& rotation, const Triple<A>& a) {
   return {Dot(rotation[0], a), Dot(rotation[1], a), Dot(rotation[2], a)};
 }
 
-/// @tparam T double or Dual
-template <class T>
+/// @tparam T of the state: double or Dual @tparam P of the parameters: T, or double where nothing is
+/// differentiated for them, which halves the work
+template <class T, class P = T>
 class FreeBodyDynamics {
  public:
   /// @param variables [kFreeBodySlots] @param used which of them are not at rest, or are differentiated
-  FreeBodyDynamics(const FreeBody& body, const std::array<T, kFreeBodySlots>& variables,
+  FreeBodyDynamics(const FreeBody& body, const std::array<P, kFreeBodySlots>& variables,
                    const std::array<bool, kFreeBodySlots>& used)
       : body_(body), p_(variables), used_(used) {
-    const T length =
+    const P length =
         1.0 / Sqrt(1.0 + p_[kTableSlopeX] * p_[kTableSlopeX] + p_[kTableSlopeY] * p_[kTableSlopeY]);
     normal_ = {-p_[kTableSlopeX] * length, -p_[kTableSlopeY] * length, length};
     height_ = p_[kTableHeight] * length;
     for (int i = 0; i < 3; ++i) inertia_[i] = body.inertia[i] * (1.0 + p_[kInertiaShare]);
-    const T g = body.gravity * (1.0 + p_[kGravityShare]);
+    const P g = body.gravity * (1.0 + p_[kGravityShare]);
     gravity_ = {g * p_[kGravityTiltX], g * p_[kGravityTiltY], -g};
     exponent_ = p_[kExponent];
     slips_ = Any(kSlipTerm);
@@ -124,7 +125,7 @@ class FreeBodyDynamics {
   }
 
   [[nodiscard]] const FreeBody& body() const { return body_; }
-  [[nodiscard]] const T& operator[](int slot) const { return p_[static_cast<std::size_t>(slot)]; }
+  [[nodiscard]] const P& operator[](int slot) const { return p_[static_cast<std::size_t>(slot)]; }
   [[nodiscard]] bool uses(int slot) const { return used_[static_cast<std::size_t>(slot)]; }
 
  private:
@@ -180,7 +181,7 @@ class FreeBodyDynamics {
                 const std::array<Triple<T>, 3>& rotation, const Triple<T>& velocity,
                 const Triple<T>& world_spin, Triple<T>& force, Triple<T>& torque,
                 Stiffness& stiffness) const {
-    Triple<T> arm;
+    Triple<P> arm;
     for (int i = 0; i < 3; ++i) {
       arm[i] = point.place[i] * (1.0 + p_[kSizeError]) + point.inward[i] * p_[kCornerRadius] -
                p_[kMassCentreX + i];
@@ -246,13 +247,13 @@ class FreeBodyDynamics {
   static constexpr double kReboundSpeed = 0.02;   // [m/s] over which loading turns to unloading
 
   const FreeBody& body_;
-  const std::array<T, kFreeBodySlots>& p_;
+  const std::array<P, kFreeBodySlots>& p_;
   const std::array<bool, kFreeBodySlots>& used_;
-  Triple<T> normal_;
-  T height_;
-  Triple<T> inertia_;
-  Triple<T> gravity_;
-  T exponent_;
+  Triple<P> normal_;
+  P height_;
+  Triple<P> inertia_;
+  Triple<P> gravity_;
+  P exponent_;
   bool slips_ = false;
   bool approaches_ = false;
 };

@@ -19,15 +19,15 @@ constexpr double kStable = 2.5;         // step times rate; the method is stable
 constexpr double kFirstStep = 1e-3;     // [s]
 constexpr double kShortestStep = 1e-9;  // [s]
 
-template <class T>
+template <class T, class P>
 class Flight {
  public:
-  Flight(const FreeBody& body, const std::array<T, kFreeBodySlots>& variables,
+  Flight(const FreeBody& body, const std::array<P, kFreeBodySlots>& variables,
          const std::array<bool, kFreeBodySlots>& used, const FlightLimits& limits)
       : dynamics_(body, variables, used), p_(variables), used_(used), limits_(limits) {
     time_scale_ = 1.0 + p_[kClockShare];
     length_scale_ = 1.0 + p_[kLengthShare];
-    turn_ = SmallTurn(Triple<T>{p_[kFrameTurnX], p_[kFrameTurnY], p_[kFrameTurnZ]});
+    turn_ = SmallTurn(Triple<P>{p_[kFrameTurnX], p_[kFrameTurnY], p_[kFrameTurnZ]});
     for (int i = 0; i < 3; ++i) point_[i] = p_[kFramePointX + i] - p_[kMassCentreX + i];
     scale_.fill(1);
     for (int i = 0; i < 3; ++i) scale_[kPlace + i] = body.size;
@@ -46,7 +46,7 @@ class Flight {
     for (int i = 0; i < 4; ++i) q[i] = T(start.pose[3 + static_cast<std::size_t>(i)]);
     const auto own = SmallTurn(Triple<T>{by[3], by[4], by[5]});
     const auto recorded = Product(q.data(), own.data());
-    const std::array<T, 4> back{turn_[0], -turn_[1], -turn_[2], -turn_[3]};
+    const std::array<P, 4> back{turn_[0], -turn_[1], -turn_[2], -turn_[3]};
     const auto truth = Product(recorded.data(), back.data());
     std::copy(truth.begin(), truth.end(), state_.begin() + kQuaternion);
     const Triple<T> point = Times(RotationOf(truth.data()), point_);
@@ -151,8 +151,8 @@ class Flight {
   void Smooth(double step) {
     const auto pose = TruePose();
     const auto rate = PoseRate();
-    const T& lag = p_[kPoseLowPass];
-    const T fading = Value(lag) > 0 ? Exp(-step / lag) : T(0);
+    const P& lag = p_[kPoseLowPass];
+    const P fading = Value(lag) > 0 ? Exp(-step / lag) : P(0);
     const double h = 1 / step;
     for (int i = 0; i < kPoseChannels; ++i) {
       const T way = (pose[i] - true_pose_[i]) * h;
@@ -166,14 +166,14 @@ class Flight {
     pose_rate_ = rate;
   }
 
-  FreeBodyDynamics<T> dynamics_;
-  const std::array<T, kFreeBodySlots>& p_;
+  FreeBodyDynamics<T, P> dynamics_;
+  const std::array<P, kFreeBodySlots>& p_;
   const std::array<bool, kFreeBodySlots>& used_;
   const FlightLimits& limits_;
-  T time_scale_;
-  T length_scale_;
-  std::array<T, 4> turn_;
-  Triple<T> point_;
+  P time_scale_;
+  P length_scale_;
+  std::array<P, 4> turn_;
+  Triple<P> point_;
   std::array<double, 13> scale_;
   BodyState<T> state_;
   BodyState<T> trial_;
@@ -200,12 +200,12 @@ FlightStart FlightStart::Moved(const Eigen::Ref<const Vector>& by) const {
   return moved;
 }
 
-template <class T>
-Status Fly(const FreeBody& body, const std::array<T, kFreeBodySlots>& variables,
+template <class T, class P>
+Status Fly(const FreeBody& body, const std::array<P, kFreeBodySlots>& variables,
            const std::array<bool, kFreeBodySlots>& used, const FlightStart& start, int start_lane,
            const std::vector<double>& times, const FlightLimits& limits,
            std::array<T, kPoseChannels>* poses) {
-  Flight<T> flight(body, variables, used, limits);
+  Flight<T, P> flight(body, variables, used, limits);
   flight.Begin(start, start_lane);
   poses[0] = flight.Recorded();
   for (std::size_t i = 1; i < times.size(); ++i) {
@@ -215,14 +215,14 @@ Status Fly(const FreeBody& body, const std::array<T, kFreeBodySlots>& variables,
   return {};
 }
 
-#define SINEW_FLY(T)                                                                       \
-  template Status Fly<T>(const FreeBody&, const std::array<T, kFreeBodySlots>&,            \
-                         const std::array<bool, kFreeBodySlots>&, const FlightStart&, int, \
-                         const std::vector<double>&, const FlightLimits&, std::array<T, kPoseChannels>*)
-SINEW_FLY(double);
-SINEW_FLY(Dual<4>);
-SINEW_FLY(Dual<12>);
-SINEW_FLY(Dual<16>);
+#define SINEW_FLY(T, P)                                                                       \
+  template Status Fly<T, P>(const FreeBody&, const std::array<P, kFreeBodySlots>&,            \
+                            const std::array<bool, kFreeBodySlots>&, const FlightStart&, int, \
+                            const std::vector<double>&, const FlightLimits&, std::array<T, kPoseChannels>*)
+SINEW_FLY(double, double);
+SINEW_FLY(Dual<4>, Dual<4>);
+SINEW_FLY(Dual<12>, double);
+SINEW_FLY(Dual<16>, Dual<16>);
 #undef SINEW_FLY
 
 }  // namespace sinew

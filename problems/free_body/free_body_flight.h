@@ -32,11 +32,12 @@ struct FlightLimits {
 
 /// Dormand, Prince 1980, order 5(4). Steps are chosen on plain numbers, so that the values are the same with
 /// and without derivatives; every frame ends a step.
-/// @param variables [kFreeBodySlots] @param start_lane first of kStartLanes lanes of the start, or -1
+/// @tparam P as in FreeBodyDynamics @param variables [kFreeBodySlots] @param start_lane first of kStartLanes
+/// lanes of the start, or -1
 /// @param times [N, s, increasing] of the frames; the window begins at the first
 /// @param poses [N] Errors: too many steps or a state that is not finite, with the time.
-template <class T>
-Status Fly(const FreeBody& body, const std::array<T, kFreeBodySlots>& variables,
+template <class T, class P>
+Status Fly(const FreeBody& body, const std::array<P, kFreeBodySlots>& variables,
            const std::array<bool, kFreeBodySlots>& used, const FlightStart& start, int start_lane,
            const std::vector<double>& times, const FlightLimits& limits, std::array<T, kPoseChannels>* poses);
 

@@ -9,7 +9,8 @@ namespace {
 
 constexpr int kMostIterations = 30;
 constexpr double kEnough = 1e-6;    // predicted gain, as a share of the cost
-constexpr double kGrain = 1e-3;     // the same, where the steps of the integrator and kinks of contact show
+constexpr double kOnTheWay = 1e-3;  // the same, of a fit that only leads to the next
+constexpr double kGrain = 1e-4;     // the same, where the steps of the integrator and kinks of contact show
 constexpr double kNothing = 1e-18;  // cost per residual: rounding
 constexpr double kFirstDamping = 1e-6;  // of columns of unit length
 constexpr double kMostDamping = 1e6;
@@ -66,9 +67,7 @@ WindowFit::WindowFit(const FreeBodyData& data, const TossWindow& window) : data_
 
 // Into the trial's places; rows of frames that are not compared now are 0.
 Status WindowFit::Evaluate(const FreeBodyNumbers& numbers, const FlightStart& start) {
-  std::array<Dual<12>, kFreeBodySlots> variables;
-  for (std::size_t i = 0; i < variables.size(); ++i) variables[i] = numbers.value[i];
-  SINEW_TRY(Fly(data_.body, variables, numbers.Used(), start, 0, *times_, limits_, flown12_.data()));
+  SINEW_TRY(Fly(data_.body, numbers.value, numbers.Used(), start, 0, *times_, limits_, flown12_.data()));
   const Pose* measured = data_.tosses[static_cast<std::size_t>(window_.toss)].poses.data() + window_.first;
   trial_residual_.setZero();
   trial_jacobian_.setZero();
@@ -91,13 +90,13 @@ Status WindowFit::Evaluate(const FreeBodyNumbers& numbers, const FlightStart& st
 // of the whole window.
 Status WindowFit::Fit(const FreeBodyNumbers& numbers) {
   start_ = window_.guess;
-  if (!flight_.empty()) SINEW_TRY(Search(numbers, flight_));
-  SINEW_TRY(Search(numbers, half_));
-  return Search(numbers, window_.times);
+  if (!flight_.empty()) SINEW_TRY(Search(numbers, flight_, kOnTheWay));
+  SINEW_TRY(Search(numbers, half_, kOnTheWay));
+  return Search(numbers, window_.times, kEnough);
 }
 
 // Levenberg, Marquardt, from start_. Trial points are evaluated with derivatives, since most are accepted.
-Status WindowFit::Search(const FreeBodyNumbers& numbers, const std::vector<double>& times) {
+Status WindowFit::Search(const FreeBodyNumbers& numbers, const std::vector<double>& times, double enough) {
   times_ = &times;
   const auto accept = [this](const FlightStart& start) {
     start_ = start;
@@ -123,7 +122,7 @@ Status WindowFit::Search(const FreeBodyNumbers& numbers, const std::vector<doubl
     Vector step = -scale.cwiseProduct(factor.solve(scale.cwiseProduct(gradient)));
     Clamp(data_.body.size, step);
     const double predicted = -gradient.dot(step) - 0.5 * (jacobian_ * step).squaredNorm();
-    if (!(predicted > kEnough * cost_)) break;
+    if (!(predicted > enough * cost_)) break;
     const FlightStart next = start_.Moved(step);
     if (!Evaluate(numbers, next) || !(trial_cost_ < cost_)) {
       if (predicted < kGrain * cost_) break;

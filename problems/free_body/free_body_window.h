@@ -40,7 +40,7 @@ class WindowFit {
 
  private:
   Status Evaluate(const FreeBodyNumbers& numbers, const FlightStart& start);
-  Status Search(const FreeBodyNumbers& numbers, const std::vector<double>& times);
+  Status Search(const FreeBodyNumbers& numbers, const std::vector<double>& times, double enough);
   void FactoriseStates();
   template <class T>
   Status Pass(const FreeBodyNumbers& numbers, const std::vector<int>& slots, std::size_t first,

@@ -104,6 +104,19 @@ TEST(GrossSearch, ManyTrialsAreDealtToTenFolds) {
   EXPECT_EQ(folds.back().says, folds.back().trials.front() + " and 1 more");
 }
 
+TEST(GrossSearch, OfManyTrialsTwentyAreSearched) {
+  const LinearLaws many({}, 1, 50, 1);
+  const Case of_many(many);
+  const std::vector<std::string> all = TrainingTrials(many);
+  const std::vector<std::string> some = TrainingTrials(of_many.search->searched());
+  ASSERT_EQ(some.size(), 20U);
+  EXPECT_EQ(some.front(), all.front());
+  EXPECT_EQ(some[10], all[25]) << "evenly";
+  for (const TrialFold& fold : of_many.search->folds()) EXPECT_EQ(fold.trials.size(), 2U);
+  const LinearLaws few({}, 1, 20, 1);
+  EXPECT_EQ(TrainingTrials(Case(few).search->searched()), TrainingTrials(few));
+}
+
 // By normal equations on the other trials.
 TEST(GrossSearch, LeftOutErrorIsTheOneByHand) {
   const LinearLaws problem(Hidden(), 2, 6, 2, 100);
