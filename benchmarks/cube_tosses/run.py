@@ -69,6 +69,31 @@ def whole_tosses(data, run_file):
                   f"{np.mean(turn):.2f} | {np.median(turn):.2f} |")
 
 
+def restitution(dissipation, speed):
+    """Of a central impact by the law of Hunt and Crossley, whatever the stiffness: a (1 + e) = ln((1 + a) / (1 - a e)) with
+    a = 1.5 c v, from the law's phase curve."""
+    a = 1.5 * dissipation * speed
+    low, high = 0.0, min(1.0, 1 / a)
+    for _ in range(200):
+        e = 0.5 * (low + high)
+        if a * e >= 1 or np.log((1 + a) / (1 - a * e)) > a * (1 + e):
+            high = e
+        else:
+            low = e
+    return e
+
+
+def touches(run_file):
+    """Vertical speeds [m/s] of the middle at the last frame before the first touch."""
+    speeds = []
+    with h5py.File(run_file) as file:
+        for toss in file["details/free_body"].values():
+            last = int(toss.attrs["frames_before_touch"]) - 1
+            time, z = toss["time"][:], toss["measured"][:, 2]
+            speeds.append((z[last - 1] - z[last]) / (time[last] - time[last - 1]))
+    return np.percentile(speeds, [10, 50, 90])
+
+
 def identify(options, data, threads, release):
     out = options.work / "run.h5"
     words = [options.sinew, "identify", "free_body", "--data", data, "--threads", threads, "--quiet", "--out", out]
@@ -81,6 +106,12 @@ def identify(options, data, threads, release):
     print(text.split("  warning:")[0])
     print(f"{threads} thread{'s' if threads > 1 else ''}: {time.monotonic() - before:.0f} s with intervals\n")
     whole_tosses(data, out)
+    with h5py.File(out) as file:
+        values = dict(zip(file["parameters/name"].asstr()[:], file["parameters/value"][:]))
+    if not release:  # the law alone has a closed form
+        print(f"\nrestitution of a central impact with dissipation {values['dissipation']:.3g} s/m: "
+              + ", ".join(f"{restitution(values['dissipation'], v):.3f} at {v:.2f} m/s" for v in touches(out))
+              + " (a tenth, half, nine tenths of the tosses fall slower)")
 
 
 def main():

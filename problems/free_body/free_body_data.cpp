@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 
 #include "base/text.h"
 
@@ -15,13 +16,14 @@ namespace {
 
 constexpr std::size_t kFewestFrames = 6;
 constexpr double kUnitLength = 0.05;  // by which a quaternion's length may be off
-constexpr double kJump = 0.3;       // of the body's size, or rad: a frame that jumps so far and back is wrong
-constexpr double kFalls = 2;        // [m/s2] by which a flight's acceleration may differ from gravity
-constexpr double kNoiseFactor = 2;  // the same, in deviations of the noise
-constexpr double kExpected = 0.01;  // of the body's size, or rad: errors after the first touch
-constexpr double kLeastNoise = 1e-3;  // of that: no camera is better
-constexpr double kRest = 0.005;       // of the body's size, or rad: the body lies still
-constexpr double kOverTable = 0.05;   // of the body's size: in flight for certain
+constexpr double kJump = 0.3;  // of the body's size, or rad: a frame that jumps so far and back is wrong
+constexpr std::size_t kLongestJump = 3;  // frames
+constexpr double kFalls = 2;             // [m/s2] by which a flight's acceleration may differ from gravity
+constexpr double kNoiseFactor = 2;       // the same, in deviations of the noise
+constexpr double kExpected = 0.01;       // of the body's size, or rad: errors after the first touch
+constexpr double kLeastNoise = 1e-3;     // of that: no camera is better
+constexpr double kRest = 0.005;          // of the body's size, or rad: the body lies still
+constexpr double kOverTable = 0.05;      // of the body's size: in flight for certain
 
 using Frames = std::vector<std::pair<double, Pose>>;
 
@@ -70,33 +72,41 @@ Result<Frames> ReadFrames(const Trial& trial) {
   return frames;
 }
 
-// How far a frame lies from the straight line between its neighbours, as shares of a jump.
-double JumpOf(const Frames& frames, std::size_t i, double size) {
-  const auto& [t0, a] = frames[i - 1];
-  const auto& [t1, b] = frames[i];
-  const auto& [t2, c] = frames[i + 1];
-  const double share = (t1 - t0) / (t2 - t0);
-  double place = 0;
-  double turn = 0;
-  for (std::size_t k = 0; k < b.size(); ++k) {
-    const double away = b[k] - (1 - share) * a[k] - share * c[k];
-    (k < 3 ? place : turn) += away * away;
+// How far each of `count` frames lies from the straight line between those around them, at least; as a share
+// of a jump that counts, which is farther the longer it lasts.
+double JumpOf(const Frames& frames, std::size_t first, std::size_t count, double size) {
+  const auto& [t0, a] = frames[first - 1];
+  const auto& [t2, c] = frames[first + count];
+  double least = std::numeric_limits<double>::infinity();
+  for (std::size_t i = first; i < first + count; ++i) {
+    const auto& [t1, b] = frames[i];
+    const double share = (t1 - t0) / (t2 - t0);
+    double place = 0;
+    double turn = 0;
+    for (std::size_t k = 0; k < b.size(); ++k) {
+      const double away = b[k] - (1 - share) * a[k] - share * c[k];
+      (k < 3 ? place : turn) += away * away;
+    }
+    least = std::min(least, std::max(std::sqrt(place) / (kJump * size), 2 * std::sqrt(turn) / kJump));
   }
-  return std::max(std::sqrt(place) / (kJump * size), 2 * std::sqrt(turn) / kJump);
+  return least / (0.5 * static_cast<double>(count + 1));
 }
 
-// A single frame that is far from both neighbours, while these are near each other.
+// Up to three frames that are far from where those around them are.
 int DropOutliers(double size, Frames& frames) {
   int dropped = 0;
-  for (std::size_t i = 1; i + 1 < frames.size();) {
-    const double here = JumpOf(frames, i, size);
-    const bool worst = (i < 2 || JumpOf(frames, i - 1, size) < here) &&
-                       (i + 2 >= frames.size() || JumpOf(frames, i + 1, size) < here);
-    if (here > 1 && worst) {
-      frames.erase(frames.begin() + static_cast<std::ptrdiff_t>(i));
-      ++dropped;
-    } else {
-      ++i;
+  for (std::size_t count = kLongestJump; count > 0; --count) {
+    for (std::size_t i = 1; i + count < frames.size();) {
+      const double here = JumpOf(frames, i, count, size);
+      const bool worst = (i < 2 || JumpOf(frames, i - 1, count, size) < here) &&
+                         (i + count + 1 >= frames.size() || JumpOf(frames, i + 1, count, size) < here);
+      if (here > 1 && worst) {
+        const auto first = frames.begin() + static_cast<std::ptrdiff_t>(i);
+        frames.erase(first, first + static_cast<std::ptrdiff_t>(count));
+        dropped += static_cast<int>(count);
+      } else {
+        ++i;
+      }
     }
   }
   return dropped;

@@ -3,6 +3,7 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <cmath>
 #include <functional>
 
@@ -367,6 +368,23 @@ TEST(FreeBodyProblemTest, FramesThatJumpAndFramesInTheHandAreLeftOut) {
   EXPECT_THAT(data.notes[0], testing::HasSubstr("1 frame that jumps away and back is left out"));
   EXPECT_THAT(data.notes[1], testing::HasSubstr("begins in the hand"));
   EXPECT_NEAR(static_cast<double>(data.tosses.front().times.size()), static_cast<double>(frames), 4);
+}
+
+TEST(FreeBodyProblemTest, AFewFramesInARowThatJumpAreLeftOut) {
+  for (const int count : {2, 3}) {
+    Made made = Make({{"train", 1}, {"validate", 0}});
+    const auto whole = made.problem->data().tosses.front().times;
+    Grid& grid = made.data.trials.begin()->second.grids.begin()->second;
+    std::vector<double> expected = whole;
+    for (int i = 30; i < 30 + count; ++i) {
+      grid.channels["position_y"].values[static_cast<std::size_t>(i)] -= 0.1;
+      expected.erase(std::find(expected.begin(), expected.end(), grid.time[static_cast<std::size_t>(i)]));
+    }
+    const auto yaml = YamlReader::Parse(made.data.files.at("free_body.yaml"), "free_body.yaml");
+    auto problem = FreeBodyProblem::Make(made.data, *ReadFreeBodySettings(*yaml->At("free_body")));
+    ASSERT_TRUE(problem) << problem.error().message;
+    EXPECT_EQ((*problem)->data().tosses.front().times, expected) << count;
+  }
 }
 
 TEST(FreeBodyProblemTest, WrongDataGetOneSentence) {

@@ -1,0 +1,91 @@
+#include "models/muscle/hill_muscle.h"
+
+#include <gtest/gtest.h>
+
+#include <cmath>
+
+namespace sinew {
+namespace {
+
+const MuscleCurves& Curves() {
+  static const MuscleCurves curves = MuscleCurves::Default();
+  return curves;
+}
+
+HillMuscle<double> Soleus() {
+  HillMuscle<double> muscle;
+  muscle.optimal_length = 0.05;
+  muscle.tendon_slack_length = 0.25;
+  muscle.isometric_force = 3549;
+  muscle.pennation = 0.436;
+  return muscle;
+}
+
+// A fibre at its optimal length stands at the angle that is stated there.
+TEST(HillMuscleTest, PennationIsThatOfConstantThickness) {
+  const auto muscle = Soleus();
+  const double sine = std::sin(0.436);
+  EXPECT_NEAR(PennationCosine(muscle, sine, 0.05), std::cos(0.436), 1e-15);
+  const double length = 0.07;
+  EXPECT_NEAR(std::sin(std::acos(PennationCosine(muscle, sine, length))) * length, 0.05 * sine, 1e-15);
+  EXPECT_NEAR(PennationCosine(muscle, sine, 0.001), std::sqrt(1 - 0.99 * 0.99), 1e-15);
+}
+
+TEST(HillMuscleTest, RigidFibreClosesTheTriangle) {
+  const auto muscle = Soleus();
+  const double length = RigidFibreLength(muscle, 0.3);
+  EXPECT_NEAR(length * PennationCosine(muscle, std::sin(0.436), length), 0.3 - 0.25, 1e-15);
+  auto parallel = muscle;
+  parallel.pennation = 0;
+  EXPECT_EQ(RigidFibreLength(parallel, 0.25), 0.05 * kShortestFibre) << "a tendon as long as the unit";
+}
+
+TEST(HillMuscleTest, ForceIsTheSumOfItsParts) {
+  auto muscle = Soleus();
+  muscle.strength = 1.2;
+  const double l = 0.9 * 0.05;
+  const double v = -0.1;
+  const double a = 0.4;
+  const double expected =
+      3549 * 1.2 *
+      (Curves().active_force_length(0.9 / (1 + 0.15 * 0.6)) * Curves().force_velocity(-0.1 / 0.5) * a +
+       Curves().passive_force_length(0.9) + 0.1 * -0.1 / 0.5);
+  EXPECT_NEAR(FibreForce(Curves(), muscle, l, v, a), expected, 1e-10);
+}
+
+TEST(HillMuscleTest, TendonPullsOnlyWhenTaut) {
+  const auto muscle = Soleus();
+  const double cosine = 0.9;
+  EXPECT_NEAR(TendonForce(Curves(), muscle, 0.28, 0.05, cosine), 0, 1e-9);
+  EXPECT_GT(TendonForce(Curves(), muscle, 0.30, 0.05, cosine), 1);
+}
+
+// Every parameter, activation and velocity.
+TEST(HillMuscleTest, DerivativesAreThoseOfDifferences) {
+  constexpr int kLanes = 10;
+  const auto force = [](const std::array<double, kLanes>& p) {
+    const HillMuscle<double> muscle{p[0], p[1], p[2], p[3], p[4], p[5], p[6], p[7]};
+    const double length = RigidFibreLength(muscle, 0.3);
+    return FibreForce(Curves(), muscle, length, p[8], p[9]) * PennationCosine(muscle, std::sin(p[4]), length);
+  };
+  const std::array<double, kLanes> at{0.05, 0.25, 3549, 1.1, 0.436, 0.15, 0.1, 10, -0.05, 0.6};
+  std::array<Dual<kLanes>, kLanes> p;
+  for (int i = 0; i < kLanes; ++i) p[i] = Dual<kLanes>::Variable(at[static_cast<std::size_t>(i)], i);
+  const HillMuscle<Dual<kLanes>> muscle{p[0], p[1], p[2], p[3], p[4], p[5], p[6], p[7]};
+  const auto length = RigidFibreLength(muscle, 0.3);
+  const auto exact =
+      FibreForce(Curves(), muscle, length, p[8], p[9]) * PennationCosine(muscle, Sin(p[4]), length);
+  EXPECT_EQ(exact.value, force(at));
+  for (std::size_t i = 0; i < at.size(); ++i) {
+    auto up = at;
+    auto down = at;
+    const double step = 1e-6 * std::abs(at[i]);
+    up[i] += step;
+    down[i] -= step;
+    const double slope = (force(up) - force(down)) / (2 * step);
+    EXPECT_NEAR(exact.d[i], slope, 1e-6 * std::max(std::abs(slope), 1.0)) << i;
+  }
+}
+
+}  // namespace
+}  // namespace sinew
