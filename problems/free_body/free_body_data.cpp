@@ -92,21 +92,25 @@ double JumpOf(const Frames& frames, std::size_t first, std::size_t count, double
   return least / (0.5 * static_cast<double>(count + 1));
 }
 
-// Up to three frames that are far from where those around them are.
+// Up to three frames that are far from where those around them are, and more so than those that share a frame
+// or a neighbour with them.
 int DropOutliers(double size, Frames& frames) {
   int dropped = 0;
   for (std::size_t count = kLongestJump; count > 0; --count) {
     for (std::size_t i = 1; i + count < frames.size();) {
       const double here = JumpOf(frames, i, count, size);
-      const bool worst = (i < 2 || JumpOf(frames, i - 1, count, size) < here) &&
-                         (i + count + 1 >= frames.size() || JumpOf(frames, i + 1, count, size) < here);
-      if (here > 1 && worst) {
-        const auto first = frames.begin() + static_cast<std::ptrdiff_t>(i);
-        frames.erase(first, first + static_cast<std::ptrdiff_t>(count));
-        dropped += static_cast<int>(count);
-      } else {
-        ++i;
+      bool worst = here > 1;
+      for (std::size_t k = 1; k <= count && worst; ++k) {
+        worst = (i < k + 1 || JumpOf(frames, i - k, count, size) < here) &&
+                (i + count + k >= frames.size() || JumpOf(frames, i + k, count, size) < here);
       }
+      if (!worst) {
+        ++i;
+        continue;
+      }
+      const auto first = frames.begin() + static_cast<std::ptrdiff_t>(i);
+      frames.erase(first, first + static_cast<std::ptrdiff_t>(count));
+      dropped += static_cast<int>(count);
     }
   }
   return dropped;
