@@ -1,0 +1,189 @@
+#include "problems/nms/muscle_force.h"
+
+#include <algorithm>
+#include <cmath>
+
+#include "models/muscle/elastic_tendon.h"
+#include "models/muscle/spline_slopes.h"
+
+namespace sinew {
+namespace {
+
+constexpr std::size_t kSplinePoints = 15;  // of CEINMS's spline that ends at the current frame
+constexpr double kSameTime = 1e-9;         // [s]
+
+template <class T>
+class MuscleForce {
+ public:
+  MuscleForce(const MuscleCurves& curves, const MuscleModel& model, const std::array<T, kMuscleSlots>& p,
+              const MuscleSignals& signals, MuscleTrace<T>& trace)
+      : curves_(curves), model_(model), p_(p), signals_(signals), trace_(trace) {
+    muscle_ = {p[kOptimalLength], p[kTendonSlackLength], p[kIsometricForce], p[kStrength],
+               p[kPennation],     p[kLengthChange],      p[kDamping],        p[kLargestVelocity]};
+    sine_ = Sin(p[kPennation]);
+    for (auto* values :
+         {&trace_.activation, &trace_.fibre_length, &trace_.fibre_velocity, &trace_.tendon_force})
+      values->assign(signals_.time.size(), T(0.0));
+  }
+
+  Status Compute() {
+    if (model_.as_ceinms) {
+      FilterAsCeinms(false, trace_.activation);
+    } else {
+      Filter();
+    }
+    if (model_.tendon == TendonMode::kRigid) return Rigid();
+    return model_.tendon == TendonMode::kEquilibrium ? InEquilibrium() : Integrated();
+  }
+
+ private:
+  [[nodiscard]] std::size_t frames() const { return signals_.time.size(); }
+
+  // The filter at the rate of the excitation; straight lines between its samples.
+  void Filter() {
+    const auto& t = signals_.excitation_time;
+    const double step = (t.back() - t.front()) / static_cast<double>(t.size() - 1);
+    ExcitationFilter<T> filter(CoefficientOf(p_[kFilterOne], step), CoefficientOf(p_[kFilterTwo], step));
+    filter.Settle(T(signals_.excitation.front()));
+    neural_.resize(t.size());
+    for (std::size_t k = 0; k < t.size(); ++k) neural_[k] = filter.Next(T(signals_.excitation[k]));
+    for (std::size_t i = 0; i < frames(); ++i) {
+      const T at = signals_.time[i] - p_[kDelay];
+      const auto after = std::upper_bound(t.begin() + 1, t.end() - 1, Value(at));
+      const auto k = static_cast<std::size_t>(after - t.begin());
+      // Before the first sample and after the last one the excitation stays as it was there.
+      T u = Value(at) <= t.front() ? neural_.front() : neural_.back();
+      if (Value(at) > t.front() && Value(at) < t.back()) {
+        const T share = (at - t[k - 1]) * (1 / (t[k] - t[k - 1]));
+        u = neural_[k - 1] + share * (neural_[k] - neural_[k - 1]);
+      }
+      trace_.activation[i] = Shaped(model_.shape, u, p_[kShape]);
+    }
+  }
+
+  // Samples that are due before the first length pass the filter one by one, from then on one per length: the
+  // last one that is due.
+  void FilterAsCeinms(bool forgetful, std::vector<T>& activation) const {
+    ExcitationFilter<T> filter(p_[kFilterOne], p_[kFilterTwo]);
+    filter.Settle(T(0.0));
+    const double delay = Value(p_[kDelay]);
+    const auto due = [&](std::size_t k) { return signals_.excitation_time[k] + delay; };
+    std::size_t k = 0;
+    for (std::size_t i = 0; i < frames(); ++i) {
+      while (k + 1 < signals_.excitation.size() && due(k) < signals_.time[i] - kSameTime) {
+        if (i == 0) filter.Next(T(signals_.excitation[k]));
+        ++k;
+      }
+      activation[i] = Shaped(model_.shape, filter.Next(T(signals_.excitation[k])), p_[kShape]);
+      if (forgetful) filter.ForgetTheOneBefore();
+    }
+  }
+
+  void PullAt(std::size_t i, const T& length, const T& velocity) {
+    trace_.fibre_length[i] = length;
+    trace_.fibre_velocity[i] = velocity;
+    trace_.tendon_force[i] = FibreForce(curves_, muscle_, length, velocity, trace_.activation[i]) *
+                             PennationCosine(muscle_, sine_, length);
+  }
+
+  Status Rigid() {
+    std::vector<T> lengths(frames());
+    for (std::size_t i = 0; i < frames(); ++i)
+      lengths[i] = RigidFibreLength(muscle_, signals_.unit_length[i]);
+    if (model_.as_ceinms) {
+      const std::vector<T> velocities = SplineSlopes(signals_.time, lengths);
+      for (std::size_t i = 0; i < frames(); ++i) PullAt(i, lengths[i], velocities[i]);
+      return {};
+    }
+    // Along the tendon the fibre is as fast as the unit.
+    const std::vector<double> unit = SplineSlopes(signals_.time, signals_.unit_length);
+    for (std::size_t i = 0; i < frames(); ++i)
+      PullAt(i, lengths[i], unit[i] * PennationCosine(muscle_, sine_, lengths[i]));
+    return {};
+  }
+
+  // v = rate l + past of the spline through the lengths so far that ends here.
+  void PrepareEnd(std::size_t i, const std::vector<T>& lengths, FibreVelocity<T>& velocity) {
+    const std::size_t first = i + 1 > kSplinePoints ? i + 1 - kSplinePoints : 0;
+    std::vector<double> times(signals_.time.begin() + static_cast<std::ptrdiff_t>(first),
+                              signals_.time.begin() + static_cast<std::ptrdiff_t>(i) + 1);
+    std::vector<double> unit(times.size(), 0);
+    unit.back() = 1;
+    velocity.rate = SplineSlopes(times, unit).back();
+    std::vector<T> past(lengths.begin() + static_cast<std::ptrdiff_t>(first),
+                        lengths.begin() + static_cast<std::ptrdiff_t>(i));
+    past.push_back(T(0.0));
+    velocity.past = SplineSlopes(times, past).back();
+  }
+
+  Status Equilibrate(const std::vector<T>& activation, std::vector<T>& lengths) {
+    lengths.assign(frames(), T(0.0));
+    double guess = 0;
+    for (std::size_t i = 0; i < frames(); ++i) {
+      FibreVelocity<T> velocity;
+      PrepareEnd(i, lengths, velocity);
+      auto fibre = Equilibrium(curves_, muscle_, signals_.unit_length[i], activation[i], velocity, guess);
+      if (!fibre) return Fail("t = {:.4g} s: {}", signals_.time[i], fibre.error().message);
+      lengths[i] = fibre->length;
+      guess = Value(fibre->length);
+    }
+    return {};
+  }
+
+  Status InEquilibrium() {
+    std::vector<T> lengths;
+    SINEW_TRY(Equilibrate(trace_.activation, lengths));
+    if (!model_.as_ceinms) {
+      const std::vector<T> velocities = SplineSlopes(signals_.time, lengths);
+      for (std::size_t i = 0; i < frames(); ++i) PullAt(i, lengths[i], velocities[i]);
+      return {};
+    }
+    std::vector<T> other_activation(frames());
+    std::vector<T> other_lengths;
+    FilterAsCeinms(true, other_activation);
+    SINEW_TRY(Equilibrate(other_activation, other_lengths));
+    const std::vector<T> velocities = SplineSlopes(signals_.time, other_lengths);
+    for (std::size_t i = 0; i < frames(); ++i) PullAt(i, lengths[i], velocities[i]);
+    return {};
+  }
+
+  Status Integrated() {
+    ElasticFibre<T> state(curves_, muscle_);
+    for (std::size_t i = 0; i < frames(); ++i) {
+      auto fibre = state.Next(signals_.time[i], signals_.unit_length[i], trace_.activation[i]);
+      if (!fibre) return Fail("t = {:.4g} s: {}", signals_.time[i], fibre.error().message);
+      trace_.fibre_length[i] = fibre->length;
+      trace_.fibre_velocity[i] = fibre->velocity;
+      trace_.tendon_force[i] = fibre->tendon_force;
+    }
+    return {};
+  }
+
+  const MuscleCurves& curves_;
+  const MuscleModel& model_;
+  const std::array<T, kMuscleSlots>& p_;
+  const MuscleSignals& signals_;
+  MuscleTrace<T>& trace_;
+  HillMuscle<T> muscle_;
+  T sine_{0.0};
+  std::vector<T> neural_;
+};
+
+}  // namespace
+
+template <class T>
+Status ComputeMuscleForce(const MuscleCurves& curves, const MuscleModel& model,
+                          const std::array<T, kMuscleSlots>& parameters, const MuscleSignals& signals,
+                          MuscleTrace<T>& trace) {
+  return MuscleForce<T>(curves, model, parameters, signals, trace).Compute();
+}
+
+template Status ComputeMuscleForce<double>(const MuscleCurves&, const MuscleModel&,
+                                           const std::array<double, kMuscleSlots>&, const MuscleSignals&,
+                                           MuscleTrace<double>&);
+template Status ComputeMuscleForce<Dual<kMuscleSlots>>(const MuscleCurves&, const MuscleModel&,
+                                                       const std::array<Dual<kMuscleSlots>, kMuscleSlots>&,
+                                                       const MuscleSignals&,
+                                                       MuscleTrace<Dual<kMuscleSlots>>&);
+
+}  // namespace sinew

@@ -1,0 +1,69 @@
+// The force of one muscle through a trial, from its excitation and the length of its unit. SCIENCE section 3.
+#pragma once
+
+#include <array>
+#include <vector>
+
+#include "base/error.h"
+#include "models/muscle/activation.h"
+#include "models/muscle/hill_muscle.h"
+
+namespace sinew {
+
+/// What the force of a muscle depends on, by place.
+enum MuscleSlot {
+  kFilterOne,  ///< time constant of a pole [s]; as CEINMS has it: C1 at the rate of the lengths
+  kFilterTwo,  ///< the other one; C2
+  kShape,      ///< A
+  kDelay,      ///< electromechanical [s]
+  kOptimalLength,
+  kTendonSlackLength,
+  kIsometricForce,
+  kStrength,
+  kPennation,
+  kLengthChange,
+  kDamping,
+  kLargestVelocity,
+  kMuscleSlots
+};
+
+enum class TendonMode {
+  kRigid,
+  kEquilibrium,  ///< elastic; the fibre's velocity from a spline through its lengths
+  kElastic       ///< elastic; the fibre's length integrated
+};
+
+struct MuscleModel {
+  TendonMode tendon = TendonMode::kRigid;
+  ActivationShape shape = ActivationShape::kExponential;
+  /// As CEINMS computes it, down to the habits that change numbers: the filter runs at the rate of the
+  /// lengths once they begin, delays are whole samples, and with an elastic tendon the velocity is that of
+  /// another pass whose filter forgets the value before the last.
+  bool as_ceinms = false;
+};
+
+/// What is measured of one muscle in one trial.
+struct MuscleSignals {
+  std::vector<double> excitation_time;  ///< [M >= 2, s, increasing]
+  std::vector<double> excitation;       ///< [M, 0..1]
+  std::vector<double> time;             ///< [N >= 2, s, increasing] of lengths and forces
+  std::vector<double> unit_length;      ///< [N, m] of muscle and tendon
+};
+
+/// Everything that a prediction may show, at each instant.
+template <class T>
+struct MuscleTrace {
+  std::vector<T> activation;      ///< [N]
+  std::vector<T> fibre_length;    ///< [N, m]
+  std::vector<T> fibre_velocity;  ///< [N, m/s]
+  std::vector<T> tendon_force;    ///< [N, N]; of a rigid tendon the fibre's force along it
+};
+
+/// Instantiated for double and Dual<kMuscleSlots>.
+/// Errors: no equilibrium of fibre and tendon, with the time.
+template <class T>
+Status ComputeMuscleForce(const MuscleCurves& curves, const MuscleModel& model,
+                          const std::array<T, kMuscleSlots>& parameters, const MuscleSignals& signals,
+                          MuscleTrace<T>& trace);
+
+}  // namespace sinew
