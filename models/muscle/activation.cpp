@@ -32,6 +32,16 @@ double SolveBend(double ratio) {
 
 }  // namespace
 
+double CoshOfRoot(double x, double& slope) {
+  if (std::abs(x) < 1e-4) {
+    slope = 0.5 + x * (1.0 / 12 + x / 240);
+    return 1 + x * (0.5 + x * (1.0 / 24 + x / 720));
+  }
+  const double root = std::sqrt(std::abs(x));
+  slope = 0.5 * (x > 0 ? std::sinh(root) : std::sin(root)) / root;
+  return x > 0 ? std::cosh(root) : std::cos(root);
+}
+
 ShapeValue ExponentialShape(double u, double shape) {
   if (std::abs(shape) < kSmallShape) {
     // a = u + u (u - 1) / 2 A + u (u - 1) (2 u - 1) / 12 A^2 + u^2 (u - 1)^2 / 24 A^3 + ...

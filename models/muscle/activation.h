@@ -37,12 +37,43 @@ template <class T>
   return at.activation + at.by_excitation * (u - Value(u)) + at.by_shape * (shape - Value(shape));
 }
 
-/// The filter with its two last values. Stable for |C1| < 1, |C2| < 1.
+/// beta1 and beta2 of the filter. Its two poles can be exchanged without any change; what follows describes
+/// them by their mean and by the square of half of their distance, in which the filter is smooth even where
+/// both are equal.
+template <class T>
+struct FilterCoefficients {
+  T beta1{0.0};
+  T beta2{0.0};
+};
+
+/// From C1 = mean + sqrt(spread), C2 = mean - sqrt(spread), which belong to one sampling rate.
+/// @param mean [-1..1] @param spread [0..1]
+template <class T>
+[[nodiscard]] FilterCoefficients<T> FilterOfCoefficients(const T& mean, const T& spread) {
+  return {2.0 * mean, mean * mean - spread};
+}
+
+/// cosh(sqrt(x)) for x >= 0, and its smooth continuation.
+[[nodiscard]] double CoshOfRoot(double x, double& slope);
+
+/// From poles that decay at the rates (1 + sqrt(spread)) / time and (1 - sqrt(spread)) / time, whatever the
+/// sampling rate. @param time [s, > 0] @param spread [0..1) @param step [s, > 0] between samples
+template <class T>
+[[nodiscard]] FilterCoefficients<T> FilterOfTimes(const T& time, const T& spread, double step) {
+  const T share = step / time;
+  const T square = share * share * spread;
+  double slope = 0;
+  const double cosh = CoshOfRoot(Value(square), slope);
+  const T decay = Exp(-share);
+  return {-2.0 * decay * (cosh + slope * (square - Value(square))), decay * decay};
+}
+
+/// The filter with its two last values. Stable for poles within the unit circle.
 template <class T>
 class ExcitationFilter {
  public:
-  ExcitationFilter(const T& c1, const T& c2)
-      : beta1_(c1 + c2), beta2_(c1 * c2), alpha_(1.0 + beta1_ + beta2_) {}
+  explicit ExcitationFilter(const FilterCoefficients<T>& coefficients)
+      : beta1_(coefficients.beta1), beta2_(coefficients.beta2), alpha_(1.0 + beta1_ + beta2_) {}
 
   /// As after a long time of this excitation. @param excitation [0..1]
   void Settle(const T& excitation) { last_ = before_ = excitation; }
@@ -66,12 +97,5 @@ class ExcitationFilter {
   T last_{0.0};
   T before_{0.0};
 };
-
-/// C of a pole with this time constant: exp(-step / time_constant) with a minus sign.
-/// @param time_constant [s, > 0] @param step [s, > 0] between samples
-template <class T>
-[[nodiscard]] T CoefficientOf(const T& time_constant, double step) {
-  return -Exp(-step / time_constant);
-}
 
 }  // namespace sinew

@@ -43,7 +43,7 @@ class MuscleForce {
   void Filter() {
     const auto& t = signals_.excitation_time;
     const double step = (t.back() - t.front()) / static_cast<double>(t.size() - 1);
-    ExcitationFilter<T> filter(CoefficientOf(p_[kFilterOne], step), CoefficientOf(p_[kFilterTwo], step));
+    ExcitationFilter<T> filter(FilterOfTimes(p_[kFilterMean], p_[kFilterSpread], step));
     filter.Settle(T(signals_.excitation.front()));
     neural_.resize(t.size());
     for (std::size_t k = 0; k < t.size(); ++k) neural_[k] = filter.Next(T(signals_.excitation[k]));
@@ -64,7 +64,7 @@ class MuscleForce {
   // Samples that are due before the first length pass the filter one by one, from then on one per length: the
   // last one that is due.
   void FilterAsCeinms(bool forgetful, std::vector<T>& activation) const {
-    ExcitationFilter<T> filter(p_[kFilterOne], p_[kFilterTwo]);
+    ExcitationFilter<T> filter(FilterOfCoefficients(p_[kFilterMean], p_[kFilterSpread]));
     filter.Settle(T(0.0));
     const double delay = Value(p_[kDelay]);
     const auto due = [&](std::size_t k) { return signals_.excitation_time[k] + delay; };

@@ -12,10 +12,10 @@ namespace sinew {
 
 /// What the force of a muscle depends on, by place.
 enum MuscleSlot {
-  kFilterOne,  ///< time constant of a pole [s]; as CEINMS has it: C1 at the rate of the lengths
-  kFilterTwo,  ///< the other one; C2
-  kShape,      ///< A
-  kDelay,      ///< electromechanical [s]
+  kFilterMean,    ///< time of the filter [s]; as CEINMS has it: mean of C1 and C2 at the rate of the lengths
+  kFilterSpread,  ///< of its poles [0..1): FilterOfTimes; as CEINMS has it: ((C1 - C2) / 2)^2
+  kShape,         ///< A
+  kDelay,         ///< electromechanical [s]
   kOptimalLength,
   kTendonSlackLength,
   kIsometricForce,

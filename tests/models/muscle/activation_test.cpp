@@ -91,7 +91,7 @@ TEST(PiecewiseShapeTest, SlopesAreThoseOfDifferences) {
 TEST(ExcitationFilterTest, StepResponseIsThatOfTwoPoles) {
   const double p = 0.6;
   const double q = 0.3;
-  ExcitationFilter<double> filter(-p, -q);
+  ExcitationFilter<double> filter(FilterOfCoefficients(-(p + q) / 2, (p - q) * (p - q) / 4));
   filter.Settle(0.0);
   for (int k = 0; k < 30; ++k) {
     double exact = 0;  // convolution of the two geometric responses
@@ -102,24 +102,48 @@ TEST(ExcitationFilterTest, StepResponseIsThatOfTwoPoles) {
 }
 
 TEST(ExcitationFilterTest, AConstantExcitationPasses) {
-  ExcitationFilter<double> filter(-0.9, 0.4);
+  ExcitationFilter<double> filter(FilterOfCoefficients(-0.25, 0.4225));
   filter.Settle(0.37);
   for (int k = 0; k < 10; ++k) EXPECT_NEAR(filter.Next(0.37), 0.37, 1e-14);
 }
 
+// Also where both poles are equal.
 TEST(ExcitationFilterTest, SensitivitiesAreThoseOfDifferences) {
-  const auto last = [](double c1, double c2) {
-    ExcitationFilter<double> filter(c1, c2);
-    double u = 0;
+  const auto run = [](const auto& coefficients, auto u) {
+    ExcitationFilter<decltype(u)> filter(coefficients);
     for (int k = 0; k < 25; ++k) u = filter.Next(0.5 + 0.4 * std::sin(0.7 * k));
     return u;
   };
-  ExcitationFilter<Dual<2>> filter(Dual<2>::Variable(-0.7, 0), Dual<2>::Variable(-0.4, 1));
-  Dual<2> u;
-  for (int k = 0; k < 25; ++k) u = filter.Next(0.5 + 0.4 * std::sin(0.7 * k));
-  EXPECT_EQ(u.value, last(-0.7, -0.4));
-  EXPECT_NEAR(u.d[0], (last(-0.7 + kStep, -0.4) - last(-0.7 - kStep, -0.4)) / (2 * kStep), 1e-8);
-  EXPECT_NEAR(u.d[1], (last(-0.7, -0.4 + kStep) - last(-0.7, -0.4 - kStep)) / (2 * kStep), 1e-8);
+  for (const double spread : {0.0, 0.01}) {
+    const auto by_c = [&](double m, double s) { return run(FilterOfCoefficients(m, s), 0.0); };
+    const auto u =
+        run(FilterOfCoefficients(Dual<2>::Variable(-0.5, 0), Dual<2>::Variable(spread, 1)), Dual<2>());
+    EXPECT_EQ(u.value, by_c(-0.5, spread));
+    EXPECT_NEAR(u.d[0], (by_c(-0.5 + kStep, spread) - by_c(-0.5 - kStep, spread)) / (2 * kStep), 1e-8);
+    EXPECT_NEAR(u.d[1], (by_c(-0.5, spread + kStep) - by_c(-0.5, spread - kStep)) / (2 * kStep), 1e-8);
+    const auto by_time = [&](double t, double s) { return run(FilterOfTimes(t, s, 0.01), 0.0); };
+    const auto v =
+        run(FilterOfTimes(Dual<2>::Variable(0.03, 0), Dual<2>::Variable(30 * spread, 1), 0.01), Dual<2>());
+    EXPECT_EQ(v.value, by_time(0.03, 30 * spread));
+    EXPECT_NEAR(v.d[0],
+                (by_time(0.03 + kStep, 30 * spread) - by_time(0.03 - kStep, 30 * spread)) / (2 * kStep),
+                1e-6);
+    EXPECT_NEAR(v.d[1],
+                (by_time(0.03, 30 * spread + kStep) - by_time(0.03, 30 * spread - kStep)) / (2 * kStep),
+                1e-7);
+  }
+}
+
+// Rates (1 + s) / time and (1 - s) / time.
+TEST(ExcitationFilterTest, TimesAreThoseOfTwoPoles) {
+  for (const double spread : {0.0, 1e-6, 0.25, 0.81}) {
+    const double s = std::sqrt(spread);
+    const double p = std::exp(-0.01 * (1 + s) / 0.02);
+    const double q = std::exp(-0.01 * (1 - s) / 0.02);
+    const auto filter = FilterOfTimes(0.02, spread, 0.01);
+    EXPECT_NEAR(filter.beta1, -(p + q), 1e-14);
+    EXPECT_NEAR(filter.beta2, p * q, 1e-14);
+  }
 }
 
 TEST(ShapedTest, CarriesBothSlopes) {
@@ -132,10 +156,10 @@ TEST(ShapedTest, CarriesBothSlopes) {
   EXPECT_EQ(a.d[1], at.by_shape);
 }
 
-// The time constants do not depend on the rate: two filters of one signal at 100 Hz and 1 kHz agree.
-TEST(ExcitationFilterTest, TimeConstantsDoNotDependOnTheRate) {
+// At 1 kHz and at 10 kHz the same signal leaves alike.
+TEST(ExcitationFilterTest, TimesDoNotDependOnTheRate) {
   const auto after = [](double step) {
-    ExcitationFilter<double> filter(CoefficientOf(0.03, step), CoefficientOf(0.015, step));
+    ExcitationFilter<double> filter(FilterOfTimes(0.02, 0.1, step));
     filter.Settle(0.0);
     double u = 0;
     for (double t = step; t < 0.1 + 1e-9; t += step) u = filter.Next(1.0);

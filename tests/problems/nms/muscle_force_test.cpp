@@ -30,8 +30,8 @@ MuscleSignals Signals(double rate = 100) {
 }
 
 std::array<double, kMuscleSlots> Soleus(bool as_ceinms) {
-  return {as_ceinms ? -0.6 : 0.02,
-          as_ceinms ? -0.4 : 0.011,
+  return {as_ceinms ? -0.5 : 0.015,
+          as_ceinms ? 0.01 : 0.1,
           -1.2,
           0.015,
           0.05,
@@ -169,10 +169,10 @@ class AgainstCeinms : public testing::TestWithParam<int> {
         const SubjectMuscle& m = *subject_.Find(name);
         MuscleSignals signals{emg.time, *emg.Find(name), lengths.time, *lengths.Find(name)};
         for (double& e : signals.excitation) e = std::clamp(e, 0.0, 1.0);
-        const double rate = 100;  // of the lengths, which CEINMS's coefficients belong to
-        const auto time_constant = [&](double c) { return -1 / (rate * std::log(-c)); };
-        const std::array<double, kMuscleSlots> p{model.as_ceinms ? m.c1 : time_constant(m.c1),
-                                                 model.as_ceinms ? m.c2 : time_constant(m.c2),
+        const double mean = 0.5 * (m.c1 + m.c2);
+        const double spread = std::pow(0.5 * (m.c1 - m.c2), 2);
+        const std::array<double, kMuscleSlots> p{mean,
+                                                 spread,
                                                  m.shape_factor,
                                                  m.delay,
                                                  m.optimal_fibre_length,
