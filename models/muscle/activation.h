@@ -46,11 +46,11 @@ struct FilterCoefficients {
   T beta2{0.0};
 };
 
-/// From C1 = mean + sqrt(spread), C2 = mean - sqrt(spread), which belong to one sampling rate.
-/// @param mean [-1..1] @param spread [0..1]
+/// From C1, C2 = mean +- (1 + mean) sqrt(spread), which belong to one sampling rate.
+/// @param mean (-1..0] @param spread [0..1)
 template <class T>
 [[nodiscard]] FilterCoefficients<T> FilterOfCoefficients(const T& mean, const T& spread) {
-  return {2.0 * mean, mean * mean - spread};
+  return {2.0 * mean, mean * mean - (1.0 + mean) * (1.0 + mean) * spread};
 }
 
 /// cosh(sqrt(x)) for x >= 0, and its smooth continuation.

@@ -13,7 +13,7 @@ namespace sinew {
 /// What the force of a muscle depends on, by place.
 enum MuscleSlot {
   kFilterMean,    ///< time of the filter [s]; as CEINMS has it: mean of C1 and C2 at the rate of the lengths
-  kFilterSpread,  ///< of its poles [0..1): FilterOfTimes; as CEINMS has it: ((C1 - C2) / 2)^2
+  kFilterSpread,  ///< of its poles [0..1): FilterOfTimes, FilterOfCoefficients
   kShape,         ///< A
   kDelay,         ///< electromechanical [s]
   kOptimalLength,

@@ -91,7 +91,7 @@ TEST(PiecewiseShapeTest, SlopesAreThoseOfDifferences) {
 TEST(ExcitationFilterTest, StepResponseIsThatOfTwoPoles) {
   const double p = 0.6;
   const double q = 0.3;
-  ExcitationFilter<double> filter(FilterOfCoefficients(-(p + q) / 2, (p - q) * (p - q) / 4));
+  ExcitationFilter<double> filter(FilterOfCoefficients(-(p + q) / 2, std::pow((p - q) / 2 / (1 - (p + q) / 2), 2)));
   filter.Settle(0.0);
   for (int k = 0; k < 30; ++k) {
     double exact = 0;  // convolution of the two geometric responses
@@ -102,7 +102,7 @@ TEST(ExcitationFilterTest, StepResponseIsThatOfTwoPoles) {
 }
 
 TEST(ExcitationFilterTest, AConstantExcitationPasses) {
-  ExcitationFilter<double> filter(FilterOfCoefficients(-0.25, 0.4225));
+  ExcitationFilter<double> filter(FilterOfCoefficients(-0.25, 0.4225 / 0.5625));
   filter.Settle(0.37);
   for (int k = 0; k < 10; ++k) EXPECT_NEAR(filter.Next(0.37), 0.37, 1e-14);
 }

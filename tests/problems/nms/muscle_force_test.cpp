@@ -31,7 +31,7 @@ MuscleSignals Signals(double rate = 100) {
 
 std::array<double, kMuscleSlots> Soleus(bool as_ceinms) {
   return {as_ceinms ? -0.5 : 0.015,
-          as_ceinms ? 0.01 : 0.1,
+          as_ceinms ? 0.04 : 0.1,
           -1.2,
           0.015,
           0.05,
@@ -170,7 +170,7 @@ class AgainstCeinms : public testing::TestWithParam<int> {
         MuscleSignals signals{emg.time, *emg.Find(name), lengths.time, *lengths.Find(name)};
         for (double& e : signals.excitation) e = std::clamp(e, 0.0, 1.0);
         const double mean = 0.5 * (m.c1 + m.c2);
-        const double spread = std::pow(0.5 * (m.c1 - m.c2), 2);
+        const double spread = std::pow(0.5 * (m.c1 - m.c2) / (1 + mean), 2);
         const std::array<double, kMuscleSlots> p{mean,
                                                  spread,
                                                  m.shape_factor,

@@ -1,0 +1,222 @@
+#include "problems/nms/nms_data.h"
+
+#include <algorithm>
+#include <cmath>
+
+#include "base/text.h"
+
+namespace sinew {
+namespace {
+
+constexpr double kSameTime = 1e-6;  // [s]
+
+Result<const Grid*> FindGrid(const Trial& trial, const std::string& name) {
+  const auto found = trial.grids.find(name);
+  if (found != trial.grids.end()) return &found->second;
+  std::vector<std::string> names;
+  for (const auto& [grid, content] : trial.grids) names.push_back(grid);
+  return Fail("has no grid '{}'{}", name, Suggestion(name, names));
+}
+
+Result<std::vector<double>> FindValues(const Grid& grid, const std::string& grid_name,
+                                       const std::string& channel, const std::string& unit) {
+  const auto found = grid.channels.find(channel);
+  if (found == grid.channels.end()) {
+    std::vector<std::string> names;
+    for (const auto& [name, content] : grid.channels) names.push_back(name);
+    return Fail("grid '{}' has no channel '{}'{}", grid_name, channel, Suggestion(channel, names));
+  }
+  if (found->second.unit != unit)
+    return Fail("channel '{}' of grid '{}' has the unit {}, expected {}", channel, grid_name,
+                found->second.unit, unit);
+  const auto& values = found->second.values;
+  const auto gap = std::find_if(values.begin(), values.end(), [](double v) { return !std::isfinite(v); });
+  if (gap != values.end())
+    return Fail("channel '{}' of grid '{}' has a gap at t = {} s", channel, grid_name,
+                grid.time[static_cast<std::size_t>(gap - values.begin())]);
+  return values;
+}
+
+class Preparation {
+ public:
+  explicit Preparation(const NmsSettings& settings) : settings_(settings) {
+    for (const std::string& joint : settings.joints) {
+      std::vector<int> indices;
+      for (const auto& [dof, movers] : settings.subject.dofs) {
+        if (dof != joint) continue;
+        for (const std::string& muscle : movers) indices.push_back(IndexOf(muscle));
+      }
+      out_.joint_muscles.push_back(std::move(indices));
+    }
+  }
+
+  Result<NmsData> Run(const Dataset& data) {
+    bool any_training = false;
+    for (const auto& [name, trial] : data.trials) {
+      const Status added = Add(name, trial);
+      if (!added) return Fail("trial '{}': {}", name, added.error().message);
+      any_training = any_training || trial.role == Role::kTrain;
+    }
+    if (!any_training) return Fail("no trial has the role train: nothing to fit");
+    if (cut_off_ > 0) {
+      out_.notes.push_back(fmt::format(
+          "{} of {} samples of excitations were outside of 0..1 and were cut off", cut_off_, all_));
+    }
+    const auto& time = out_.trials.front().time;
+    out_.rate = static_cast<double>(time.size() - 1) / (time.back() - time.front());
+    return std::move(out_);
+  }
+
+ private:
+  int IndexOf(const std::string& muscle) {
+    const auto found = std::find(out_.muscles.begin(), out_.muscles.end(), muscle);
+    if (found == out_.muscles.end()) {
+      out_.muscles.push_back(muscle);
+      return static_cast<int>(out_.muscles.size()) - 1;
+    }
+    return static_cast<int>(found - out_.muscles.begin());
+  }
+
+  // The mean of the signals that excite the muscle; without a list, the signal of its own name.
+  Result<std::vector<double>> Excitation(const Grid& grid, const std::string& muscle) {
+    std::vector<std::string> sources;
+    for (const auto& [channel, excited] : settings_.subject.channels) {
+      if (std::find(excited.begin(), excited.end(), muscle) != excited.end()) sources.push_back(channel);
+    }
+    if (settings_.subject.channels.empty()) sources.push_back(muscle);
+    if (sources.empty()) return Fail("no channel of the subject excites the muscle '{}'", muscle);
+    std::vector<double> sum(grid.time.size(), 0);
+    for (const std::string& source : sources) {
+      SINEW_ASSIGN(const auto values, FindValues(grid, "excitations", source, "1"));
+      for (std::size_t i = 0; i < sum.size(); ++i) sum[i] += values[i] / static_cast<double>(sources.size());
+    }
+    for (double& e : sum) {
+      ++all_;
+      if (e >= 0 && e <= 1) continue;
+      ++cut_off_;
+      e = std::clamp(e, 0.0, 1.0);
+    }
+    return sum;
+  }
+
+  Status Add(const std::string& name, const Trial& trial) {
+    NmsTrial made;
+    made.name = name;
+    SINEW_ASSIGN(const Grid* excitations, FindGrid(trial, "excitations"));
+    SINEW_ASSIGN(const Grid* lengths, FindGrid(trial, "lengths"));
+    if (excitations->time.size() < 2 || lengths->time.size() < 4)
+      return Fail("has {} samples of excitations and {} of lengths, expected 2 and 4",
+                  excitations->time.size(), lengths->time.size());
+    made.time = lengths->time;
+    for (const std::string& muscle : out_.muscles) {
+      MuscleSignals signals;
+      signals.excitation_time = excitations->time;
+      SINEW_ASSIGN(signals.excitation, Excitation(*excitations, muscle));
+      signals.time = lengths->time;
+      SINEW_ASSIGN(signals.unit_length, FindValues(*lengths, "lengths", muscle, "m"));
+      made.muscles.push_back(std::move(signals));
+    }
+    made.first_block = static_cast<int>(out_.layout.size());
+    bool any = false;
+    for (std::size_t j = 0; j < settings_.joints.size(); ++j) {
+      SINEW_TRY(AddArms(trial, j, made));
+      SINEW_ASSIGN(const bool measured, AddBlock(trial, j, made));
+      any = any || measured;
+    }
+    if (!any)
+      return Fail("has no measured moment: expected a channel such as {}_moment", settings_.joints.front());
+    out_.trials.push_back(std::move(made));
+    return {};
+  }
+
+  Status AddArms(const Trial& trial, std::size_t j, NmsTrial& made) const {
+    const std::string grid_name = "moment_arms." + settings_.joints[j];
+    SINEW_ASSIGN(const Grid* grid, FindGrid(trial, grid_name));
+    const bool alike = grid->time.size() == made.time.size() &&
+                       std::equal(grid->time.begin(), grid->time.end(), made.time.begin(),
+                                  [](double a, double b) { return std::abs(a - b) < kSameTime; });
+    if (!alike) return Fail("grid '{}' has other times than grid 'lengths'", grid_name);
+    std::vector<Vector> arms;
+    for (const int m : out_.joint_muscles[j]) {
+      SINEW_ASSIGN(const auto values,
+                   FindValues(*grid, grid_name, out_.muscles[static_cast<std::size_t>(m)], "m"));
+      arms.emplace_back(Eigen::Map<const Vector>(values.data(), static_cast<Eigen::Index>(values.size())));
+    }
+    made.arms.push_back(std::move(arms));
+    return {};
+  }
+
+  // A joint whose moment was not measured is predicted.
+  Result<bool> AddBlock(const Trial& trial, std::size_t j, const NmsTrial& made) {
+    Block block;
+    block.trial = made.name;
+    block.channel = settings_.joints[j] + "_moment";
+    block.unit = "N*m";
+    block.prediction_time = made.time;
+    const Trial::Found found = trial.Find(block.channel);
+    if (!found) {
+      block.role = BlockRole::kPredicted;
+      out_.layout.push_back(std::move(block));
+      return false;
+    }
+    if (found.channel->unit != "N*m")
+      return Fail("channel '{}' has the unit {}, expected N*m", block.channel, found.channel->unit);
+    block.role = trial.role == Role::kTrain ? BlockRole::kTrain : BlockRole::kValidate;
+    block.sigma = found.channel->sigma;
+    std::size_t at = 0;
+    for (std::size_t i = 0; i < found.grid->time.size(); ++i) {
+      const double t = found.grid->time[i];
+      while (at < made.time.size() && made.time[at] < t - kSameTime) ++at;
+      if (at == made.time.size()) break;
+      if (made.time[at] > t + kSameTime || !std::isfinite(found.channel->values[i])) continue;
+      block.sample.push_back(static_cast<int>(at));
+      block.measured.push_back(found.channel->values[i]);
+    }
+    if (block.measured.size() < 2)
+      return Fail("channel '{}' has {} samples at the times of grid 'lengths', expected 2", block.channel,
+                  block.measured.size());
+    SINEW_TRY(Weigh(block));
+    out_.layout.push_back(std::move(block));
+    return true;
+  }
+
+  // By the noise, if it is known; else by the spread of the moment. The thesis's objective (eq 4.6) also
+  // divides by the samples, so that every trial counts alike.
+  Status Weigh(Block& block) const {
+    const auto count = static_cast<double>(block.measured.size());
+    const Eigen::Map<const Vector> measured(block.measured.data(), block.samples());
+    const double variance = (measured.array() - measured.mean()).square().sum() / (count - 1);
+    if (!(variance > 0)) return Fail("channel '{}' does not change: it says nothing", block.channel);
+    if (settings_.objective == NmsObjective::kThesis) {
+      block.weight = 1 / std::sqrt(variance * count);
+    } else {
+      block.weight = block.sigma ? 1 / *block.sigma : 1 / std::sqrt(variance);
+    }
+    return {};
+  }
+
+  const NmsSettings& settings_;
+  NmsData out_;
+  long cut_off_ = 0;
+  long all_ = 0;
+};
+
+}  // namespace
+
+std::string DescribeNmsChannels() {
+  return "grid excitations, channels of the subject's channels, or of its muscles   1    0..1\n"
+         "grid lengths, one per muscle                                              m    of muscle and "
+         "tendon\n"
+         "grid moment_arms.JOINT, one per muscle that moves it                      m    times as in "
+         "lengths\n"
+         "JOINT_moment, on any grid                                                 N*m  measured\n"
+         "files:\n"
+         "  nms.yaml                   settings with key `nms` (or give --config)\n"
+         "  subject.xml                the muscles, as CEINMS or CEINMS-RT has them\n";
+}
+
+Result<NmsData> PrepareNmsData(const Dataset& data, const NmsSettings& settings) {
+  return Preparation(settings).Run(data);
+}
+
+}  // namespace sinew

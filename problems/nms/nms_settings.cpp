@@ -1,0 +1,214 @@
+#include "problems/nms/nms_settings.h"
+
+#include <algorithm>
+#include <cmath>
+#include <set>
+
+#include "base/text.h"
+#include "problems/nms/ceinms_subject.h"
+
+namespace sinew {
+namespace {
+
+template <class E>
+Result<E> ReadChoice(const YamlReader& yaml, const std::string& key,
+                     const std::vector<std::pair<std::string, E>>& choices) {
+  SINEW_ASSIGN(const std::string word, yaml.TextOr(key, choices.front().first));
+  std::vector<std::string> names;
+  for (const auto& [name, value] : choices) {
+    if (name == word) return value;
+    names.push_back(name);
+  }
+  SINEW_ASSIGN(const YamlReader at, yaml.At(key));
+  return FailAt(yaml.file(), at.line(), "{}: '{}'{}", key, word, Suggestion(word, names));
+}
+
+Result<Subject> ReadSubject(const YamlReader& yaml, const std::map<std::string, std::string>& files,
+                            std::vector<std::string>& notes) {
+  SINEW_ASSIGN(const YamlReader name_value, yaml.At("subject"));
+  SINEW_ASSIGN(const std::string name, name_value.Text());
+  const auto file = files.find(name);
+  if (file == files.end())
+    return FailAt(yaml.file(), name_value.line(), "the data set holds no file '{}': import it first", name);
+  SINEW_ASSIGN(CeinmsSubject read, ReadCeinmsSubject(file->second, name));
+  notes.insert(notes.end(), read.notes.begin(), read.notes.end());
+  return std::move(read.subject);
+}
+
+std::vector<std::string> MusclesOf(const Subject& subject, const std::vector<std::string>& joints) {
+  std::vector<std::string> muscles;
+  for (const auto& [joint, movers] : subject.dofs) {
+    if (std::find(joints.begin(), joints.end(), joint) == joints.end()) continue;
+    for (const std::string& muscle : movers) {
+      if (std::find(muscles.begin(), muscles.end(), muscle) == muscles.end()) muscles.push_back(muscle);
+    }
+  }
+  return muscles;
+}
+
+Status ReadParameter(const YamlReader& yaml, const MuscleParameterName& parameter,
+                     const std::vector<std::string>& muscles, NmsSettings& settings) {
+  SINEW_TRY(yaml.OnlyKeys({"share", "groups", "lower", "upper", "relative"}));
+  NmsParameterSetting setting;
+  setting.slot = parameter.slot;
+  for (const auto& [key, target] : {std::pair{"lower", &setting.lower}, std::pair{"upper", &setting.upper}}) {
+    SINEW_ASSIGN(const YamlReader value, yaml.At(key));
+    SINEW_ASSIGN(*target, value.Number());
+  }
+  if (!(setting.lower < setting.upper))
+    return FailAt(yaml.file(), yaml.line(), "{}: lower {} is not below upper {}", parameter.name,
+                  setting.lower, setting.upper);
+  SINEW_ASSIGN(setting.relative, ReadChoice<bool>(yaml, "relative", {{"false", false}, {"true", true}}));
+  if (yaml.Has("groups")) {
+    SINEW_ASSIGN(const YamlReader groups, yaml.At("groups"));
+    SINEW_ASSIGN(const auto names, groups.Keys());
+    std::set<std::string> seen;
+    for (const std::string& name : names) {
+      SINEW_ASSIGN(const YamlReader list, groups.At(name));
+      SINEW_ASSIGN(setting.muscles, list.Texts());
+      for (const std::string& muscle : setting.muscles) {
+        if (std::find(muscles.begin(), muscles.end(), muscle) == muscles.end())
+          return FailAt(yaml.file(), list.line(), "no joint that is fitted has the muscle '{}'{}", muscle,
+                        Suggestion(muscle, muscles));
+        if (!seen.insert(muscle).second)
+          return FailAt(yaml.file(), list.line(), "the muscle '{}' is in two groups of {}", muscle,
+                        parameter.name);
+      }
+      if (setting.muscles.empty()) return FailAt(yaml.file(), list.line(), "group '{}' has no muscle", name);
+      setting.group = name;
+      settings.parameters.push_back(setting);
+    }
+    return {};
+  }
+  SINEW_ASSIGN(const bool alone, ReadChoice<bool>(yaml, "share", {{"single", true}, {"global", false}}));
+  if (!alone) {
+    setting.group = "all";
+    setting.muscles = muscles;
+    settings.parameters.push_back(setting);
+    return {};
+  }
+  for (const std::string& muscle : muscles) {
+    setting.group = muscle;
+    setting.muscles = {muscle};
+    settings.parameters.push_back(setting);
+  }
+  return {};
+}
+
+}  // namespace
+
+const std::vector<MuscleParameterName>& MuscleParameterNames() {
+  static const std::vector<MuscleParameterName> kNames{
+      {"filter_mean", kFilterMean, "", "mean pole of the activation filter", "Lloyd, Besier 2003"},
+      {"filter_spread", kFilterSpread, "1", "distance of the filter's poles, squared", "Lloyd, Besier 2003"},
+      {"shape", kShape, "1", "bend between excitation and activation", "thesis eq 4.1"},
+      {"delay", kDelay, "s", "electromechanical delay", "thesis ch. 4"},
+      {"optimal_length", kOptimalLength, "m", "optimal fibre length", "thesis eq 4.2"},
+      {"tendon_slack_length", kTendonSlackLength, "m", "tendon slack length", "thesis eq 4.4"},
+      {"isometric_force", kIsometricForce, "N", "greatest isometric force", "thesis eq 4.3"},
+      {"strength", kStrength, "1", "factor on the greatest isometric force", "thesis eq 4.3"},
+      {"pennation", kPennation, "rad", "pennation angle at optimal length", "thesis eq 4.4"},
+      {"length_change", kLengthChange, "1", "optimal length gained without activation", "thesis eq 4.2"},
+      {"damping", kDamping, "1", "damping of the fibre", "thesis eq 4.3"},
+      {"largest_velocity", kLargestVelocity, "1/s", "greatest shortening velocity in optimal lengths",
+       "Buchanan et al. 2004"},
+  };
+  return kNames;
+}
+
+Result<NmsSettings> ReadNmsSettings(const YamlReader& yaml, const std::map<std::string, std::string>& files) {
+  SINEW_TRY(
+      yaml.OnlyKeys({"subject", "tendon", "activation", "as_ceinms", "joints", "objective", "parameters"}));
+  NmsSettings settings;
+  SINEW_ASSIGN(settings.subject, ReadSubject(yaml, files, settings.notes));
+  SINEW_ASSIGN(settings.model.tendon, ReadChoice<TendonMode>(yaml, "tendon",
+                                                             {{"rigid", TendonMode::kRigid},
+                                                              {"equilibrium", TendonMode::kEquilibrium},
+                                                              {"elastic", TendonMode::kElastic}}));
+  SINEW_ASSIGN(settings.model.shape,
+               ReadChoice<ActivationShape>(yaml, "activation",
+                                           {{"exponential", ActivationShape::kExponential},
+                                            {"piecewise", ActivationShape::kPiecewise}}));
+  SINEW_ASSIGN(settings.model.as_ceinms,
+               ReadChoice<bool>(yaml, "as_ceinms", {{"false", false}, {"true", true}}));
+  SINEW_ASSIGN(settings.objective,
+               ReadChoice<NmsObjective>(
+                   yaml, "objective", {{"noise", NmsObjective::kNoise}, {"thesis", NmsObjective::kThesis}}));
+  std::vector<std::string> known;
+  for (const auto& [joint, muscles] : settings.subject.dofs) known.push_back(joint);
+  settings.joints = known;
+  if (yaml.Has("joints")) {
+    SINEW_ASSIGN(const YamlReader joints, yaml.At("joints"));
+    SINEW_ASSIGN(settings.joints, joints.Texts());
+    if (settings.joints.empty()) return FailAt(yaml.file(), joints.line(), "joints: expected at least one");
+    for (const std::string& joint : settings.joints) {
+      if (std::find(known.begin(), known.end(), joint) == known.end())
+        return FailAt(yaml.file(), joints.line(), "the subject has no joint coordinate '{}'{}", joint,
+                      Suggestion(joint, known));
+    }
+  }
+  const std::vector<std::string> muscles = MusclesOf(settings.subject, settings.joints);
+  SINEW_ASSIGN(const YamlReader parameters, yaml.At("parameters"));
+  SINEW_ASSIGN(const auto keys, parameters.Keys());
+  std::vector<std::string> names;
+  for (const MuscleParameterName& parameter : MuscleParameterNames()) names.emplace_back(parameter.name);
+  SINEW_TRY(parameters.OnlyKeys(names));
+  for (const MuscleParameterName& parameter : MuscleParameterNames()) {
+    if (std::find(keys.begin(), keys.end(), parameter.name) == keys.end()) continue;
+    SINEW_ASSIGN(const YamlReader one, parameters.At(parameter.name));
+    SINEW_TRY(ReadParameter(one, parameter, muscles, settings));
+  }
+  if (settings.parameters.empty())
+    return FailAt(yaml.file(), parameters.line(), "parameters: nothing is to be found");
+  return settings;
+}
+
+std::array<double, kMuscleSlots> SlotsOf(const SubjectMuscle& muscle, bool as_ceinms, double rate) {
+  double mean = 0.5 * (muscle.c1 + muscle.c2);
+  double spread = std::pow(0.5 * (muscle.c1 - muscle.c2) / (1 + mean), 2);
+  if (!as_ceinms) {
+    // Poles decay at rates that do not depend on the sampling; a coefficient of 0 has no memory at all.
+    constexpr double kFastest = 1e-6;
+    const double fast = -std::log(std::clamp(-muscle.c1, kFastest, 1 - kFastest)) * rate;
+    const double slow = -std::log(std::clamp(-muscle.c2, kFastest, 1 - kFastest)) * rate;
+    mean = 2 / (fast + slow);
+    spread = std::pow((fast - slow) / (fast + slow), 2);
+  }
+  return {mean,
+          spread,
+          muscle.shape_factor,
+          muscle.delay,
+          muscle.optimal_fibre_length,
+          muscle.tendon_slack_length,
+          muscle.maximal_isometric_force,
+          muscle.strength_coefficient,
+          muscle.pennation_angle,
+          muscle.percentage_change,
+          muscle.damping,
+          muscle.maximal_contraction_velocity};
+}
+
+void StoreSlots(const std::array<double, kMuscleSlots>& slots, bool as_ceinms, double rate,
+                SubjectMuscle& muscle) {
+  const double root = std::sqrt(slots[kFilterSpread]);
+  const double mean = slots[kFilterMean];
+  if (as_ceinms) {
+    muscle.c1 = mean + (1 + mean) * root;
+    muscle.c2 = mean - (1 + mean) * root;
+  } else {
+    muscle.c1 = -std::exp(-(1 + root) / (mean * rate));
+    muscle.c2 = -std::exp(-(1 - root) / (mean * rate));
+  }
+  muscle.shape_factor = slots[kShape];
+  muscle.delay = slots[kDelay];
+  muscle.optimal_fibre_length = slots[kOptimalLength];
+  muscle.tendon_slack_length = slots[kTendonSlackLength];
+  muscle.maximal_isometric_force = slots[kIsometricForce];
+  muscle.strength_coefficient = slots[kStrength];
+  muscle.pennation_angle = slots[kPennation];
+  muscle.percentage_change = slots[kLengthChange];
+  muscle.damping = slots[kDamping];
+  muscle.maximal_contraction_velocity = slots[kLargestVelocity];
+}
+
+}  // namespace sinew
