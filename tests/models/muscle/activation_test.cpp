@@ -91,7 +91,8 @@ TEST(PiecewiseShapeTest, SlopesAreThoseOfDifferences) {
 TEST(ExcitationFilterTest, StepResponseIsThatOfTwoPoles) {
   const double p = 0.6;
   const double q = 0.3;
-  ExcitationFilter<double> filter(FilterOfCoefficients(-(p + q) / 2, std::pow((p - q) / 2 / (1 - (p + q) / 2), 2)));
+  ExcitationFilter<double> filter(
+      FilterOfCoefficients(-(p + q) / 2, std::pow((p - q) / 2 / (1 - (p + q) / 2), 2)));
   filter.Settle(0.0);
   for (int k = 0; k < 30; ++k) {
     double exact = 0;  // convolution of the two geometric responses

@@ -6,23 +6,10 @@
 #include <cmath>
 
 #include "base/random.h"
+#include "tests/models/muscle/soleus.h"
 
 namespace sinew {
 namespace {
-
-const MuscleCurves& Curves() {
-  static const MuscleCurves curves = MuscleCurves::Default();
-  return curves;
-}
-
-HillMuscle<double> Soleus() {
-  HillMuscle<double> muscle;
-  muscle.optimal_length = 0.05;
-  muscle.tendon_slack_length = 0.25;
-  muscle.isometric_force = 3549;
-  muscle.pennation = 0.436;
-  return muscle;
-}
 
 double UnitLength(double t) {
   return 0.3 + 0.01 * std::sin(6 * t);

@@ -4,22 +4,10 @@
 
 #include <cmath>
 
+#include "tests/models/muscle/soleus.h"
+
 namespace sinew {
 namespace {
-
-const MuscleCurves& Curves() {
-  static const MuscleCurves curves = MuscleCurves::Default();
-  return curves;
-}
-
-HillMuscle<double> Soleus() {
-  HillMuscle<double> muscle;
-  muscle.optimal_length = 0.05;
-  muscle.tendon_slack_length = 0.25;
-  muscle.isometric_force = 3549;
-  muscle.pennation = 0.436;
-  return muscle;
-}
 
 // A fibre at its optimal length stands at the angle that is stated there.
 TEST(HillMuscleTest, PennationIsThatOfConstantThickness) {
