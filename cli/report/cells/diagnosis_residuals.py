@@ -6,6 +6,8 @@
 # trials were used for no fit.
 
 # %% residuals
+from itertools import zip_longest
+
 BEFORE, AFTER, MOST_PANELS = "#E69F00", "#0072B2", 24
 traces = [{"trial": trial, "channel": channel, "role": node.attrs["role"], "unit": pretty(node.attrs["unit"]),
            "time": node["time"][:], "measured": node["measured"][:], "before": node["before"][:] - node["measured"][:],
@@ -29,8 +31,21 @@ def share_explained(trace):
     return 1 - np.sum(trace["before"][known] ** 2) / spread if spread > 0 else np.nan
 
 
+def worst_of_each(most):
+    """Of every channel and role those in which the base model errs most, as many as there is room for, in the order of all."""
+    groups = {}
+    for trace in traces:
+        groups.setdefault((trace["channel"], trace["role"]), []).append(trace)
+    for group in groups.values():
+        group.sort(key=lambda trace: -np.nan_to_num(rms(trace["before"])))
+    turns = [trace for turn in zip_longest(*groups.values()) for trace in turn if trace is not None]
+    chosen = {id(trace) for trace in turns[:most]}
+    return [trace for trace in traces if id(trace) in chosen]
+
+
+shown = traces if len(traces) <= MOST_PANELS else worst_of_each(MOST_PANELS)
 # What was measured, and how little of the fault the eye sees in it: the last held-out trial, else the last one.
-seen = [trace for trace in traces if trace["channel"] == traces[0]["channel"]][-1]
+seen = [trace for trace in shown if trace["channel"] == shown[0]["channel"]][-1]
 figure, axis = plt.subplots(figsize=(WIDTH, 2.6))
 axis.plot(seen["time"], seen["measured"], color="#b4bac1", lw=4, label="measured")
 axis.plot(seen["time"], seen["measured"] + seen["before"], color=BEFORE, lw=1.3, label="base model")
@@ -46,7 +61,6 @@ plt.show()
 
 key = [(BEFORE, "base model")] + [(AFTER, "extended model")] * extended + [("#d5dbe1", "noise (±2 σ)")] * bool(floor)
 display(HTML('<p class="key">' + "".join(f'<span style="color:{colour}">■</span> {name}' for colour, name in key) + "</p>"))
-shown = traces[:MOST_PANELS]
 columns = min(3, len(shown))
 rows = -(-len(shown) // columns)
 figure, axes = plt.subplots(rows, columns, figsize=(WIDTH, 0.7 + 1.75 * rows), squeeze=False)
@@ -78,7 +92,8 @@ headline(figure, "The extended model leaves less, on held-out trials too" if ext
          "What the extended model changes" if extended else "What the base model leaves")
 plt.show()
 if len(shown) < len(traces):
-    display(HTML(items([f"{len(shown)} of {len(traces)} traces are drawn; all are in /diagnosis/traces."], "notes")))
+    display(HTML(items([f"{len(shown)} of {len(traces)} traces are drawn, of every channel those in which the base model errs most; "
+                        "all are in /diagnosis/traces."], "notes")))
 
 # %% errors
 fit = {(row["channel"], row["role"]): [row, None] for row in rows_of("base_fit")}
