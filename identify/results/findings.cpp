@@ -9,8 +9,8 @@
 namespace sinew {
 namespace {
 
-std::string WithUnit(double value, const std::string& unit) {
-  return Readable(value) + (unit == "1" ? "" : " " + unit);
+std::string WithUnit(double value, const std::string& unit, int digits = 3) {
+  return Readable(value, digits) + (unit == "1" ? "" : " " + unit);
 }
 
 // "stiffness, dissipation and static_friction"
@@ -99,12 +99,12 @@ std::vector<std::string> Predictions(const FullPrediction& prediction) {
   std::vector<std::string> sentences;
   for (const FitQuality& train : prediction.pooled) {
     if (train.role != BlockRole::kTrain) continue;
-    std::string sentence = fmt::format("{}: train {} {} RMSE (R2 {:.3f})", Capitalised(train.channel),
-                                       Readable(train.rmse, 2), train.unit, train.r2);
+    std::string sentence = fmt::format("{}: train {} RMSE (R2 {:.3f})", Capitalised(train.channel),
+                                       WithUnit(train.rmse, train.unit, 2), train.r2);
     for (const FitQuality& validate : prediction.pooled) {
       if (validate.role != BlockRole::kValidate || validate.channel != train.channel) continue;
       sentence +=
-          fmt::format(", validate {} {} (R2 {:.3f})", Readable(validate.rmse, 2), validate.unit, validate.r2);
+          fmt::format(", validate {} (R2 {:.3f})", WithUnit(validate.rmse, validate.unit, 2), validate.r2);
     }
     sentences.push_back(sentence + ".");
   }

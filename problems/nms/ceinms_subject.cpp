@@ -23,9 +23,10 @@ struct Entry {
 };
 constexpr double kHuge = 1e9;
 constexpr double kTiny = 1e-9;
+constexpr double kStable = 0.9999;  // a filter with a pole on the unit circle never settles
 const Entry kEntries[] = {
-    {"c1", "C1", &SubjectMuscle::c1, -1, 1, false},
-    {"c2", "C2", &SubjectMuscle::c2, -1, 1, false},
+    {"c1", "C1", &SubjectMuscle::c1, -kStable, kStable, false},
+    {"c2", "C2", &SubjectMuscle::c2, -kStable, kStable, false},
     {"shapeFactor", "shapeFactor", &SubjectMuscle::shape_factor, -10, 1, false},
     {"emDelay", "emDelay", &SubjectMuscle::delay, 0, 1, false},
     {"optimalFibreLength", "optimalFiberLength", &SubjectMuscle::optimal_fibre_length, kTiny, 10, true},

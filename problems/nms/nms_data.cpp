@@ -40,6 +40,7 @@ Result<std::vector<double>> FindValues(const Grid& grid, const std::string& grid
 class Preparation {
  public:
   explicit Preparation(const NmsSettings& settings) : settings_(settings) {
+    out_.notes = settings.notes;
     for (const std::string& joint : settings.joints) {
       std::vector<int> indices;
       for (const auto& [dof, movers] : settings.subject.dofs) {

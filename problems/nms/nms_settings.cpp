@@ -148,6 +148,14 @@ Result<NmsSettings> ReadNmsSettings(const YamlReader& yaml, const std::map<std::
     }
   }
   const std::vector<std::string> muscles = MusclesOf(settings.subject, settings.joints);
+  for (const std::string& name : muscles) {
+    const SubjectMuscle& muscle = *settings.subject.Find(name);
+    if (settings.model.as_ceinms || (muscle.c1 <= 0 && muscle.c2 <= 0)) continue;
+    settings.notes.push_back(
+        fmt::format("muscle '{}': C1 = {}, C2 = {}; above 0 there is no time constant, and the filter begins "
+                    "with next to none",
+                    name, muscle.c1, muscle.c2));
+  }
   SINEW_ASSIGN(const YamlReader parameters, yaml.At("parameters"));
   SINEW_ASSIGN(const auto keys, parameters.Keys());
   std::vector<std::string> names;

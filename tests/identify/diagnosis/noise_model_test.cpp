@@ -374,5 +374,26 @@ TEST(NoiseModel, AChannelWithoutAnyErrorIsNoObstacle) {
   EXPECT_LT(model.channels[1].ProcessDeviation(), 1e-3);
 }
 
+// What a fit inside the prediction has taken from the residual must not count as quiet or coloured noise.
+TEST(NoiseModel, AWhiteBlockKeepsToItsStatedLevel) {
+  Random random(8);
+  std::vector<NoiseBlock> blocks = SmoothTrials(random, kFirstOrder, 4, 200, 3);
+  ASSERT_FALSE(Estimated(blocks).channels[0].coefficients.empty());
+  for (NoiseBlock& block : blocks) {
+    block.white = true;
+    block.stated = 1e3;
+  }
+  const NoiseModel quiet = Estimated(blocks);
+  EXPECT_TRUE(quiet.channels[0].coefficients.empty());
+  EXPECT_EQ(quiet.channels[0].deviation, 1e3);
+  EXPECT_EQ(quiet.channels[0].least_deviation, 1e3);
+  // Louder than stated: the estimate.
+  for (NoiseBlock& block : blocks) block.stated = 0.1;
+  const NoiseModel loud = Estimated(blocks);
+  EXPECT_TRUE(loud.channels[0].coefficients.empty());
+  EXPECT_NEAR(loud.channels[0].deviation, 1 / std::sqrt(1 - 0.81), 0.7);
+  EXPECT_EQ(loud.channels[0].least_deviation, 0.1);
+}
+
 }  // namespace
 }  // namespace sinew

@@ -123,7 +123,7 @@ TEST(CeinmsSubjectTest, WrongFilesGetOneSentenceWithItsLine) {
   EXPECT_THAT(failure(Replaced(Ceinms(), "<c1>-0.4", "<c1>x")),
               testing::HasSubstr("c1 is 'x', expected a number"));
   EXPECT_THAT(failure(Replaced(Ceinms(), "<c1>-0.4", "<c1>-4")),
-              testing::HasSubstr("c1 is -4, expected -1 to 1"));
+              testing::HasSubstr("c1 is -4, expected -0.9999 to 0.9999"));
   EXPECT_THAT(failure(Replaced(Ceinms(), "<tendonSlackLength>0.25</tendonSlackLength>", "")),
               testing::HasSubstr("'soleus' has no <tendonSlackLength>"));
   EXPECT_THAT(failure(Replaced(Ceinms(), "tibialis</name>", "soleus</name>")),

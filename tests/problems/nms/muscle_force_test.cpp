@@ -195,8 +195,6 @@ class AgainstCeinms : public testing::TestWithParam<int> {
       const auto [low, high] = std::minmax_element(reference.begin(), reference.end());
       const double share = std::sqrt(squares / static_cast<double>(reference.size())) / (*high - *low);
       RecordProperty(output + "_" + dof, std::to_string(100 * share) + " %");
-      std::printf("trial %d %s %s: %.4f %% of the range\n", GetParam(), output.c_str(), dof.c_str(),
-                  100 * share);
       worst = std::max(worst, share);
     }
     return worst;
