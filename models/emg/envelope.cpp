@@ -6,7 +6,6 @@
 #include "base/numbers.h"
 #include "models/emg/butterworth.h"
 #include "models/emg/filter_section.h"
-#include "models/emg/raw_emg.h"
 
 namespace sinew {
 namespace {
@@ -14,18 +13,6 @@ namespace {
 constexpr int kHighestOrder = 16;
 // Shorter means would be one sample's chance.
 constexpr std::size_t kFewestNeighbours = 8;
-
-Status CheckSettings(const EnvelopeSettings& settings) {
-  if (settings.order < 2 || settings.order > kHighestOrder || settings.order % 2 != 0) {
-    return Fail(
-        "order {}: expected an even number from 2 to {}; half of it is run forward and half of it backward",
-        settings.order, kHighestOrder);
-  }
-  if (!(settings.longest_gap_s >= 0)) {
-    return Fail("longest gap {} s: expected 0 or more", settings.longest_gap_s);
-  }
-  return {};
-}
 
 // At least a period: what is shorter has no amplitude at this frequency that could be told.
 Status CheckLength(std::size_t samples, double rate_Hz, const EnvelopeSettings& settings) {
@@ -92,17 +79,29 @@ void CutUndershoot(Envelope& envelope) {
 
 }  // namespace
 
+Status CheckEnvelopeSettings(const EnvelopeSettings& settings) {
+  if (settings.order < 2 || settings.order > kHighestOrder || settings.order % 2 != 0) {
+    return Fail(
+        "order {}: expected an even number from 2 to {}; half of it is run forward and half of it backward",
+        settings.order, kHighestOrder);
+  }
+  if (!(settings.longest_gap_s >= 0)) {
+    return Fail("longest gap {} s: expected 0 or more", settings.longest_gap_s);
+  }
+  return {};
+}
+
 Result<Envelope> ComputeEnvelope(const std::vector<double>& raw, double rate_Hz,
                                  const EnvelopeSettings& settings) {
-  SINEW_TRY(CheckSettings(settings));
+  SINEW_TRY(CheckEnvelopeSettings(settings));
   const int one_pass = settings.order / 2;
   SINEW_ASSIGN(const FilterSections high_pass, ButterworthHighPass(one_pass, settings.high_pass_Hz, rate_Hz));
   SINEW_ASSIGN(const FilterSections low_pass, ButterworthLowPass(one_pass, settings.low_pass_Hz, rate_Hz));
   SINEW_TRY(CheckLength(raw.size(), rate_Hz, settings));
-  const RawEmgFaults faults = FindRawEmgFaults(raw, rate_Hz);
   Envelope envelope;
-  envelope.bridged = TotalSamples(faults.gaps);
-  if (envelope.bridged == raw.size()) return Fail("no sample is a number");
+  envelope.faults = FindRawEmgFaults(raw, rate_Hz);
+  const RawEmgFaults& faults = envelope.faults;
+  if (TotalSamples(faults.gaps) == raw.size()) return Fail("no sample is a number");
   SINEW_TRY(CheckGaps(faults.gaps, rate_Hz, settings));
   // The filters would turn its rounding into a signal.
   if (faults.silent) {

@@ -11,6 +11,7 @@
 #include <vector>
 
 #include "base/error.h"
+#include "models/emg/raw_emg.h"
 
 namespace sinew {
 
@@ -31,8 +32,11 @@ struct Envelope {
   std::size_t maximum_at = 0;  ///< index of the first sample that has it
   std::size_t undershoot = 0;  ///< samples that the low-pass left below 0; they were set to 0
   double deepest = 0;          ///< the lowest of them before [unit of the signal, <= 0]
-  std::size_t bridged = 0;     ///< samples that were not finite
+  RawEmgFaults faults;         ///< of the signal; its gaps were bridged
 };
+
+/// Errors: the order or the longest gap is outside of its range.
+[[nodiscard]] Status CheckEnvelopeSettings(const EnvelopeSettings& settings);
 
 /// A gap of up to longest_gap_s is bridged: the raw signal by a straight line, and the rectified signal there
 /// by its mean over as long before and after, so that the envelope does not dip.

@@ -43,7 +43,7 @@ TEST(EnvelopeTest, FollowsTheAmplitudeAndNotTheOffset) {
   }
   EXPECT_EQ(envelope.values[envelope.maximum_at], envelope.maximum);
   EXPECT_EQ(*std::max_element(envelope.values.begin(), envelope.values.end()), envelope.maximum);
-  EXPECT_EQ(envelope.bridged, 0U);
+  EXPECT_TRUE(envelope.faults.gaps.empty());
 }
 
 TEST(EnvelopeTest, ScalesWithTheSignal) {
@@ -73,7 +73,7 @@ TEST(EnvelopeTest, BridgesShortGapsWithoutADip) {
   gaps[100] = gaps[101] = gaps.front() = gaps.back() = NAN;
   const Envelope whole = *ComputeEnvelope(raw, kRate, {});
   const Envelope bridged = *ComputeEnvelope(gaps, kRate, {});
-  EXPECT_EQ(bridged.bridged, 94U);
+  EXPECT_EQ(TotalSamples(bridged.faults.gaps), 94U);
   for (std::size_t k = 400; k + 400 < raw.size(); ++k)
     EXPECT_NEAR(bridged.values[k], whole.values[k], 0.15) << k;
   EXPECT_EQ(
