@@ -101,18 +101,15 @@ void AddEnvelopeCommand(Command data, const RunAction& run) {
       .Add("--grid", words->grids,
            "Grids with raw EMG; default: named *emg*, else the one with channels in V")
       .Split(',')
-      .Shows("GRID,...");
+      .Shows("GRID");
   command
       .Add("--channels", words->channels,
            "Channels to take, and the muscles they become; default: all in V, else all")
       .Split(',')
-      .Shows("CHANNEL[=MUSCLE],...");
-  command.Add("--high-pass", words->high_pass, "Cut-off of the raw signal; default: 30")
-      .AtLeastZero()
-      .Shows("HZ");
-  command.Add("--low-pass", words->low_pass, "Cut-off of the rectified signal; default: 6")
-      .AtLeastZero()
-      .Shows("HZ");
+      .Shows("CHANNEL[=MUSCLE]");
+  command.Add("--high-pass", words->high_pass, "Cut-off of the raw signal in Hz; default: 30").AtLeastZero();
+  command.Add("--low-pass", words->low_pass, "Cut-off of the rectified signal in Hz; default: 6")
+      .AtLeastZero();
   command
       .Add("--order", words->order,
            "Of both filters, forward and backward together: 4 is a Butterworth of order 2 run both ways")
@@ -123,12 +120,9 @@ void AddEnvelopeCommand(Command data, const RunAction& run) {
            "Divide by the maximum over all trials, over named trials (MVC), by given values (V), or not")
       .Shows("all|none|TRIAL|trials:NAME,...|values:MUSCLE=VALUE,...")
       .ShowsDefault();
-  command.Add("--rate", words->rate, "Of the excitations; 0: as recorded; default: 200")
-      .AtLeastZero()
-      .Shows("HZ");
-  command.Add("--longest-gap", words->longest_gap, "Gaps up to here are bridged; default: 0.05")
-      .AtLeastZero()
-      .Shows("S");
+  command.Add("--rate", words->rate, "Of the excitations in Hz; 0: as recorded; default: 200").AtLeastZero();
+  command.Add("--longest-gap", words->longest_gap, "Gaps up to here are bridged, in s; default: 0.05")
+      .AtLeastZero();
   command.Runs(run, [=] { return MakeEnvelope(*words); });
 }
 

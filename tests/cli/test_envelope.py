@@ -145,6 +145,12 @@ class Envelope(ProgramTest):
                             "--channels")
         self.envelope("--channels", "tib_ant_r")
 
+    def test_a_maximum_at_the_end_of_a_trial(self):
+        self.change("soleus_r", lambda v: v[:100].__imul__(500))
+        _, noted = self.envelope()
+        self.assertIn("soleus_r: its maximum lies at an end of trial 'walk', where the filter hangs on a single sample; cut "
+                      "that end off, or normalise by other trials", noted)
+
     def test_recordings_that_cannot_be_filtered(self):
         self.change("tib_ant_r", lambda v: v.__setitem__(slice(2048, 2304), np.nan))
         self.envelope_fails("emg.h5: trial 'walk': channel 'tib_ant_r': a gap of 256 samples (0.125 s) begins 1.000 s after the "

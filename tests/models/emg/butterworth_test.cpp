@@ -54,6 +54,21 @@ TEST(ButterworthTest, BandPassEndsAtItsEdges) {
   }
 }
 
+// The filters of a published execution of CEINMS-RT (executionEMG.xml, doi 10.5281/zenodo.6457662), one pass
+// of order 2 at 0.05 and 0.002 of the rate, printed with eight decimals.
+TEST(ButterworthTest, MakesTheFiltersOfCeinmsRt) {
+  const FilterSection high = ButterworthHighPass(2, 0.05, 1)->front();
+  EXPECT_NEAR(high.a1, -1.56101808, 1e-8);
+  EXPECT_NEAR(high.a2, 0.64135154, 1e-8);
+  EXPECT_NEAR(high.b0, 0.8005924, 1e-8);
+  EXPECT_NEAR(high.b1, -1.60118481, 1e-8);
+  const FilterSection low = ButterworthLowPass(2, 0.002, 1)->front();
+  EXPECT_NEAR(low.a1, -1.98222893, 1e-8);
+  EXPECT_NEAR(low.a2, 0.98238545, 1e-8);
+  EXPECT_NEAR(low.b0, 3.91302054e-05, 1e-13);
+  EXPECT_NEAR(low.b1, 7.82604108e-05, 1e-13);
+}
+
 TEST(ButterworthTest, EverySectionIsStable) {
   for (int order = 1; order <= kHighestFilterOrder; ++order) {
     for (const double share : {1e-5, 1e-3, 0.1, 0.4999}) {
