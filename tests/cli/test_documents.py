@@ -40,6 +40,9 @@ class Documents(ProgramTest):
     def test_dataset_file(self):
         self.follow("dataset_file.md")
 
+    def test_envelopes(self):
+        self.follow("envelopes.md")
+
 
 if __name__ == "__main__":
     unittest.main()
