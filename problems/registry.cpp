@@ -11,6 +11,8 @@
 #include "problems/drive/drive_synthesis.h"
 #include "problems/free_body/free_body_problem.h"
 #include "problems/free_body/free_body_synthesis.h"
+#include "problems/nms/nms_problem.h"
+#include "problems/nms/nms_synthesis.h"
 
 namespace sinew {
 namespace {
@@ -59,6 +61,14 @@ Result<BoundProblem> BindFreeBody(const Dataset& data, const YamlReader& setting
   return Bound(std::move(problem), false);
 }
 
+Result<BoundProblem> BindNms(const Dataset& data, const YamlReader& settings, bool with_sensor_effects) {
+  SINEW_TRY(settings.OnlyKeys({"nms"}));
+  SINEW_ASSIGN(const YamlReader section, settings.At("nms"));
+  SINEW_ASSIGN(NmsSettings nms, ReadNmsSettings(section, data.files));
+  SINEW_ASSIGN(auto problem, NmsProblem::Make(data, std::move(nms)));
+  return Bound(std::move(problem), with_sensor_effects);
+}
+
 }  // namespace
 
 const std::vector<ProblemEntry>& ProblemRegistry() {
@@ -71,6 +81,8 @@ const std::vector<ProblemEntry>& ProblemRegistry() {
       {"free_body", "contact and friction of a body that is thrown on a table, from its recorded pose",
        DescribeFreeBodyChannels(), BindFreeBody, SynthesizeFreeBody, DefaultFreeBodyParameters,
        FreeBodyExperiment},
+      {"nms", "muscles driven by EMG from the moments of the joints that they move", DescribeNmsChannels(),
+       BindNms, SynthesizeNms, DefaultNmsParameters, NmsExperiment},
   };
   return kProblems;
 }

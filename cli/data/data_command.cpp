@@ -19,6 +19,8 @@ void AddDataCommand(Command app, const RunAction& run) {
   AddDropCommand(data, run);
   AddKinematicsCommand(data, run);
   AddEnvelopeCommand(data, run);
+  AddCeinmsCommand(data, run);
+  AddSubjectCommand(data, run);
 }
 
 }  // namespace sinew

@@ -14,6 +14,8 @@ void AddImportCommand(Command data, const RunAction& run);
 void AddInfoCommand(Command data, const RunAction& run);
 void AddCutCommand(Command data, const RunAction& run);
 void AddDropCommand(Command data, const RunAction& run);
+void AddCeinmsCommand(Command data, const RunAction& run);
+void AddSubjectCommand(Command data, const RunAction& run);
 void AddKinematicsCommand(Command data, const RunAction& run);
 void AddEnvelopeCommand(Command data, const RunAction& run);
 

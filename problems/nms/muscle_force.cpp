@@ -148,9 +148,9 @@ class MuscleForce {
         velocities[i] = velocities[i] * PennationCosine(muscle_, sine_, lengths[i]);
       PullAt(lengths, velocities);
     }
-    if (IsAbsent(p_[kCompliance])) return {};
+    if (IsAbsent(p_[kTendonCompliance])) return {};
     muscle_.active_gain = 1.0;
-    return AddCompliance(curves_, muscle_, p_[kCompliance], signals_.time, length_, trace_.activation,
+    return AddCompliance(curves_, muscle_, p_[kTendonCompliance], signals_.time, length_, trace_.activation,
                          trace_.tendon_force);
   }
 

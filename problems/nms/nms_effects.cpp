@@ -99,7 +99,7 @@ class Builder {
            "quick changes of activation at a fixed angle, or ultrasound of the fibres");
       OfAllMuscles(Number("compliant_tendon", "1", "strain of tendons beside that of the subject's curve", 0,
                           3, "thesis eq 4.4"),
-                   kCompliance, NmsPlace::kAdds);
+                   kTendonCompliance, NmsPlace::kAdds);
     }
     if (!IsBase(kLargestVelocity)) {
       Name("contraction_velocity", Level::kHuman, "muscles lose their force at another speed than assumed",

@@ -10,19 +10,6 @@ namespace {
 
 using AllLanes = Dual<kMuscleSlots>;
 
-Result<MuscleCurves> CurvesOf(const NmsSettings& settings) {
-  const auto curve = [&](SubjectCurve which) {
-    const CurvePoints& points = settings.subject.curves[which];
-    return settings.model.as_ceinms ? MuscleCurve::Natural(points.x, points.y)
-                                    : MuscleCurve::Smooth(points.x, points.y);
-  };
-  SINEW_ASSIGN(auto active, curve(kActiveForceLength));
-  SINEW_ASSIGN(auto passive, curve(kPassiveForceLength));
-  SINEW_ASSIGN(auto velocity, curve(kForceVelocity));
-  SINEW_ASSIGN(auto tendon, curve(kTendonForceStrain));
-  return MuscleCurves{std::move(active), std::move(passive), std::move(velocity), std::move(tendon)};
-}
-
 }  // namespace
 
 struct NmsProblem::Scratch final : Problem::Workspace {
@@ -47,7 +34,7 @@ NmsProblem::NmsProblem(NmsSettings settings, NmsData data, MuscleCurves curves)
 
 Result<std::unique_ptr<NmsProblem>> NmsProblem::Make(const Dataset& data, NmsSettings settings) {
   SINEW_ASSIGN(NmsData prepared, PrepareNmsData(data, settings));
-  SINEW_ASSIGN(MuscleCurves curves, CurvesOf(settings));
+  SINEW_ASSIGN(MuscleCurves curves, CurvesOf(settings.subject, settings.model.as_ceinms));
   std::unique_ptr<NmsProblem> problem(
       new NmsProblem(std::move(settings), std::move(prepared), std::move(curves)));
   SINEW_TRY(CheckParameters(problem->parameters()));
@@ -335,7 +322,7 @@ Status NmsProblem::Describe(const Vector& parameters, Hdf5Node& details) const {
   }
   SINEW_ASSIGN(std::string subject, WriteCeinmsSubject(settings_.subject_text, settings_.subject_file,
                                                        SubjectAt(parameters).muscles));
-  details.At("nms").attributes["subject"] = std::move(subject);
+  details.At("subject").data = std::move(subject);
   return {};
 }
 

@@ -27,8 +27,8 @@ class NmsProblem final : public Problem {
   [[nodiscard]] std::string objective() const override;
   /// Angle, velocity and mean excitation.
   [[nodiscard]] std::vector<Signal> SignalsOf(int block) const override;
-  /// Per trial, under nms/TRIAL: time; MUSCLE/{activation, fibre_length, fibre_velocity, force}. And
-  /// nms/subject, the XML of the subject with these parameters.
+  /// Per trial, under nms/TRIAL: time; MUSCLE/{activation, fibre_length, fibre_velocity, force}; and
+  /// subject, the file of the subject with these parameters in it.
   Status Describe(const Vector& parameters, Hdf5Node& details) const override;
 
   [[nodiscard]] const NmsData& data() const { return data_; }

@@ -181,6 +181,18 @@ Result<NmsSettings> ReadNmsSettings(const YamlReader& yaml, const std::map<std::
   return settings;
 }
 
+Result<MuscleCurves> CurvesOf(const Subject& subject, bool as_ceinms) {
+  const auto curve = [&](SubjectCurve which) {
+    const CurvePoints& points = subject.curves[which];
+    return as_ceinms ? MuscleCurve::Natural(points.x, points.y) : MuscleCurve::Smooth(points.x, points.y);
+  };
+  SINEW_ASSIGN(auto active, curve(kActiveForceLength));
+  SINEW_ASSIGN(auto passive, curve(kPassiveForceLength));
+  SINEW_ASSIGN(auto velocity, curve(kForceVelocity));
+  SINEW_ASSIGN(auto tendon, curve(kTendonForceStrain));
+  return MuscleCurves{std::move(active), std::move(passive), std::move(velocity), std::move(tendon)};
+}
+
 std::array<double, kMuscleSlots> SlotsOf(const SubjectMuscle& muscle, bool as_ceinms, double rate) {
   double mean = 0.5 * (muscle.c1 + muscle.c2);
   double spread = std::pow(0.5 * (muscle.c1 - muscle.c2) / (1 + mean), 2);

@@ -63,6 +63,9 @@ struct NmsSettings {
 /// subject does not have, a muscle that is in two groups of one parameter, bounds that are no range.
 Result<NmsSettings> ReadNmsSettings(const YamlReader& yaml, const std::map<std::string, std::string>& files);
 
+/// The subject's curves, smooth, or as CEINMS draws them. Errors: points that are no curve.
+Result<MuscleCurves> CurvesOf(const Subject& subject, bool as_ceinms);
+
 /// A muscle's parameters by slot; 0 where a subject says nothing. @param as_ceinms the filter from C1 and C2,
 /// else from times at this rate [1/s]
 [[nodiscard]] std::array<double, kMuscleSlots> SlotsOf(const SubjectMuscle& muscle, bool as_ceinms,

@@ -52,7 +52,7 @@ std::array<double, kMuscleSlots> WithEffects(std::array<double, kMuscleSlots> at
   at[kCrossTalk] = 0.1;
   at[kEnhancement] = 0.6;
   at[kDepression] = 0.4;
-  at[kCompliance] = 0.5;
+  at[kTendonCompliance] = 0.5;
   at[kAngleOffset] = 0.05;
   return at;
 }
@@ -84,7 +84,7 @@ TEST(MuscleForceTest, DerivativesAreThoseOfDifferences) {
     for (std::size_t slot = 0; slot < at.size(); ++slot) {
       if (mode.as_ceinms && slot == kDelay) continue;  // whole samples: not smooth
       if (slot > kAngleOffset) continue;               // of joints that the muscle does not cross
-      if (mode.tendon != TendonMode::kRigid && slot == kCompliance) continue;  // not asked for
+      if (mode.tendon != TendonMode::kRigid && slot == kTendonCompliance) continue;  // not asked for
       auto up = at;
       auto down = at;
       // Between two samples of the excitation, straight lines have a slope.

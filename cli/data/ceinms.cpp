@@ -1,0 +1,73 @@
+// sinew data ceinms: a CEINMS project becomes a data set; sinew data subject: a calibrated subject becomes a
+// CEINMS file again.
+#include <cstdio>
+
+#include "base/hdf5_tree.h"
+#include "base/text.h"
+#include "cli/data/data_commands.h"
+#include "cli/terminal.h"
+#include "datasets/io/dataset_file.h"
+#include "datasets/io/text_file.h"
+#include "problems/nms/ceinms_project.h"
+
+namespace sinew {
+namespace {
+
+struct ProjectWords {
+  std::string setup;
+  std::string out;
+  std::vector<std::string> validate;
+};
+
+Result<int> ImportProject(const ProjectWords& words) {
+  SINEW_TRY(CheckOutput(words.out, {words.setup}));
+  SINEW_ASSIGN(const CeinmsProject project, ReadCeinmsProject(words.setup, words.validate));
+  SINEW_TRY(WriteDataset(words.out, project.data));
+  for (const std::string& note : project.notes) std::fputs(Wrapped("note: " + note, 0).c_str(), stderr);
+  std::size_t train = 0;
+  for (const auto& [name, trial] : project.data.trials) train += trial.role == Role::kTrain ? 1 : 0;
+  std::printf("%s: %zu trials to fit, %zu to predict, subject.xml and nms.yaml\n", words.out.c_str(), train,
+              project.data.trials.size() - train);
+  return kDone;
+}
+
+struct SubjectWords {
+  std::string run;
+  std::string out;
+};
+
+Result<int> WriteSubject(const SubjectWords& words) {
+  SINEW_TRY(CheckOutput(words.out, {words.run}));
+  SINEW_ASSIGN(const Hdf5Node root, ReadHdf5(words.run));
+  const Hdf5Node* node = root.Find("details/subject");
+  const std::string* text = node == nullptr ? nullptr : node->text();
+  if (text == nullptr) return Fail("{}: holds no subject: expected a run of `sinew identify nms`", words.run);
+  SINEW_TRY(WriteTextFile(words.out, *text));
+  std::printf("%s: the subject of %s\n", words.out.c_str(), words.run.c_str());
+  return kDone;
+}
+
+}  // namespace
+
+void AddCeinmsCommand(Command data, const RunAction& run) {
+  auto words = std::make_shared<ProjectWords>();
+  Command command = data.AddCommand("ceinms", "A CEINMS project becomes a data set (docs/nms.md)");
+  command.Add("setup", words->setup, "Setup of a calibration or of an execution")
+      .Required()
+      .Shows("SETUP.xml");
+  command.Add("--validate", words->validate, "Trials that are predicted and never fitted")
+      .Split(',')
+      .Shows("TRIAL.xml");
+  command.Add("--out", words->out, "Data set to write").Required().Shows("F.h5");
+  command.Runs(run, [words] { return ImportProject(*words); });
+}
+
+void AddSubjectCommand(Command data, const RunAction& run) {
+  auto words = std::make_shared<SubjectWords>();
+  Command command = data.AddCommand("subject", "The calibrated subject of an nms run, as a CEINMS file");
+  command.Add("run", words->run).Required().Shows("RUN.h5");
+  command.Add("--out", words->out, "File to write").Required().Shows("SUBJECT.xml");
+  command.Runs(run, [words] { return WriteSubject(*words); });
+}
+
+}  // namespace sinew

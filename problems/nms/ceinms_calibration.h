@@ -1,0 +1,33 @@
+// What a CEINMS calibration or execution asks for, as settings of the nms problem.
+#pragma once
+
+#include <string>
+#include <vector>
+
+#include "base/error.h"
+
+namespace sinew {
+
+/// One parameter: its entry of nms.yaml, such as "{share: single, lower: -3, upper: 0}".
+struct CeinmsParameter {
+  std::string name;
+  std::string entry;
+};
+
+struct CeinmsCalibration {
+  std::string tendon = "rigid";            ///< as nms.yaml has it
+  std::string activation = "exponential";  ///< as nms.yaml has it
+  std::vector<std::string> joints;         ///< empty: all of the subject
+  std::vector<CeinmsParameter> parameters;
+  std::vector<std::string> trials;  ///< files, as written
+  std::vector<std::string> notes;
+};
+
+/// <calibration> or <execution>. Errors, with file and line: another document, unknown elements where they
+/// change the answer, ranges that are none.
+Result<CeinmsCalibration> ReadCeinmsCalibration(const std::string& text, const std::string& file);
+
+/// nms.yaml.
+[[nodiscard]] std::string SettingsText(const CeinmsCalibration& calibration);
+
+}  // namespace sinew
