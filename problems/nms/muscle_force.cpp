@@ -84,8 +84,9 @@ class MuscleForce {
     filter.Settle(Excitation(0));
     neural_.resize(t.size());
     for (std::size_t k = 0; k < t.size(); ++k) neural_[k] = filter.Next(Excitation(k));
+    const T late = p_[kDelay] + FilterLead(p_[kFilterMean], step);
     for (std::size_t i = 0; i < frames(); ++i) {
-      const T at = signals_.time[i] - p_[kDelay];
+      const T at = signals_.time[i] - late;
       const auto after = std::upper_bound(t.begin() + 1, t.end() - 1, Value(at));
       const auto k = static_cast<std::size_t>(after - t.begin());
       // Before the first sample and after the last one the excitation stays as it was there.

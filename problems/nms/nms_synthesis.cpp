@@ -25,8 +25,9 @@ constexpr ExperimentSetting kSettings[] = {
     {"dorsiflexors.tendon_slack_length", 0.98, 0.95, 1.05, "true factor on the subject's"},
     {"cycles", 4, 1, 100, "up and down again, per trial"},
     {"moment_noise", 0.3, 0, 100, "standard deviation of the moment's noise [N m]"},
-    {"emg_noise", 1, 0, 1, "share of the envelope's error in the excitations; 0: they are the true ones"},
-    {"raw", 0, 0, 1, "1: the raw EMG is in the data too"},
+    {"electrodes", 64, 0, 10000,
+     "per muscle, whose envelopes are averaged; 0: excitations are the true ones"},
+    {"raw", 0, 0, 1, "1: the raw EMG of one electrode per muscle is in the data too"},
     {"known_noise", 0, 0, 1, "1: the data say how large the moment's noise is"},
     {"exact", 0, 0, 1, "1: no noise, and moments of the fitted model itself"},
 };
@@ -153,7 +154,8 @@ class Recording {
 
   Status RecordEmg() {
     const auto seen = SeenExcitations();
-    const double share = truth_.settings.at("exact") != 0 ? 0 : truth_.settings.at("emg_noise");
+    const double electrodes = truth_.settings.at("exact") != 0 ? 0 : truth_.settings.at("electrodes");
+    const double share = electrodes > 0 ? 1 / std::sqrt(electrodes) : 0;
     Grid& grid = out_.grids["excitations"];
     const auto count =
         static_cast<std::size_t>(static_cast<double>(samples_ - 1) / kStudyEmgRate * kExcitationRate) + 1;
@@ -163,6 +165,7 @@ class Recording {
       if (share > 0) {
         std::vector<double> raw = DrawRawEmg(seen[m], random_);
         SINEW_ASSIGN(const Envelope envelope, ComputeEnvelope(raw, kStudyEmgRate, {}));
+        // The error of a mean of many envelopes is that of one, smaller by the root of their number.
         for (std::size_t k = 0; k < samples_; ++k)
           recorded[k] += share * (envelope.values[k] / kStudyFullEmg - recorded[k]);
         if (truth_.settings.at("raw") != 0) {
@@ -402,7 +405,7 @@ Result<Dataset> SynthesizeNms(const SynthesisRequest& request) {
   StudyTruth truth;
   SINEW_ASSIGN(truth.settings, ReadExperiment(kSettings, {"moment_noise"}, request));
   if (request.noise)
-    truth.settings["emg_noise"] = std::min(1.0, truth.settings["emg_noise"] * *request.noise);
+    truth.settings["electrodes"] *= *request.noise > 0 ? 1 / (*request.noise * *request.noise) : 0;
   SINEW_TRY(ReadEffects(request, truth));
   return Record(truth, request.seed);
 }

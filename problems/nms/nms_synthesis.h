@@ -15,7 +15,7 @@ namespace sinew {
 ///
 /// The truth is simulated at 1000 frames a second with the excitations as they were; the data have the
 /// moments at 100 Hz, with noise, and excitations from the envelope of the raw EMG, which is noise that was
-/// modulated: what is uncertain about them is most of what a fit leaves over. With `--set exact=1` moments
+/// modulated. With `--set exact=1` moments
 /// are those of the fitted model, without noise, and excitations are the true ones.
 /// Errors: unknown settings or effects (with a suggestion), values out of range; no equilibrium of a tendon.
 Result<Dataset> SynthesizeNms(const SynthesisRequest& request);
