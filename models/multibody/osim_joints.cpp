@@ -141,7 +141,8 @@ Status ReadSpatialTransform(const OsimXml& xml, const pugi::xml_node& element, O
 }
 
 // OpenSim's rule: a coordinate is the angle about an axis or the length along it if the axis follows it with
-// slope 1; a coordinate that works through other functions only is neither.
+// slope 1 or -1 (the left hip of some models); a coordinate that works through other functions only is
+// neither.
 MotionType MotionOf(const OsimJoint& joint, const std::string& coordinate) {
   for (std::size_t i = 0; i < joint.axes.size(); ++i) {
     const auto slope = joint.axes[i].function.Slope();
