@@ -1,4 +1,5 @@
 // sinew data muscles: lengths and moment arms of muscles along the joint angles of every trial.
+#include <algorithm>
 #include <cstdio>
 #include <memory>
 
@@ -37,6 +38,8 @@ Result<std::vector<int>> FindJoints(const MultibodyModel& model, const std::vect
       return Fail("--joints: coordinate '{}' is a length, expected an angle", name);
     if (model.IsDependent(*index))
       return Fail("--joints: coordinate '{}' follows from another one, expected an independent angle", name);
+    if (std::count(names.begin(), names.end(), name) > 1)
+      return Fail("--joints: coordinate '{}' is given twice", name);
     joints.push_back(*index);
   }
   return joints;
@@ -86,7 +89,10 @@ Result<CoordinateTrajectory> FitTrajectory(const Grid& grid, const MultibodyMode
   for (std::size_t c = 0; c < names.size(); ++c) {
     const Channel& channel = grid.channels.at(names[c]);
     if (model.IsRotational(names[c]) && channel.unit != "rad")
-      return Fail("channel '{}' has the unit {}, expected rad", names[c], channel.unit);
+      return Fail(
+          "channel '{}' has the unit {}, expected rad; import the file together with the model, which "
+          "knows its angles",
+          names[c], channel.unit);
     values.col(static_cast<Eigen::Index>(c)) =
         Eigen::Map<const Vector>(channel.values.data(), static_cast<Eigen::Index>(channel.values.size()));
   }
@@ -104,28 +110,30 @@ Grid ToGrid(const std::vector<double>& time, const std::vector<std::string>& mus
   return grid;
 }
 
-// Adds the grids; returns the coordinates that the trial lacks.
-Result<std::vector<std::string>> AddMuscles(const Skeleton& skeleton, const Grid& motion,
-                                            const std::vector<std::string>& joints, Trial& trial) {
+// Adds the grids; returns what there is to say.
+Result<std::string> AddMuscles(const Skeleton& skeleton, const Grid& motion,
+                               const std::vector<std::string>& joints, Trial& trial) {
   SINEW_ASSIGN(const CoordinateTrajectory trajectory, FitTrajectory(motion, *skeleton.model));
-  const std::vector<double> time = motion.time;
+  const std::vector<std::string>& muscles = skeleton.muscles.names();
+  const std::vector<double> time = motion.time;  // `motion` is a grid of the trial
   SINEW_ASSIGN(const MuscleGeometrySeries series, skeleton.muscles.Along(time, trajectory, skeleton.joints));
-  trial.grids["lengths"] = ToGrid(time, skeleton.muscles.names(), series.lengths);
-  for (std::size_t j = 0; j < joints.size(); ++j) {
-    trial.grids["moment_arms." + joints[j]] = ToGrid(time, skeleton.muscles.names(), series.moment_arms[j]);
-  }
-  return trajectory.held();
-}
+  trial.grids["lengths"] = ToGrid(time, muscles, series.lengths);
+  for (std::size_t j = 0; j < joints.size(); ++j)
+    trial.grids["moment_arms." + joints[j]] = ToGrid(time, muscles, series.moment_arms[j]);
 
-std::string Describe(const std::string& trial, std::size_t frames, const Skeleton& skeleton,
-                     const std::vector<std::string>& joints, const std::vector<std::string>& held) {
-  std::string text = fmt::format("{}: {} frames: lengths of {} muscles, moment arms about {}\n", trial,
-                                 frames, skeleton.muscles.names().size(), Join(joints, ", "));
+  std::string said = fmt::format("{} frames: lengths of {} muscles, moment arms about {}\n", time.size(),
+                                 muscles.size(), Join(joints, ", "));
+  const auto& held = trajectory.held();
   if (!held.empty()) {
-    text += fmt::format("  not in the data, kept at the model's default{}: {}\n", held.size() == 1 ? "" : "s",
+    said += fmt::format("  not in the data, kept at the model's default{}: {}\n", held.size() == 1 ? "" : "s",
                         Join(held, ", "));
   }
-  return text;
+  for (std::size_t m = 0; m < muscles.size(); ++m) {
+    if (series.unsettled[m] == 0) continue;
+    said += fmt::format("  {}: in {} frames its path jumps between two ways over its wrap objects\n",
+                        muscles[m], series.unsettled[m]);
+  }
+  return said;
 }
 
 Result<int> Muscles(const MusclesWords& words) {
@@ -149,10 +157,9 @@ Result<int> Muscles(const MusclesWords& words) {
       continue;
     }
     any = true;
-    const std::size_t frames = motion->time.size();
-    const auto held = AddMuscles(skeleton, *motion, words.joints, trial);
-    if (!held) return Fail("{}: trial '{}': {}", words.path, name, held.error().message);
-    report += Describe(name, frames, skeleton, words.joints, *held);
+    const auto said = AddMuscles(skeleton, *motion, words.joints, trial);
+    if (!said) return Fail("{}: trial '{}': {}", words.path, name, said.error().message);
+    report += name + ": " + *said;
   }
   if (!any) {
     return Fail(

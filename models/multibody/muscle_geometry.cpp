@@ -107,10 +107,11 @@ class Evaluation {
     out.velocities.resize(count);
     out.moment_arms.resize(count, static_cast<Eigen::Index>(wanted.size()));
     for (Eigen::Index m = 0; m < count; ++m) {
-      SINEW_ASSIGN(auto corners,
+      SINEW_ASSIGN(TracedPath path,
                    TracePath(muscles_[static_cast<std::size_t>(m)], coordinates.values, motions));
-      out.lengths[m] = LengthOf(corners);
-      paths.push_back(std::move(corners));
+      out.lengths[m] = LengthOf(path.corners);
+      if (!path.settled) out.unsettled.push_back(static_cast<int>(m));
+      paths.push_back(std::move(path.corners));
     }
     const auto lengthening = [&](const Vector& rates) {
       state_.SetVelocities(rates, bodies_, motions);
@@ -195,12 +196,14 @@ Result<MuscleGeometrySeries> MuscleGeometry::Along(const std::vector<double>& ti
   const auto rows = static_cast<Eigen::Index>(times.size());
   const auto columns = static_cast<Eigen::Index>(names_.size());
   MuscleGeometrySeries series{Matrix(rows, columns), Matrix(rows, columns),
-                              std::vector<Matrix>(coordinates.size(), Matrix(rows, columns))};
+                              std::vector<Matrix>(coordinates.size(), Matrix(rows, columns)),
+                              std::vector<int>(names_.size(), 0)};
   Evaluation evaluation(*model_, muscles_);
   for (Eigen::Index row = 0; row < rows; ++row) {
     const double time = times[static_cast<std::size_t>(row)];
     auto state = evaluation.At(trajectory.At(time), coordinates);
     if (!state) return Fail("at t = {} s: {}", time, state.error().message);
+    for (const int muscle : state->unsettled) ++series.unsettled[static_cast<std::size_t>(muscle)];
     series.lengths.row(row) = state->lengths;
     series.velocities.row(row) = state->velocities;
     for (std::size_t c = 0; c < coordinates.size(); ++c)

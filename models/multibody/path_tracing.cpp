@@ -41,24 +41,9 @@ class Tracer {
     }
   }
 
-  std::vector<PathCorner> Trace() {
-    if (corners_.size() < 2 || muscle_.wraps.empty()) return std::move(corners_);
-    std::vector<int> order;
-    for (std::size_t i = 0; i < muscle_.wraps.size(); ++i) order.push_back(static_cast<int>(i));
-    std::vector<WrapOutcome> outcomes(order.size(), WrapOutcome::kNone);
-    double length = std::numeric_limits<double>::infinity();
-    const int rounds = order.size() > 1 ? kMostRounds : 1;
-    for (int round = 0; round < rounds; ++round) {
-      for (std::size_t i = 0; i < order.size(); ++i) outcomes[i] = LayOver(order[i]);
-      const double before = std::exchange(length, LengthOf(corners_));
-      if (std::abs(length - before) < kLengthTolerance) break;
-      // OpenSim's rule: where the second object did not see the path only because a point was inside it, it
-      // is tried first.
-      if (round == 0 && order.size() > 1 && outcomes[0] == WrapOutcome::kNone &&
-          outcomes[1] == WrapOutcome::kInside)
-        std::swap(order[0], order[1]);
-    }
-    return std::move(corners_);
+  TracedPath Trace() {
+    const bool settled = corners_.size() < 2 || muscle_.wraps.empty() || LayOverAll();
+    return {std::move(corners_), settled};
   }
 
  private:
@@ -66,6 +51,25 @@ class Tracer {
     WrapContact contact;
     std::size_t segment = 0;  // between this corner and the next
   };
+
+  // Whether the length came to rest.
+  bool LayOverAll() {
+    std::vector<int> order;
+    for (std::size_t i = 0; i < muscle_.wraps.size(); ++i) order.push_back(static_cast<int>(i));
+    std::vector<WrapOutcome> outcomes(order.size(), WrapOutcome::kNone);
+    double length = std::numeric_limits<double>::infinity();
+    for (int round = 0; round < kMostRounds; ++round) {
+      for (std::size_t i = 0; i < order.size(); ++i) outcomes[i] = LayOver(order[i]);
+      if (order.size() == 1) return true;  // nothing else moves its ends
+      const double before = std::exchange(length, LengthOf(corners_));
+      if (std::abs(length - before) < kLengthTolerance) return true;
+      // OpenSim's rule: where the second object did not see the path only because a point was inside it, it
+      // is tried first.
+      if (round == 0 && outcomes[0] == WrapOutcome::kNone && outcomes[1] == WrapOutcome::kInside)
+        std::swap(order[0], order[1]);
+    }
+    return false;
+  }
 
   // Takes the path off the object and lays it over again; the outcome of the last segment looked at.
   WrapOutcome LayOver(int index) {
@@ -166,13 +170,14 @@ Vec3 VelocityOf(const TracedMuscle::Moving& point, const Vector& values, const V
   return point.rotation * velocity;
 }
 
-Result<std::vector<PathCorner>> TracePath(const TracedMuscle& muscle, const Vector& values,
-                                          const std::vector<BodyMotion>& poses) {
-  std::vector<PathCorner> corners = Tracer(muscle, values, poses).Trace();
-  if (corners.size() < 2)
-    return Fail("{} point(s) of muscle '{}' are in the path, expected at least 2", corners.size(),
+Result<TracedPath> TracePath(const TracedMuscle& muscle, const Vector& values,
+                             const std::vector<BodyMotion>& poses) {
+  TracedPath path = Tracer(muscle, values, poses).Trace();
+  if (path.corners.size() < 2) {
+    return Fail("{} point(s) of muscle '{}' are in the path, expected at least 2", path.corners.size(),
                 muscle.name);
-  return corners;
+  }
+  return path;
 }
 
 double LengthOf(const std::vector<PathCorner>& corners) {

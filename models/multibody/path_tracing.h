@@ -54,16 +54,22 @@ struct PathCorner {
   bool after_arc = false;     ///< this corner and the one before are the two of one contact
 };
 
+struct TracedPath {
+  std::vector<PathCorner> corners;  ///< from origin to insertion
+  /// Whether the contacts with several objects came to rest. If not, the path jumps to and fro between two
+  /// ways, of which this is one.
+  bool settled = true;
+};
+
 /// Where a moving point is in its body's frame [m]; and with rates of the coordinates how fast it moves there
 /// [m/s].
 Vec3 PlaceOf(const TracedMuscle::Moving& point, const Vector& values);
 Vec3 VelocityOf(const TracedMuscle::Moving& point, const Vector& values, const Vector& rates);
 
-/// The corners of the path from origin to insertion.
 /// @param values  [coordinates], couplers applied; @param poses  [bodies]. Errors: fewer than two points are
 /// active.
-Result<std::vector<PathCorner>> TracePath(const TracedMuscle& muscle, const Vector& values,
-                                          const std::vector<BodyMotion>& poses);
+Result<TracedPath> TracePath(const TracedMuscle& muscle, const Vector& values,
+                             const std::vector<BodyMotion>& poses);
 
 /// [m]
 double LengthOf(const std::vector<PathCorner>& corners);
