@@ -210,6 +210,7 @@ std::string DescribeNmsChannels() {
          "tendon\n"
          "grid moment_arms.JOINT, one per muscle that moves it                      m    times as in "
          "lengths\n"
+         "  (both from a model's geometry: `sinew data muscles`)\n"
          "JOINT_moment, on any grid                                                 N*m  measured\n"
          "files:\n"
          "  nms.yaml                   settings with key `nms` (or give --config)\n"

@@ -3,6 +3,8 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include "models/multibody/muscle_geometry.h"
+#include "tests/models/multibody/damaged_text.h"
 #include "tests/models/multibody/test_muscles.h"
 
 namespace sinew {
@@ -139,6 +141,33 @@ TEST(OsimMuscleReader, WrongInputIsOneSentenceWithItsLine) {
   EXPECT_THAT(ErrorOf(Replaced(kText, "<x_location>", "<no_location>"), "sliding"), HasSubstr("test.osim:"));
   EXPECT_THAT(Read("<OpenSimDocument Version=\"40000\"/>", {}).error().message,
               HasSubstr("there is no <Model>"));
+}
+
+// Whatever the bytes, there is an answer and no crash, also from a path that was accepted.
+TEST(OsimMuscleReader, SurvivesDamagedFiles) {
+  constexpr int kRounds = 3000;
+  const std::string texts[] = {kText, MusclesOver("ball", "-x", "0.1", "1 2"), MusclesOver("drum", "z")};
+  const std::vector<std::string> muscles{"around", "helix", "through", "sliding", "coupled"};
+  const MultibodyModel model = BuildModel(kText);
+  const Vector bent = Vector::Constant(2, 2.5);
+  Random random(20240118);
+  int accepted = 0;
+  int rejected = 0;
+  for (int round = 0; round < kRounds; ++round) {
+    const std::string text = Damaged(texts[random.Index(3)], random);
+    const auto paths = Read(text, muscles);
+    (paths ? accepted : rejected) += 1;
+    if (!paths) {
+      EXPECT_THAT(paths.error().message, testing::StartsWith("test.osim:"));
+      continue;
+    }
+    const auto geometry = MuscleGeometry::Build(model, *paths);
+    if (!geometry) continue;
+    const auto state = geometry->At(bent, bent, {});
+    EXPECT_TRUE(!state || state->lengths.size() == 5);
+  }
+  EXPECT_GT(accepted, kRounds / 20);
+  EXPECT_GT(rejected, kRounds / 20);
 }
 
 }  // namespace
