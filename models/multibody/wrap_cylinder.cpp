@@ -1,3 +1,4 @@
+#include <Eigen/Geometry>
 #include <algorithm>
 #include <cmath>
 
@@ -57,6 +58,29 @@ struct Passing {
   bool crosses;  // the segment runs through the cylinder
 };
 
+// Whether both touch points lie beyond an end of the cylinder. OpenSim asks this of a first guess, before the
+// helix is found: the touch lines' crossings with the plane through both points and an apex, which lies over
+// the point of the straight line that divides it as the distances from the axis do. A guess that is not
+// between both points counts as level with its own point.
+bool IsBeyondEnds(const OsimWrapObject& cylinder, const Vec3& from, const Vec3& to, const Vec3& first,
+                  const Vec3& last, bool far_side) {
+  const double from_distance = from.head<2>().norm();
+  const Vec3 middle = from + from_distance / (from_distance + to.head<2>().norm()) * (to - from);
+  const double away = middle.head<2>().norm();
+  Vec3 apex = middle;
+  if (away > 0) apex.head<2>() *= (far_side ? -cylinder.radius : cylinder.radius) / away;
+  const Vec3 normal = (from - apex).cross(to - apex);
+  const auto is_beyond = [&](const Vec3& touch, const Vec3& near, const Vec3& other) {
+    double z = near.z();
+    if (normal.z() != 0) {
+      const double guess = near.z() - normal.head<2>().dot((touch - near).head<2>()) / normal.z();
+      if (std::abs(guess - other.z()) < std::abs(near.z() - other.z())) z = guess;
+    }
+    return std::abs(z) > cylinder.length / 2;
+  };
+  return is_beyond(first, from, to) && is_beyond(last, to, from);
+}
+
 WrapOutcome OutcomeOnSide(const OsimWrapObject& cylinder, const Vec3& from, const Vec3& to,
                           const Passing& passing) {
   const bool from_on_side = IsOnSide(cylinder, from);
@@ -109,8 +133,10 @@ WrapContact FindCylinderContact(const OsimWrapObject& cylinder, const Vec3& from
   contact.first = start.At(leave, from.z() + slope * start.tangent);
   contact.last = end.At(arrive, to.z() - slope * end.tangent);
   contact.arc = std::hypot(wound, slope * wound);
-  const double half = cylinder.length / 2;
-  if (std::abs(contact.first.z()) > half && std::abs(contact.last.z()) > half)
+  const double counter_gap = Between(start.ahead(), end.behind());
+  const double clockwise_gap = Between(start.behind(), end.ahead());
+  const bool far_side = cylinder.side != 0 && (counter_gap > clockwise_gap) == counter;
+  if (IsBeyondEnds(cylinder, from, to, contact.first, contact.last, far_side))
     contact.outcome = WrapOutcome::kNone;
   return contact;
 }
