@@ -2,6 +2,13 @@
 
 namespace sinew {
 
+Status CheckCoordinateVector(const Vector& vector, std::size_t size, const char* what) {
+  if (static_cast<std::size_t>(vector.size()) != size)
+    return Fail("{} coordinate {}, expected {}", vector.size(), what, size);
+  if (!vector.allFinite()) return Fail("coordinate {} are not finite", what);
+  return {};
+}
+
 void ApplyCouplers(const SimbodyModel& model, Vector& values) {
   for (const SimbodyModel::Coupler& coupler : model.couplers)
     values[coupler.dependent] = coupler.function.At(values[coupler.independent]).value;

@@ -9,6 +9,9 @@
 
 namespace sinew {
 
+/// Errors: not `size` numbers, or one that is not finite. @param what  "values".
+Status CheckCoordinateVector(const Vector& vector, std::size_t size, const char* what);
+
 /// Sets every dependent coordinate to what its coupler says.
 void ApplyCouplers(const SimbodyModel& model, Vector& values);
 /// The same for values, rates and accelerations.

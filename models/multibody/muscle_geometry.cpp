@@ -10,60 +10,6 @@
 namespace sinew {
 namespace {
 
-class Translation {
- public:
-  explicit Translation(const MultibodyModel& model) : model_(model) {}
-
-  Result<TracedMuscle> Translate(const OsimMusclePath& path) {
-    TracedMuscle muscle;
-    muscle.name = path.name;
-    for (const OsimPathPoint& point : path.points) SINEW_TRY(AddPoint(point, muscle));
-    for (const OsimPathWrap& wrap : path.wraps) {
-      SINEW_ASSIGN(const int body, model_.BodyIndex(wrap.object.frame.body));
-      const auto number = static_cast<int>(object_numbers_.size());
-      muscle.wraps.push_back({body, object_numbers_.emplace(wrap.object.name, number).first->second, wrap});
-    }
-    return muscle;
-  }
-
- private:
-  Status AddPoint(const OsimPathPoint& point, TracedMuscle& muscle) {
-    TracedMuscle::Point made;
-    SINEW_ASSIGN(made.body, model_.BodyIndex(point.frame.body));
-    made.location = point.frame.location + point.frame.rotation * point.location;
-    if (point.condition) {
-      SINEW_ASSIGN(made.condition, model_.CoordinateIndex(point.condition->coordinate));
-      made.lower = point.condition->lower;
-      made.upper = point.condition->upper;
-    }
-    if (point.motion) {
-      TracedMuscle::Moving moving;
-      moving.origin = point.frame.location;
-      moving.rotation = point.frame.rotation;
-      for (std::size_t i = 0; i < 3; ++i) {
-        SINEW_ASSIGN(moving.components[i], ToComponent((*point.motion)[i]));
-      }
-      made.moving = static_cast<int>(muscle.moving.size());
-      muscle.moving.push_back(std::move(moving));
-    }
-    muscle.points.push_back(made);
-    return {};
-  }
-
-  [[nodiscard]] Result<TracedMuscle::Component> ToComponent(const OsimPointComponent& component) const {
-    TracedMuscle::Component made;
-    made.function = component.function;
-    if (component.coordinate.empty()) return made;
-    SINEW_ASSIGN(made.coordinate, model_.CoordinateIndex(component.coordinate));
-    made.lower = model_.coordinate(made.coordinate).lower;
-    made.upper = model_.coordinate(made.coordinate).upper;
-    return made;
-  }
-
-  const MultibodyModel& model_;
-  std::map<std::string, int> object_numbers_;
-};
-
 // dl of a path for the motion that the bodies and, by `values` and `rates`, the moving points have.
 double LengtheningOf(const TracedMuscle& muscle, const std::vector<PathCorner>& corners,
                      const std::vector<BodyMotion>& bodies, const Vector& values, const Vector& rates) {
@@ -151,13 +97,6 @@ Status CheckCoordinates(const MultibodyModel& model, const std::vector<int>& coo
   return {};
 }
 
-Status CheckVector(const Vector& vector, std::size_t size, const char* what) {
-  if (static_cast<std::size_t>(vector.size()) != size)
-    return Fail("{} coordinate {}, expected {}", vector.size(), what, size);
-  if (!vector.allFinite()) return Fail("coordinate {} are not finite", what);
-  return {};
-}
-
 }  // namespace
 
 MuscleGeometry::MuscleGeometry(const MultibodyModel& model, std::vector<TracedMuscle> muscles)
@@ -170,10 +109,10 @@ MuscleGeometry::~MuscleGeometry() = default;
 
 Result<MuscleGeometry> MuscleGeometry::Build(const MultibodyModel& model,
                                              const std::vector<OsimMusclePath>& muscles) {
-  Translation translation(model);
+  std::map<std::string, int> object_numbers;
   std::vector<TracedMuscle> traced;
   for (const OsimMusclePath& path : muscles) {
-    auto muscle = translation.Translate(path);
+    auto muscle = NumberPath(model, path, object_numbers);
     if (!muscle) return Fail("muscle '{}': {}", path.name, muscle.error().message);
     traced.push_back(std::move(*muscle));
   }
@@ -183,8 +122,8 @@ Result<MuscleGeometry> MuscleGeometry::Build(const MultibodyModel& model,
 Result<MuscleGeometryState> MuscleGeometry::At(const Vector& values, const Vector& rates,
                                                const std::vector<int>& coordinates) const {
   const std::size_t count = model_->coordinate_names().size();
-  SINEW_TRY(CheckVector(values, count, "values"));
-  SINEW_TRY(CheckVector(rates, count, "rates"));
+  SINEW_TRY(CheckCoordinateVector(values, count, "values"));
+  SINEW_TRY(CheckCoordinateVector(rates, count, "rates"));
   SINEW_TRY(CheckCoordinates(*model_, coordinates));
   return Evaluation(*model_, muscles_).At({values, rates, Vector::Zero(values.size())}, coordinates);
 }

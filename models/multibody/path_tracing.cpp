@@ -148,28 +148,6 @@ class Tracer {
 
 }  // namespace
 
-Vec3 PlaceOf(const TracedMuscle::Moving& point, const Vector& values) {
-  Vec3 place;
-  for (int i = 0; i < 3; ++i) {
-    const TracedMuscle::Component& c = point.components[static_cast<std::size_t>(i)];
-    const double x = c.coordinate < 0 ? 0 : std::clamp(values[c.coordinate], c.lower, c.upper);
-    place[i] = c.function.At(x).value;
-  }
-  return point.origin + point.rotation * place;
-}
-
-Vec3 VelocityOf(const TracedMuscle::Moving& point, const Vector& values, const Vector& rates) {
-  Vec3 velocity = Vec3::Zero();
-  for (int i = 0; i < 3; ++i) {
-    const TracedMuscle::Component& c = point.components[static_cast<std::size_t>(i)];
-    if (c.coordinate < 0) continue;
-    const double x = values[c.coordinate];
-    if (x < c.lower || x > c.upper) continue;
-    velocity[i] = c.function.At(x).first * rates[c.coordinate];
-  }
-  return point.rotation * velocity;
-}
-
 Result<TracedPath> TracePath(const TracedMuscle& muscle, const Vector& values,
                              const std::vector<BodyMotion>& poses) {
   TracedPath path = Tracer(muscle, values, poses).Trace();
