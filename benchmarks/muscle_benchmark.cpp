@@ -25,7 +25,7 @@ constexpr std::array<double, kMuscleSlots> kSoleus{0.015, 0.1, -1.2,  0.015, 0.0
                                                    3549,  1.1, 0.436, 0.15,  0.1,  10};
 
 template <class T>
-void Steps(benchmark::State& state, TendonMode tendon) {
+void Steps(benchmark::State& state, TendonMode tendon, int lanes = 0) {
   const MuscleCurves curves = MuscleCurves::Default();
   const MuscleSignals signals = TenSeconds();
   std::array<T, kMuscleSlots> parameters;
@@ -34,7 +34,7 @@ void Steps(benchmark::State& state, TendonMode tendon) {
     if constexpr (std::is_same_v<T, double>) {
       parameters[static_cast<std::size_t>(i)] = value;
     } else {
-      parameters[static_cast<std::size_t>(i)] = T::Variable(value, i);
+      parameters[static_cast<std::size_t>(i)] = i < lanes ? T::Variable(value, i) : T(value);
     }
   }
   MuscleTrace<T> trace;
@@ -48,16 +48,23 @@ void Steps(benchmark::State& state, TendonMode tendon) {
 void Plain(benchmark::State& state, TendonMode tendon) {
   Steps<double>(state, tendon);
 }
-void WithDerivatives(benchmark::State& state, TendonMode tendon) {
-  Steps<Dual<kMuscleSlots>>(state, tendon);
+// Four parameters of a muscle, as a calibration usually frees; and all that a subject says of it.
+void WithFour(benchmark::State& state, TendonMode tendon) {
+  Steps<Dual<kFewLanes>>(state, tendon, kFewLanes);
+}
+void WithTwelve(benchmark::State& state, TendonMode tendon) {
+  Steps<Dual<kMuscleSlots>>(state, tendon, kSubjectSlots);
 }
 
 BENCHMARK_CAPTURE(Plain, rigid, TendonMode::kRigid)->Unit(benchmark::kMillisecond);
-BENCHMARK_CAPTURE(WithDerivatives, rigid, TendonMode::kRigid)->Unit(benchmark::kMillisecond);
+BENCHMARK_CAPTURE(WithFour, rigid, TendonMode::kRigid)->Unit(benchmark::kMillisecond);
+BENCHMARK_CAPTURE(WithTwelve, rigid, TendonMode::kRigid)->Unit(benchmark::kMillisecond);
 BENCHMARK_CAPTURE(Plain, equilibrium, TendonMode::kEquilibrium)->Unit(benchmark::kMillisecond);
-BENCHMARK_CAPTURE(WithDerivatives, equilibrium, TendonMode::kEquilibrium)->Unit(benchmark::kMillisecond);
+BENCHMARK_CAPTURE(WithFour, equilibrium, TendonMode::kEquilibrium)->Unit(benchmark::kMillisecond);
+BENCHMARK_CAPTURE(WithTwelve, equilibrium, TendonMode::kEquilibrium)->Unit(benchmark::kMillisecond);
 BENCHMARK_CAPTURE(Plain, elastic, TendonMode::kElastic)->Unit(benchmark::kMillisecond);
-BENCHMARK_CAPTURE(WithDerivatives, elastic, TendonMode::kElastic)->Unit(benchmark::kMillisecond);
+BENCHMARK_CAPTURE(WithFour, elastic, TendonMode::kElastic)->Unit(benchmark::kMillisecond);
+BENCHMARK_CAPTURE(WithTwelve, elastic, TendonMode::kElastic)->Unit(benchmark::kMillisecond);
 
 }  // namespace
 }  // namespace sinew

@@ -18,6 +18,7 @@ void AddDataCommand(Command app, const RunAction& run) {
   AddCutCommand(data, run);
   AddDropCommand(data, run);
   AddKinematicsCommand(data, run);
+  AddEnvelopeCommand(data, run);
   AddMusclesCommand(data, run);
 }
 

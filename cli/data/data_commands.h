@@ -15,6 +15,7 @@ void AddInfoCommand(Command data, const RunAction& run);
 void AddCutCommand(Command data, const RunAction& run);
 void AddDropCommand(Command data, const RunAction& run);
 void AddKinematicsCommand(Command data, const RunAction& run);
+void AddEnvelopeCommand(Command data, const RunAction& run);
 void AddMusclesCommand(Command data, const RunAction& run);
 
 /// The word of --role; nothing if it is empty. Errors: any other word than train and validate.

@@ -4,9 +4,6 @@
 #include <cmath>
 #include <limits>
 #include <utility>
-#include <vector>
-
-#include "base/decompositions.h"
 
 namespace sinew {
 namespace {
@@ -35,8 +32,8 @@ void LocalFit::AddPenalties(const Vector& x, double& cost, bool derivatives) {
     const double weight = penalty_ / span;
     cost += 0.5 * weight * constraint_[i] * constraint_[i];
     if (!derivatives) continue;
-    gradient_ += weight * constraint_[i] * constraint_jacobian_.row(i).transpose();
-    normal_ += weight * constraint_jacobian_.row(i).transpose() * constraint_jacobian_.row(i);
+    equations_.gradient += weight * constraint_[i] * constraint_jacobian_.row(i).transpose();
+    equations_.normal += weight * constraint_jacobian_.row(i).transpose() * constraint_jacobian_.row(i);
   }
 }
 
@@ -52,53 +49,11 @@ Status LocalFit::CostAndDerivatives(const Vector& x, double& cost) {
   ++evaluations_;
   SINEW_TRY(problem_.Evaluate(x, workspace_, residuals_, &jacobian_));
   cost = 0.5 * residuals_.squaredNorm();
-  normal_.setZero(x.size(), x.size());
-  gradient_.setZero(x.size());
-  for (const SparseJacobian::Piece& piece : jacobian_.pieces) {
-    const Matrix products = piece.values.transpose() * piece.values;
-    const Vector pull = piece.values.transpose() * residuals_.segment(piece.first_row, piece.values.rows());
-    for (std::size_t a = 0; a < piece.variables.size(); ++a) {
-      gradient_[piece.variables[a]] += pull[static_cast<Eigen::Index>(a)];
-      for (std::size_t b = 0; b < piece.variables.size(); ++b) {
-        normal_(piece.variables[a], piece.variables[b]) +=
-            products(static_cast<Eigen::Index>(a), static_cast<Eigen::Index>(b));
-      }
-    }
-  }
-  if (!normal_.allFinite() || !gradient_.allFinite()) return Fail("a derivative is not finite");
+  if (!equations_.Set(x.size(), residuals_, jacobian_)) return Fail("a derivative is not finite");
   // Fixed at the first point: a search needs one and the same cost throughout.
-  if (penalty_ == 0) penalty_ = kPenalty * normal_.diagonal().maxCoeff();
+  if (penalty_ == 0) penalty_ = kPenalty * equations_.normal.diagonal().maxCoeff();
   AddPenalties(x, cost, true);
   return {};
-}
-
-Vector LocalFit::Step(const Vector& x, int held, double damping, double& gain) const {
-  std::vector<int> moving;
-  for (int v = 0; v < static_cast<int>(x.size()); ++v) {
-    const bool outward = (x[v] <= 0 && gradient_[v] >= 0) || (x[v] >= 1 && gradient_[v] <= 0);
-    if (v != held && !outward && normal_(v, v) > 0) moving.push_back(v);
-  }
-  const auto n = static_cast<Eigen::Index>(moving.size());
-  Vector step = Vector::Zero(x.size());
-  gain = 0;
-  if (n == 0) return step;
-  // Columns of unit length: the damping then has no unit.
-  Matrix normal(n, n);
-  Vector scale(n);
-  Vector pull(n);
-  for (Eigen::Index i = 0; i < n; ++i) scale[i] = 1 / std::sqrt(normal_(moving[i], moving[i]));
-  for (Eigen::Index i = 0; i < n; ++i) {
-    pull[i] = gradient_[moving[i]] * scale[i];
-    for (Eigen::Index j = 0; j < n; ++j) normal(i, j) = normal_(moving[i], moving[j]) * scale[i] * scale[j];
-    normal(i, i) += damping;
-  }
-  const Vector solution = normal.ldlt().solve(pull);
-  for (Eigen::Index i = 0; i < n; ++i) {
-    const int v = moving[static_cast<std::size_t>(i)];
-    step[v] = std::clamp(x[v] - solution[i] * scale[i], 0.0, 1.0) - x[v];
-  }
-  gain = -gradient_.dot(step) - 0.5 * step.dot(normal_ * step);
-  return step;
 }
 
 LocalFit::Outcome LocalFit::Minimize(const Vector& start, int held, Tolerance tolerance,
@@ -115,7 +70,7 @@ LocalFit::Outcome LocalFit::Minimize(const Vector& start, int held, Tolerance to
   double damping = kFirstDamping;
   while (true) {
     double predicted = 0;
-    const Vector step = Step(outcome.x, held, damping, predicted);
+    const Vector step = equations_.BoxStep(outcome.x, held, damping, predicted);
     const bool tiny_step = step.cwiseAbs().maxCoeff() <= std::numeric_limits<double>::epsilon();
     const double enough = std::max(tolerance.absolute + tolerance.relative * outcome.cost,
                                    problem_.problem().cost_grain() * outcome.cost);

@@ -6,11 +6,13 @@
 
 #include "base/linear_algebra.h"
 #include "identify/least_squares.h"
+#include "identify/solvers/normal_equations.h"
 
 namespace sinew {
 
 /// Levenberg 1944, Marquardt 1963, with variables on a bound held while the gradient pushes outward, and
-/// steps clipped to the box. Problem::constraints() enter as quadratic penalties. One per thread.
+/// steps that keep to the box (NormalEquations). Problem::constraints() enter as quadratic penalties. One per
+/// thread.
 class LocalFit {
  public:
   struct Outcome {
@@ -43,15 +45,12 @@ class LocalFit {
   Status Cost(const Vector& x, double& cost);
   Status CostAndDerivatives(const Vector& x, double& cost);
   void AddPenalties(const Vector& x, double& cost, bool derivatives);
-  /// Step [n] that is damped and keeps to the box; its predicted gain in `gain`.
-  Vector Step(const Vector& x, int held, double damping, double& gain) const;
 
   const LeastSquares& problem_;
   LeastSquares::Workspace workspace_;
   SparseJacobian jacobian_;
   Vector residuals_;
-  Matrix normal_;    // J'J
-  Vector gradient_;  // J'r
+  NormalEquations equations_;
   Vector constraint_;
   Matrix constraint_jacobian_;
   double penalty_;

@@ -16,13 +16,11 @@ constexpr double kMostSlack = 64;
 Result<double> EquilibriumLength(const MuscleCurves& curves, const HillMuscle<double>& muscle,
                                  double unit_length, double activation, const FibreVelocity<double>& velocity,
                                  double guess) {
-  HillMuscle<Dual<1>> dual{muscle.optimal_length, muscle.tendon_slack_length, muscle.isometric_force,
-                           muscle.strength,       muscle.pennation,           muscle.length_change,
-                           muscle.damping,        muscle.largest_velocity};
+  const auto dual = elastic_tendon::Plain<Dual<1>>(muscle);
   const auto at = [&](double length) {
     const Dual<1> moving = Dual<1>::Variable(length, 0);
-    return elastic_tendon::Imbalance<Dual<1>>(curves, dual, unit_length, moving,
-                                              velocity.rate * moving + velocity.past, Dual<1>(activation));
+    return elastic_tendon::Imbalance(curves, dual, unit_length, moving,
+                                     velocity.rate * moving + velocity.past, Dual<1>(activation));
   };
   const double optimal = muscle.optimal_length;
   double low = kShortestFibre * optimal;

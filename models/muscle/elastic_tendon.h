@@ -40,8 +40,8 @@ namespace elastic_tendon {
 constexpr double kHold = 1e-6;
 
 /// Pull of the fibre less that of the tendon [N].
-template <class T>
-T Imbalance(const MuscleCurves& curves, const HillMuscle<T>& muscle, double unit_length, const T& length,
+template <class T, class U>
+T Imbalance(const MuscleCurves& curves, const HillMuscle<T>& muscle, const U& unit_length, const T& length,
             const T& velocity, const T& activation) {
   const T cosine = PennationCosine(muscle, Sin(muscle.pennation), length);
   const T fibre = FibreForce(curves, muscle, length, velocity, activation) * cosine;
@@ -50,39 +50,35 @@ T Imbalance(const MuscleCurves& curves, const HillMuscle<T>& muscle, double unit
   return fibre + hold - TendonForce(curves, muscle, unit_length, length, cosine);
 }
 
-inline double Plain(double x) {
-  return x;
-}
-template <class T>
-HillMuscle<double> Plain(const HillMuscle<T>& m) {
+/// The same muscle in another kind of number, without derivatives.
+template <class To, class T>
+HillMuscle<To> Plain(const HillMuscle<T>& m) {
   return {Value(m.optimal_length), Value(m.tendon_slack_length), Value(m.isometric_force),
           Value(m.strength),       Value(m.pennation),           Value(m.length_change),
-          Value(m.damping),        Value(m.largest_velocity)};
+          Value(m.damping),        Value(m.largest_velocity),    Value(m.compliance),
+          Value(m.active_gain)};
 }
 
 }  // namespace elastic_tendon
 
 /// With exact derivatives (implicit function theorem). Errors: as EquilibriumLength.
-template <class T>
-Result<Fibre<T>> Equilibrium(const MuscleCurves& curves, const HillMuscle<T>& muscle, double unit_length,
+template <class T, class U>
+Result<Fibre<T>> Equilibrium(const MuscleCurves& curves, const HillMuscle<T>& muscle, const U& unit_length,
                              const T& activation, const FibreVelocity<T>& velocity, double guess) {
   using namespace elastic_tendon;  // NOLINT(google-build-using-namespace): this function's own helpers
-  SINEW_ASSIGN(const double length, EquilibriumLength(curves, Plain(muscle), unit_length, Value(activation),
-                                                      {velocity.rate, Value(velocity.past)}, guess));
+  SINEW_ASSIGN(const double length,
+               EquilibriumLength(curves, Plain<double>(muscle), Value(unit_length), Value(activation),
+                                 {velocity.rate, Value(velocity.past)}, guess));
   Fibre<T> fibre;
   fibre.length = length;
   if constexpr (!std::is_same_v<T, double>) {
     // One Newton step in dual numbers: the value is at rest, the derivatives move.
     const Dual<1> moving = Dual<1>::Variable(length, 0);
-    HillMuscle<Dual<1>> plain;
-    const HillMuscle<double> m = Plain(muscle);
-    plain = {m.optimal_length, m.tendon_slack_length, m.isometric_force, m.strength,
-             m.pennation,      m.length_change,       m.damping,         m.largest_velocity};
     const Dual<1> slope =
-        Imbalance<Dual<1>>(curves, plain, unit_length, moving, velocity.rate * moving + Value(velocity.past),
-                           Dual<1>(Value(activation)));
-    const T still = Imbalance<T>(curves, muscle, unit_length, T(length),
-                                 velocity.rate * length + velocity.past, activation);
+        Imbalance(curves, Plain<Dual<1>>(muscle), Value(unit_length), moving,
+                  velocity.rate * moving + Value(velocity.past), Dual<1>(Value(activation)));
+    const T still = Imbalance(curves, muscle, unit_length, T(length),
+                              velocity.rate * T(length) + velocity.past, activation);
     fibre.length = length - Tangent(still) / slope.d[0];
   }
   fibre.velocity = velocity.rate * fibre.length + velocity.past;
@@ -99,7 +95,8 @@ class ElasticFibre {
   ElasticFibre(const MuscleCurves& curves, const HillMuscle<T>& muscle) : curves_(curves), muscle_(muscle) {}
 
   /// @param time [s], increasing from call to call. Errors: as EquilibriumLength.
-  Result<Fibre<T>> Next(double time, double unit_length, const T& activation) {
+  template <class U>
+  Result<Fibre<T>> Next(double time, const U& unit_length, const T& activation) {
     FibreVelocity<T> velocity;
     if (steps_ == 1) {
       velocity.rate = 1 / (time - time_);

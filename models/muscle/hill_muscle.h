@@ -30,6 +30,8 @@ struct HillMuscle {
   T length_change{0.15};       ///< lambda [1, 0..0.2]
   T damping{0.1};              ///< d [1, >= 0]
   T largest_velocity{10.0};    ///< vmax [optimal lengths per second, > 0]
+  T compliance{1.0};           ///< factor on the strain of the tendon [1, > 0]
+  T active_gain{1.0};          ///< factor on the active force, see ForceHistory [1, >= 0]
 };
 
 /// A fibre has at least this length, as a share of the optimal one: below 0.4 no curve has force.
@@ -47,8 +49,8 @@ template <class T>
 
 /// Fibre length [m] with a rigid tendon: l = sqrt((l0 sin(phi0))^2 + (lmt - lst)^2).
 /// @param unit_length [m] of muscle and tendon
-template <class T>
-[[nodiscard]] T RigidFibreLength(const HillMuscle<T>& muscle, double unit_length) {
+template <class T, class U>
+[[nodiscard]] T RigidFibreLength(const HillMuscle<T>& muscle, const U& unit_length) {
   const T thickness = muscle.optimal_length * Sin(muscle.pennation);
   const T along = unit_length - muscle.tendon_slack_length;
   const T square = thickness * thickness + along * along;
@@ -66,17 +68,18 @@ template <class T>
   const T stretch = length * per_length;
   const T optimal = 1.0 + muscle.length_change * (1.0 - activation);
   const T speed = velocity * per_length / muscle.largest_velocity;
-  const T active = curves.active_force_length(stretch / optimal) * curves.force_velocity(speed) * activation;
+  const T active = curves.active_force_length(stretch / optimal) * curves.force_velocity(speed) * activation *
+                   muscle.active_gain;
   return muscle.isometric_force * muscle.strength *
          (active + curves.passive_force_length(stretch) + muscle.damping * speed);
 }
 
 /// Force of the tendon [N] at this length of the fibre.
-template <class T>
-[[nodiscard]] T TendonForce(const MuscleCurves& curves, const HillMuscle<T>& muscle, double unit_length,
+template <class T, class U>
+[[nodiscard]] T TendonForce(const MuscleCurves& curves, const HillMuscle<T>& muscle, const U& unit_length,
                             const T& fibre_length, const T& cosine) {
   const T strain = (unit_length - fibre_length * cosine) / muscle.tendon_slack_length - 1.0;
-  return muscle.isometric_force * muscle.strength * curves.tendon_force_strain(strain);
+  return muscle.isometric_force * muscle.strength * curves.tendon_force_strain(strain / muscle.compliance);
 }
 
 }  // namespace sinew

@@ -4,13 +4,24 @@
 #include <cmath>
 
 #include "models/muscle/elastic_tendon.h"
+#include "models/muscle/force_history.h"
 #include "models/muscle/spline_slopes.h"
+#include "problems/nms/tendon_compliance.h"
 
 namespace sinew {
 namespace {
 
 constexpr std::size_t kSplinePoints = 15;  // of CEINMS's spline that ends at the current frame
 constexpr double kSameTime = 1e-9;         // [s]
+
+// Whether a number is 0 and stays so whatever the parameters do.
+bool IsAbsent(double x) {
+  return x == 0;
+}
+template <int N>
+bool IsAbsent(const Dual<N>& x) {
+  return x.value == 0 && std::all_of(x.d.begin(), x.d.end(), [](double d) { return d == 0; });
+}
 
 template <class T>
 class MuscleForce {
@@ -21,12 +32,16 @@ class MuscleForce {
     muscle_ = {p[kOptimalLength], p[kTendonSlackLength], p[kIsometricForce], p[kStrength],
                p[kPennation],     p[kLengthChange],      p[kDamping],        p[kLargestVelocity]};
     sine_ = Sin(p[kPennation]);
+    remembers_ = !IsAbsent(p[kEnhancement]) || !IsAbsent(p[kDepression]);
+    excited_as_measured_ = IsAbsent(p[kEmgGain]) && IsAbsent(p[kEmgDrift]) && IsAbsent(p[kCoContraction]) &&
+                           IsAbsent(p[kCrossTalk]);
     for (auto* values :
          {&trace_.activation, &trace_.fibre_length, &trace_.fibre_velocity, &trace_.tendon_force})
       values->assign(signals_.time.size(), T(0.0));
   }
 
   Status Compute() {
+    PlaceUnit();
     if (model_.as_ceinms) {
       FilterAsCeinms(false, trace_.activation);
     } else {
@@ -39,14 +54,36 @@ class MuscleForce {
  private:
   [[nodiscard]] std::size_t frames() const { return signals_.time.size(); }
 
+  // Sample k of the excitation as it was, given the measured one.
+  [[nodiscard]] T Excitation(std::size_t k) const {
+    const double measured = signals_.excitation[k];
+    if (excited_as_measured_) return T(measured);
+    const double since = signals_.excitation_time[k] - signals_.excitation_time.front();
+    T excitation =
+        measured + measured * p_[kEmgGain] + (measured * since) * p_[kEmgDrift] + p_[kCoContraction];
+    if (!signals_.others.empty()) excitation -= signals_.others[k] * p_[kCrossTalk];
+    return Value(excitation) >= 0 ? excitation : T(0.0);
+  }
+
+  // Lengths of the unit at the angles as they were. A muscle shortens by its moment arm per angle.
+  void PlaceUnit() {
+    length_.assign(signals_.unit_length.begin(), signals_.unit_length.end());
+    for (std::size_t j = 0; j < signals_.arms.size(); ++j) {
+      const T& offset = p_[kAngleOffset + j];
+      if (IsAbsent(offset)) continue;
+      turned_ = true;
+      for (std::size_t i = 0; i < frames(); ++i) length_[i] -= signals_.arms[j][i] * offset;
+    }
+  }
+
   // The filter at the rate of the excitation; straight lines between its samples.
   void Filter() {
     const auto& t = signals_.excitation_time;
     const double step = (t.back() - t.front()) / static_cast<double>(t.size() - 1);
     ExcitationFilter<T> filter(FilterOfTimes(p_[kFilterMean], p_[kFilterSpread], step));
-    filter.Settle(T(signals_.excitation.front()));
+    filter.Settle(Excitation(0));
     neural_.resize(t.size());
-    for (std::size_t k = 0; k < t.size(); ++k) neural_[k] = filter.Next(T(signals_.excitation[k]));
+    for (std::size_t k = 0; k < t.size(); ++k) neural_[k] = filter.Next(Excitation(k));
     for (std::size_t i = 0; i < frames(); ++i) {
       const T at = signals_.time[i] - p_[kDelay];
       const auto after = std::upper_bound(t.begin() + 1, t.end() - 1, Value(at));
@@ -71,35 +108,50 @@ class MuscleForce {
     std::size_t k = 0;
     for (std::size_t i = 0; i < frames(); ++i) {
       while (k + 1 < signals_.excitation.size() && due(k) < signals_.time[i] - kSameTime) {
-        if (i == 0) filter.Next(T(signals_.excitation[k]));
+        if (i == 0) filter.Next(Excitation(k));
         ++k;
       }
-      activation[i] = Shaped(model_.shape, filter.Next(T(signals_.excitation[k])), p_[kShape]);
+      activation[i] = Shaped(model_.shape, filter.Next(Excitation(k)), p_[kShape]);
       if (forgetful) filter.ForgetTheOneBefore();
     }
   }
 
-  void PullAt(std::size_t i, const T& length, const T& velocity) {
-    trace_.fibre_length[i] = length;
-    trace_.fibre_velocity[i] = velocity;
-    trace_.tendon_force[i] = FibreForce(curves_, muscle_, length, velocity, trace_.activation[i]) *
-                             PennationCosine(muscle_, sine_, length);
+  void PullAt(const std::vector<T>& lengths, const std::vector<T>& velocities) {
+    ForceHistory<T> history(p_[kEnhancement], p_[kDepression]);
+    for (std::size_t i = 0; i < frames(); ++i) {
+      if (remembers_) {
+        history.Pass(signals_.time[i], velocities[i] / p_[kOptimalLength]);
+        muscle_.active_gain = history.Factor();
+      }
+      trace_.fibre_length[i] = lengths[i];
+      trace_.fibre_velocity[i] = velocities[i];
+      trace_.tendon_force[i] = FibreForce(curves_, muscle_, lengths[i], velocities[i], trace_.activation[i]) *
+                               PennationCosine(muscle_, sine_, lengths[i]);
+    }
   }
 
   Status Rigid() {
     std::vector<T> lengths(frames());
-    for (std::size_t i = 0; i < frames(); ++i)
-      lengths[i] = RigidFibreLength(muscle_, signals_.unit_length[i]);
+    for (std::size_t i = 0; i < frames(); ++i) lengths[i] = RigidFibreLength(muscle_, length_[i]);
     if (model_.as_ceinms) {
-      const std::vector<T> velocities = SplineSlopes(signals_.time, lengths);
-      for (std::size_t i = 0; i < frames(); ++i) PullAt(i, lengths[i], velocities[i]);
-      return {};
+      PullAt(lengths, SplineSlopes(signals_.time, lengths));
+    } else {
+      // Along the tendon the fibre is as fast as the unit.
+      std::vector<T> velocities(frames());
+      if (turned_) {
+        velocities = SplineSlopes(signals_.time, length_);
+      } else {
+        const std::vector<double> unit = SplineSlopes(signals_.time, signals_.unit_length);
+        velocities.assign(unit.begin(), unit.end());
+      }
+      for (std::size_t i = 0; i < frames(); ++i)
+        velocities[i] = velocities[i] * PennationCosine(muscle_, sine_, lengths[i]);
+      PullAt(lengths, velocities);
     }
-    // Along the tendon the fibre is as fast as the unit.
-    const std::vector<double> unit = SplineSlopes(signals_.time, signals_.unit_length);
-    for (std::size_t i = 0; i < frames(); ++i)
-      PullAt(i, lengths[i], unit[i] * PennationCosine(muscle_, sine_, lengths[i]));
-    return {};
+    if (IsAbsent(p_[kCompliance])) return {};
+    muscle_.active_gain = 1.0;
+    return AddCompliance(curves_, muscle_, p_[kCompliance], signals_.time, length_, trace_.activation,
+                         trace_.tendon_force);
   }
 
   // v = rate l + past of the spline through the lengths so far that ends here.
@@ -122,7 +174,7 @@ class MuscleForce {
     for (std::size_t i = 0; i < frames(); ++i) {
       FibreVelocity<T> velocity;
       PrepareEnd(i, lengths, velocity);
-      auto fibre = Equilibrium(curves_, muscle_, signals_.unit_length[i], activation[i], velocity, guess);
+      auto fibre = Equilibrium(curves_, muscle_, length_[i], activation[i], velocity, guess);
       if (!fibre) return Fail("t = {:.4g} s: {}", signals_.time[i], fibre.error().message);
       lengths[i] = fibre->length;
       guess = Value(fibre->length);
@@ -134,27 +186,29 @@ class MuscleForce {
     std::vector<T> lengths;
     SINEW_TRY(Equilibrate(trace_.activation, lengths));
     if (!model_.as_ceinms) {
-      const std::vector<T> velocities = SplineSlopes(signals_.time, lengths);
-      for (std::size_t i = 0; i < frames(); ++i) PullAt(i, lengths[i], velocities[i]);
+      PullAt(lengths, SplineSlopes(signals_.time, lengths));
       return {};
     }
     std::vector<T> other_activation(frames());
     std::vector<T> other_lengths;
     FilterAsCeinms(true, other_activation);
     SINEW_TRY(Equilibrate(other_activation, other_lengths));
-    const std::vector<T> velocities = SplineSlopes(signals_.time, other_lengths);
-    for (std::size_t i = 0; i < frames(); ++i) PullAt(i, lengths[i], velocities[i]);
+    PullAt(lengths, SplineSlopes(signals_.time, other_lengths));
     return {};
   }
 
   Status Integrated() {
     ElasticFibre<T> state(curves_, muscle_);
+    ForceHistory<T> history(p_[kEnhancement], p_[kDepression]);
     for (std::size_t i = 0; i < frames(); ++i) {
-      auto fibre = state.Next(signals_.time[i], signals_.unit_length[i], trace_.activation[i]);
+      if (remembers_) muscle_.active_gain = history.Factor();
+      auto fibre = state.Next(signals_.time[i], length_[i], trace_.activation[i]);
       if (!fibre) return Fail("t = {:.4g} s: {}", signals_.time[i], fibre.error().message);
       trace_.fibre_length[i] = fibre->length;
       trace_.fibre_velocity[i] = fibre->velocity;
       trace_.tendon_force[i] = fibre->tendon_force;
+      // What is remembered changes slowly: of this sample it counts from the next one on.
+      if (remembers_) history.Pass(signals_.time[i], fibre->velocity / p_[kOptimalLength]);
     }
     return {};
   }
@@ -166,6 +220,10 @@ class MuscleForce {
   MuscleTrace<T>& trace_;
   HillMuscle<T> muscle_;
   T sine_{0.0};
+  bool remembers_ = false;
+  bool excited_as_measured_ = true;
+  bool turned_ = false;    // a joint's angle was not as measured
+  std::vector<T> length_;  // of the unit
   std::vector<T> neural_;
 };
 
@@ -178,12 +236,14 @@ Status ComputeMuscleForce(const MuscleCurves& curves, const MuscleModel& model,
   return MuscleForce<T>(curves, model, parameters, signals, trace).Compute();
 }
 
-template Status ComputeMuscleForce<double>(const MuscleCurves&, const MuscleModel&,
-                                           const std::array<double, kMuscleSlots>&, const MuscleSignals&,
-                                           MuscleTrace<double>&);
-template Status ComputeMuscleForce<Dual<kMuscleSlots>>(const MuscleCurves&, const MuscleModel&,
-                                                       const std::array<Dual<kMuscleSlots>, kMuscleSlots>&,
-                                                       const MuscleSignals&,
-                                                       MuscleTrace<Dual<kMuscleSlots>>&);
+#define SINEW_MUSCLE_FORCE(T)                                                                     \
+  template Status ComputeMuscleForce<T>(const MuscleCurves&, const MuscleModel&,                  \
+                                        const std::array<T, kMuscleSlots>&, const MuscleSignals&, \
+                                        MuscleTrace<T>&)
+SINEW_MUSCLE_FORCE(double);
+SINEW_MUSCLE_FORCE(Dual<kFewLanes>);
+SINEW_MUSCLE_FORCE(Dual<kSomeLanes>);
+SINEW_MUSCLE_FORCE(Dual<kMuscleSlots>);
+#undef SINEW_MUSCLE_FORCE
 
 }  // namespace sinew

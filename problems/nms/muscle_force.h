@@ -24,8 +24,19 @@ enum MuscleSlot {
   kLengthChange,
   kDamping,
   kLargestVelocity,
-  kMuscleSlots
+  kSubjectSlots,             ///< those above are what a subject says of a muscle; those below rest at 0
+  kEmgGain = kSubjectSlots,  ///< excitation beyond the measured one, as a share [1, > -1]
+  kEmgDrift,                 ///< share by which the excitation is larger per second of the trial [1/s]
+  kCoContraction,            ///< excitation beyond the measured one [1]
+  kCrossTalk,                ///< share of the other muscles' mean excitation in the measured one [1]
+  kEnhancement,              ///< of the force, per optimal length of stretch: ForceHistory [1]
+  kDepression,               ///< of the force, per optimal length of shortening: ForceHistory [1]
+  kCompliance,  ///< strain of the tendon beside that of the subject's curve; of a rigid tendon only [1, >= 0]
+  kAngleOffset,  ///< first of kMostJoints: of the joint's true angle beyond the measured one [rad]
+  kMuscleSlots = kAngleOffset + 3
 };
+/// That a muscle may cross.
+constexpr int kMostJoints = kMuscleSlots - kAngleOffset;
 
 enum class TendonMode {
   kRigid,
@@ -44,10 +55,12 @@ struct MuscleModel {
 
 /// What is measured of one muscle in one trial.
 struct MuscleSignals {
-  std::vector<double> excitation_time;  ///< [M >= 2, s, increasing]
-  std::vector<double> excitation;       ///< [M, 0..1]
-  std::vector<double> time;             ///< [N >= 2, s, increasing] of lengths and forces
-  std::vector<double> unit_length;      ///< [N, m] of muscle and tendon
+  std::vector<double> excitation_time;    ///< [M >= 2, s, increasing]
+  std::vector<double> excitation;         ///< [M, 0..1]
+  std::vector<double> others;             ///< [M] mean of the other muscles' excitations; empty: 0
+  std::vector<double> time;               ///< [N >= 2, s, increasing] of lengths and forces
+  std::vector<double> unit_length;        ///< [N, m] of muscle and tendon
+  std::vector<std::vector<double>> arms;  ///< [joints <= kMostJoints] [N, m] = -d unit_length / d angle
 };
 
 /// Everything that a prediction may show, at each instant.
@@ -59,7 +72,11 @@ struct MuscleTrace {
   std::vector<T> tendon_force;    ///< [N, N]; of a rigid tendon the fibre's force along it
 };
 
-/// Instantiated for double and Dual<kMuscleSlots>.
+/// What few parameters move needs few derivatives: Dual<N> for these N.
+constexpr int kFewLanes = 4;
+constexpr int kSomeLanes = 8;
+
+/// Instantiated for double, Dual<kFewLanes>, Dual<kSomeLanes> and Dual<kMuscleSlots>.
 /// Errors: no equilibrium of fibre and tendon, with the time.
 template <class T>
 Status ComputeMuscleForce(const MuscleCurves& curves, const MuscleModel& model,

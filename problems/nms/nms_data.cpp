@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "base/spline.h"
 #include "base/text.h"
 
 namespace sinew {
@@ -49,9 +50,19 @@ class Preparation {
       }
       out_.joint_muscles.push_back(std::move(indices));
     }
+    out_.muscle_joints.resize(out_.muscles.size());
+    for (std::size_t j = 0; j < out_.joint_muscles.size(); ++j) {
+      for (const int m : out_.joint_muscles[j])
+        out_.muscle_joints[static_cast<std::size_t>(m)].push_back(static_cast<int>(j));
+    }
   }
 
   Result<NmsData> Run(const Dataset& data) {
+    for (std::size_t m = 0; m < out_.muscles.size(); ++m) {
+      if (out_.muscle_joints[m].size() > kMostJoints)
+        return Fail("the muscle '{}' crosses {} of the joints that are fitted, expected at most {}",
+                    out_.muscles[m], out_.muscle_joints[m].size(), kMostJoints);
+    }
     bool any_training = false;
     for (const auto& [name, trial] : data.trials) {
       const Status added = Add(name, trial);
@@ -117,16 +128,65 @@ class Preparation {
       SINEW_ASSIGN(signals.unit_length, FindValues(*lengths, "lengths", muscle, "m"));
       made.muscles.push_back(std::move(signals));
     }
+    AddOthers(made);
     made.first_block = static_cast<int>(out_.layout.size());
     bool any = false;
     for (std::size_t j = 0; j < settings_.joints.size(); ++j) {
       SINEW_TRY(AddArms(trial, j, made));
+      SINEW_TRY(AddMotion(trial, j, made));
       SINEW_ASSIGN(const bool measured, AddBlock(trial, j, made));
       any = any || measured;
     }
     if (!any)
       return Fail("has no measured moment: expected a channel such as {}_moment", settings_.joints.front());
     out_.trials.push_back(std::move(made));
+    return {};
+  }
+
+  // For every muscle, the mean excitation of all others.
+  static void AddOthers(NmsTrial& made) {
+    const std::size_t count = made.muscles.size();
+    if (count < 2) return;
+    for (std::size_t m = 0; m < count; ++m) {
+      std::vector<double>& others = made.muscles[m].others;
+      others.assign(made.muscles[m].excitation.size(), 0);
+      for (std::size_t other = 0; other < count; ++other) {
+        if (other == m) continue;
+        for (std::size_t k = 0; k < others.size(); ++k)
+          others[k] += made.muscles[other].excitation[k] / static_cast<double>(count - 1);
+      }
+    }
+  }
+
+  // The recorded angle of the joint, if there is one that covers the trial.
+  Status AddMotion(const Trial& trial, std::size_t j, NmsTrial& made) {
+    made.motion.emplace_back();
+    const Trial::Found found = trial.Find(settings_.joints[j]);
+    if (!found) return {};
+    if (found.channel->unit != "rad")
+      return Fail("channel '{}' has the unit {}, expected rad", settings_.joints[j], found.channel->unit);
+    std::vector<double> time;
+    std::vector<double> angle;
+    for (std::size_t i = 0; i < found.grid->time.size(); ++i) {
+      if (!std::isfinite(found.channel->values[i])) continue;
+      time.push_back(found.grid->time[i]);
+      angle.push_back(found.channel->values[i]);
+    }
+    if (time.size() < 4 || time.front() > made.time.front() + kSameTime ||
+        time.back() < made.time.back() - kSameTime)
+      return Fail("the angle '{}' does not cover the times of grid 'lengths'", settings_.joints[j]);
+    SINEW_ASSIGN(const auto spline, NaturalCubicSpline::Fit(std::move(time), std::move(angle)));
+    NmsMotion& motion = made.motion.back();
+    const auto count = static_cast<Eigen::Index>(made.time.size());
+    motion.angle.resize(count);
+    motion.velocity.resize(count);
+    motion.acceleration.resize(count);
+    for (Eigen::Index i = 0; i < count; ++i) {
+      const auto at = spline.At(made.time[static_cast<std::size_t>(i)]);
+      motion.angle[i] = at.value;
+      motion.velocity[i] = at.first;
+      motion.acceleration[i] = at.second;
+    }
     return {};
   }
 
@@ -138,11 +198,15 @@ class Preparation {
                                   [](double a, double b) { return std::abs(a - b) < kSameTime; });
     if (!alike) return Fail("grid '{}' has other times than grid 'lengths'", grid_name);
     std::vector<Vector> arms;
+    bool any = false;
     for (const int m : out_.joint_muscles[j]) {
       SINEW_ASSIGN(const auto values,
                    FindValues(*grid, grid_name, out_.muscles[static_cast<std::size_t>(m)], "m"));
       arms.emplace_back(Eigen::Map<const Vector>(values.data(), static_cast<Eigen::Index>(values.size())));
+      any = any || arms.back().any();
+      made.muscles[static_cast<std::size_t>(m)].arms.push_back(values);
     }
+    if (!any) return Fail("no muscle has a moment arm in grid '{}': the joint cannot move", grid_name);
     made.arms.push_back(std::move(arms));
     return {};
   }
@@ -212,6 +276,7 @@ std::string DescribeNmsChannels() {
          "lengths\n"
          "  (both from a model's geometry: `sinew data muscles`)\n"
          "JOINT_moment, on any grid                                                 N*m  measured\n"
+         "JOINT, on any grid (optional: for causes that depend on the motion)       rad  its angle\n"
          "files:\n"
          "  nms.yaml                   settings with key `nms` (or give --config)\n"
          "  subject.xml                the muscles, as CEINMS or CEINMS-RT has them\n";

@@ -12,17 +12,30 @@
 
 namespace sinew {
 
+/// A joint's recorded angle and its derivatives, at the times of the lengths; empty if it was not recorded.
+struct NmsMotion {
+  Vector angle;         ///< [N, rad]
+  Vector velocity;      ///< [N, rad/s]
+  Vector acceleration;  ///< [N, rad/s2]
+};
+
 struct NmsTrial {
   std::string name;
   std::vector<double> time;               ///< [N, s] of lengths, moment arms and predictions
   std::vector<MuscleSignals> muscles;     ///< [muscles of NmsData]
   std::vector<std::vector<Vector>> arms;  ///< [joints][muscles of the joint] [N, m]
-  int first_block = 0;                    ///< one per joint
+  std::vector<NmsMotion> motion;          ///< [joints]
+  /// [joints] [N, 0..1] mean activation, with the subject's own numbers, of the muscles that pull the joint
+  /// towards larger and towards smaller angles; 0 if there is none.
+  std::vector<Vector> pull_plus;
+  std::vector<Vector> pull_minus;
+  int first_block = 0;  ///< one per joint
 };
 
 struct NmsData {
   std::vector<std::string> muscles;             ///< that move a joint which is fitted
   std::vector<std::vector<int>> joint_muscles;  ///< [joints] indices into muscles
+  std::vector<std::vector<int>> muscle_joints;  ///< [muscles] the joints that each crosses, <= kMostJoints
   std::vector<NmsTrial> trials;
   Layout layout;    ///< channels JOINT_moment
   double rate = 0;  ///< of the lengths, in the first trial [1/s]

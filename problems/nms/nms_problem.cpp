@@ -3,10 +3,12 @@
 #include <algorithm>
 #include <cmath>
 
+#include "problems/nms/ceinms_subject.h"
+
 namespace sinew {
 namespace {
 
-using Lanes = Dual<kMuscleSlots>;
+using AllLanes = Dual<kMuscleSlots>;
 
 Result<MuscleCurves> CurvesOf(const NmsSettings& settings) {
   const auto curve = [&](SubjectCurve which) {
@@ -25,15 +27,22 @@ Result<MuscleCurves> CurvesOf(const NmsSettings& settings) {
 
 struct NmsProblem::Scratch final : Problem::Workspace {
   MuscleTrace<double> plain;
-  MuscleTrace<Lanes> lanes;
-  std::vector<std::array<double, kMuscleSlots>> slots;  // [muscles]
+  MuscleTrace<Dual<kFewLanes>> few;
+  MuscleTrace<Dual<kSomeLanes>> some;
+  MuscleTrace<AllLanes> all;
+  Slots slots;
+  std::vector<std::vector<Slope>> slopes;  // [muscles]
+  std::vector<int> lanes;                  // slots that move, of one muscle
+  std::vector<bool> needed;                // [muscles]
 };
 
 NmsProblem::NmsProblem(NmsSettings settings, NmsData data, MuscleCurves curves)
     : settings_(std::move(settings)), data_(std::move(data)), curves_(std::move(curves)) {
   for (const std::string& muscle : data_.muscles)
     rest_.push_back(SlotsOf(*settings_.subject.Find(muscle), settings_.model.as_ceinms, data_.rate));
-  ListParameters();
+  AddPulls();
+  list_ = ListNmsParameters(settings_, data_, rest_);
+  ListColumns();
 }
 
 Result<std::unique_ptr<NmsProblem>> NmsProblem::Make(const Dataset& data, NmsSettings settings) {
@@ -46,42 +55,49 @@ Result<std::unique_ptr<NmsProblem>> NmsProblem::Make(const Dataset& data, NmsSet
   return problem;
 }
 
-void NmsProblem::ListParameters() {
-  std::array<int, kMuscleSlots> none{};
-  none.fill(-1);
-  parameter_of_.assign(data_.muscles.size(), none);
-  for (const NmsParameterSetting& setting : settings_.parameters) {
-    const auto& names = MuscleParameterNames();
-    const auto name = std::find_if(names.begin(), names.end(),
-                                   [&](const MuscleParameterName& n) { return n.slot == setting.slot; });
-    std::vector<Place> places;
-    double start = 0;
-    for (const std::string& muscle : setting.muscles) {
-      const auto at = std::find(data_.muscles.begin(), data_.muscles.end(), muscle) - data_.muscles.begin();
-      const double value = rest_[static_cast<std::size_t>(at)][setting.slot];
-      places.push_back({static_cast<int>(at), setting.slot, setting.relative ? value : 1});
-      parameter_of_[static_cast<std::size_t>(at)][setting.slot] = static_cast<int>(parameters_.size());
-      start += (setting.relative ? 1 : value) / static_cast<double>(setting.muscles.size());
+void NmsProblem::AddPulls() {
+  MuscleModel model = settings_.model;
+  model.tendon = TendonMode::kRigid;  // the activation does not depend on it, and it never fails
+  MuscleTrace<double> trace;
+  for (NmsTrial& trial : data_.trials) {
+    const auto frames = static_cast<Eigen::Index>(trial.time.size());
+    std::vector<Vector> activation;
+    for (std::size_t m = 0; m < data_.muscles.size(); ++m) {
+      activation.emplace_back(Vector::Zero(frames));
+      if (!ComputeMuscleForce(curves_, model, rest_[m], trial.muscles[m], trace)) continue;
+      activation.back() = Eigen::Map<const Vector>(trace.activation.data(), frames);
     }
-    Parameter parameter =
-        BaseParameter(setting.group + "." + name->name, setting.relative ? "1" : name->unit, name->meaning,
-                      setting.lower, setting.upper, std::clamp(start, setting.lower, setting.upper));
-    if (setting.slot == kFilterMean && !setting.relative)
-      parameter.unit = settings_.model.as_ceinms ? "1" : "s";
-    if (setting.relative) parameter.meaning += ", as a factor on the subject's";
-    parameter.source = name->source;
-    parameters_.push_back(std::move(parameter));
-    places_.push_back(std::move(places));
+    for (std::size_t j = 0; j < settings_.joints.size(); ++j) {
+      std::array<Vector, 2> pull{Vector::Zero(frames), Vector::Zero(frames)};
+      std::array<int, 2> count{};
+      for (std::size_t k = 0; k < data_.joint_muscles[j].size(); ++k) {
+        const double arm = trial.arms[j][k].mean();
+        if (arm == 0) continue;
+        const std::size_t side = arm > 0 ? 0 : 1;
+        pull[side] += activation[static_cast<std::size_t>(data_.joint_muscles[j][k])];
+        ++count[side];
+      }
+      trial.pull_plus.push_back(pull[0] / std::max(count[0], 1));
+      trial.pull_minus.push_back(pull[1] / std::max(count[1], 1));
+    }
   }
+}
+
+void NmsProblem::ListColumns() {
   for (std::size_t t = 0; t < data_.trials.size(); ++t) {
     for (std::size_t j = 0; j < settings_.joints.size(); ++j) {
       std::vector<int>& columns =
           data_.layout[static_cast<std::size_t>(data_.trials[t].first_block) + j].columns;
-      for (const int m : data_.joint_muscles[j]) {
-        for (const int parameter : parameter_of_[static_cast<std::size_t>(m)]) {
-          if (parameter >= 0) columns.push_back(parameter);
-        }
+      const auto& movers = data_.joint_muscles[j];
+      for (const NmsPlace& place : list_.places) {
+        if (place.trial >= 0 && place.trial != static_cast<int>(t)) continue;
+        if (std::find(movers.begin(), movers.end(), place.muscle) != movers.end())
+          columns.push_back(place.parameter);
       }
+      for (const NmsMoment& moment : list_.moments) {
+        if (moment.joint == static_cast<int>(j)) columns.push_back(moment.parameter);
+      }
+      if (list_.arm_offset[j] >= 0) columns.push_back(list_.arm_offset[j]);
       std::sort(columns.begin(), columns.end());
       columns.erase(std::unique(columns.begin(), columns.end()), columns.end());
     }
@@ -92,85 +108,171 @@ std::unique_ptr<Problem::Workspace> NmsProblem::NewWorkspace() const {
   return std::make_unique<Scratch>();
 }
 
-std::vector<std::array<double, kMuscleSlots>> NmsProblem::SlotsAt(const Vector& parameters) const {
-  auto slots = rest_;
-  for (std::size_t p = 0; p < places_.size(); ++p) {
-    for (const Place& place : places_[p])
-      slots[static_cast<std::size_t>(place.muscle)][place.slot] =
-          place.factor * parameters[static_cast<Eigen::Index>(p)];
+void NmsProblem::SlotsAt(const Vector& parameters, std::size_t trial, Slots& slots,
+                         std::vector<std::vector<Slope>>* slopes) const {
+  slots = rest_;
+  if (slopes != nullptr) {
+    slopes->resize(slots.size());
+    for (auto& of_muscle : *slopes) of_muscle.clear();
   }
-  return slots;
+  for (const NmsPlace& place : list_.places) {
+    if (place.trial >= 0 && place.trial != static_cast<int>(trial)) continue;
+    const double value = parameters[place.parameter];
+    double& slot = slots[static_cast<std::size_t>(place.muscle)][place.slot];
+    double slope = place.factor;
+    std::vector<Slope>* of_muscle =
+        slopes == nullptr ? nullptr : &(*slopes)[static_cast<std::size_t>(place.muscle)];
+    switch (place.way) {
+      case NmsPlace::kSets:
+        slot = place.factor * value;
+        break;
+      case NmsPlace::kAdds:
+        if (value != 0) slot += place.factor * value;
+        break;
+      case NmsPlace::kScales:
+        slope = slot;
+        if (value != 0) slot *= 1 + value;
+        for (std::size_t i = 0; of_muscle != nullptr && i < of_muscle->size(); ++i) {
+          if ((*of_muscle)[i].slot == place.slot) (*of_muscle)[i].factor *= 1 + value;
+        }
+        break;
+    }
+    if (of_muscle != nullptr) of_muscle->push_back({place.parameter, place.slot, slope});
+  }
 }
 
 Status NmsProblem::Predict(const Query& query, Workspace& workspace, Prediction& prediction) const {
   auto& scratch = static_cast<Scratch&>(workspace);
-  scratch.slots = SlotsAt(query.parameters);
-  for (const NmsTrial& trial : data_.trials) {
-    std::vector<bool> needed(data_.muscles.size(), false);
-    for (std::size_t j = 0; j < settings_.joints.size(); ++j) {
-      const int b = trial.first_block + static_cast<int>(j);
+  for (std::size_t t = 0; t < data_.trials.size(); ++t)
+    SINEW_TRY(PredictTrial(t, query, scratch, prediction));
+  return {};
+}
+
+Status NmsProblem::PredictTrial(std::size_t t, const Query& query, Scratch& scratch,
+                                Prediction& prediction) const {
+  const NmsTrial& trial = data_.trials[t];
+  scratch.needed.assign(data_.muscles.size(), false);
+  bool any = false;
+  for (std::size_t j = 0; j < settings_.joints.size(); ++j) {
+    const int b = trial.first_block + static_cast<int>(j);
+    if (!query.blocks[static_cast<std::size_t>(b)]) continue;
+    any = true;
+    prediction.values(b).setZero();
+    const std::vector<int>& columns = data_.layout[static_cast<std::size_t>(b)].columns;
+    for (std::size_t c = 0; c < columns.size() && query.derivatives; ++c) {
+      if (query.Differentiates(columns[c]))
+        prediction.derivatives(b).col(static_cast<Eigen::Index>(c)).setZero();
+    }
+    for (const int m : data_.joint_muscles[j]) scratch.needed[static_cast<std::size_t>(m)] = true;
+  }
+  if (!any) return {};
+  SlotsAt(query.parameters, t, scratch.slots, query.derivatives ? &scratch.slopes : nullptr);
+  for (std::size_t m = 0; m < data_.muscles.size(); ++m) {
+    if (!scratch.needed[m]) continue;
+    const Status status = AddMuscle(t, static_cast<int>(m), query, scratch, prediction);
+    if (!status) return Fail("trial '{}', {}: {}", trial.name, data_.muscles[m], status.error().message);
+  }
+  AddMoments(t, query, prediction);
+  return {};
+}
+
+Status NmsProblem::AddMuscle(std::size_t t, int muscle, const Query& query, Scratch& scratch,
+                             Prediction& prediction) const {
+  const auto m = static_cast<std::size_t>(muscle);
+  scratch.lanes.clear();
+  if (query.derivatives) {
+    for (const Slope& slope : scratch.slopes[m]) {
+      if (query.Differentiates(slope.parameter) &&
+          std::find(scratch.lanes.begin(), scratch.lanes.end(), slope.slot) == scratch.lanes.end())
+        scratch.lanes.push_back(slope.slot);
+    }
+  }
+  const bool turns =
+      query.derivatives && std::any_of(list_.arm_offset.begin(), list_.arm_offset.end(),
+                                       [&](int p) { return p >= 0 && query.Differentiates(p); });
+  if (scratch.lanes.empty() && !turns) {
+    const NmsTrial& trial = data_.trials[t];
+    SINEW_TRY(
+        ComputeMuscleForce(curves_, settings_.model, scratch.slots[m], trial.muscles[m], scratch.plain));
+    for (const int joint : data_.muscle_joints[m]) {
+      const auto j = static_cast<std::size_t>(joint);
+      const int b = trial.first_block + joint;
       if (!query.blocks[static_cast<std::size_t>(b)]) continue;
-      prediction.values(b).setZero();
-      const std::vector<int>& columns = data_.layout[static_cast<std::size_t>(b)].columns;
-      for (std::size_t c = 0; c < columns.size() && query.derivatives; ++c) {
-        if (query.Differentiates(columns[c]))
-          prediction.derivatives(b).col(static_cast<Eigen::Index>(c)).setZero();
-      }
-      for (const int m : data_.joint_muscles[j]) needed[static_cast<std::size_t>(m)] = true;
+      const auto& movers = data_.joint_muscles[j];
+      const Vector& arm = trial.arms[j][static_cast<std::size_t>(
+          std::find(movers.begin(), movers.end(), muscle) - movers.begin())];
+      const double offset = list_.arm_offset[j] >= 0 ? query.parameters[list_.arm_offset[j]] : 0;
+      auto values = prediction.values(b);
+      for (Eigen::Index i = 0; i < values.size(); ++i)
+        values[i] += (arm[i] + offset) * scratch.plain.tendon_force[static_cast<std::size_t>(i)];
     }
-    for (std::size_t m = 0; m < needed.size(); ++m) {
-      if (!needed[m]) continue;
-      const auto& slots = scratch.slots[m];
-      const auto& own = parameter_of_[m];
-      const bool moves =
-          std::any_of(own.begin(), own.end(), [&](int p) { return p >= 0 && query.Differentiates(p); });
-      Status status;
-      if (moves) {
-        std::array<Lanes, kMuscleSlots> lanes;
-        for (int i = 0; i < kMuscleSlots; ++i)
-          lanes[i] = Lanes::Variable(slots[static_cast<std::size_t>(i)], i);
-        status = ComputeMuscleForce(curves_, settings_.model, lanes, trial.muscles[m], scratch.lanes);
-      } else {
-        status = ComputeMuscleForce(curves_, settings_.model, slots, trial.muscles[m], scratch.plain);
-        if (status) {
-          scratch.lanes.tendon_force.assign(scratch.plain.tendon_force.begin(),
-                                            scratch.plain.tendon_force.end());
-        }
-      }
-      if (!status) return Fail("trial '{}', {}: {}", trial.name, data_.muscles[m], status.error().message);
-      AddMuscle(trial, static_cast<int>(m), query, scratch, prediction);
+    return {};
+  }
+  const int moving = static_cast<int>(scratch.lanes.size());
+  if (moving <= kFewLanes)
+    return AddMuscle(t, muscle, query, scratch.lanes, scratch, scratch.few, prediction);
+  if (moving <= kSomeLanes)
+    return AddMuscle(t, muscle, query, scratch.lanes, scratch, scratch.some, prediction);
+  return AddMuscle(t, muscle, query, scratch.lanes, scratch, scratch.all, prediction);
+}
+
+template <int N>
+Status NmsProblem::AddMuscle(std::size_t t, int muscle, const Query& query, const std::vector<int>& lanes,
+                             Scratch& scratch, MuscleTrace<Dual<N>>& trace, Prediction& prediction) const {
+  const auto m = static_cast<std::size_t>(muscle);
+  const NmsTrial& trial = data_.trials[t];
+  std::array<Dual<N>, kMuscleSlots> numbers;
+  for (std::size_t slot = 0; slot < kMuscleSlots; ++slot) numbers[slot] = scratch.slots[m][slot];
+  std::array<std::size_t, kMuscleSlots> lane_of{};
+  for (std::size_t lane = 0; lane < lanes.size(); ++lane) {
+    const auto slot = static_cast<std::size_t>(lanes[lane]);
+    numbers[slot] = Dual<N>::Variable(scratch.slots[m][slot], static_cast<int>(lane));
+    lane_of[slot] = lane;
+  }
+  SINEW_TRY(ComputeMuscleForce(curves_, settings_.model, numbers, trial.muscles[m], trace));
+  const std::vector<Dual<N>>& force = trace.tendon_force;
+  for (const int joint : data_.muscle_joints[m]) {
+    const auto j = static_cast<std::size_t>(joint);
+    const int b = trial.first_block + joint;
+    if (!query.blocks[static_cast<std::size_t>(b)]) continue;
+    const auto& movers = data_.joint_muscles[j];
+    const Vector& arm = trial.arms[j][static_cast<std::size_t>(
+        std::find(movers.begin(), movers.end(), muscle) - movers.begin())];
+    const int turning = list_.arm_offset[j];
+    const double offset = turning >= 0 ? query.parameters[turning] : 0;
+    auto values = prediction.values(b);
+    auto derivatives = prediction.derivatives(b);
+    for (Eigen::Index i = 0; i < values.size(); ++i)
+      values[i] += (arm[i] + offset) * force[static_cast<std::size_t>(i)].value;
+    const std::vector<int>& columns = data_.layout[static_cast<std::size_t>(b)].columns;
+    const auto column = [&](int parameter) {
+      return derivatives.col(std::lower_bound(columns.begin(), columns.end(), parameter) - columns.begin());
+    };
+    for (const Slope& slope : scratch.slopes[m]) {
+      if (!query.Differentiates(slope.parameter)) continue;
+      auto slot_column = column(slope.parameter);
+      const std::size_t lane = lane_of[slope.slot];
+      for (Eigen::Index i = 0; i < values.size(); ++i)
+        slot_column[i] += slope.factor * (arm[i] + offset) * force[static_cast<std::size_t>(i)].d[lane];
     }
+    if (turning < 0 || !query.Differentiates(turning)) continue;
+    auto arm_column = column(turning);
+    for (Eigen::Index i = 0; i < values.size(); ++i)
+      arm_column[i] += force[static_cast<std::size_t>(i)].value;
   }
   return {};
 }
 
-void NmsProblem::AddMuscle(const NmsTrial& trial, int muscle, const Query& query, Scratch& scratch,
-                           Prediction& prediction) const {
-  const std::vector<Lanes>& force = scratch.lanes.tendon_force;
-  const auto& own = parameter_of_[static_cast<std::size_t>(muscle)];
-  for (std::size_t j = 0; j < settings_.joints.size(); ++j) {
-    const int b = trial.first_block + static_cast<int>(j);
-    const auto& movers = data_.joint_muscles[j];
-    const auto at = std::find(movers.begin(), movers.end(), muscle);
-    if (at == movers.end() || !query.blocks[static_cast<std::size_t>(b)]) continue;
-    const Vector& arm = trial.arms[j][static_cast<std::size_t>(at - movers.begin())];
-    auto values = prediction.values(b);
-    for (Eigen::Index i = 0; i < values.size(); ++i)
-      values[i] += arm[i] * force[static_cast<std::size_t>(i)].value;
-    if (!query.derivatives) continue;
-    auto derivatives = prediction.derivatives(b);
+void NmsProblem::AddMoments(std::size_t t, const Query& query, Prediction& prediction) const {
+  for (const NmsMoment& moment : list_.moments) {
+    const int b = data_.trials[t].first_block + moment.joint;
+    if (!query.blocks[static_cast<std::size_t>(b)]) continue;
+    const double value = query.parameters[moment.parameter];
+    if (value != 0) prediction.values(b) += value * moment.by_trial[t];
+    if (!query.Differentiates(moment.parameter)) continue;
     const std::vector<int>& columns = data_.layout[static_cast<std::size_t>(b)].columns;
-    for (std::size_t slot = 0; slot < own.size(); ++slot) {
-      const int p = own[slot];
-      if (p < 0 || !query.Differentiates(p)) continue;
-      const auto column = std::lower_bound(columns.begin(), columns.end(), p) - columns.begin();
-      double factor = 1;
-      for (const Place& place : places_[static_cast<std::size_t>(p)]) {
-        if (place.muscle == muscle) factor = place.factor;
-      }
-      for (Eigen::Index i = 0; i < values.size(); ++i)
-        derivatives(i, column) += factor * arm[i] * force[static_cast<std::size_t>(i)].d[slot];
-    }
+    prediction.derivatives(b).col(std::lower_bound(columns.begin(), columns.end(), moment.parameter) -
+                                  columns.begin()) += moment.by_trial[t];
   }
 }
 
@@ -180,9 +282,70 @@ std::string NmsProblem::objective() const {
   return Problem::objective();
 }
 
+std::vector<Problem::Signal> NmsProblem::SignalsOf(int block) const {
+  const Block& of = data_.layout[static_cast<std::size_t>(block)];
+  const auto trial = std::find_if(data_.trials.begin(), data_.trials.end(),
+                                  [&](const NmsTrial& t) { return t.name == of.trial; });
+  const auto j = static_cast<std::size_t>(block - trial->first_block);
+  std::vector<Signal> signals;
+  const auto add = [&](const std::string& name, const char* unit, const Vector& values) {
+    Signal signal{name, unit, {}};
+    for (const int at : of.sample) signal.values.push_back(values[at]);
+    signals.push_back(std::move(signal));
+  };
+  if (trial->motion[j].angle.size() > 0) {
+    add("angle", "rad", trial->motion[j].angle);
+    add("velocity", "rad/s", trial->motion[j].velocity);
+  }
+  if (trial->pull_plus[j].any()) add("activation_plus", "1", trial->pull_plus[j]);
+  if (trial->pull_minus[j].any()) add("activation_minus", "1", trial->pull_minus[j]);
+  return signals;
+}
+
+Status NmsProblem::MusclesAt(const Vector& parameters, std::size_t trial,
+                             std::vector<MuscleTrace<double>>& muscles) const {
+  Slots slots;
+  SlotsAt(parameters, trial, slots, nullptr);
+  muscles.resize(slots.size());
+  for (std::size_t m = 0; m < slots.size(); ++m) {
+    const Status status =
+        ComputeMuscleForce(curves_, settings_.model, slots[m], data_.trials[trial].muscles[m], muscles[m]);
+    if (!status) return Fail("{}: {}", data_.muscles[m], status.error().message);
+  }
+  return {};
+}
+
+Status NmsProblem::Describe(const Vector& parameters, Hdf5Node& details) const {
+  for (std::size_t t = 0; t < data_.trials.size(); ++t) {
+    Hdf5Node& node = details.At("nms/" + data_.trials[t].name);
+    node.At("time").SetVector(data_.trials[t].time);
+    std::vector<MuscleTrace<double>> muscles;
+    const Status status = MusclesAt(parameters, t, muscles);
+    if (!status) {
+      node.attributes["failure"] = status.error().message;
+      continue;
+    }
+    for (std::size_t m = 0; m < muscles.size(); ++m) {
+      Hdf5Node& muscle = node.At(data_.muscles[m]);
+      muscle.At("activation").SetVector(muscles[m].activation);
+      muscle.At("fibre_length").SetVector(muscles[m].fibre_length);
+      muscle.At("fibre_velocity").SetVector(muscles[m].fibre_velocity);
+      muscle.At("force").SetVector(muscles[m].tendon_force);
+    }
+  }
+  SINEW_ASSIGN(std::string subject, WriteCeinmsSubject(settings_.subject_text, settings_.subject_file,
+                                                       SubjectAt(parameters).muscles));
+  details.At("nms").attributes["subject"] = std::move(subject);
+  return {};
+}
+
 Subject NmsProblem::SubjectAt(const Vector& parameters) const {
   Subject subject = settings_.subject;
-  const auto slots = SlotsAt(parameters);
+  Slots slots = rest_;
+  for (const NmsPlace& place : list_.places) {
+    if (place.way == NmsPlace::kSets)
+      slots[static_cast<std::size_t>(place.muscle)][place.slot] = place.factor * parameters[place.parameter];
+  }
   for (std::size_t m = 0; m < data_.muscles.size(); ++m) {
     for (SubjectMuscle& muscle : subject.muscles) {
       if (muscle.name == data_.muscles[m])

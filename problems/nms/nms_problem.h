@@ -8,6 +8,7 @@
 
 #include "identify/problem.h"
 #include "problems/nms/nms_data.h"
+#include "problems/nms/nms_effects.h"
 
 namespace sinew {
 
@@ -18,38 +19,57 @@ class NmsProblem final : public Problem {
   /// Errors: those of PrepareNmsData; a curve that is no curve.
   static Result<std::unique_ptr<NmsProblem>> Make(const Dataset& data, NmsSettings settings);
 
-  [[nodiscard]] const std::vector<Parameter>& parameters() const override { return parameters_; }
+  [[nodiscard]] const std::vector<Parameter>& parameters() const override { return list_.parameters; }
   [[nodiscard]] const Layout& layout() const override { return data_.layout; }
+  [[nodiscard]] const std::vector<Effect>& effects() const override { return list_.effects; }
   [[nodiscard]] std::unique_ptr<Workspace> NewWorkspace() const override;
   Status Predict(const Query& query, Workspace& workspace, Prediction& prediction) const override;
   [[nodiscard]] std::string objective() const override;
+  /// Angle, velocity and mean excitation.
+  [[nodiscard]] std::vector<Signal> SignalsOf(int block) const override;
+  /// Per trial, under nms/TRIAL: time; MUSCLE/{activation, fibre_length, fibre_velocity, force}. And
+  /// nms/subject, the XML of the subject with these parameters.
+  Status Describe(const Vector& parameters, Hdf5Node& details) const override;
 
   [[nodiscard]] const NmsData& data() const { return data_; }
-  /// The subject with these parameters.
+  /// The subject with these parameters; effects are left out.
   [[nodiscard]] Subject SubjectAt(const Vector& parameters) const;
+  /// Every muscle of one trial. Errors: those of ComputeMuscleForce.
+  Status MusclesAt(const Vector& parameters, std::size_t trial,
+                   std::vector<MuscleTrace<double>>& muscles) const;
 
  private:
-  /// Where a parameter enters.
-  struct Place {
-    int muscle = 0;
+  using Slots = std::vector<std::array<double, kMuscleSlots>>;  // [muscles]
+  /// A parameter that moves a slot, and how much.
+  struct Slope {
+    int parameter = 0;
     MuscleSlot slot = kStrength;
-    double factor = 1;  ///< slot = factor * parameter
+    double factor = 1;
   };
   struct Scratch;
 
   NmsProblem(NmsSettings settings, NmsData data, MuscleCurves curves);
-  void ListParameters();
-  void AddMuscle(const NmsTrial& trial, int muscle, const Query& query, Scratch& scratch,
-                 Prediction& prediction) const;
-  [[nodiscard]] std::vector<std::array<double, kMuscleSlots>> SlotsAt(const Vector& parameters) const;
+  void AddPulls();
+  void ListColumns();
+  Status PredictTrial(std::size_t t, const Query& query, Scratch& scratch, Prediction& prediction) const;
+  template <int N>
+  Status AddMuscle(std::size_t t, int muscle, const Query& query, const std::vector<int>& lanes,
+                   Scratch& scratch, MuscleTrace<Dual<N>>& trace, Prediction& prediction) const;
+  Status AddMuscle(std::size_t t, int muscle, const Query& query, Scratch& scratch,
+                   Prediction& prediction) const;
+  void AddMoments(std::size_t t, const Query& query, Prediction& prediction) const;
+  /// Numbers of the muscles in a trial; with slopes [muscles] too if they are wanted.
+  void SlotsAt(const Vector& parameters, std::size_t trial, Slots& slots,
+               std::vector<std::vector<Slope>>* slopes) const;
 
   NmsSettings settings_;
   NmsData data_;
   MuscleCurves curves_;
-  std::vector<Parameter> parameters_;
-  std::vector<std::vector<Place>> places_;                   // [parameters]
-  std::vector<std::array<double, kMuscleSlots>> rest_;       // [muscles] of the subject
-  std::vector<std::array<int, kMuscleSlots>> parameter_of_;  // [muscles], -1: fixed
+  Slots rest_;  // of the subject
+  NmsParameterList list_;
 };
+
+/// The parameters of the ankle study with their default ranges, without data.
+[[nodiscard]] std::vector<Parameter> DefaultNmsParameters();
 
 }  // namespace sinew

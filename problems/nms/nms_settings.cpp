@@ -23,16 +23,19 @@ Result<E> ReadChoice(const YamlReader& yaml, const std::string& key,
   return FailAt(yaml.file(), at.line(), "{}: '{}'{}", key, word, Suggestion(word, names));
 }
 
-Result<Subject> ReadSubject(const YamlReader& yaml, const std::map<std::string, std::string>& files,
-                            std::vector<std::string>& notes) {
+Status ReadSubject(const YamlReader& yaml, const std::map<std::string, std::string>& files,
+                   NmsSettings& settings) {
   SINEW_ASSIGN(const YamlReader name_value, yaml.At("subject"));
   SINEW_ASSIGN(const std::string name, name_value.Text());
   const auto file = files.find(name);
   if (file == files.end())
     return FailAt(yaml.file(), name_value.line(), "the data set holds no file '{}': import it first", name);
   SINEW_ASSIGN(CeinmsSubject read, ReadCeinmsSubject(file->second, name));
-  notes.insert(notes.end(), read.notes.begin(), read.notes.end());
-  return std::move(read.subject);
+  settings.notes = std::move(read.notes);
+  settings.subject = std::move(read.subject);
+  settings.subject_file = name;
+  settings.subject_text = file->second;
+  return {};
 }
 
 std::vector<std::string> MusclesOf(const Subject& subject, const std::vector<std::string>& joints) {
@@ -48,7 +51,7 @@ std::vector<std::string> MusclesOf(const Subject& subject, const std::vector<std
 
 Status ReadParameter(const YamlReader& yaml, const MuscleParameterName& parameter,
                      const std::vector<std::string>& muscles, NmsSettings& settings) {
-  SINEW_TRY(yaml.OnlyKeys({"share", "groups", "lower", "upper", "relative"}));
+  SINEW_TRY(yaml.OnlyKeys({"share", "groups", "lower", "upper", "relative", "prior"}));
   NmsParameterSetting setting;
   setting.slot = parameter.slot;
   for (const auto& [key, target] : {std::pair{"lower", &setting.lower}, std::pair{"upper", &setting.upper}}) {
@@ -59,6 +62,13 @@ Status ReadParameter(const YamlReader& yaml, const MuscleParameterName& paramete
     return FailAt(yaml.file(), yaml.line(), "{}: lower {} is not below upper {}", parameter.name,
                   setting.lower, setting.upper);
   SINEW_ASSIGN(setting.relative, ReadChoice<bool>(yaml, "relative", {{"false", false}, {"true", true}}));
+  if (yaml.Has("prior")) {
+    SINEW_ASSIGN(const YamlReader prior, yaml.At("prior"));
+    SINEW_ASSIGN(setting.prior, prior.Number());
+    if (!(*setting.prior > 0))
+      return FailAt(yaml.file(), prior.line(), "{}: prior: a standard deviation, expected above 0, not {}",
+                    parameter.name, *setting.prior);
+  }
   if (yaml.Has("groups")) {
     SINEW_ASSIGN(const YamlReader groups, yaml.At("groups"));
     SINEW_ASSIGN(const auto names, groups.Keys());
@@ -120,7 +130,7 @@ Result<NmsSettings> ReadNmsSettings(const YamlReader& yaml, const std::map<std::
   SINEW_TRY(
       yaml.OnlyKeys({"subject", "tendon", "activation", "as_ceinms", "joints", "objective", "parameters"}));
   NmsSettings settings;
-  SINEW_ASSIGN(settings.subject, ReadSubject(yaml, files, settings.notes));
+  SINEW_TRY(ReadSubject(yaml, files, settings));
   SINEW_ASSIGN(settings.model.tendon, ReadChoice<TendonMode>(yaml, "tendon",
                                                              {{"rigid", TendonMode::kRigid},
                                                               {"equilibrium", TendonMode::kEquilibrium},
@@ -182,18 +192,20 @@ std::array<double, kMuscleSlots> SlotsOf(const SubjectMuscle& muscle, bool as_ce
     mean = 2 / (fast + slow);
     spread = std::pow((fast - slow) / (fast + slow), 2);
   }
-  return {mean,
-          spread,
-          muscle.shape_factor,
-          muscle.delay,
-          muscle.optimal_fibre_length,
-          muscle.tendon_slack_length,
-          muscle.maximal_isometric_force,
-          muscle.strength_coefficient,
-          muscle.pennation_angle,
-          muscle.percentage_change,
-          muscle.damping,
-          muscle.maximal_contraction_velocity};
+  std::array<double, kMuscleSlots> slots{};
+  slots[kFilterMean] = mean;
+  slots[kFilterSpread] = spread;
+  slots[kShape] = muscle.shape_factor;
+  slots[kDelay] = muscle.delay;
+  slots[kOptimalLength] = muscle.optimal_fibre_length;
+  slots[kTendonSlackLength] = muscle.tendon_slack_length;
+  slots[kIsometricForce] = muscle.maximal_isometric_force;
+  slots[kStrength] = muscle.strength_coefficient;
+  slots[kPennation] = muscle.pennation_angle;
+  slots[kLengthChange] = muscle.percentage_change;
+  slots[kDamping] = muscle.damping;
+  slots[kLargestVelocity] = muscle.maximal_contraction_velocity;
+  return slots;
 }
 
 void StoreSlots(const std::array<double, kMuscleSlots>& slots, bool as_ceinms, double rate,

@@ -10,10 +10,11 @@
 //     parameters:
 //       shape: {share: single, lower: -3, upper: 0}
 //       strength: {groups: {calf: [med_gas_r, lat_gas_r], rest: [soleus_r]}, lower: 0.5, upper: 2.5}
-//       tendon_slack_length: {share: single, lower: 0.85, upper: 1.15, relative: true}
+//       tendon_slack_length: {share: single, lower: 0.85, upper: 1.15, relative: true, prior: 0.05}
 #pragma once
 
 #include <map>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -41,13 +42,16 @@ struct NmsParameterSetting {
   std::vector<std::string> muscles;  ///< at least one
   double lower = 0;
   double upper = 1;
-  bool relative = false;  ///< a factor on the subject's value, which may differ in the group
+  bool relative = false;             ///< a factor on the subject's value, which may differ in the group
+  std::optional<double> prior = {};  ///< standard deviation about the start before the data speak
 };
 
 enum class NmsObjective { kNoise, kThesis };
 
 struct NmsSettings {
   Subject subject;
+  std::string subject_file;  ///< its name in the data set
+  std::string subject_text;
   MuscleModel model;
   std::vector<std::string> joints;
   std::vector<NmsParameterSetting> parameters;
@@ -59,8 +63,8 @@ struct NmsSettings {
 /// subject does not have, a muscle that is in two groups of one parameter, bounds that are no range.
 Result<NmsSettings> ReadNmsSettings(const YamlReader& yaml, const std::map<std::string, std::string>& files);
 
-/// A muscle's parameters by slot. @param as_ceinms the filter from C1 and C2, else from times at this rate
-/// [1/s]
+/// A muscle's parameters by slot; 0 where a subject says nothing. @param as_ceinms the filter from C1 and C2,
+/// else from times at this rate [1/s]
 [[nodiscard]] std::array<double, kMuscleSlots> SlotsOf(const SubjectMuscle& muscle, bool as_ceinms,
                                                        double rate);
 /// The inverse of SlotsOf.

@@ -40,6 +40,9 @@ class Documents(ProgramTest):
     def test_dataset_file(self):
         self.follow("dataset_file.md")
 
+    def test_envelopes(self):
+        self.follow("envelopes.md")
+
     @unittest.skipUnless(GAIT.is_dir(), f"{GAIT} is not there")
     def test_muscle_geometry(self):
         self.follow("muscle_geometry.md")

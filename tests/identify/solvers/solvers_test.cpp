@@ -119,11 +119,52 @@ TEST(Ceres, StatesTheFiguresOfItsTest) {
   EXPECT_NE(result.stop.test.find("<="), std::string::npos) << result.stop.test;
 }
 
+TEST(LevenbergMarquardt, HoldsVariablesThatReachTheirBounds) {
+  FunctionProblem problem;
+  MakeRosenbrock(problem);
+  FitRequest request;
+  request.bounds = {{"x1", {-5, 0.5}}};
+  const Fit fit(problem, request);
+  Evaluator evaluator(fit.least_squares, {});
+  const SolverResult result = SolveWith("lm", fit.least_squares, evaluator);
+  const Vector found = fit.least_squares.Parameters(result.x);
+  EXPECT_EQ(found[0], 0.5);
+  EXPECT_NEAR(found[1], 0.25, 1e-9);
+  EXPECT_TRUE(result.stop.converged()) << result.stop.test;
+}
+
+TEST(BasinHopping, LeavesALocalMinimumWhereLmStays) {
+  FunctionProblem problem;
+  problem.Add("x", 0, 1, 0.3);
+  // Minima of a wave on a slope; the lowest is the last.
+  problem.AddBlock("t", {0, 0}, {0},
+                   [](const Vector& p, Eigen::Ref<Vector> values, Matrix* derivatives) -> Status {
+                     constexpr double kWave = 40;
+                     values << 2 - p[0], 0.3 * std::sin(kWave * p[0]);
+                     if (derivatives != nullptr) *derivatives << -1, 0.3 * kWave * std::cos(kWave * p[0]);
+                     return {};
+                   });
+  const Fit fit(problem);
+  Evaluator local(fit.least_squares, {});
+  Evaluator global(fit.least_squares, {});
+  const double stuck = SolveWith("lm", fit.least_squares, local).cost;
+  const SolverResult result = SolveWith("hop", fit.least_squares, global);
+  double lowest = 1e9;
+  for (int i = 0; i <= 100000; ++i) {
+    const double x = i / 100000.0;
+    lowest = std::min(lowest, 0.5 * ((2 - x) * (2 - x) + std::pow(0.3 * std::sin(40 * x), 2)));
+  }
+  EXPECT_GT(stuck, 1.2 * lowest);
+  EXPECT_NEAR(result.cost, lowest, 1e-6);
+  EXPECT_EQ(result.stop.kind, Termination::kStartsDone);
+}
+
 TEST(Ceres, NothingIsPrinted) {
   FunctionProblem problem;
   MakeRosenbrock(problem, -1.3, 0.5);
   const Fit fit(problem);
-  for (const char* name : {"ceres", "ipopt", "nlopt:GD_STOGO", "nlopt:GN_AGS", "nlopt:LN_PRAXIS"}) {
+  for (const char* name :
+       {"ceres", "lm", "hop", "ipopt", "nlopt:GD_STOGO", "nlopt:GN_AGS", "nlopt:LN_PRAXIS"}) {
     Evaluator::Options options;
     options.budget.max_evaluations = 300;
     Evaluator evaluator(fit.least_squares, options);
@@ -140,7 +181,7 @@ TEST(LocalSolvers, RosenbrockToTheMinimum) {
   MakeRosenbrock(problem);
   const Fit fit(problem);
   for (const char* name : {"ceres", "ipopt", "ipopt-lbfgs", "nlopt:LN_BOBYQA", "nlopt:LD_LBFGS",
-                           "nlopt:LD_SLSQP", "cmaes", "multistart", "sa+ceres"}) {
+                           "nlopt:LD_SLSQP", "cmaes", "multistart", "hop", "lm", "sa+ceres"}) {
     Evaluator::Options options;
     options.budget.max_evaluations = 3000;
     Evaluator evaluator(fit.least_squares, options);

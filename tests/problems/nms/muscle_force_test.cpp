@@ -44,6 +44,19 @@ std::array<double, kMuscleSlots> Soleus(bool as_ceinms) {
           10};
 }
 
+// With something of every effect.
+std::array<double, kMuscleSlots> WithEffects(std::array<double, kMuscleSlots> at) {
+  at[kEmgGain] = 0.1;
+  at[kEmgDrift] = 0.03;
+  at[kCoContraction] = 0.02;
+  at[kCrossTalk] = 0.1;
+  at[kEnhancement] = 0.6;
+  at[kDepression] = 0.4;
+  at[kCompliance] = 0.5;
+  at[kAngleOffset] = 0.05;
+  return at;
+}
+
 struct Mode {
   TendonMode tendon;
   bool as_ceinms;
@@ -54,11 +67,14 @@ const Mode kModes[] = {{TendonMode::kRigid, false},       {TendonMode::kRigid, t
 
 TEST(MuscleForceTest, DerivativesAreThoseOfDifferences) {
   const MuscleCurves curves = MuscleCurves::Default();
-  const MuscleSignals signals = Signals();
+  MuscleSignals signals = Signals();
+  for (const double t : signals.excitation_time) signals.others.push_back(0.1 + 0.1 * std::cos(3 * t));
+  signals.arms.emplace_back();
+  for (const double t : signals.time) signals.arms[0].push_back(0.04 + 0.01 * std::cos(5 * t));
   using Lanes = Dual<kMuscleSlots>;
   for (const Mode& mode : kModes) {
     const MuscleModel model{mode.tendon, ActivationShape::kExponential, mode.as_ceinms};
-    const auto at = Soleus(mode.as_ceinms);
+    const auto at = WithEffects(Soleus(mode.as_ceinms));
     std::array<Lanes, kMuscleSlots> lanes;
     for (int i = 0; i < kMuscleSlots; ++i) lanes[i] = Lanes::Variable(at[static_cast<std::size_t>(i)], i);
     MuscleTrace<Lanes> exact;
@@ -67,6 +83,8 @@ TEST(MuscleForceTest, DerivativesAreThoseOfDifferences) {
     ASSERT_TRUE(ComputeMuscleForce(curves, model, at, signals, plain));
     for (std::size_t slot = 0; slot < at.size(); ++slot) {
       if (mode.as_ceinms && slot == kDelay) continue;  // whole samples: not smooth
+      if (slot > kAngleOffset) continue;               // of joints that the muscle does not cross
+      if (mode.tendon != TendonMode::kRigid && slot == kCompliance) continue;  // not asked for
       auto up = at;
       auto down = at;
       // Between two samples of the excitation, straight lines have a slope.
@@ -167,7 +185,11 @@ class AgainstCeinms : public testing::TestWithParam<int> {
       std::vector<double> torque(lengths.time.size(), 0);
       for (const std::string& name : muscles) {
         const SubjectMuscle& m = *subject_.Find(name);
-        MuscleSignals signals{emg.time, *emg.Find(name), lengths.time, *lengths.Find(name)};
+        MuscleSignals signals;
+        signals.excitation_time = emg.time;
+        signals.excitation = *emg.Find(name);
+        signals.time = lengths.time;
+        signals.unit_length = *lengths.Find(name);
         for (double& e : signals.excitation) e = std::clamp(e, 0.0, 1.0);
         const double mean = 0.5 * (m.c1 + m.c2);
         const double spread = std::pow(0.5 * (m.c1 - m.c2) / (1 + mean), 2);

@@ -1,0 +1,83 @@
+#include "identify/solvers/basin_hopping.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+
+#include "base/random.h"
+#include "identify/solvers/levenberg_marquardt.h"
+#include "identify/solvers/multistart.h"
+#include "identify/solvers/polishing.h"
+
+namespace sinew {
+namespace {
+
+// Standard deviation of a hop, as a share of the box.
+constexpr double kHop = 0.05;
+constexpr int kHopsAtOnce = 4;
+// A search that has not come to a lower cost by then rarely does: the next hop is worth more.
+constexpr long kHopEvaluations = 60;
+constexpr double kImprovement = 1e-3;
+
+Vector Displaced(const Vector& x, Random& random) {
+  Vector y = x;
+  for (double& value : y) {
+    value += kHop * random.Normal();
+    // Mirrored, as many good points lie on a bound.
+    if (value < 0) value = -value;
+    if (value > 1) value = 2 - value;
+    value = std::clamp(value, 0.0, 1.0);
+  }
+  return y;
+}
+
+}  // namespace
+
+Search BasinHopping::DoSolve(Evaluator& evaluator, const Vector& start) const {
+  const LevenbergMarquardt local(options_.cost_tolerance);
+  Random random(options_.seed);
+  Search search;
+  int hops = 0;
+  int in_vain = 0;
+  const auto polish = [&](const std::vector<PolishingStart>& starts) {
+    for (Polished& one : PolishAll(evaluator, local, "lm", starts, options_.threads)) {
+      search.iterations += one.iterations;
+      search.stages.push_back(std::move(one.stage));
+    }
+  };
+  polish({{start, std::min(kHopEvaluations, evaluator.remaining().max_evaluations)}});
+  if (!evaluator.has_best()) {
+    std::vector<PolishingStart> starts;
+    long left = evaluator.remaining().max_evaluations;
+    for (Vector& x : LatinHypercube(options_.starts, static_cast<int>(start.size()), options_.seed)) {
+      if (left <= 0) break;
+      starts.push_back({std::move(x), std::min(kHopEvaluations, left)});
+      left -= starts.back().evaluations;
+    }
+    polish(starts);
+  }
+  while (evaluator.has_best() && in_vain < options_.starts && !evaluator.MustStop()) {
+    const double before = evaluator.best().cost;
+    std::vector<PolishingStart> starts;
+    long left = evaluator.remaining().max_evaluations;
+    for (int i = 0; i < kHopsAtOnce && left > 0; ++i) {
+      starts.push_back({Displaced(evaluator.best().x, random), std::min(kHopEvaluations, left)});
+      left -= starts.back().evaluations;
+    }
+    polish(starts);
+    hops += static_cast<int>(starts.size());
+    const bool better = evaluator.best().cost < (1 - kImprovement) * before;
+    in_vain = better ? 0 : in_vain + static_cast<int>(starts.size());
+  }
+  if (evaluator.has_best() && !evaluator.MustStop())
+    polish({{evaluator.best().x, evaluator.remaining().max_evaluations}});
+  std::stable_sort(search.stages.begin(), search.stages.end(),
+                   [](const Stage& a, const Stage& b) { return a.cost < b.cost; });
+  search.stop = {
+      Termination::kStartsDone,
+      fmt::format("{} hops, the last {} gained less than {:.1g} of the cost", hops, in_vain, kImprovement)};
+  evaluator.MustStop();
+  return search;
+}
+
+}  // namespace sinew

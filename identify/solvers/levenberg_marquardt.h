@@ -1,0 +1,27 @@
+// Solver `lm`: Levenberg-Marquardt in a box, for problems whose evaluation is cheap.
+#pragma once
+
+#include "identify/solvers/solver.h"
+
+namespace sinew {
+
+/// Levenberg 1944, Marquardt 1963 over the box [0, 1]^n, with dense normal equations.
+///
+/// Every step solves for the free variables with those that reach a bound held there (NormalEquations), so
+/// that many active bounds cost no iterations; `ceres` projects the step instead, and creeps along them. A
+/// point without prediction is a rejected step. An accepted point costs two evaluations, a rejected one one:
+/// Jacobians are computed only where a step was accepted. Stops on the relative change of the cost, predicted
+/// or real, and on the length of the step.
+/// The normal equations square the condition number: where columns are collinear to eight digits `ceres`
+/// (QR) gets further.
+class LevenbergMarquardt : public Solver {
+ public:
+  explicit LevenbergMarquardt(double cost_tolerance) : cost_tolerance_(cost_tolerance) {}
+
+ private:
+  Search DoSolve(Evaluator& evaluator, const Vector& start) const override;
+
+  double cost_tolerance_;
+};
+
+}  // namespace sinew

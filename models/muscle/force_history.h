@@ -1,0 +1,57 @@
+// What a muscle remembers of its stretch and shortening: its force after a stretch is larger than at rest at
+// the same length, after shortening smaller.
+#pragma once
+
+#include <cmath>
+
+#include "base/dual.h"
+
+namespace sinew {
+
+/// Factor on the active force, (1 + enhancement S) (1 - depression D): S and D are the stretch and the
+/// shortening of the fibre so far [optimal lengths], forgotten at a time constant. Both effects last as long
+/// as the muscle is active; that they fade in a second or two stands for muscles that are active in turns.
+/// Source: Abbott, Aubert (1952), J. Physiol. 117:77-86; the linear dependence on the way: Edman, Elzinga,
+/// Noble (1978), J. Physiol. 281:139-155; Marechal, Plaghki (1979), J. Gen. Physiol. 73:453-467.
+template <class T>
+class ForceHistory {
+ public:
+  static constexpr double kForgetting = 2;  ///< [s]
+  static constexpr double kLeast = 0.05;    ///< the factor never falls below
+
+  /// @param enhancement, depression per optimal length [1]
+  ForceHistory(const T& enhancement, const T& depression)
+      : enhancement_(enhancement), depression_(depression) {}
+
+  /// @param time [s], increasing @param velocity of the fibre [optimal lengths per second, positive:
+  /// lengthening]
+  void Pass(double time, const T& velocity) {
+    if (any_) {
+      const double step = time - time_;
+      const double kept = std::exp(-step / kForgetting);
+      stretch_ = kept * stretch_ + (0.5 * step) * (Positive(velocity) + Positive(velocity_));
+      shortening_ = kept * shortening_ + (0.5 * step) * (Positive(-velocity) + Positive(-velocity_));
+    }
+    any_ = true;
+    time_ = time;
+    velocity_ = velocity;
+  }
+
+  [[nodiscard]] T Factor() const {
+    const T factor = (1.0 + enhancement_ * stretch_) * (1.0 - depression_ * shortening_);
+    return Value(factor) > kLeast ? factor : T(kLeast);
+  }
+
+ private:
+  static T Positive(const T& x) { return Value(x) > 0 ? x : T(0.0); }
+
+  T enhancement_;
+  T depression_;
+  bool any_ = false;
+  double time_ = 0;
+  T velocity_{0.0};
+  T stretch_{0.0};
+  T shortening_{0.0};
+};
+
+}  // namespace sinew
