@@ -21,6 +21,7 @@ void AddDataCommand(Command app, const RunAction& run) {
   AddEnvelopeCommand(data, run);
   AddCeinmsCommand(data, run);
   AddSubjectCommand(data, run);
+  AddMusclesCommand(data, run);
 }
 
 }  // namespace sinew

@@ -18,6 +18,7 @@ void AddCeinmsCommand(Command data, const RunAction& run);
 void AddSubjectCommand(Command data, const RunAction& run);
 void AddKinematicsCommand(Command data, const RunAction& run);
 void AddEnvelopeCommand(Command data, const RunAction& run);
+void AddMusclesCommand(Command data, const RunAction& run);
 
 /// The word of --role; nothing if it is empty. Errors: any other word than train and validate.
 Result<std::optional<Role>> ParseRole(const std::string& word);

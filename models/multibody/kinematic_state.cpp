@@ -2,6 +2,13 @@
 
 namespace sinew {
 
+Status CheckCoordinateVector(const Vector& vector, std::size_t size, const char* what) {
+  if (static_cast<std::size_t>(vector.size()) != size)
+    return Fail("{} coordinate {}, expected {}", vector.size(), what, size);
+  if (!vector.allFinite()) return Fail("coordinate {} are not finite", what);
+  return {};
+}
+
 void ApplyCouplers(const SimbodyModel& model, Vector& values) {
   for (const SimbodyModel::Coupler& coupler : model.couplers)
     values[coupler.dependent] = coupler.function.At(values[coupler.independent]).value;
@@ -31,6 +38,39 @@ void KinematicState::SetValues(const Vector& values) {
   SimTK::Vector& q = state_.updQ();
   for (std::size_t i = 0; i < q_index_.size(); ++i) q[q_index_[i]] = values[static_cast<Eigen::Index>(i)];
   model_.system.realize(state_, SimTK::Stage::Position);
+}
+
+Status KinematicState::Place(const Vector& values) {
+  try {
+    SetValues(values);
+  } catch (const std::exception& problem) {
+    return Fail("kinematics of model '{}' failed: {}", model_.name, problem.what());
+  }
+  return {};
+}
+
+std::vector<BodyMotion> KinematicState::Poses(const std::vector<int>& bodies) const {
+  std::vector<BodyMotion> motions(bodies.size());
+  for (std::size_t i = 0; i < bodies.size(); ++i) {
+    const SimTK::MobilizedBody& body =
+        model_.matter.getMobilizedBody(model_.bodies[static_cast<std::size_t>(bodies[i])]);
+    motions[i].position = FromSimbody(body.getBodyOriginLocation(state_));
+    motions[i].rotation = FromSimbody(body.getBodyRotation(state_).asMat33());
+  }
+  return motions;
+}
+
+void KinematicState::SetVelocities(const Vector& rates, const std::vector<int>& bodies,
+                                   std::vector<BodyMotion>& motions) const {
+  SimTK::Vector u(state_.getNU(), 0.0);
+  for (std::size_t i = 0; i < q_index_.size(); ++i) u[q_index_[i]] = rates[static_cast<Eigen::Index>(i)];
+  SimTK::Vector_<SimTK::SpatialVec> velocities;
+  model_.matter.multiplyBySystemJacobian(state_, u, velocities);
+  for (std::size_t i = 0; i < bodies.size(); ++i) {
+    const SimTK::SpatialVec& velocity = velocities[model_.bodies[static_cast<std::size_t>(bodies[i])]];
+    motions[i].angular_velocity = FromSimbody(velocity[0]);
+    motions[i].velocity = FromSimbody(velocity[1]);
+  }
 }
 
 Vec3 KinematicState::MarkerPosition(std::size_t marker) const {

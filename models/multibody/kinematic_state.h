@@ -9,6 +9,9 @@
 
 namespace sinew {
 
+/// Errors: not `size` numbers, or one that is not finite. @param what  "values".
+Status CheckCoordinateVector(const Vector& vector, std::size_t size, const char* what);
+
 /// Sets every dependent coordinate to what its coupler says.
 void ApplyCouplers(const SimbodyModel& model, Vector& values);
 /// The same for values, rates and accelerations.
@@ -25,6 +28,13 @@ class KinematicState {
 
   /// Places the bodies; for values whose couplers are already applied.
   void SetValues(const Vector& values);
+  /// The same with what went wrong as a value.
+  Status Place(const Vector& values);
+  /// Positions and rotations of bodies that exist, placed as they are; the motion is zero.
+  [[nodiscard]] std::vector<BodyMotion> Poses(const std::vector<int>& bodies) const;
+  /// Sets the velocities of `motions`, one for each of `bodies`, for rates whose couplers are applied.
+  void SetVelocities(const Vector& rates, const std::vector<int>& bodies,
+                     std::vector<BodyMotion>& motions) const;
   [[nodiscard]] Vec3 MarkerPosition(std::size_t marker) const;
   /// d marker positions / d coordinates [3 x markers, coordinates], every coordinate taken as free.
   [[nodiscard]] Matrix MarkerJacobian(const std::vector<std::size_t>& markers) const;

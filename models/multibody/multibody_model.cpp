@@ -25,13 +25,6 @@ Result<int> IndexOf(std::string_view name, const std::vector<std::string>& names
   return static_cast<int>(found - names.begin());
 }
 
-Status CheckVector(const Vector& vector, std::size_t size, const char* what) {
-  if (static_cast<std::size_t>(vector.size()) != size)
-    return Fail("{} coordinate {}, expected {}", vector.size(), what, size);
-  if (!vector.allFinite()) return Fail("coordinate {} are not finite", what);
-  return {};
-}
-
 }  // namespace
 
 MultibodyModel::MultibodyModel(std::unique_ptr<Impl> impl) : impl_(std::move(impl)) {}
@@ -115,9 +108,9 @@ Result<std::vector<BodyMotion>> MultibodyModel::BodyMotionAt(const Vector& value
                                                              const std::vector<int>& bodies,
                                                              const Vector& accelerations) const {
   const std::size_t n = coordinate_names().size();
-  SINEW_TRY(CheckVector(values, n, "values"));
-  SINEW_TRY(CheckVector(rates, n, "rates"));
-  if (accelerations.size() > 0) SINEW_TRY(CheckVector(accelerations, n, "accelerations"));
+  SINEW_TRY(CheckCoordinateVector(values, n, "values"));
+  SINEW_TRY(CheckCoordinateVector(rates, n, "rates"));
+  if (accelerations.size() > 0) SINEW_TRY(CheckCoordinateVector(accelerations, n, "accelerations"));
   KinematicState state(*impl_->simbody);
   const Vector none = Vector::Zero(values.size());
   return state.Motions({values, rates, accelerations.size() > 0 ? accelerations : none}, bodies);
@@ -131,7 +124,7 @@ Result<std::vector<std::vector<BodyMotion>>> MultibodyModel::BodyMotions(
   motions.reserve(times.size());
   for (const double time : times) {
     const CoordinateState coordinates = trajectory.At(time);
-    SINEW_TRY(CheckVector(coordinates.values, coordinate_names().size(), "values"));
+    SINEW_TRY(CheckCoordinateVector(coordinates.values, coordinate_names().size(), "values"));
     SINEW_ASSIGN(std::vector<BodyMotion> at_time, state.Motions(coordinates, bodies));
     motions.push_back(std::move(at_time));
   }
@@ -139,7 +132,7 @@ Result<std::vector<std::vector<BodyMotion>>> MultibodyModel::BodyMotions(
 }
 
 Result<std::vector<Vec3>> MultibodyModel::MarkerPositions(const Vector& values) const {
-  SINEW_TRY(CheckVector(values, coordinate_names().size(), "values"));
+  SINEW_TRY(CheckCoordinateVector(values, coordinate_names().size(), "values"));
   KinematicState state(*impl_->simbody);
   return state.MarkerPositions(values);
 }

@@ -61,6 +61,13 @@ Result<OsimFrame> OsimFrames::ResolveSocket(const pugi::xml_node& element, const
   return xml_.FailAt(element, "{} '{}' has no {}", element.name(), NameOf(element), tag);
 }
 
+Result<OsimFrame> OsimFrames::ResolveElement(const pugi::xml_node& element) const {
+  const std::string_view type = element.name();
+  if (type == "Ground") return OsimFrame();
+  if (type == "PhysicalOffsetFrame") return Resolve(OwnerOf(element) + "/" + NameOf(element), element, "");
+  return Resolve(NameOf(element), element, "");
+}
+
 Result<OsimFrame> OsimFrames::Resolve(const std::string& reference, const pugi::xml_node& element,
                                       const std::string& owner, int depth) const {
   if (depth > kDeepestFrame) return xml_.FailAt(element, "frame '{}' is attached to itself", reference);

@@ -32,6 +32,9 @@ class OsimFrames {
   [[nodiscard]] Result<OsimFrame> ResolveSocket(const pugi::xml_node& element, const std::string& socket,
                                                 const std::string& owner) const;
 
+  /// The frame that an element is: a Body, Ground or a PhysicalOffsetFrame. Errors: as for Resolve.
+  [[nodiscard]] Result<OsimFrame> ResolveElement(const pugi::xml_node& element) const;
+
  private:
   [[nodiscard]] Result<OsimFrame> Resolve(const std::string& reference, const pugi::xml_node& element,
                                           const std::string& owner, int depth) const;

@@ -141,10 +141,12 @@ Status ReadSpatialTransform(const OsimXml& xml, const pugi::xml_node& element, O
 }
 
 // OpenSim's rule: a coordinate is the angle about an axis or the length along it if the axis follows it with
-// slope 1; a coordinate that works through other functions only is neither.
+// slope 1 or -1 (the left hip of some models); a coordinate that works through other functions only is
+// neither.
 MotionType MotionOf(const OsimJoint& joint, const std::string& coordinate) {
   for (std::size_t i = 0; i < joint.axes.size(); ++i) {
-    if (joint.axes[i].coordinate == coordinate && joint.axes[i].function.Slope() == 1.0)
+    const auto slope = joint.axes[i].function.Slope();
+    if (joint.axes[i].coordinate == coordinate && slope && std::abs(*slope) == 1)
       return i < 3 ? MotionType::kRotational : MotionType::kTranslational;
   }
   return MotionType::kCoupled;

@@ -274,6 +274,7 @@ std::string DescribeNmsChannels() {
          "tendon\n"
          "grid moment_arms.JOINT, one per muscle that moves it                      m    times as in "
          "lengths\n"
+         "  (both from a model's geometry: `sinew data muscles`)\n"
          "JOINT_moment, on any grid                                                 N*m  measured\n"
          "JOINT, on any grid (optional: for causes that depend on the motion)       rad  its angle\n"
          "files:\n"

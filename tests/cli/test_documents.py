@@ -43,6 +43,10 @@ class Documents(ProgramTest):
     def test_envelopes(self):
         self.follow("envelopes.md")
 
+    @unittest.skipUnless(GAIT.is_dir(), f"{GAIT} is not there")
+    def test_muscle_geometry(self):
+        self.follow("muscle_geometry.md")
+
 
 if __name__ == "__main__":
     unittest.main()

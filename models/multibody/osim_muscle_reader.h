@@ -1,0 +1,33 @@
+// Reads the paths of muscles of an OpenSim model file.
+#pragma once
+
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include "models/multibody/osim_muscle_path.h"
+
+namespace sinew {
+
+/// The names of everything in the ForceSet that has a GeometryPath (muscles of any type, ligaments, path
+/// actuators), in the file's order. Errors: not an OpenSim model file.
+Result<std::vector<std::string>> ListOsimMuscles(std::string_view text, const std::string& file_name);
+
+/// Reads the paths of some muscles of an .osim file of OpenSim 2, 3 or 4; the other muscles are not looked
+/// at.
+///
+/// Supported: PathPoint, ConditionalPathPoint, MovingPathPoint (its components as every function that
+/// ReadOsim knows); PathWrap over WrapCylinder and WrapSphere, with quadrant, range, rotation and
+/// translation. Objects that the file switches off are left out. The method of a PathWrap (hybrid, midpoint,
+/// axial) means something for ellipsoids only.
+///
+/// @param text, file_name  the file that `model` was read from; the name is for messages only.
+/// @param muscles  in the order wanted.
+/// Errors, all but the first as FILE:LINE: a muscle that the file lacks, with the name that was probably
+/// meant; a body, coordinate or wrap object that does not exist; a wrap object or path of another kind; a
+/// number that cannot be read or is impossible; a path with fewer than two points.
+Result<std::vector<OsimMusclePath>> ReadOsimMuscles(std::string_view text, const std::string& file_name,
+                                                    const OsimModel& model,
+                                                    const std::vector<std::string>& muscles);
+
+}  // namespace sinew
