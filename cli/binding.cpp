@@ -118,6 +118,14 @@ std::string Binding::DescribeData() const {
 }
 
 Result<Binding> Bind(const BindingOptions& options, bool with_sensor_effects) {
+  SINEW_ASSIGN(const ProblemEntry* entry, FindProblem(options.problem));
+  return Bind(options, [&](const Dataset& data, const YamlReader& settings) {
+    return entry->bind(data, settings, with_sensor_effects);
+  });
+}
+
+Result<Binding> Bind(const BindingOptions& options,
+                     const std::function<Result<BoundProblem>(const Dataset&, const YamlReader&)>& bind) {
   Binding binding;
   SINEW_ASSIGN(binding.entry, FindProblem(options.problem));
   SINEW_ASSIGN(binding.data, ReadDataset(options.data));
@@ -138,10 +146,7 @@ Result<Binding> Bind(const BindingOptions& options, bool with_sensor_effects) {
     config_name = options.data + "/files/" + config_name;
   }
   SINEW_ASSIGN(const YamlReader settings, YamlReader::Parse(binding.config_text, config_name));
-  const auto bound = [&]() -> Result<BoundProblem> {
-    return binding.entry->bind(binding.data, settings, with_sensor_effects);
-  };
-  auto result = bound();
+  auto result = bind(binding.data, settings);
   if (!result) {
     // Errors that have a place of their own keep it; all others are about the data.
     const bool has_place = result.error().message.rfind(config_name, 0) == 0;

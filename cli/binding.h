@@ -2,6 +2,7 @@
 // in common.
 #pragma once
 
+#include <functional>
 #include <memory>
 #include <optional>
 #include <string>
@@ -65,6 +66,9 @@ struct Binding {
 
 /// Settings come from --config, or from the file PROBLEM.yaml in the data set.
 Result<Binding> Bind(const BindingOptions& options, bool with_sensor_effects);
+/// With another way to bind than the registry's. @param bind (data, settings)
+Result<Binding> Bind(const BindingOptions& options,
+                     const std::function<Result<BoundProblem>(const Dataset&, const YamlReader&)>& bind);
 
 /// "NAME=VALUE". Errors say what was expected of which option.
 Result<std::pair<std::string, double>> ParseAssignment(const std::string& option, const std::string& text);

@@ -5,6 +5,7 @@
 #include "base/text.h"
 #include "cli/binding.h"
 #include "cli/command.h"
+#include "cli/excitation_mode.h"
 #include "cli/terminal.h"
 #include "datasets/io/dataset_file.h"
 #include "datasets/io/storage_file.h"
@@ -14,6 +15,7 @@ namespace {
 
 struct SimulateWords {
   BindingOptions binding;
+  ModeWords mode;
   std::vector<std::string> set;
   std::string from;
   std::string out;
@@ -93,7 +95,13 @@ Status WriteStorages(const std::string& out, const std::map<std::string, Trial>&
 
 // Sensor effects look beyond the samples, so the problem that has them predicts a margin: it is bound only if
 // a parameter is asked for that the problem alone does not have.
-Result<Binding> BindFor(const SimulateWords& words) {
+// Where excitations are found, `mode` keeps how, and the problem is always bare.
+Result<Binding> BindFor(const SimulateWords& words, std::unique_ptr<ExcitationMode>& mode) {
+  SINEW_TRY(words.mode.CheckFor(words.binding.problem));
+  if (words.binding.problem == "nms") {
+    SINEW_ASSIGN(Binding moded, BindWithMode(words.binding, words.mode, mode));
+    if (mode != nullptr) return moded;
+  }
   SINEW_ASSIGN(Binding bare, Bind(words.binding, false));
   if (Parameters(words, bare.problem())) return bare;
   return Bind(words.binding, true);
@@ -104,8 +112,13 @@ Result<int> RunSimulate(const SimulateWords& words) {
   if (extension != ".h5" && extension != ".sto")
     return Fail("--out {}: expected a name that ends with .h5 or .sto", words.out);
   SINEW_TRY(CheckOutput(words.out, {words.binding.data, words.binding.config, words.from}));
-  SINEW_ASSIGN(const Binding binding, BindFor(words));
+  std::unique_ptr<ExcitationMode> mode;
+  SINEW_ASSIGN(const Binding binding, BindFor(words, mode));
   SINEW_ASSIGN(const Vector parameters, Parameters(words, binding.problem()));
+  if (mode != nullptr) {
+    const Status found = mode->Find(parameters);
+    if (!found) return Fail("{}: {}", words.binding.data, found.error().message);
+  }
   const auto prediction = PredictAll(binding.problem(), parameters);
   if (!prediction) {
     std::fprintf(stderr, "sinew: no usable answer: %s\n", prediction.error().message.c_str());
@@ -116,7 +129,8 @@ Result<int> RunSimulate(const SimulateWords& words) {
     rows.push_back({q.trial, ToString(q.role), q.channel, fmt::format("{:.4g}", q.rmse), q.unit,
                     fmt::format("{:.4f}", q.r2)});
   }
-  const auto trials = ToTrials(binding, *prediction);
+  auto trials = ToTrials(binding, *prediction);
+  if (mode != nullptr) SINEW_TRY(mode->AddTo(trials, parameters));
   if (extension == ".sto") {
     SINEW_TRY(WriteStorages(words.out, trials));
   } else {
@@ -129,6 +143,7 @@ Result<int> RunSimulate(const SimulateWords& words) {
     std::printf("%s\n", words.out.c_str());
   }
   std::fputs(Table(rows, 2).c_str(), stdout);
+  if (mode != nullptr) mode->Print();
   return kDone;
 }
 
@@ -142,6 +157,7 @@ void AddSimulateCommand(Command app, const RunAction& run) {
       .Split(',')
       .Shows("NAME=VALUE");
   command.Add("--from", words->from, "Parameters of a run file").Shows("RUN.h5");
+  words->mode.AddTo(command);
   command.Add("--out", words->out, "Predicted channels").Required().Shows("OUT.h5|OUT.sto");
   command.Runs(run, [=] { return RunSimulate(*words); });
 }

@@ -64,12 +64,40 @@ class Reader {
         choose("activation", {{"exponential", "exponential"}, {"piecewise", "piecewise"}}, out_.activation));
     std::string type = "openLoop";
     SINEW_TRY(choose("type", {{"openLoop", "openLoop"}, {"hybrid", "hybrid"}}, type));
-    if (type == "hybrid") {
-      out_.notes.push_back(
-          fmt::format("{}, line {}: hybrid: excitations are taken as they were measured; `sinew simulate nms "
-                      "--mode hybrid` adjusts them",
-                      xml_.file_name(), xml_.Line(model.child("type"))));
+    if (type == "hybrid") return ReadHybrid(model.child("type").child("hybrid"));
+    return {};
+  }
+
+  Status ReadHybrid(const pugi::xml_node& element) {
+    CeinmsHybrid hybrid;
+    hybrid.line = xml_.Line(element);
+    for (const auto& [name, value] :
+         {std::pair{"alpha", &hybrid.alpha}, {"beta", &hybrid.beta}, {"gamma", &hybrid.gamma}}) {
+      if (!element.child(name)) return xml_.FailAt(element, "<hybrid> has no <{}>", name);
+      SINEW_ASSIGN(*value, xml_.Number(element, name, 0));
+      const bool is_alpha = value == &hybrid.alpha;
+      if (!(is_alpha ? *value > 0 : *value >= 0)) {
+        return xml_.FailAt(element.child(name), "<{}> is {}, expected a number {} 0", name, *value,
+                           is_alpha ? "above" : "of at least");
+      }
     }
+    // The second names are those of versions before 2015.
+    const auto words = [&](const char* name, const char* old_name) {
+      return ChildWords(element, element.child(name) ? name : old_name);
+    };
+    hybrid.synthesise = words("synthMTUs", "predictedMuscles");
+    hybrid.adjust = words("adjustMTUs", "trackedMuscles");
+    hybrid.joints = ChildWords(element, "dofSet");
+    if (hybrid.synthesise.empty() && hybrid.adjust.empty())
+      return xml_.FailAt(element, "<hybrid> names no muscle in <synthMTUs> or <adjustMTUs>");
+    out_.notes.push_back(
+        fmt::format("{}, line {}: hybrid: `sinew simulate nms` adjusts the excitations; fits are open loop. "
+                    "beta weighs the "
+                    "effort and gamma the distance to the measured excitations, as Pizzolato et al. 2015 and "
+                    "CEINMS-RT have "
+                    "it; there are versions of CEINMS that exchange the two",
+                    xml_.file_name(), hybrid.line));
+    out_.hybrid = std::move(hybrid);
     return {};
   }
 
@@ -197,6 +225,12 @@ Result<CeinmsCalibration> ReadCeinmsCalibration(const std::string& text, const s
   const std::string_view root = xml.root().name();
   if (root == "execution") {
     SINEW_TRY(reader.ReadModel(xml.root().child("NMSmodel")));
+    if (out.hybrid && xml.root().child("online")) {
+      out.notes.push_back(
+          fmt::format("{}, line {}: <online/>: fibre velocities are those of the whole trial, as "
+                      "<offline/> has them",
+                      file, xml.Line(xml.root().child("online"))));
+    }
     out.parameters.assign(std::begin(kUsual), std::end(kUsual));
     if (out.activation == "piecewise") out.parameters[2].entry = "{share: single, lower: 0, upper: 0.12}";
     return out;
@@ -219,17 +253,28 @@ Result<CeinmsCalibration> ReadCeinmsCalibration(const std::string& text, const s
   return out;
 }
 
+namespace {
+
+std::string List(const std::vector<std::string>& names) {
+  return "[" + Join(names, ", ") + "]";
+}
+
+}  // namespace
+
 std::string SettingsText(const CeinmsCalibration& calibration) {
   std::string text =
       "# How the nms problem sees this CEINMS project.\nnms:\n  subject: subject.xml\n"
       "  as_ceinms: true   # CEINMS's own numbers; false: smooth curves, delays between samples\n";
   text += "  tendon: " + calibration.tendon + "\n  activation: " + calibration.activation + "\n";
   text += "  objective: thesis\n";
-  if (!calibration.joints.empty()) {
-    text += "  joints: [";
-    for (std::size_t i = 0; i < calibration.joints.size(); ++i)
-      text += (i > 0 ? ", " : "") + calibration.joints[i];
-    text += "]\n";
+  if (!calibration.joints.empty()) text += "  joints: " + List(calibration.joints) + "\n";
+  if (calibration.hybrid) {
+    const CeinmsHybrid& hybrid = *calibration.hybrid;
+    text +=
+        fmt::format("  mode: {{type: {}, alpha: {}, beta: {}, gamma: {}, synthesise: {}, adjust: {}{}}}\n",
+                    hybrid.adjust.empty() ? "hybrid" : "assisted", hybrid.alpha, hybrid.beta, hybrid.gamma,
+                    List(hybrid.synthesise), List(hybrid.adjust),
+                    hybrid.joints.empty() ? "" : ", joints: " + List(hybrid.joints));
   }
   text += "  parameters:\n";
   for (const CeinmsParameter& parameter : calibration.parameters)

@@ -1,6 +1,7 @@
 // What a CEINMS calibration or execution asks for, as settings of the nms problem.
 #pragma once
 
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -14,12 +15,24 @@ struct CeinmsParameter {
   std::string entry;
 };
 
+/// <hybrid> of an execution; weights are those of ExcitationWeights.
+struct CeinmsHybrid {
+  double alpha = 1;
+  double beta = 0;
+  double gamma = 0;
+  std::vector<std::string> synthesise;
+  std::vector<std::string> adjust;
+  std::vector<std::string> joints;  ///< empty: all
+  long line = 0;                    ///< of <hybrid>
+};
+
 struct CeinmsCalibration {
   std::string tendon = "rigid";            ///< as nms.yaml has it
   std::string activation = "exponential";  ///< as nms.yaml has it
   std::vector<std::string> joints;         ///< empty: all of the subject
   std::vector<CeinmsParameter> parameters;
-  std::vector<std::string> trials;  ///< files, as written
+  std::optional<CeinmsHybrid> hybrid;  ///< else open loop
+  std::vector<std::string> trials;     ///< files, as written
   std::vector<std::string> notes;
 };
 

@@ -136,6 +136,34 @@ class TrialReader {
 
 }  // namespace
 
+namespace {
+
+// Its muscles and joints are the subject's.
+Status CheckHybrid(const CeinmsCalibration& asked, const Subject& subject, const std::string& file) {
+  if (!asked.hybrid) return {};
+  std::vector<std::string> muscles;
+  for (const SubjectMuscle& muscle : subject.muscles) muscles.push_back(muscle.name);
+  std::vector<std::string> joints;
+  for (const auto& [joint, movers] : subject.dofs) joints.push_back(joint);
+  struct Names {
+    const char* what;
+    const std::vector<std::string>& names;
+    const std::vector<std::string>& known;
+  };
+  for (const Names& list :
+       {Names{"muscle", asked.hybrid->synthesise, muscles}, Names{"muscle", asked.hybrid->adjust, muscles},
+        Names{"joint", asked.hybrid->joints, joints}}) {
+    for (const std::string& name : list.names) {
+      if (std::find(list.known.begin(), list.known.end(), name) != list.known.end()) continue;
+      return FailAt(file, asked.hybrid->line, "<hybrid>: the subject has no {} '{}'{}", list.what, name,
+                    Suggestion(name, list.known));
+    }
+  }
+  return {};
+}
+
+}  // namespace
+
 Result<CeinmsProject> ReadCeinmsProject(const std::string& setup, const std::vector<std::string>& validate) {
   SINEW_ASSIGN(const XmlDocument xml, ReadXml(setup));
   const std::string_view root = xml.root().name();
@@ -151,6 +179,8 @@ Result<CeinmsProject> ReadCeinmsProject(const std::string& setup, const std::vec
   SINEW_ASSIGN(const std::string asked, Named(xml, calibrates ? "calibrationFile" : "executionFile"));
   SINEW_ASSIGN(const std::string asked_text, ReadTextFile(asked));
   SINEW_ASSIGN(CeinmsCalibration calibration, ReadCeinmsCalibration(asked_text, asked));
+
+  SINEW_TRY(CheckHybrid(calibration, subject.subject, asked));
 
   std::vector<std::pair<std::string, Role>> trials;
   // As CEINMS has it, trials are named relative to the setup.

@@ -40,7 +40,8 @@ Result<std::vector<double>> FindValues(const Grid& grid, const std::string& grid
 
 class Preparation {
  public:
-  explicit Preparation(const NmsSettings& settings) : settings_(settings) {
+  Preparation(const NmsSettings& settings, const std::vector<std::string>& unmeasured)
+      : settings_(settings), unmeasured_(unmeasured) {
     out_.notes = settings.notes;
     for (const std::string& joint : settings.joints) {
       std::vector<int> indices;
@@ -91,12 +92,15 @@ class Preparation {
 
   // The mean of the signals that excite the muscle; without a list, the signal of its own name.
   Result<std::vector<double>> Excitation(const Grid& grid, const std::string& muscle) {
-    std::vector<std::string> sources;
-    for (const auto& [channel, excited] : settings_.subject.channels) {
-      if (std::find(excited.begin(), excited.end(), muscle) != excited.end()) sources.push_back(channel);
-    }
-    if (settings_.subject.channels.empty()) sources.push_back(muscle);
+    if (IsUnmeasured(muscle)) return std::vector<double>(grid.time.size(), 0);
+    const std::vector<std::string> sources = ExcitationSources(settings_.subject, muscle);
     if (sources.empty()) return Fail("no channel of the subject excites the muscle '{}'", muscle);
+    for (const std::string& source : sources) {
+      if (grid.channels.count(source) == 0 && settings_.mode.type != NmsModeType::kOpenLoop) {
+        return Fail("grid 'excitations' has no channel '{}': only `sinew simulate` has the mode {}", source,
+                    ToString(settings_.mode.type));
+      }
+    }
     std::vector<double> sum(grid.time.size(), 0);
     for (const std::string& source : sources) {
       SINEW_ASSIGN(const auto values, FindValues(grid, "excitations", source, "1"));
@@ -111,11 +115,20 @@ class Preparation {
     return sum;
   }
 
+  [[nodiscard]] bool IsUnmeasured(const std::string& muscle) const {
+    return std::find(unmeasured_.begin(), unmeasured_.end(), muscle) != unmeasured_.end();
+  }
+
   Status Add(const std::string& name, const Trial& trial) {
     NmsTrial made;
     made.name = name;
-    SINEW_ASSIGN(const Grid* excitations, FindGrid(trial, "excitations"));
     SINEW_ASSIGN(const Grid* lengths, FindGrid(trial, "lengths"));
+    const Grid* excitations = lengths;  // of its times, where nothing is measured
+    if (trial.grids.count("excitations") > 0 ||
+        !std::all_of(out_.muscles.begin(), out_.muscles.end(),
+                     [&](const std::string& muscle) { return IsUnmeasured(muscle); })) {
+      SINEW_ASSIGN(excitations, FindGrid(trial, "excitations"));
+    }
     if (excitations->time.size() < 2 || lengths->time.size() < 4)
       return Fail("has {} samples of excitations and {} of lengths, expected 2 and 4",
                   excitations->time.size(), lengths->time.size());
@@ -261,6 +274,7 @@ class Preparation {
   }
 
   const NmsSettings& settings_;
+  const std::vector<std::string>& unmeasured_;
   NmsData out_;
   long cut_off_ = 0;
   long all_ = 0;
@@ -282,8 +296,9 @@ std::string DescribeNmsChannels() {
          "  subject.xml                the muscles, as CEINMS or CEINMS-RT has them\n";
 }
 
-Result<NmsData> PrepareNmsData(const Dataset& data, const NmsSettings& settings) {
-  return Preparation(settings).Run(data);
+Result<NmsData> PrepareNmsData(const Dataset& data, const NmsSettings& settings,
+                               const std::vector<std::string>& unmeasured) {
+  return Preparation(settings, unmeasured).Run(data);
 }
 
 }  // namespace sinew

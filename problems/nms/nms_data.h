@@ -48,6 +48,8 @@ struct NmsData {
 /// recorded at the same time.
 /// Errors, with the trial's name: a grid or a channel that is missing, another unit, a gap, a trial without
 /// any measured moment, a moment that does not change; no training trial.
-Result<NmsData> PrepareNmsData(const Dataset& data, const NmsSettings& settings);
+/// @param unmeasured muscles whose excitation is not looked for; it is 0.
+Result<NmsData> PrepareNmsData(const Dataset& data, const NmsSettings& settings,
+                               const std::vector<std::string>& unmeasured = {});
 
 }  // namespace sinew

@@ -32,8 +32,9 @@ NmsProblem::NmsProblem(NmsSettings settings, NmsData data, MuscleCurves curves)
   ListColumns();
 }
 
-Result<std::unique_ptr<NmsProblem>> NmsProblem::Make(const Dataset& data, NmsSettings settings) {
-  SINEW_ASSIGN(NmsData prepared, PrepareNmsData(data, settings));
+Result<std::unique_ptr<NmsProblem>> NmsProblem::Make(const Dataset& data, NmsSettings settings,
+                                                     const std::vector<std::string>& unmeasured) {
+  SINEW_ASSIGN(NmsData prepared, PrepareNmsData(data, settings, unmeasured));
   SINEW_ASSIGN(MuscleCurves curves, CurvesOf(settings.subject, settings.model.as_ceinms));
   std::unique_ptr<NmsProblem> problem(
       new NmsProblem(std::move(settings), std::move(prepared), std::move(curves)));
@@ -287,6 +288,31 @@ std::vector<Problem::Signal> NmsProblem::SignalsOf(int block) const {
   if (trial->pull_plus[j].any()) add("activation_plus", "1", trial->pull_plus[j]);
   if (trial->pull_minus[j].any()) add("activation_minus", "1", trial->pull_minus[j]);
   return signals;
+}
+
+NmsParts NmsProblem::PartsAt(const Vector& parameters, std::size_t trial) const {
+  const NmsTrial& of = data_.trials[trial];
+  NmsParts parts;
+  SlotsAt(parameters, trial, parts.slots, nullptr);
+  parts.arms = of.arms;
+  for (std::size_t j = 0; j < parts.arms.size(); ++j) {
+    parts.beyond.emplace_back(Vector::Zero(static_cast<Eigen::Index>(of.time.size())));
+    if (list_.arm_offset[j] < 0) continue;
+    for (Vector& arm : parts.arms[j]) arm.array() += parameters[list_.arm_offset[j]];
+  }
+  for (const NmsMoment& moment : list_.moments) {
+    const double value = parameters[moment.parameter];
+    if (value != 0) parts.beyond[static_cast<std::size_t>(moment.joint)] += value * moment.by_trial[trial];
+  }
+  return parts;
+}
+
+void NmsProblem::Excite(std::size_t trial, std::size_t muscle, std::vector<double> time,
+                        std::vector<double> excitation) {
+  MuscleSignals& signals = data_.trials[trial].muscles[muscle];
+  signals.excitation_time = std::move(time);
+  signals.excitation = std::move(excitation);
+  signals.others.clear();
 }
 
 Status NmsProblem::MusclesAt(const Vector& parameters, std::size_t trial,

@@ -12,12 +12,21 @@
 
 namespace sinew {
 
+/// What the moments of one trial are made of, at some parameters.
+struct NmsParts {
+  std::vector<std::array<double, kMuscleSlots>> slots;  ///< [muscles]
+  std::vector<std::vector<Vector>> arms;                ///< [joints][muscles of the joint] [N, m]
+  std::vector<Vector> beyond;                           ///< [joints] [N, N m] of no muscle
+};
+
 /// Parameters GROUP.NAME (see MuscleParameterNames), one per group of muscles that share it. Channels
 /// JOINT_moment = sum over muscles of moment arm times tendon force.
 class NmsProblem final : public Problem {
  public:
-  /// Errors: those of PrepareNmsData; a curve that is no curve.
-  static Result<std::unique_ptr<NmsProblem>> Make(const Dataset& data, NmsSettings settings);
+  /// @param unmeasured muscles without EMG, to be excited later. Errors: those of PrepareNmsData; a curve
+  /// that is no curve.
+  static Result<std::unique_ptr<NmsProblem>> Make(const Dataset& data, NmsSettings settings,
+                                                  const std::vector<std::string>& unmeasured = {});
 
   [[nodiscard]] const std::vector<Parameter>& parameters() const override { return list_.parameters; }
   [[nodiscard]] const Layout& layout() const override { return data_.layout; }
@@ -32,6 +41,13 @@ class NmsProblem final : public Problem {
   Status Describe(const Vector& parameters, Hdf5Node& details) const override;
 
   [[nodiscard]] const NmsData& data() const { return data_; }
+  [[nodiscard]] const NmsSettings& settings() const { return settings_; }
+  [[nodiscard]] const MuscleCurves& curves() const { return curves_; }
+  [[nodiscard]] NmsParts PartsAt(const Vector& parameters, std::size_t trial) const;
+  /// Another excitation of a muscle than the one that was measured. @param time [M >= 2, s, increasing]
+  /// @param excitation [M, 0..1]
+  void Excite(std::size_t trial, std::size_t muscle, std::vector<double> time,
+              std::vector<double> excitation);
   /// The subject with these parameters; effects are left out.
   [[nodiscard]] Subject SubjectAt(const Vector& parameters) const;
   /// Every muscle of one trial. Errors: those of ComputeMuscleForce.

@@ -38,17 +38,6 @@ Status ReadSubject(const YamlReader& yaml, const std::map<std::string, std::stri
   return {};
 }
 
-std::vector<std::string> MusclesOf(const Subject& subject, const std::vector<std::string>& joints) {
-  std::vector<std::string> muscles;
-  for (const auto& [joint, movers] : subject.dofs) {
-    if (std::find(joints.begin(), joints.end(), joint) == joints.end()) continue;
-    for (const std::string& muscle : movers) {
-      if (std::find(muscles.begin(), muscles.end(), muscle) == muscles.end()) muscles.push_back(muscle);
-    }
-  }
-  return muscles;
-}
-
 Status ReadParameter(const YamlReader& yaml, const MuscleParameterName& parameter,
                      const std::vector<std::string>& muscles, NmsSettings& settings) {
   SINEW_TRY(yaml.OnlyKeys({"share", "groups", "lower", "upper", "relative", "prior"}));
@@ -107,6 +96,17 @@ Status ReadParameter(const YamlReader& yaml, const MuscleParameterName& paramete
 
 }  // namespace
 
+std::vector<std::string> MusclesOf(const Subject& subject, const std::vector<std::string>& joints) {
+  std::vector<std::string> muscles;
+  for (const auto& [joint, movers] : subject.dofs) {
+    if (std::find(joints.begin(), joints.end(), joint) == joints.end()) continue;
+    for (const std::string& muscle : movers) {
+      if (std::find(muscles.begin(), muscles.end(), muscle) == muscles.end()) muscles.push_back(muscle);
+    }
+  }
+  return muscles;
+}
+
 const std::vector<MuscleParameterName>& MuscleParameterNames() {
   static const std::vector<MuscleParameterName> kNames{
       {"filter_mean", kFilterMean, "", "mean pole of the activation filter", "Lloyd, Besier 2003"},
@@ -127,8 +127,8 @@ const std::vector<MuscleParameterName>& MuscleParameterNames() {
 }
 
 Result<NmsSettings> ReadNmsSettings(const YamlReader& yaml, const std::map<std::string, std::string>& files) {
-  SINEW_TRY(
-      yaml.OnlyKeys({"subject", "tendon", "activation", "as_ceinms", "joints", "objective", "parameters"}));
+  SINEW_TRY(yaml.OnlyKeys(
+      {"subject", "tendon", "activation", "as_ceinms", "joints", "objective", "mode", "parameters"}));
   NmsSettings settings;
   SINEW_TRY(ReadSubject(yaml, files, settings));
   SINEW_ASSIGN(settings.model.tendon, ReadChoice<TendonMode>(yaml, "tendon",
@@ -165,6 +165,10 @@ Result<NmsSettings> ReadNmsSettings(const YamlReader& yaml, const std::map<std::
         fmt::format("muscle '{}': C1 = {}, C2 = {}; above 0 there is no time constant, and the filter begins "
                     "with next to none",
                     name, muscle.c1, muscle.c2));
+  }
+  if (yaml.Has("mode")) {
+    SINEW_ASSIGN(const YamlReader mode, yaml.At("mode"));
+    SINEW_ASSIGN(settings.mode, ReadNmsMode(mode, muscles, settings.joints));
   }
   SINEW_ASSIGN(const YamlReader parameters, yaml.At("parameters"));
   SINEW_ASSIGN(const auto keys, parameters.Keys());

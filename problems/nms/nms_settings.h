@@ -7,6 +7,7 @@
 //     as_ceinms: false                 # true: numbers as CEINMS computes them, curves included
 //     joints: [knee_angle_r, ankle_angle_r]
 //     objective: noise                 # or thesis: squares over variance and samples, per trial and joint
+//     mode: {type: open_loop}          # of `simulate`: see nms_mode.h
 //     parameters:
 //       shape: {share: single, lower: -3, upper: 0}
 //       strength: {groups: {calf: [med_gas_r, lat_gas_r], rest: [soleus_r]}, lower: 0.5, upper: 2.5}
@@ -21,6 +22,7 @@
 #include "base/error.h"
 #include "base/yaml_reader.h"
 #include "problems/nms/muscle_force.h"
+#include "problems/nms/nms_mode.h"
 #include "problems/nms/subject.h"
 
 namespace sinew {
@@ -55,6 +57,7 @@ struct NmsSettings {
   MuscleModel model;
   std::vector<std::string> joints;
   std::vector<NmsParameterSetting> parameters;
+  NmsMode mode;  ///< of simulations; what is fitted is always open loop
   NmsObjective objective = NmsObjective::kNoise;
   std::vector<std::string> notes;
 };
@@ -62,6 +65,10 @@ struct NmsSettings {
 /// @param files of the data set. Errors, with file and line: unknown keys, a joint or a muscle that the
 /// subject does not have, a muscle that is in two groups of one parameter, bounds that are no range.
 Result<NmsSettings> ReadNmsSettings(const YamlReader& yaml, const std::map<std::string, std::string>& files);
+
+/// The muscles that move one of the joints, in the subject's order.
+[[nodiscard]] std::vector<std::string> MusclesOf(const Subject& subject,
+                                                 const std::vector<std::string>& joints);
 
 /// The subject's curves, smooth, or as CEINMS draws them. Errors: points that are no curve.
 Result<MuscleCurves> CurvesOf(const Subject& subject, bool as_ceinms);

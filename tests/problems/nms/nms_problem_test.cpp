@@ -6,15 +6,13 @@
 #include <algorithm>
 #include <cmath>
 #include <filesystem>
-#include <fstream>
 #include <functional>
-#include <sstream>
 
-#include "datasets/io/storage_file.h"
 #include "identify/execution/evaluator.h"
 #include "identify/fit_setup.h"
 #include "identify/least_squares.h"
 #include "identify/solvers/solver.h"
+#include "tests/problems/nms/ceinms_example.h"
 #include "tests/problems/support/jacobian_check.h"
 
 namespace sinew {
@@ -43,42 +41,6 @@ nms:
       upper: 2.5
 )";
 
-std::string Path(const std::string& name) {
-  return SINEW_SHARED_DATA "/ceinms_example/" + name;
-}
-
-std::string Text(const std::string& name) {
-  std::ifstream file(Path(name));
-  std::stringstream text;
-  text << file.rdbuf();
-  return text.str();
-}
-
-void AddTable(const std::string& file, const std::string& unit, const std::string& grid, Trial& trial) {
-  const auto table = ReadStorage(Path(file));
-  ASSERT_TRUE(table) << table.error().message;
-  trial.grids[grid].time = table->time;
-  for (std::size_t c = 0; c < table->names.size(); ++c)
-    trial.grids[grid].channels[table->names[c]] = {unit, ChannelKind::kInput, {}, table->columns[c]};
-}
-
-Dataset Example(const std::string& subject) {
-  Dataset data;
-  for (int i = 1; i <= 3; ++i) {
-    const std::string folder = "trial" + std::to_string(i);
-    Trial trial;
-    trial.role = i < 3 ? Role::kTrain : Role::kValidate;
-    AddTable(folder + "/emg.mot", "1", "excitations", trial);
-    AddTable(folder + "/Length.sto", "m", "lengths", trial);
-    for (const std::string joint : {"knee_angle_r", "ankle_angle_r"})
-      AddTable(folder + "/MomentArm_" + joint + ".sto", "m", "moment_arms." + joint, trial);
-    AddTable(folder + "/id.sto", "N*m", "moments", trial);
-    data.trials[folder] = std::move(trial);
-  }
-  data.files["subject.xml"] = Text(subject);
-  return data;
-}
-
 Result<std::unique_ptr<NmsProblem>> Bind(const Dataset& data, const std::string& text = kYaml) {
   SINEW_ASSIGN(const YamlReader yaml, YamlReader::Parse(text, "nms.yaml"));
   SINEW_ASSIGN(const YamlReader section, yaml.At("nms"));
@@ -95,12 +57,12 @@ std::string Replaced(std::string text, const std::string& from, const std::strin
 class NmsProblemTest : public testing::Test {
  protected:
   void SetUp() override {
-    if (!std::filesystem::exists(Path("true.xml"))) GTEST_SKIP() << "needs the shared data";
+    if (!std::filesystem::exists(ExamplePath("true.xml"))) GTEST_SKIP() << "needs the shared data";
   }
 };
 
 TEST_F(NmsProblemTest, JacobianAgreesWithDifferences) {
-  const Dataset data = Example("true.xml");
+  const Dataset data = CeinmsExample("true.xml");
   for (const char* tendon : {"rigid", "equilibrium", "elastic"}) {
     for (const char* as_ceinms : {"true", "false"}) {
       std::string text = Replaced(kYaml, "as_ceinms: true",
@@ -121,7 +83,7 @@ TEST_F(NmsProblemTest, JacobianAgreesWithDifferences) {
 // CEINMS made the torques with true.xml; its own calibration of these 50 parameters ends at 2.5e-6. From 2 %
 // beside the truth; from start.xml a local search ends at 1.7e-3.
 TEST_F(NmsProblemTest, CalibratesWhatCeinmsMade) {
-  const auto problem = Bind(Example("true.xml"));
+  const auto problem = Bind(CeinmsExample("true.xml"));
   ASSERT_TRUE(problem) << problem.error().message;
   const auto setup = MakeFitSetup(**problem, {});
   ASSERT_TRUE(setup) << setup.error().message;
@@ -142,7 +104,7 @@ TEST_F(NmsProblemTest, CalibratesWhatCeinmsMade) {
 
 TEST_F(NmsProblemTest, WrongDataGetOneSentence) {
   const auto failure = [](const std::function<void(Dataset&)>& spoil) {
-    Dataset data = Example("true.xml");
+    Dataset data = CeinmsExample("true.xml");
     spoil(data);
     const auto problem = Bind(data);
     return problem ? std::string() : problem.error().message;
@@ -170,7 +132,7 @@ TEST_F(NmsProblemTest, WrongDataGetOneSentence) {
               }),
               HasSubstr("no trial has the role train"));
   EXPECT_THAT(failure([](Dataset& d) { d.files.clear(); }), HasSubstr("holds no file 'subject.xml'"));
-  Dataset loud = Example("true.xml");
+  Dataset loud = CeinmsExample("true.xml");
   loud.trials["trial1"].grids["excitations"].channels["soleus_r"].values[7] = 1.4;
   const auto problem = Bind(loud);
   ASSERT_TRUE(problem);
@@ -178,7 +140,7 @@ TEST_F(NmsProblemTest, WrongDataGetOneSentence) {
 }
 
 TEST_F(NmsProblemTest, WrongSettingsGetOneSentenceWithItsLine) {
-  const Dataset data = Example("true.xml");
+  const Dataset data = CeinmsExample("true.xml");
   const auto failure = [&](const std::string& from, const std::string& to) {
     const auto problem = Bind(data, Replaced(kYaml, from, to));
     return problem ? std::string() : problem.error().message;
@@ -195,12 +157,12 @@ TEST_F(NmsProblemTest, WrongSettingsGetOneSentenceWithItsLine) {
 
 // Parameters of the subject, through its own names and back.
 TEST_F(NmsProblemTest, SubjectAtTheStartIsTheSubject) {
-  const auto problem = Bind(Example("true.xml"));
+  const auto problem = Bind(CeinmsExample("true.xml"));
   ASSERT_TRUE(problem);
   const auto setup = MakeFitSetup(**problem, {});
   const Subject subject = (*problem)->SubjectAt(setup->rest);
   const NmsSettings again =
-      *ReadNmsSettings(*YamlReader::Parse(kYaml, "nms.yaml")->At("nms"), Example("true.xml").files);
+      *ReadNmsSettings(*YamlReader::Parse(kYaml, "nms.yaml")->At("nms"), CeinmsExample("true.xml").files);
   for (const SubjectMuscle& muscle : subject.muscles) {
     const SubjectMuscle& old = *again.subject.Find(muscle.name);
     EXPECT_NEAR(std::max(muscle.c1, muscle.c2), std::max(old.c1, old.c2), 1e-12) << muscle.name;
