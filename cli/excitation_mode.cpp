@@ -20,18 +20,19 @@ void ModeWords::AddTo(Command command) {
 Status ModeWords::CheckFor(const std::string& problem) const {
   const bool others = alpha || beta || gamma || !synthesise.empty() || !adjust.empty();
   if (problem != "nms" && (others || !type.empty()))
-    return Fail("--mode and its weights and muscles: only the problem nms has them, not '{}'", problem);
+    return Fail("--mode, its weights and its muscles: the problem '{}' has none, only nms has", problem);
   if (type == "open_loop" && others)
     return Fail("--mode open_loop takes excitations as measured: expected neither weights nor muscles");
-  return {};
+  if (type.empty()) return {};
+  const auto parsed = ParseNmsMode(type);
+  return parsed ? Status() : Fail("--mode: {}", parsed.error().message);
 }
 
 Result<NmsMode> ModeWords::Over(NmsMode mode) const {
   if (!type.empty()) {
-    const auto parsed = ParseNmsMode(type);
-    if (!parsed) return Fail("--mode: {}", parsed.error().message);
-    if (mode.type != *parsed) {
-      mode.type = *parsed;
+    SINEW_ASSIGN(const NmsModeType parsed, ParseNmsMode(type));
+    if (mode.type != parsed) {
+      mode.type = parsed;
       mode.synthesise.reset();
       mode.adjust.reset();
     }
@@ -86,6 +87,14 @@ void ExcitationMode::Print() const {
     const auto without = static_cast<int>(found.time.size()) - found.followed;
     if (without > 0)
       notes.push_back(fmt::format("trial '{}': {} frames have no moment to follow", found.trial, without));
+    for (std::size_t m = 0; m < found.slack.size(); ++m) {
+      if (found.slack[m] == 0) continue;
+      notes.push_back(
+          fmt::format("trial '{}', {}: in {} of {} frames its tendon hangs slack and no excitation moves its "
+                      "force within a "
+                      "frame, so it is not found in time; a rigid tendon does not have that",
+                      found.trial, problem_.data().muscles[m], found.slack[m], found.time.size()));
+    }
     if (found.unsettled > 0)
       notes.push_back(
           fmt::format("trial '{}': the search did not settle in {} frames", found.trial, found.unsettled));

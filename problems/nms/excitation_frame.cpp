@@ -227,17 +227,17 @@ Result<FrameSolution> SolveFrame(const ExcitationFrame& frame, const FrameMuscle
       const Vector step = next - out.excitation;
       const double promised = -(gradient.dot(step) + 0.5 * step.dot(hessian * step) +
                                 w.gamma * (KinkSum(frame, next) - KinkSum(frame, out.excitation)));
-      if (!(promised > kEnough * here.objective + rounding)) {
-        // Of a damped step it says nothing.
-        out.converged = damping == 0;
-        out.iterations = out.converged ? out.iterations : kMostIterations;
-        break;
-      }
+      const bool last = !(promised > kEnough * here.objective + rounding);
       SINEW_ASSIGN(Evaluation there, Evaluate(frame, muscles, next));
-      if (there.objective > here.objective - kArmijo * promised) continue;
-      here = std::move(there);
-      out.excitation = next;
-      break;
+      const bool descends = there.objective <= here.objective - (last ? 0 : kArmijo * promised);
+      if (descends) {
+        here = std::move(there);
+        out.excitation = next;
+      }
+      // What a damped step promises says nothing.
+      out.converged = last && damping == 0;
+      if (last && damping > 0) out.iterations = kMostIterations;
+      if (last || descends) break;
     }
   }
   out.objective = here.objective;

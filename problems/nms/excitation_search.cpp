@@ -5,6 +5,7 @@
 #include <cmath>
 #include <limits>
 #include <memory>
+#include <optional>
 
 #include "problems/nms/free_muscle.h"
 
@@ -12,6 +13,8 @@ namespace sinew {
 namespace {
 
 constexpr double kNone = std::numeric_limits<double>::quiet_NaN();
+constexpr double kHalfway = 0.5;
+constexpr double kNoForce = 1e-6;  // of the greatest isometric force
 
 bool Contains(const std::vector<std::string>& names, const std::string& name) {
   return std::find(names.begin(), names.end(), name) != names.end();
@@ -62,6 +65,7 @@ class TrialSearch {
     out_.time = trial_.time;
     const auto frames = static_cast<Eigen::Index>(trial_.time.size());
     out_.objective.setZero(frames);
+    out_.slack.assign(count_, 0);
     traces_.resize(count_);
     acting_.resize(count_);
     for (std::size_t m = 0; m < count_; ++m) {
@@ -136,20 +140,44 @@ class TrialSearch {
     }
   }
 
-  // From the excitations of the frame before, and from the measured ones.
+  Status SearchFrom(const Vector& start, std::optional<FrameSolution>& best) const {
+    SINEW_ASSIGN(const FrameSolution solved, SolveFrame(frame_, muscles_, start));
+    if (!best || solved.objective < best->objective) best = solved;
+    return {};
+  }
+
+  // From the measured excitations and from those of the frame before. A fibre may need much excitation before
+  // a slack tendon pulls at all: then the minimum at 0 need not be the only one.
+  Status FindBest(std::optional<FrameSolution>& best) const {
+    Vector cold = frame_.measured;
+    for (double& e : cold) e = std::isnan(e) ? 0 : e;
+    SINEW_TRY(SearchFrom(cold, best));
+    if (last_.size() == cold.size()) SINEW_TRY(SearchFrom(last_, best));
+    if (problem_.settings().model.tendon == TendonMode::kElastic)
+      SINEW_TRY(SearchFrom(Vector::Constant(cold.size(), kHalfway), best));
+    return {};
+  }
+
+  Status CountSlack() {
+    if (problem_.settings().model.tendon != TendonMode::kElastic) return {};
+    for (std::size_t k = 0; k < index_.size(); ++k) {
+      const auto& numbers = parts_.slots[index_[k]];
+      SINEW_ASSIGN(const ForceAt least, muscles_.Force(static_cast<int>(k), 0));
+      SINEW_ASSIGN(const ForceAt most, muscles_.Force(static_cast<int>(k), 1));
+      if (most.force - least.force < kNoForce * numbers[kIsometricForce] * numbers[kStrength])
+        ++out_.slack[index_[k]];
+    }
+    return {};
+  }
+
   Status Search(std::size_t i) {
     Place(i);
     const auto n = static_cast<Eigen::Index>(index_.size());
-    Vector cold = frame_.measured;
-    for (double& e : cold) e = std::isnan(e) ? 0 : e;
-    const auto solved = SolveFrame(frame_, muscles_, cold);
-    if (!solved) return Fail("t = {:.4g} s: {}", trial_.time[i], solved.error().message);
-    FrameSolution best = *solved;
-    if (last_.size() == n) {
-      const auto warm = SolveFrame(frame_, muscles_, last_);
-      if (!warm) return Fail("t = {:.4g} s: {}", trial_.time[i], warm.error().message);
-      if (warm->objective < best.objective) best = *warm;
-    }
+    std::optional<FrameSolution> found;
+    Status status = FindBest(found);
+    if (status) status = CountSlack();
+    if (!status) return Fail("t = {:.4g} s: {}", trial_.time[i], status.error().message);
+    const FrameSolution& best = *found;
     out_.unsettled += best.converged ? 0 : 1;
     if (watch_) watch_(trial_index_, i, frame_, muscles_, best);
     last_ = best.excitation;

@@ -4,7 +4,7 @@
 // One frame is one sample of the lengths. What a free muscle's excitation of the frame changes is its
 // activation then; the past of its filter, and the length of its fibre before if the tendon is elastic, are
 // those that the excitations found so far have made (as CEINMS does it). So nothing is known of later frames,
-// and a slow filter makes excitations hard.
+// and a slow filter or a slack tendon makes excitations hard (FoundExcitations::slack).
 #pragma once
 
 #include <functional>
@@ -25,7 +25,10 @@ struct FoundExcitations {
   Vector objective;                ///< [N] with the effort of all muscles, as CEINMS has it
   int followed = 0;                ///< frames with a measured moment
   int unsettled = 0;               ///< frames whose search did not converge
-  double seconds = 0;              ///< that it took
+  /// [muscles] frames in which no excitation moves the muscle's force: its elastic tendon hangs slack, and
+  /// the fibre does not take that up within one frame. The search cannot see that it would pull later.
+  std::vector<int> slack;
+  double seconds = 0;  ///< that it took
 };
 
 /// Is shown every frame after it was solved and before its excitations are passed on.

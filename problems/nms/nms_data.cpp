@@ -97,8 +97,10 @@ class Preparation {
     if (sources.empty()) return Fail("no channel of the subject excites the muscle '{}'", muscle);
     for (const std::string& source : sources) {
       if (grid.channels.count(source) == 0 && settings_.mode.type != NmsModeType::kOpenLoop) {
-        return Fail("grid 'excitations' has no channel '{}': only `sinew simulate` has the mode {}", source,
-                    ToString(settings_.mode.type));
+        return Fail(
+            "grid 'excitations' has no channel '{}': open loop and every fit need it; the mode {} of the "
+            "settings is one of `sinew simulate` alone",
+            source, ToString(settings_.mode.type));
       }
     }
     std::vector<double> sum(grid.time.size(), 0);
@@ -290,6 +292,7 @@ std::string DescribeNmsChannels() {
          "lengths\n"
          "  (both from a model's geometry: `sinew data muscles`)\n"
          "JOINT_moment, on any grid                                                 N*m  measured\n"
+         "  (an excitation may be missing where `sinew simulate nms --mode` finds it: docs/nms_modes.md)\n"
          "JOINT, on any grid (optional: for causes that depend on the motion)       rad  its angle\n"
          "files:\n"
          "  nms.yaml                   settings with key `nms` (or give --config)\n"
