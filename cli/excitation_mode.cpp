@@ -79,11 +79,12 @@ Status ExcitationMode::AddTo(std::map<std::string, Trial>& trials, const Vector&
 }
 
 void ExcitationMode::Print() const {
-  std::vector<std::vector<std::string>> rows{{"trial", "frames", "objective per frame"}};
+  std::vector<std::vector<std::string>> rows{
+      {"trial", "frames", "objective per frame", "above the least by at most"}};
   std::vector<std::string> notes = free_.notes;
   for (const FoundExcitations& found : found_) {
-    rows.push_back(
-        {found.trial, std::to_string(found.time.size()), fmt::format("{:.4g}", found.objective.mean())});
+    rows.push_back({found.trial, std::to_string(found.time.size()),
+                    fmt::format("{:.4g}", found.objective.mean()), fmt::format("{:.2g}", found.gap.mean())});
     const auto without = static_cast<int>(found.time.size()) - found.followed;
     if (without > 0)
       notes.push_back(fmt::format("trial '{}': {} frames have no moment to follow", found.trial, without));

@@ -3,6 +3,7 @@
 #include <Eigen/Cholesky>
 #include <algorithm>
 #include <cmath>
+#include <limits>
 #include <vector>
 
 namespace sinew {
@@ -16,6 +17,9 @@ constexpr double kProbe = 1e-4;       // excitation over which a slope's change 
 constexpr double kLeastBend = 1e-9;   // of the curvature by the moments: what makes it positive definite
 constexpr double kLeastShare = 1e-3;  // of the curvature by the effort
 constexpr double kTiny = 1e-30;
+constexpr int kGrid = 16;             // steps of the excitation to which one may jump
+constexpr double kWorthAJump = 1e-8;  // of the objective
+constexpr int kMostJumps = 20;
 constexpr double kFirstDamping = 1e-4;  // of the largest curvature
 constexpr double kMoreDamping = 10;
 
@@ -84,12 +88,13 @@ class KinkedQuadratic {
 
   Vector Solve() {
     const auto most = 50 * static_cast<int>(now_.size()) + 50;
-    for (int i = 0; i < most; ++i) {
+    for (int i = 0; i < most && convex_; ++i) {
       if (MoveFree()) continue;
       if (!Release()) break;
     }
     return now_.cwiseMax(0).cwiseMin(1);
   }
+  [[nodiscard]] bool convex() const { return convex_; }
 
  private:
   // To the minimum over those that are free, or to the first bound or kink on the way. @return whether it was
@@ -105,7 +110,12 @@ class KinkedQuadratic {
       if (!std::isnan(measured_[free_[k]]))
         slope[static_cast<Eigen::Index>(k)] += gamma_ * side_[static_cast<std::size_t>(free_[k])];
     }
-    const Vector step = -hessian_(free_, free_).llt().solve(slope);
+    const Eigen::LLT<Matrix> curvature(hessian_(free_, free_));
+    if (curvature.info() != Eigen::Success) {
+      convex_ = false;
+      return false;
+    }
+    const Vector step = -curvature.solve(slope);
     double share = 1;
     for (std::size_t k = 0; k < free_.size(); ++k)
       share = std::min(share, ShareToBreak(free_[k], step[static_cast<Eigen::Index>(k)]));
@@ -167,6 +177,7 @@ class KinkedQuadratic {
   std::vector<bool> rests_;
   std::vector<int> side_;  // of the kink: +1 above, -1 below
   std::vector<Eigen::Index> free_;
+  bool convex_ = true;  // where it came along
 };
 
 // Curvature of the forces, from the change of their slopes.
@@ -182,18 +193,27 @@ Result<Vector> Bends(const FrameMuscles& muscles, const Vector& at) {
   return bends;
 }
 
-// Of the smooth part, without what would bend it downwards.
-Result<Matrix> Hessian(const ExcitationFrame& frame, const FrameMuscles& muscles, const Evaluation& here,
-                       const Vector& at) {
+// Second derivatives of the smooth part.
+struct Curvature {
+  Matrix full;
+  Matrix convex;  // without what bends downwards
+};
+Result<Curvature> FindCurvature(const ExcitationFrame& frame, const FrameMuscles& muscles,
+                                const Evaluation& here, const Vector& at) {
   const ExcitationWeights& w = frame.weights;
   SINEW_ASSIGN(const Vector bends, Bends(muscles, at));
   const Matrix by_excitation = frame.arms * here.slope.asDiagonal();
-  Matrix hessian = 2 * w.alpha * by_excitation.transpose() * by_excitation;
+  Curvature out;
+  out.full = 2 * w.alpha * by_excitation.transpose() * by_excitation;
+  out.convex = out.full;
   const Vector by_force = -2 * w.alpha * (frame.arms.transpose() * here.rest);
-  const double least = std::max(kLeastShare * 2 * w.beta, kLeastBend * (hessian.trace() + 2 * w.beta));
-  for (Eigen::Index m = 0; m < at.size(); ++m)
-    hessian(m, m) += std::max({2 * w.beta + by_force[m] * bends[m], least, kTiny});
-  return hessian;
+  const double least = std::max(kLeastShare * 2 * w.beta, kLeastBend * (out.full.trace() + 2 * w.beta));
+  for (Eigen::Index m = 0; m < at.size(); ++m) {
+    const double own = 2 * w.beta + by_force[m] * bends[m];
+    out.full(m, m) += own;
+    out.convex(m, m) += std::max({own, least, kTiny});
+  }
+  return out;
 }
 
 }  // namespace
@@ -219,14 +239,20 @@ Result<FrameSolution> SolveFrame(const ExcitationFrame& frame, const FrameMuscle
       kRounding * (w.alpha * frame.moment.squaredNorm() + (w.beta + w.gamma) * static_cast<double>(count));
   for (; out.iterations < kMostIterations && !out.converged; ++out.iterations) {
     const Vector gradient = SmoothGradient(frame, here, out.excitation);
-    SINEW_ASSIGN(Matrix hessian, Hessian(frame, muscles, here, out.excitation));
-    const double first_damping = kFirstDamping * hessian.diagonal().maxCoeff();
-    for (double damping = 0;; damping = std::max(kMoreDamping * damping, first_damping)) {
-      hessian.diagonal().array() += damping;
-      const Vector next = SolveKinkedQuadratic(hessian, gradient, w.gamma, frame.measured, out.excitation);
+    SINEW_ASSIGN(Curvature curvature, FindCurvature(frame, muscles, here, out.excitation));
+    const double first_damping = kFirstDamping * curvature.convex.diagonal().maxCoeff();
+    // First with all of the curvature, then with the convex part, then with more and more damping.
+    double damping = 0;
+    for (int attempt = 0;; ++attempt) {
+      if (attempt > 1) damping = std::max(kMoreDamping * damping, first_damping);
+      curvature.convex.diagonal().array() += damping;
+      const Matrix& hessian = attempt == 0 ? curvature.full : curvature.convex;
+      KinkedQuadratic model(hessian, gradient, w.gamma, frame.measured, out.excitation);
+      const Vector next = model.Solve();
       const Vector step = next - out.excitation;
       const double promised = -(gradient.dot(step) + 0.5 * step.dot(hessian * step) +
                                 w.gamma * (KinkSum(frame, next) - KinkSum(frame, out.excitation)));
+      if (attempt == 0 && (!model.convex() || !(promised >= 0))) continue;
       const bool last = !(promised > kEnough * here.objective + rounding);
       SINEW_ASSIGN(Evaluation there, Evaluate(frame, muscles, next));
       const bool descends = there.objective <= here.objective - (last ? 0 : kArmijo * promised);
@@ -247,6 +273,70 @@ Result<FrameSolution> SolveFrame(const ExcitationFrame& frame, const FrameMuscle
     out.slope = std::max(out.slope, Descent(slopes, out.excitation[m]));
   }
   return out;
+}
+
+namespace {
+
+// One muscle's part of the objective, the moments replaced by their tangent at the solution: where each
+// muscle is at the lowest place of its part, nothing is lower anywhere, since the squares are convex in the
+// moments.
+struct Jump {
+  Eigen::Index muscle = 0;
+  double to = 0;    // excitation
+  double gain = 0;  // of the muscle's part
+};
+
+Result<std::vector<Jump>> FindJumps(const ExcitationFrame& frame, const FrameMuscles& muscles,
+                                    const FrameSolution& from) {
+  const ExcitationWeights& w = frame.weights;
+  SINEW_ASSIGN(const Evaluation here, Evaluate(frame, muscles, from.excitation));
+  const Vector by_force = -2 * w.alpha * (frame.arms.transpose() * here.rest);
+  std::vector<Jump> jumps;
+  for (Eigen::Index m = 0; m < from.excitation.size(); ++m) {
+    const auto part = [&](double e) -> Result<double> {
+      SINEW_ASSIGN(const ForceAt force, muscles.Force(static_cast<int>(m), e));
+      return by_force[m] * force.force + w.beta * e * e + w.gamma * Kink(frame, m, e);
+    };
+    Jump jump{m, from.excitation[m], 0};
+    SINEW_ASSIGN(const double now, part(from.excitation[m]));
+    for (int k = 0; k <= kGrid + 1; ++k) {
+      const double to = k <= kGrid ? static_cast<double>(k) / kGrid : frame.measured[m];
+      if (std::isnan(to)) continue;
+      SINEW_ASSIGN(const double there, part(to));
+      if (now - there > jump.gain) jump = {m, to, now - there};
+    }
+    if (jump.gain > 0) jumps.push_back(jump);
+  }
+  return jumps;
+}
+
+}  // namespace
+
+Result<FrameSolution> SearchFrame(const ExcitationFrame& frame, const FrameMuscles& muscles,
+                                  const std::vector<Vector>& starts) {
+  FrameSolution best;
+  best.objective = std::numeric_limits<double>::infinity();
+  for (const Vector& start : starts) {
+    SINEW_ASSIGN(FrameSolution solved, SolveFrame(frame, muscles, start));
+    if (solved.objective < best.objective) best = std::move(solved);
+  }
+  for (int i = 0;; ++i) {
+    SINEW_ASSIGN(const std::vector<Jump> jumps, FindJumps(frame, muscles, best));
+    best.gap = 0;
+    for (const Jump& jump : jumps) best.gap += jump.gain;
+    if (i == kMostJumps || !(best.gap > kWorthAJump * best.objective)) return best;
+    FrameSolution better = best;
+    Vector all = best.excitation;
+    for (std::size_t k = 0; k <= jumps.size(); ++k) {
+      Vector start = best.excitation;
+      if (k < jumps.size()) start[jumps[k].muscle] = all[jumps[k].muscle] = jumps[k].to;
+      if (k < jumps.size() && jumps[k].gain < kWorthAJump * best.objective) continue;
+      SINEW_ASSIGN(FrameSolution solved, SolveFrame(frame, muscles, k < jumps.size() ? start : all));
+      if (solved.objective < better.objective) better = std::move(solved);
+    }
+    if (!(better.objective < best.objective * (1 - kWorthAJump))) return best;
+    best = std::move(better);
+  }
 }
 
 }  // namespace sinew

@@ -10,6 +10,8 @@
 // with a shape factor A <= 0) and gamma is 0, the problem is convex in the forces: there is one minimum.
 #pragma once
 
+#include <vector>
+
 #include "base/error.h"
 #include "base/linear_algebra.h"
 
@@ -51,6 +53,7 @@ struct FrameSolution {
   double objective = 0;  ///< there
   /// The steepest descent that the bounds leave, for one muscle's excitation; 0 at a minimum [1].
   double slope = 0;
+  double gap = 0;  ///< of SearchFrame: no minimum is lower by more, as far as its grid shows
   int iterations = 0;
   bool converged = false;  ///< what a further step promises is below 1e-12 of the objective, or rounding
 };
@@ -64,6 +67,14 @@ Result<double> FrameObjective(const ExcitationFrame& frame, const FrameMuscles& 
 /// @param start [muscles]; moved into 0..1. Errors: those of the muscles.
 Result<FrameSolution> SolveFrame(const ExcitationFrame& frame, const FrameMuscles& muscles,
                                  const Vector& start);
+
+/// The best of SolveFrame from several starts. With gamma there may be several minima, one of which keeps an
+/// excitation at its measured value. The moments' tangent at a minimum separates the muscles; those that
+/// would be better off elsewhere on a grid jump there, one by one and all at once, and the search goes on
+/// from there until none is left (then there is no lower minimum) or no jump helps.
+/// @param starts at least one [muscles]. Errors: those of the muscles.
+Result<FrameSolution> SearchFrame(const ExcitationFrame& frame, const FrameMuscles& muscles,
+                                  const std::vector<Vector>& starts);
 
 /// min 0.5 d'Hd + g'd + gamma sum_m |at_m + d_m - measured_m| over at + d in 0..1, exactly.
 /// @param hessian [n, n] positive definite @param measured [n]; NaN: no kink @return at + d

@@ -5,7 +5,6 @@
 #include <cmath>
 #include <limits>
 #include <memory>
-#include <optional>
 
 #include "problems/nms/free_muscle.h"
 
@@ -65,6 +64,7 @@ class TrialSearch {
     out_.time = trial_.time;
     const auto frames = static_cast<Eigen::Index>(trial_.time.size());
     out_.objective.setZero(frames);
+    out_.gap.setZero(frames);
     out_.slack.assign(count_, 0);
     traces_.resize(count_);
     acting_.resize(count_);
@@ -140,22 +140,15 @@ class TrialSearch {
     }
   }
 
-  Status SearchFrom(const Vector& start, std::optional<FrameSolution>& best) const {
-    SINEW_ASSIGN(const FrameSolution solved, SolveFrame(frame_, muscles_, start));
-    if (!best || solved.objective < best->objective) best = solved;
-    return {};
-  }
-
-  // From the measured excitations and from those of the frame before. A fibre may need much excitation before
-  // a slack tendon pulls at all: then the minimum at 0 need not be the only one.
-  Status FindBest(std::optional<FrameSolution>& best) const {
-    Vector cold = frame_.measured;
-    for (double& e : cold) e = std::isnan(e) ? 0 : e;
-    SINEW_TRY(SearchFrom(cold, best));
-    if (last_.size() == cold.size()) SINEW_TRY(SearchFrom(last_, best));
+  // From the measured excitations, from those of the frame before, and from none at all. A fibre may need
+  // much excitation before a slack tendon pulls: then halfway too.
+  [[nodiscard]] std::vector<Vector> Starts() const {
+    std::vector<Vector> starts{frame_.measured.array().isNaN().select(0, frame_.measured)};
+    if (last_.size() == starts[0].size()) starts.push_back(last_);
+    if (starts[0].any()) starts.emplace_back(Vector::Zero(starts[0].size()));
     if (problem_.settings().model.tendon == TendonMode::kElastic)
-      SINEW_TRY(SearchFrom(Vector::Constant(cold.size(), kHalfway), best));
-    return {};
+      starts.emplace_back(Vector::Constant(starts[0].size(), kHalfway));
+    return starts;
   }
 
   Status CountSlack() {
@@ -170,13 +163,16 @@ class TrialSearch {
     return {};
   }
 
+  // Solves a frame and passes its excitations on.
   Status Search(std::size_t i) {
     Place(i);
     const auto n = static_cast<Eigen::Index>(index_.size());
-    std::optional<FrameSolution> found;
-    Status status = FindBest(found);
-    if (status) status = CountSlack();
-    if (!status) return Fail("t = {:.4g} s: {}", trial_.time[i], status.error().message);
+    const auto found = SearchFrame(frame_, muscles_, Starts());
+    const Status counted = CountSlack();
+    if (!found || !counted) {
+      return Fail("t = {:.4g} s: {}", trial_.time[i],
+                  found ? counted.error().message : found.error().message);
+    }
     const FrameSolution& best = *found;
     out_.unsettled += best.converged ? 0 : 1;
     if (watch_) watch_(trial_index_, i, frame_, muscles_, best);
@@ -187,6 +183,7 @@ class TrialSearch {
       if (!free_[m]) objective += mode_.weights.beta * out_.excitation[m][at] * out_.excitation[m][at];
     }
     out_.objective[at] = objective;
+    out_.gap[at] = best.gap;
     for (Eigen::Index k = 0; k < n; ++k) {
       const std::size_t m = index_[static_cast<std::size_t>(k)];
       const auto force = muscles_.muscles[static_cast<std::size_t>(k)]->Choose(last_[k]);

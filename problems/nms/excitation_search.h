@@ -23,6 +23,7 @@ struct FoundExcitations {
   std::vector<Vector> excitation;  ///< [muscles] [N, 0..1], of those that are not free as measured
   std::vector<Vector> measured;    ///< [muscles] [N, 0..1]; empty where it is not measured
   Vector objective;                ///< [N] with the effort of all muscles, as CEINMS has it
+  Vector gap;                      ///< [N] no excitations are lower by more (FrameSolution)
   int followed = 0;                ///< frames with a measured moment
   int unsettled = 0;               ///< frames whose search did not converge
   /// [muscles] frames in which no excitation moves the muscle's force: its elastic tendon hangs slack, and
