@@ -23,6 +23,8 @@ constexpr ExperimentSetting kSettings[] = {
     {"dorsiflexors.shape", -0.8, -3, 0, "true bend of tibialis anterior and peroneus tertius"},
     {"triceps.tendon_slack_length", 1.01, 0.95, 1.05, "true factor on the subject's"},
     {"dorsiflexors.tendon_slack_length", 0.98, 0.95, 1.05, "true factor on the subject's"},
+    {"train", 4, 1, 4, "training trials: those at 120, 90, 60 and 30 deg/s, in this order"},
+    {"validate", 2, 0, 2, "validation trials: those at 75 and 45 deg/s, in this order"},
     {"cycles", 4, 1, 100, "up and down again, per trial"},
     {"moment_noise", 1, 0, 100, "standard deviation of the moment's noise [N m]"},
     {"electrodes", 1024, 0, 100000,
@@ -38,9 +40,9 @@ struct StudyTrial {
   Role role;
 };
 constexpr StudyTrial kTrials[] = {
-    {"train_30", 30, Role::kTrain},       {"train_60", 60, Role::kTrain},
-    {"train_90", 90, Role::kTrain},       {"train_120", 120, Role::kTrain},
-    {"validate_45", 45, Role::kValidate}, {"validate_75", 75, Role::kValidate},
+    {"train_120", 120, Role::kTrain},     {"train_90", 90, Role::kTrain},
+    {"train_60", 60, Role::kTrain},       {"train_30", 30, Role::kTrain},
+    {"validate_75", 75, Role::kValidate}, {"validate_45", 45, Role::kValidate},
 };
 
 constexpr const char* kSettingsText = R"(# How the nms problem sees the ankle study.
@@ -401,7 +403,11 @@ Result<Dataset> Record(const StudyTruth& truth, std::uint64_t seed) {
   data.files["nms.yaml"] = kSettingsText;
   data.files["subject.xml"] = StudySubjectXml();
   std::uint64_t stream = 0;
+  double train = truth.settings.at("train");
+  double validate = truth.settings.at("validate");
   for (const StudyTrial& trial : kTrials) {
+    double& left = trial.role == Role::kTrain ? train : validate;
+    if (left-- < 1) continue;
     SINEW_ASSIGN(data.trials[trial.name], Recording(truth, trial, Random::StreamSeed(seed, stream++)).Make());
   }
   SINEW_TRY(data.Check());
