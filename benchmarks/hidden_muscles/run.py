@@ -71,6 +71,8 @@ class Sizing:
     def __init__(self, sinew, folder, seed):
         self.sinew, self.folder, self.seed = sinew, folder, seed
         self.base = draw_base(seed)
+
+    def prepare(self):
         clean = self.recorded(None, 0, noise=False)
         self.trials = [t for t in sorted(clean) if t.startswith("train")]
         at = self.model(self.data, self.base)
@@ -150,6 +152,7 @@ def correlations(options):
     """Of every two effects' signatures, in the study of the first seed: what cannot be told apart."""
     with tempfile.TemporaryDirectory(prefix="hidden_muscles_") as folder:
         sizing = Sizing(options.sinew, Path(folder), options.first_seed)
+        sizing.prepare()
         lines = {}
         for name in EFFECTS:
             line = sizing.signature(name, 1)
@@ -163,6 +166,8 @@ def study(options, kind, size, seed):
     with tempfile.TemporaryDirectory(prefix="hidden_muscles_") as folder:
         folder = Path(folder)
         sizing = Sizing(options.sinew, folder, seed)
+        if kind != "none":
+            sizing.prepare()
         effect, amplitude = None, 0
         while kind != "none":
             effect = own.choice(options.effect or sorted(EFFECTS if kind == "single" else OUTSIDERS))
