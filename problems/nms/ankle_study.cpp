@@ -18,8 +18,8 @@ constexpr double kFloor = 0.02;          // of excitations
 constexpr double kHeightScatter = 0.25;  // from cycle to cycle
 constexpr double kTimeScatter = 0.02;    // of the cycle
 constexpr double kSlowest = 30 * kPi / 180;
-constexpr double kAmplifierNoise = 2e-6;  // [V]
-constexpr double kConverterStep = 1e-6;   // [V]
+constexpr double kAmplifierNoise = 2e-6;    // [V]
+constexpr double kConverterStep = 0x1p-20;  // [V] about 1 uV
 
 }  // namespace
 

@@ -71,6 +71,7 @@ class Preparation {
       any_training = any_training || trial.role == Role::kTrain;
     }
     if (!any_training) return Fail("no trial has the role train: nothing to fit");
+    WeighAlike();
     if (cut_off_ > 0) {
       out_.notes.push_back(fmt::format(
           "{} of {} samples of excitations were outside of 0..1 and were cut off", cut_off_, all_));
@@ -260,8 +261,8 @@ class Preparation {
     return true;
   }
 
-  // By the noise, if it is known; else by the spread of the moment. The thesis's objective (eq 4.6) also
-  // divides by the samples, so that every trial counts alike.
+  // The thesis's objective (eq 4.6) divides by the variance of the moment and by the samples, so that every
+  // trial counts alike; else the weight is that of the noise, see WeighAlike.
   Status Weigh(Block& block) const {
     const auto count = static_cast<double>(block.measured.size());
     const Eigen::Map<const Vector> measured(block.measured.data(), block.samples());
@@ -269,10 +270,31 @@ class Preparation {
     if (!(variance > 0)) return Fail("channel '{}' does not change: it says nothing", block.channel);
     if (settings_.objective == NmsObjective::kThesis) {
       block.weight = 1 / std::sqrt(variance * count);
-    } else {
-      block.weight = block.sigma ? 1 / *block.sigma : 1 / std::sqrt(variance);
+    } else if (block.sigma) {
+      block.weight = 1 / *block.sigma;
     }
     return {};
+  }
+
+  // Noise that nobody stated is taken as equal in all trials: the same sensor measured them. Divided by the
+  // spread of the moment in the training trials.
+  void WeighAlike() {
+    if (settings_.objective == NmsObjective::kThesis) return;
+    for (const std::string& joint : settings_.joints) {
+      const std::string channel = joint + "_moment";
+      double squares = 0;
+      double count = 0;
+      for (const Block& block : out_.layout) {
+        if (block.channel != channel || block.role != BlockRole::kTrain) continue;
+        const Eigen::Map<const Vector> measured(block.measured.data(), block.samples());
+        squares += (measured.array() - measured.mean()).square().sum();
+        count += static_cast<double>(block.samples());
+      }
+      for (Block& block : out_.layout) {
+        if (block.channel == channel && !block.sigma && count > 0)
+          block.weight = 1 / std::sqrt(squares / count);
+      }
+    }
   }
 
   const NmsSettings& settings_;

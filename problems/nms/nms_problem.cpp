@@ -178,75 +178,59 @@ Status NmsProblem::AddMuscle(std::size_t t, int muscle, const Query& query, Scra
   const bool turns =
       query.derivatives && std::any_of(list_.arm_offset.begin(), list_.arm_offset.end(),
                                        [&](int p) { return p >= 0 && query.Differentiates(p); });
-  if (scratch.lanes.empty() && !turns) {
-    const NmsTrial& trial = data_.trials[t];
-    SINEW_TRY(
-        ComputeMuscleForce(curves_, settings_.model, scratch.slots[m], trial.muscles[m], scratch.plain));
-    for (const int joint : data_.muscle_joints[m]) {
-      const auto j = static_cast<std::size_t>(joint);
-      const int b = trial.first_block + joint;
-      if (!query.blocks[static_cast<std::size_t>(b)]) continue;
-      const auto& movers = data_.joint_muscles[j];
-      const Vector& arm = trial.arms[j][static_cast<std::size_t>(
-          std::find(movers.begin(), movers.end(), muscle) - movers.begin())];
-      const double offset = list_.arm_offset[j] >= 0 ? query.parameters[list_.arm_offset[j]] : 0;
-      auto values = prediction.values(b);
-      for (Eigen::Index i = 0; i < values.size(); ++i)
-        values[i] += (arm[i] + offset) * scratch.plain.tendon_force[static_cast<std::size_t>(i)];
-    }
-    return {};
-  }
+  if (scratch.lanes.empty() && !turns) return AddMuscle(t, muscle, query, scratch, scratch.plain, prediction);
   const int moving = static_cast<int>(scratch.lanes.size());
-  if (moving <= kFewLanes)
-    return AddMuscle(t, muscle, query, scratch.lanes, scratch, scratch.few, prediction);
-  if (moving <= kSomeLanes)
-    return AddMuscle(t, muscle, query, scratch.lanes, scratch, scratch.some, prediction);
-  return AddMuscle(t, muscle, query, scratch.lanes, scratch, scratch.all, prediction);
+  if (moving <= kFewLanes) return AddMuscle(t, muscle, query, scratch, scratch.few, prediction);
+  if (moving <= kSomeLanes) return AddMuscle(t, muscle, query, scratch, scratch.some, prediction);
+  return AddMuscle(t, muscle, query, scratch, scratch.all, prediction);
 }
 
-template <int N>
-Status NmsProblem::AddMuscle(std::size_t t, int muscle, const Query& query, const std::vector<int>& lanes,
-                             Scratch& scratch, MuscleTrace<Dual<N>>& trace, Prediction& prediction) const {
+template <class T>
+Status NmsProblem::AddMuscle(std::size_t t, int muscle, const Query& query, Scratch& scratch,
+                             MuscleTrace<T>& trace, Prediction& prediction) const {
+  constexpr bool kDerivatives = !std::is_same_v<T, double>;
   const auto m = static_cast<std::size_t>(muscle);
   const NmsTrial& trial = data_.trials[t];
-  std::array<Dual<N>, kMuscleSlots> numbers;
+  std::array<T, kMuscleSlots> numbers;
   for (std::size_t slot = 0; slot < kMuscleSlots; ++slot) numbers[slot] = scratch.slots[m][slot];
   std::array<std::size_t, kMuscleSlots> lane_of{};
-  for (std::size_t lane = 0; lane < lanes.size(); ++lane) {
-    const auto slot = static_cast<std::size_t>(lanes[lane]);
-    numbers[slot] = Dual<N>::Variable(scratch.slots[m][slot], static_cast<int>(lane));
-    lane_of[slot] = lane;
+  if constexpr (kDerivatives) {
+    for (std::size_t lane = 0; lane < scratch.lanes.size(); ++lane) {
+      const auto slot = static_cast<std::size_t>(scratch.lanes[lane]);
+      numbers[slot] = T::Variable(scratch.slots[m][slot], static_cast<int>(lane));
+      lane_of[slot] = lane;
+    }
   }
   SINEW_TRY(ComputeMuscleForce(curves_, settings_.model, numbers, trial.muscles[m], trace));
-  const std::vector<Dual<N>>& force = trace.tendon_force;
-  for (const int joint : data_.muscle_joints[m]) {
-    const auto j = static_cast<std::size_t>(joint);
-    const int b = trial.first_block + joint;
+  const std::vector<T>& force = trace.tendon_force;
+  for (std::size_t crossed = 0; crossed < data_.muscle_joints[m].size(); ++crossed) {
+    const auto j = static_cast<std::size_t>(data_.muscle_joints[m][crossed]);
+    const int b = trial.first_block + static_cast<int>(j);
     if (!query.blocks[static_cast<std::size_t>(b)]) continue;
-    const auto& movers = data_.joint_muscles[j];
-    const Vector& arm = trial.arms[j][static_cast<std::size_t>(
-        std::find(movers.begin(), movers.end(), muscle) - movers.begin())];
+    const std::vector<double>& arm = trial.muscles[m].arms[crossed];
     const int turning = list_.arm_offset[j];
     const double offset = turning >= 0 ? query.parameters[turning] : 0;
     auto values = prediction.values(b);
-    auto derivatives = prediction.derivatives(b);
-    for (Eigen::Index i = 0; i < values.size(); ++i)
-      values[i] += (arm[i] + offset) * force[static_cast<std::size_t>(i)].value;
-    const std::vector<int>& columns = data_.layout[static_cast<std::size_t>(b)].columns;
-    const auto column = [&](int parameter) {
-      return derivatives.col(std::lower_bound(columns.begin(), columns.end(), parameter) - columns.begin());
-    };
-    for (const Slope& slope : scratch.slopes[m]) {
-      if (!query.Differentiates(slope.parameter)) continue;
-      auto slot_column = column(slope.parameter);
-      const std::size_t lane = lane_of[slope.slot];
-      for (Eigen::Index i = 0; i < values.size(); ++i)
-        slot_column[i] += slope.factor * (arm[i] + offset) * force[static_cast<std::size_t>(i)].d[lane];
+    for (std::size_t i = 0; i < force.size(); ++i)
+      values[static_cast<Eigen::Index>(i)] += (arm[i] + offset) * Value(force[i]);
+    if constexpr (kDerivatives) {
+      auto derivatives = prediction.derivatives(b);
+      const std::vector<int>& columns = data_.layout[static_cast<std::size_t>(b)].columns;
+      const auto column = [&](int parameter) {
+        return derivatives.col(std::lower_bound(columns.begin(), columns.end(), parameter) - columns.begin());
+      };
+      for (const Slope& slope : scratch.slopes[m]) {
+        if (!query.Differentiates(slope.parameter)) continue;
+        auto slot_column = column(slope.parameter);
+        const std::size_t lane = lane_of[slope.slot];
+        for (std::size_t i = 0; i < force.size(); ++i)
+          slot_column[static_cast<Eigen::Index>(i)] += slope.factor * (arm[i] + offset) * force[i].d[lane];
+      }
+      if (turning < 0 || !query.Differentiates(turning)) continue;
+      auto arm_column = column(turning);
+      for (std::size_t i = 0; i < force.size(); ++i)
+        arm_column[static_cast<Eigen::Index>(i)] += force[i].value;
     }
-    if (turning < 0 || !query.Differentiates(turning)) continue;
-    auto arm_column = column(turning);
-    for (Eigen::Index i = 0; i < values.size(); ++i)
-      arm_column[i] += force[static_cast<std::size_t>(i)].value;
   }
   return {};
 }

@@ -68,9 +68,9 @@ class NmsProblem final : public Problem {
   void AddPulls();
   void ListColumns();
   Status PredictTrial(std::size_t t, const Query& query, Scratch& scratch, Prediction& prediction) const;
-  template <int N>
-  Status AddMuscle(std::size_t t, int muscle, const Query& query, const std::vector<int>& lanes,
-                   Scratch& scratch, MuscleTrace<Dual<N>>& trace, Prediction& prediction) const;
+  template <class T>
+  Status AddMuscle(std::size_t t, int muscle, const Query& query, Scratch& scratch, MuscleTrace<T>& trace,
+                   Prediction& prediction) const;
   Status AddMuscle(std::size_t t, int muscle, const Query& query, Scratch& scratch,
                    Prediction& prediction) const;
   void AddMoments(std::size_t t, const Query& query, Prediction& prediction) const;

@@ -23,9 +23,11 @@ constexpr ExperimentSetting kSettings[] = {
     {"dorsiflexors.shape", -0.8, -3, 0, "true bend of tibialis anterior and peroneus tertius"},
     {"triceps.tendon_slack_length", 1.01, 0.95, 1.05, "true factor on the subject's"},
     {"dorsiflexors.tendon_slack_length", 0.98, 0.95, 1.05, "true factor on the subject's"},
+    {"train", 4, 1, 4, "training trials: those at 120, 90, 60 and 30 deg/s, in this order"},
+    {"validate", 2, 0, 2, "validation trials: those at 75 and 45 deg/s, in this order"},
     {"cycles", 4, 1, 100, "up and down again, per trial"},
-    {"moment_noise", 0.3, 0, 100, "standard deviation of the moment's noise [N m]"},
-    {"electrodes", 64, 0, 10000,
+    {"moment_noise", 1, 0, 100, "standard deviation of the moment's noise [N m]"},
+    {"electrodes", 1024, 0, 100000,
      "per muscle, whose envelopes are averaged; 0: excitations are the true ones"},
     {"raw", 0, 0, 1, "1: the raw EMG of one electrode per muscle is in the data too"},
     {"known_noise", 0, 0, 1, "1: the data say how large the moment's noise is"},
@@ -38,9 +40,9 @@ struct StudyTrial {
   Role role;
 };
 constexpr StudyTrial kTrials[] = {
-    {"train_30", 30, Role::kTrain},       {"train_60", 60, Role::kTrain},
-    {"train_90", 90, Role::kTrain},       {"train_120", 120, Role::kTrain},
-    {"validate_45", 45, Role::kValidate}, {"validate_75", 75, Role::kValidate},
+    {"train_120", 120, Role::kTrain},     {"train_90", 90, Role::kTrain},
+    {"train_60", 60, Role::kTrain},       {"train_30", 30, Role::kTrain},
+    {"validate_75", 75, Role::kValidate}, {"validate_45", 45, Role::kValidate},
 };
 
 constexpr const char* kSettingsText = R"(# How the nms problem sees the ankle study.
@@ -76,6 +78,51 @@ constexpr double kFineRate = 1000;       // [Hz] of the truth
 constexpr double kRate = 100;            // [Hz] of the recorded moments
 constexpr double kExcitationRate = 200;  // [Hz]
 constexpr std::size_t kFine = 10;        // fine frames per recorded one
+
+// What no effect of the problem is, to see what the diagnosis makes of it. Each has one number of its name.
+constexpr const char* kOutsiders[] = {
+    "ripple",           // moment that is a sine of the angle [N m]
+    "tension_curve",    // moment that grows with the third power of the angle [N m/rad3]
+    "tremor",           // moment that is a sine of time, 5 Hz [N m]
+    "soleus_fades",     // the EMG of one muscle alone loses this share per second [1/s]
+    "loose_electrode",  // the EMG of one muscle alone loses this share half-way [1]
+};
+
+// Effects of the problem that the study can contain; those of a trial alone are left out, but for emg_gain.
+constexpr const char* kSimulated[] = {"emg_drift",
+                                      "co_contraction",
+                                      "cross_talk",
+                                      "longer_delay",
+                                      "slower_activation",
+                                      "force_enhancement",
+                                      "force_depression",
+                                      "compliant_tendon",
+                                      "contraction_velocity",
+                                      "length_by_activation",
+                                      "fibre_length",
+                                      "arm_offset.ankle_angle_r",
+                                      "angle_offset.ankle_angle_r",
+                                      "missing_muscle_plus.ankle_angle_r",
+                                      "missing_muscle_minus.ankle_angle_r",
+                                      "passive_stiffness.ankle_angle_r",
+                                      "joint_damping.ankle_angle_r",
+                                      "inertial_moment.ankle_angle_r",
+                                      "segment_weight.ankle_angle_r",
+                                      "machine_friction.ankle_angle_r",
+                                      "ankle_angle_r_moment.offset",
+                                      "ankle_angle_r_moment.drift",
+                                      "ankle_angle_r_moment.gain",
+                                      "ankle_angle_r_moment.time_offset",
+                                      "ankle_angle_r_moment.low_pass"};
+
+bool IsSimulated(const std::string& name) {
+  return name.rfind("emg_gain@", 0) == 0 ||
+         std::find(std::begin(kSimulated), std::end(kSimulated), name) != std::end(kSimulated);
+}
+
+bool IsOutsider(const std::string& name) {
+  return std::find(std::begin(kOutsiders), std::end(kOutsiders), name) != std::end(kOutsiders);
+}
 
 using Values = std::map<std::string, double>;
 
@@ -138,6 +185,8 @@ class Recording {
     const double gain = truth_.Effect("emg_gain@" + name_);
     const double cross = truth_.Effect("cross_talk");
     const double floor = truth_.Effect("co_contraction");
+    const double fades = truth_.Effect("soleus_fades");
+    const double loose = truth_.Effect("loose_electrode");
     auto seen = pulling_;
     for (std::size_t m = 0; m < seen.size(); ++m) {
       for (std::size_t k = 0; k < samples_; ++k) {
@@ -147,6 +196,9 @@ class Recording {
         const double e = std::max(0.0, pulling_[m][k] - floor) + cross * others;
         const double since = static_cast<double>(k) / kStudyEmgRate;
         seen[m][k] = e / (1 + gain + drift * since);
+        const std::string name = StudyMuscles()[m].name;
+        if (name == "soleus_r") seen[m][k] *= std::max(0.0, 1 - fades * since);
+        if (name == "med_gas_r" && 2 * k > samples_) seen[m][k] *= 1 - loose;
       }
     }
     return seen;
@@ -270,21 +322,22 @@ class Recording {
         (arm > 0 ? pull_plus : pull_minus)[i] += trace.activation[i] / (muscle.arm[0] > 0 ? 2 : 5);
       }
     }
-    AddMoments(motion, pull_plus, pull_minus, moment);
+    AddMoments(times, motion, pull_plus, pull_minus, moment);
     Grid& grid = out_.grids["moments"];
     grid.time = Times(0, kRate, frames_);
     Channel channel{"N*m", ChannelKind::kMeasured, {}, {}};
     const double noise = exact ? 0 : truth_.settings.at("moment_noise");
+    ApplySensor(times, moment);
     for (std::size_t i = 0; i < frames; i += kFine / step)
       channel.values.push_back(moment[i] + noise * random_.Normal());
     if (truth_.settings.at("known_noise") != 0 && noise > 0) channel.sigma = noise;
-    ApplySensor(grid.time, channel.values);
     grid.channels[std::string(kStudyJoint) + "_moment"] = std::move(channel);
     return {};
   }
 
-  void AddMoments(const std::vector<StudyMotion::At>& motion, const std::vector<double>& pull_plus,
-                  const std::vector<double>& pull_minus, std::vector<double>& moment) const {
+  void AddMoments(const std::vector<double>& times, const std::vector<StudyMotion::At>& motion,
+                  const std::vector<double>& pull_plus, const std::vector<double>& pull_minus,
+                  std::vector<double>& moment) const {
     const double middle = -7.5 * kPi / 180;
     const double slow = 0.03 * 120 * kPi / 180;
     for (std::size_t i = 0; i < moment.size(); ++i) {
@@ -297,30 +350,35 @@ class Recording {
                    truth_.OfJoint("machine_friction") * std::tanh(at.velocity / slow) +
                    truth_.OfJoint("missing_muscle_plus") * pull_plus[i] -
                    truth_.OfJoint("missing_muscle_minus") * pull_minus[i];
-      // Not in the library: a second harmonic of the machine's angle, and a brake that sticks where it turns.
       moment[i] += truth_.Effect("ripple") * std::sin(40 * at.angle) +
-                   truth_.Effect("tension_curve") * std::pow(at.angle - middle, 3);
+                   truth_.Effect("tension_curve") * std::pow(at.angle - middle, 3) +
+                   truth_.Effect("tremor") * std::sin(10 * kPi * times[i]);
     }
   }
 
+  // The moment's sensor: late, slow, then scaled.
   void ApplySensor(const std::vector<double>& times, std::vector<double>& values) const {
     const std::string channel = std::string(kStudyJoint) + "_moment.";
-    const double middle = 0.5 * (times.front() + times.back());
     const double gain = 1 + truth_.Effect(channel + "gain");
+    const double late = truth_.Effect(channel + "time_offset");
     const double slow = truth_.Effect(channel + "low_pass");
-    double smooth = values.front();
+    const double middle = 0.5 * (times.front() + times.back());
+    const double rate = static_cast<double>(times.size() - 1) / (times.back() - times.front());
+    const std::vector<double> moment = values;
+    double smooth = moment.front();
     for (std::size_t i = 0; i < values.size(); ++i) {
       if (slow > 0 && i > 0) {
-        // Exact for a signal that runs straight between samples.
-        const double h = times[i] - times[i - 1];
-        const double kept = std::exp(-h / slow);
-        const double rise = (values[i] - last_) / h;
-        smooth = kept * (smooth - last_ + slow * rise) + values[i] - slow * rise;
-      } else {
-        smooth = values[i];
+        // Exact for a moment that runs straight between the fine frames.
+        const double kept = std::exp(-1 / (rate * slow));
+        const double rise = (moment[i] - moment[i - 1]) * rate;
+        smooth = kept * (smooth - moment[i - 1] + slow * rise) + moment[i] - slow * rise;
+        values[i] = smooth;
       }
-      last_ = values[i];
-      values[i] = gain * smooth + truth_.Effect(channel + "offset") +
+    }
+    const std::vector<double> smoothed = values;
+    for (std::size_t i = 0; i < values.size(); ++i) {
+      const double seen = late == 0 ? smoothed[i] : At(smoothed, times.front(), rate, times[i] - late);
+      values[i] = gain * seen + truth_.Effect(channel + "offset") +
                   truth_.Effect(channel + "drift") * (times[i] - middle);
     }
   }
@@ -333,7 +391,6 @@ class Recording {
   std::size_t fine_ = 0;
   std::size_t samples_ = 0;
   std::vector<std::vector<double>> pulling_;  // true excitations at the rate of the EMG
-  mutable double last_ = 0;
   Trial out_;
 };
 
@@ -346,7 +403,11 @@ Result<Dataset> Record(const StudyTruth& truth, std::uint64_t seed) {
   data.files["nms.yaml"] = kSettingsText;
   data.files["subject.xml"] = StudySubjectXml();
   std::uint64_t stream = 0;
+  double train = truth.settings.at("train");
+  double validate = truth.settings.at("validate");
   for (const StudyTrial& trial : kTrials) {
+    double& left = trial.role == Role::kTrain ? train : validate;
+    if (left-- < 1) continue;
     SINEW_ASSIGN(data.trials[trial.name], Recording(truth, trial, Random::StreamSeed(seed, stream++)).Make());
   }
   SINEW_TRY(data.Check());
@@ -364,7 +425,7 @@ Status ReadEffects(const SynthesisRequest& request, StudyTruth& truth) {
   SINEW_ASSIGN(const BoundProblem bound, entry->bind(data, yaml, true));
   const auto& effects = bound.problem->effects();
   for (const auto& [name, numbers] : request.effects) {
-    if (name == "ripple" || name == "tension_curve") {
+    if (IsOutsider(name)) {
       for (const auto& [parameter, value] : numbers) {
         if (parameter != name)
           return Fail("--effect {}: '{}' does not exist; did you mean '{}'?", name, parameter, name);
@@ -375,10 +436,11 @@ Status ReadEffects(const SynthesisRequest& request, StudyTruth& truth) {
     const auto effect = std::find_if(effects.begin(), effects.end(),
                                      [&, wanted = name](const Effect& e) { return e.name == wanted; });
     if (effect == effects.end()) {
-      std::vector<std::string> names{"ripple", "tension_curve"};
+      std::vector<std::string> names(std::begin(kOutsiders), std::end(kOutsiders));
       for (const Effect& e : effects) names.push_back(e.name);
       return Fail("--effect: '{}' does not exist{}", name, Suggestion(name, names));
     }
+    if (!IsSimulated(name)) return Fail("--effect {}: the ankle study cannot contain it", name);
     for (const auto& [parameter, value] : numbers) {
       std::vector<std::string> names;
       const Parameter* found = nullptr;

@@ -95,18 +95,20 @@ TEST(Ceres, PriorsAreResidualsToo) {
   EXPECT_NEAR(fit.least_squares.Parameters(result.x)[0], 1, 1e-6);
 }
 
-TEST(Ceres, StopsAtAnActiveBound) {
+TEST(LocalSolvers, StopAtAnActiveBound) {
   FunctionProblem problem;
   MakeRosenbrock(problem);
   FitRequest request;
   request.bounds = {{"x1", {-5, 0.5}}};
   const Fit fit(problem, request);
-  Evaluator evaluator(fit.least_squares, {});
-  const SolverResult result = SolveWith("ceres", fit.least_squares, evaluator);
-  const Vector found = fit.least_squares.Parameters(result.x);
-  EXPECT_EQ(found[0], 0.5);
-  EXPECT_NEAR(found[1], 0.25, 1e-9);
-  EXPECT_TRUE(result.stop.converged()) << result.stop.test;
+  for (const char* name : {"ceres", "lm"}) {
+    Evaluator evaluator(fit.least_squares, {});
+    const SolverResult result = SolveWith(name, fit.least_squares, evaluator);
+    const Vector found = fit.least_squares.Parameters(result.x);
+    EXPECT_EQ(found[0], 0.5) << name;
+    EXPECT_NEAR(found[1], 0.25, 1e-9) << name;
+    EXPECT_TRUE(result.stop.converged()) << result.stop.test;
+  }
 }
 
 TEST(Ceres, StatesTheFiguresOfItsTest) {
@@ -117,20 +119,6 @@ TEST(Ceres, StatesTheFiguresOfItsTest) {
   const SolverResult result = SolveWith("ceres", fit.least_squares, evaluator);
   EXPECT_TRUE(result.stop.converged());
   EXPECT_NE(result.stop.test.find("<="), std::string::npos) << result.stop.test;
-}
-
-TEST(LevenbergMarquardt, HoldsVariablesThatReachTheirBounds) {
-  FunctionProblem problem;
-  MakeRosenbrock(problem);
-  FitRequest request;
-  request.bounds = {{"x1", {-5, 0.5}}};
-  const Fit fit(problem, request);
-  Evaluator evaluator(fit.least_squares, {});
-  const SolverResult result = SolveWith("lm", fit.least_squares, evaluator);
-  const Vector found = fit.least_squares.Parameters(result.x);
-  EXPECT_EQ(found[0], 0.5);
-  EXPECT_NEAR(found[1], 0.25, 1e-9);
-  EXPECT_TRUE(result.stop.converged()) << result.stop.test;
 }
 
 TEST(BasinHopping, LeavesALocalMinimumWhereLmStays) {

@@ -1,0 +1,237 @@
+#!/usr/bin/python3
+"""Hides effects in the synthetic ankle study (problem nms), lets the program diagnose the files, and counts.
+
+Each case: the program synthesizes a data set (electrodes and moment noise at their defaults) with one effect whose size is
+known here and nowhere in the file; `sinew diagnose nms` sees the data only. A size is in units of what an oracle just detects:
+the change of what the fitted model leaves over, by the effect and without noise, taken off the span of the base parameters,
+has norm 3.605 times the noise (see ../hidden_effects/README.md, whose counts these are).
+
+usage: run.py --sinew PATH [--kind none,single,outsider] [--cases 100] [--sizes 1,2,3] [--jobs 2] [--first-seed 1]
+              [--out results.json]        run.py --merge results.json...
+"""
+import argparse
+import importlib.util
+import json
+import random
+import sys
+import tempfile
+import time
+from concurrent.futures import ThreadPoolExecutor
+from pathlib import Path
+
+import h5py
+import numpy as np
+
+HERE = Path(__file__).resolve().parent
+spec = importlib.util.spec_from_file_location("hidden_effects", HERE.parent / "hidden_effects" / "run.py")
+hidden_effects = importlib.util.module_from_spec(spec)
+spec.loader.exec_module(hidden_effects)
+run, read = hidden_effects.run, hidden_effects.read
+
+UNIT = 3.605
+JOINT = "ankle_angle_r"
+CHANNEL = JOINT + "_moment"
+NOISE = 1.0  # [N m], the study's default
+BASE = ("triceps.strength", "peronei.strength", "dorsiflexors.strength", "plantarflexors.shape", "dorsiflexors.shape",
+        "triceps.tendon_slack_length", "dorsiflexors.tendon_slack_length")
+# Effect: its parameters with a small amplitude, and whether it has two signs.
+EFFECTS = {
+    "emg_drift": ({"emg_drift": 0.003}, True),
+    "co_contraction": ({"co_contraction": 0.003}, True),
+    "cross_talk": ({"cross_talk": 0.02}, False),
+    "longer_delay": ({"longer_delay": 0.002}, True),
+    "slower_activation": ({"slower_activation": 0.05}, True),
+    "force_enhancement": ({"force_enhancement": 0.05}, False),
+    "force_depression": ({"force_depression": 0.05}, False),
+    "compliant_tendon": ({"compliant_tendon": 0.1}, False),
+    "contraction_velocity": ({"contraction_velocity": 0.03}, True),
+    "length_by_activation": ({"length_by_activation": 0.02}, True),
+    "fibre_length": ({"fibre_length": 0.02}, True),
+    "arm_offset." + JOINT: ({"arm_offset." + JOINT: 0.001}, True),
+    "angle_offset." + JOINT: ({"angle_offset." + JOINT: 0.01}, True),
+    "missing_muscle_plus." + JOINT: ({"missing_muscle_plus." + JOINT: 2}, False),
+    "missing_muscle_minus." + JOINT: ({"missing_muscle_minus." + JOINT: 5}, False),
+    "passive_stiffness." + JOINT: ({"passive_stiffness." + JOINT: 1}, False),
+    "joint_damping." + JOINT: ({"joint_damping." + JOINT: 0.2}, False),
+    "inertial_moment." + JOINT: ({"inertial_moment." + JOINT: 0.02}, True),
+    "segment_weight." + JOINT: ({"weight_sine." + JOINT: 1, "weight_cosine." + JOINT: 0.3}, True),
+    "machine_friction." + JOINT: ({"machine_friction." + JOINT: 0.3}, False),
+    "emg_gain@train_90": ({"emg_gain@train_90": 0.02}, True),
+    CHANNEL + ".offset": ({CHANNEL + ".offset": 0.3}, True),
+    CHANNEL + ".drift": ({CHANNEL + ".drift": 0.05}, True),
+    CHANNEL + ".time_offset": ({CHANNEL + ".time_offset": 0.002}, True),
+    CHANNEL + ".low_pass": ({CHANNEL + ".low_pass": 0.002}, False),
+}
+OUTSIDERS = {"ripple": 0.5, "tension_curve": 10, "tremor": 0.5, "soleus_fades": 0.005, "loose_electrode": 0.02}
+
+
+class Sizing:
+    """How far an amplitude changes what the model with the true base parameters leaves over."""
+
+    def __init__(self, sinew, folder, seed):
+        self.sinew, self.folder, self.seed = sinew, folder, seed
+        self.base = draw_base(seed)
+
+    def prepare(self):
+        clean = self.recorded(None, 0, noise=False)
+        self.trials = [t for t in sorted(clean) if t.startswith("train")]
+        at = self.model(self.data, self.base)
+        columns = []
+        for name, value in self.base.items():
+            step = 1e-4 * abs(value)
+            columns.append((self.model(self.data, {**self.base, name: value + step}) - at) / step)
+        self.directions, _ = np.linalg.qr(np.array(columns).T)
+        self.left = self.stack(clean) - at
+
+    def stack(self, moments):
+        return np.concatenate([moments[t] for t in self.trials])
+
+    def recorded(self, effect, amplitude, noise):
+        """Synthesizes; leaves the file at self.data."""
+        self.data = self.folder / ("case.h5" if noise else "clean.h5")
+        words = [f"--set={n}={v!r}" for n, v in self.base.items()]
+        if not noise:
+            words += ["--set=moment_noise=0", "--set=electrodes=0"]
+        for name, number in parameters_of(effect, amplitude).items():
+            words += ["--effect", f"{effect}:{name}={number!r}"]
+        self.data.unlink(missing_ok=True)
+        status, _, message = run(self.sinew, "data", "synthesize", "nms", "--seed", self.seed, *words, "--out", self.data)
+        if status != 0:
+            raise ValueError(message)
+        with h5py.File(self.data) as file:
+            return {t: file[f"trials/{t}/moments/channels/{CHANNEL}"][:] for t in file["trials"]}
+
+    def model(self, data, base):
+        out = self.folder / "model.h5"
+        out.unlink(missing_ok=True)
+        status, _, message = run(self.sinew, "simulate", "nms", "--data", data, "--out", out,
+                                 *[w for n, v in base.items() for w in ("--set", f"{n}={v!r}")])
+        if status != 0:
+            raise ValueError(message)
+        with h5py.File(out) as file:
+            return np.concatenate([file[f"trials/{t}/simulated/channels/{CHANNEL}"][:] for t in self.trials])
+
+    def signature(self, effect, amplitude):
+        change = self.stack(self.recorded(effect, amplitude, noise=False)) - self.model(self.data, self.base) - self.left
+        return change - self.directions @ (self.directions.T @ change)
+
+    def size(self, effect, amplitude):
+        return float(np.linalg.norm(self.signature(effect, amplitude))) / NOISE / UNIT
+
+    def amplitude(self, effect, size, sign):
+        """Of the wanted size: secants on a curve that is nearly a straight line."""
+        guess = sign
+        for _ in range(8):
+            got = self.size(effect, guess)
+            if got == 0:
+                raise ValueError(f"{effect} does not show")
+            if abs(got / size - 1) < 0.02:
+                return guess
+            guess *= min(5.0, max(0.2, size / got))
+        raise ValueError(f"{effect} does not reach the size {size}")
+
+
+def parameters_of(effect, amplitude):
+    if effect is None:
+        return {}
+    if effect in OUTSIDERS:
+        return {effect: amplitude * OUTSIDERS[effect]}
+    null = 1.0 if effect.endswith(".gain") else 0.0
+    return {name: null + amplitude * unit for name, unit in EFFECTS[effect][0].items()}
+
+
+def draw_base(seed):
+    own = random.Random(seed)
+    return {"triceps.strength": own.uniform(0.7, 1.1), "peronei.strength": own.uniform(0.8, 1.25),
+            "dorsiflexors.strength": own.uniform(0.8, 1.2), "plantarflexors.shape": own.uniform(-2, -0.6),
+            "dorsiflexors.shape": own.uniform(-2, -0.6), "triceps.tendon_slack_length": own.uniform(0.98, 1.02),
+            "dorsiflexors.tendon_slack_length": own.uniform(0.97, 1.02)}
+
+
+def correlations(options):
+    """Of every two effects' signatures, in the study of the first seed: what cannot be told apart."""
+    with tempfile.TemporaryDirectory(prefix="hidden_muscles_") as folder:
+        sizing = Sizing(options.sinew, Path(folder), options.first_seed)
+        sizing.prepare()
+        lines = {}
+        for name in EFFECTS:
+            line = sizing.signature(name, 1)
+            lines[name] = line / np.linalg.norm(line)
+    return {a: {b: abs(float(lines[a] @ lines[b])) for b in lines if b != a} for a in lines}
+
+
+def study(options, kind, size, seed):
+    case = {"kind": kind, "size": size, "noise": "white", "seed": seed}
+    own = random.Random(1000003 * seed + int(100 * size) + {"none": 0, "single": 1, "outsider": 2}[kind])
+    with tempfile.TemporaryDirectory(prefix="hidden_muscles_") as folder:
+        folder = Path(folder)
+        sizing = Sizing(options.sinew, folder, seed)
+        if kind != "none":
+            sizing.prepare()
+        effect, amplitude = None, 0
+        while kind != "none":
+            effect = own.choice(options.effect or sorted(EFFECTS if kind == "single" else OUTSIDERS))
+            sign = own.choice([-1, 1]) if kind == "single" and EFFECTS[effect][1] else 1
+            try:
+                amplitude = sizing.amplitude(effect, size, sign)
+                break
+            except ValueError as error:  # a size that sensible values cannot reach: another effect
+                case.setdefault("drawn_again", []).append(f"{effect}: {error}")
+        sizing.recorded(effect, amplitude, noise=True)
+        truth = {"base": sizing.base, "effects": []}
+        if effect is not None:
+            truth["effects"].append({"name": effect, "parameters": parameters_of(effect, amplitude), "statistic": UNIT * size,
+                                     "correlations": options.correlations.get(effect, {})})
+        case["truth"] = truth
+        found_file = folder / "found.json"
+        status, case["seconds"], message = run(options.sinew, "diagnose", "nms", "--data", sizing.data, "--out",
+                                               folder / "found.h5", "--json", found_file, "--threads", 1, "--quiet")
+        found = read(found_file)
+        if found is None:
+            case["failure"] = message or f"exit status {status}"
+            return case
+        hidden_effects.compare(case, truth, found)
+    return case
+
+
+def main():
+    parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
+    parser.add_argument("--sinew", type=Path)
+    parser.add_argument("--kind", type=hidden_effects.words, default=["none", "single"], help="of none,single,outsider")
+    parser.add_argument("--cases", type=int, default=100, help="per kind and size")
+    parser.add_argument("--sizes", type=hidden_effects.numbers, default=[2.0], help="in units of what an oracle just detects")
+    parser.add_argument("--effect", action="append", default=[], help="hide this one instead of drawing")
+    parser.add_argument("--jobs", type=int, default=2)
+    parser.add_argument("--first-seed", type=int, default=1)
+    parser.add_argument("--merge", type=Path, nargs="+", help="no new cases: the tables of these results together")
+    parser.add_argument("--out", type=Path)
+    options = parser.parse_args()
+    begin = time.monotonic()
+    if options.merge:
+        cases = [case for path in options.merge for case in json.loads(path.read_text())["cases"]]
+    else:
+        if not options.sinew:
+            parser.error("--sinew is needed")
+        options.sinew = options.sinew.resolve()
+        options.correlations = correlations(options)
+        plan = [(kind, size, options.first_seed + i) for kind in options.kind
+                for size in (options.sizes if kind != "none" else [0.0]) for i in range(options.cases)]
+        with ThreadPoolExecutor(options.jobs) as pool:
+            cases = list(pool.map(lambda words: study(options, *words), plan))
+    hidden_effects.summarise(cases)
+    for kind in ("single", "outsider"):
+        own = [c for c in cases if c["kind"] == kind and "failure" not in c]
+        print(f"\n{kind}, by name: cases, noticed, first, in the set" if own else "")
+        for name in sorted({c["truth"]["effects"][0]["name"] for c in own}):
+            of = [c for c in own if c["truth"]["effects"][0]["name"] == name]
+            print(f"  {name:38s} {len(of):3d} {sum(c['detected'] for c in of):3d} {sum(c['first'] for c in of):3d} "
+                  f"{sum(c['in_set'] for c in of):3d}")
+    for failure in sorted({c["failure"] for c in cases if "failure" in c})[:5]:
+        print(f"failed: {failure}")
+    print(f"\n{len(cases)} cases" + ("" if options.merge else f" in {time.monotonic() - begin:.0f} s"))
+    if options.out:
+        options.out.write_text(json.dumps({"schema": "sinew.hidden_muscles/1", "cases": cases}, indent=1))
+
+
+if __name__ == "__main__":
+    sys.exit(main())

@@ -1,0 +1,146 @@
+"""Muscles through the program: the ankle study and its diagnosis, CEINMS projects, and what is wrong with files.
+
+    SINEW_PROGRAM=build/release/sinew /usr/bin/python3 -B -m unittest discover -s tests/cli -p test_nms.py
+"""
+import json
+import os
+import shutil
+import unittest
+from pathlib import Path
+
+import h5py
+
+from program import ROOT, ProgramTest, contents
+
+EXAMPLE = Path(os.environ.get("SINEW_SHARED_DATA", ROOT.parent / "shared" / "data")) / "ceinms_example"
+STUDY = ROOT / "datasets" / "data" / "ankle_study.h5"
+
+
+class MuscleTest(ProgramTest):
+    def refuses(self, part, *words):
+        """As fails, of a message that holds these words."""
+        before = contents(self.folder)
+        done = self.run_program(*words)
+        self.assertEqual((done.returncode, done.stdout), (2, ""), done.stderr)
+        self.assertEqual(done.stderr.count("sinew: error: "), 1, done.stderr)
+        self.assertIn(part, done.stderr)
+        self.assertEqual(contents(self.folder), before, "something was written")
+
+
+class AnkleStudy(MuscleTest):
+    def found(self, data):
+        self.succeeds("diagnose", "nms", "--data", data, "--threads", "1", "--quiet", "--out", "why.h5", "--json", "why.json")
+        return json.loads(self.path("why.json").read_text())
+
+    def test_nothing_is_wrong(self):
+        self.succeeds("data", "synthesize", "nms", "--seed", "2", "--out", "ankle.h5")
+        found = self.found("ankle.h5")
+        self.assertEqual(found["verdict"], "adequate", found["sentences"])
+
+    def test_what_is_hidden_in_the_committed_study_is_found(self):
+        truth = json.loads(STUDY.with_name("ankle_study.truth.json").read_text())
+        (effect, numbers), = truth["effects"].items()
+        found = self.found(STUDY)
+        self.assertEqual([c["effect"] for c in found["causes"]], [effect], found["sentences"])
+        for parameter in found["causes"][0]["parameters"]:
+            low, high = parameter["ci95"]
+            self.assertLess(low, numbers[parameter["name"]])
+            self.assertLess(numbers[parameter["name"]], high)
+        after = {p["name"]: p for p in found["extended_parameters"]}
+        for name, value in truth["base"].items():
+            low, high = after[name]["ci95"]
+            wide = 0.5 * (high - low)
+            self.assertLess(low - wide, value, name)
+            self.assertLess(value, high + wide, name)
+        self.assertGreater(found["gains"][0]["reduction"], 0.1)
+
+    def test_raw_emg_gives_the_excitations(self):
+        """The committed study holds the raw EMG of one electrode; its envelope is near the mean of many."""
+        shutil.copy(STUDY, self.path("study.h5"))
+        self.run_program("data", "envelope", "study.h5", "--grid", "emg", "--normalise", "values:" + ",".join(
+            f"{m}=1e-3" for m in ("lat_gas_r", "med_gas_r", "soleus_r", "tib_ant_r", "per_long_r", "per_brev_r", "per_tert_r")),
+            "--out", "envelopes.h5")
+        with h5py.File(STUDY) as study, h5py.File(self.path("envelopes.h5")) as made:
+            for trial in study["trials"]:
+                mean = study[f"trials/{trial}/excitations/channels/soleus_r"][:]
+                one = made[f"trials/{trial}/excitations/channels/soleus_r"][:]
+                self.assertEqual(len(mean), len(one))
+                middle = slice(20, -20)  # the ends of an envelope hang on single samples
+                self.assertLess(((mean - one)[middle] ** 2).mean() ** 0.5, 0.15 * mean.max())
+
+    def test_a_run_holds_the_muscles_and_the_subject(self):
+        self.succeeds("identify", "nms", "--data", STUDY, "--quiet", "--out", "run.h5", "--release",
+                      "passive_stiffness.ankle_angle_r")
+        with h5py.File(self.path("run.h5")) as run:
+            muscle = run["details/nms/train_60/soleus_r"]
+            self.assertGreater(muscle["force"][:].max(), 100)
+            self.assertTrue((muscle["activation"][:] >= 0).all())
+            strengths = dict(zip(run["parameters/name"].asstr()[:], run["parameters/value"][:]))
+        self.succeeds("data", "subject", "run.h5", "--out", "calibrated.xml")
+        text = self.path("calibrated.xml").read_text()
+        self.assertIn(f"<strengthCoefficient>{strengths['triceps.strength']:.4f}"[:24], text)
+        self.refuses("holds no subject", "data", "subject", STUDY, "--out", "other.xml")
+
+
+@unittest.skipUnless(EXAMPLE.is_dir(), f"{EXAMPLE} is not there")
+class CeinmsProject(MuscleTest):
+    def project(self):
+        folder = self.path("project")
+        shutil.copytree(EXAMPLE, folder)
+        for path in [folder, *folder.rglob("*")]:
+            path.chmod(0o755)
+        return folder
+
+    def test_a_calibration_is_one_import_away(self):
+        self.run_program("data", "ceinms", EXAMPLE / "csetup_stiff.xml", "--validate", EXAMPLE / "trial3" / "trial3.xml", "--out",
+                         "project.h5")
+        self.succeeds("identify", "nms", "--data", "project.h5", "--solver", "lm", "--quiet", "--out", "run.h5")
+        with h5py.File(self.path("run.h5")) as run:
+            self.assertEqual(len(run["uncertainty/name"]), 50)
+            self.assertLess(2 * run["run"].attrs["cost"], 2.5e-6)
+
+    def test_an_execution_is_imported_too(self):
+        done = self.run_program("data", "ceinms", EXAMPLE / "setup_true_equilibriumElastic_1.xml", "--out", "one.h5")
+        self.assertEqual(done.returncode, 0, done.stderr)
+        self.succeeds("simulate", "nms", "--data", "one.h5", "--out", "out.h5")
+
+    def test_wrong_files_get_one_sentence_and_write_nothing(self):
+        for file, old, new, words in (
+                ("csetup_stiff.xml", "<subjectFile>start.xml", "<subjectFile>nobody.xml", "nobody.xml"),
+                ("csetup_stiff.xml", "<ceinmsCalibration>", "<calibrations>", "csetup_stiff.xml:"),
+                ("cal_stiff.xml", "<name>c1</name>", "<name>c3</name>", "parameter 'c3' does not exist"),
+                ("cal_stiff.xml", "0.85 1.15", "1.15 0.85", "not two increasing numbers"),
+                ("cal_stiff.xml", "<stiff/>", "<rubber/>", "no kind <rubber>"),
+                ("exc.xml", '<excitation id="soleus_r"><input weight="1">soleus_r', '<excitation id="soleus_r"><input weight="1">solus_r',
+                 "there is no column 'solus_r'"),
+                ("trial1/trial1.xml", "Length.sto", "Lengths.sto", "Lengths.sto"),
+                ("trial1/trial1.xml", "inputData>", "input>", "expected <inputData>"),
+        ):
+            with self.subTest(words=words):
+                folder = self.project()
+                text = (folder / file).read_text()
+                self.assertIn(old, text)
+                (folder / file).write_text(text.replace(old, new))
+                self.refuses(words, "data", "ceinms", folder / "csetup_stiff.xml", "--out", "project.h5")
+                self.assertFalse(self.path("project.h5").exists())
+                shutil.rmtree(folder)
+
+    def test_a_muscle_without_input_is_said(self):
+        folder = self.project()
+        text = (folder / "exc.xml").read_text()
+        (folder / "exc.xml").write_text(text.replace('<input weight="1">soleus_r</input>', ""))
+        done = self.run_program("data", "ceinms", folder / "csetup_stiff.xml", "--out", "project.h5")
+        self.assertEqual(done.returncode, 0, done.stderr)
+        self.assertIn("muscle 'soleus_r' has no input", done.stderr.replace("\n  ", " "))
+        self.refuses("soleus_r", "identify", "nms", "--data", "project.h5", "--out", "run.h5")
+
+    def test_excitations_outside_of_their_range_are_one_warning(self):
+        self.run_program("data", "ceinms", EXAMPLE / "csetup_stiff.xml", "--out", "project.h5")
+        with h5py.File(self.path("project.h5"), "r+") as file:
+            file["trials/trial1/excitations/channels/soleus_r"][5:9] = 1.5
+        told = self.run_program("identify", "nms", "--data", "project.h5", "--max-evaluations", "1", "--out", "run.h5").stdout
+        self.assertEqual(" ".join(told.split()).count("outside of 0..1"), 1, told)
+
+
+if __name__ == "__main__":
+    unittest.main()
