@@ -201,7 +201,7 @@ def main():
         said = []
         for curves in CURVES:
             data = work / f"rat_{curves}.h5"
-            for words, free in (("4 numbers fitted" if len(BASE) == 4 else "3 numbers fitted", BASE), ("5 numbers fitted", RICH)):
+            for words, free in (("3 numbers fitted", BASE), ("5 numbers fitted", RICH)):
                 for tendon in ("rigid", "elastic"):
                     config.write_text(settings(tendon, *free))
                     run = work / f"run_{curves}_{len(free)}_{tendon}.h5"
@@ -214,11 +214,11 @@ def main():
             for curves in CURVES:
                 for tendon in ("rigid", "elastic"):
                     data = work / f"rat_{curves}.h5"
-                    config.write_text(settings(tendon, *RICH))
+                    config.write_text(settings(tendon, *BASE))
                     begin = time.monotonic()
                     why = work / f"why_{curves}_{tendon}.h5"
                     text = sinew(options, "diagnose", "nms", "--data", data, "--config", config, "--from",
-                                 work / f"run_{curves}_{len(RICH)}_{tendon}.h5", "--quiet", "--out", why)
+                                 work / f"run_{curves}_{len(BASE)}_{tendon}.h5", "--quiet", "--out", why)
                     print(f"\n### diagnosis, {curves} curves, {tendon}, {time.monotonic() - begin:.0f} s\n{text.split('Base model')[0]}\n{head}\n|{'---|' * (len(AMPLITUDES) + 2)}")
                     sinew(options, "simulate", "nms", "--data", data, "--config", config, "--from", why, "--out", out)
                     record(f"after the diagnosis, {curves} curves, {tendon}", data, out)
