@@ -176,11 +176,14 @@ def calibrate(options, recordings, variants):
     head()
     said = ""
     for emg, file in variants.items():
-        for name, words in (("ankle_speed_fixed.yaml", "speed and damping from the file"), ("ankle.yaml", "speed and damping free")):
+        for name, words in (("ankle_speed_fixed.yaml", "speed and damping from the file"), ("ankle.yaml", "speed and damping free"),
+                            ("ankle_grouped.yaml", "the same, one strength of gastrocnemius")):
             for tendon, solvers in (("rigid", ("lm", "ceres", "hop")), ("equilibrium", ("lm",)), ("elastic", ("lm",))):
                 if tendon != "rigid" and not (name == "ankle.yaml" and emg == READY):
                     continue
-                for solver in solvers:
+                if name == "ankle_grouped.yaml" and emg != READY:
+                    continue
+                for solver in solvers if name != "ankle_grouped.yaml" else ("hop",):
                     out = options.work / f"run_{name[:-5]}_{tendon}_{solver}_{len(emg)}.h5"
                     text = identify(options, f"{words}, EMG {emg}, {tendon}, {solver}", file,
                                     settings(options, name, tendon=tendon), out, solver)
