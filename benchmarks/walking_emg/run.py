@@ -178,7 +178,7 @@ def calibrate(options, recordings, variants):
     for emg, file in variants.items():
         for name, words in (("ankle_speed_fixed.yaml", "speed and damping from the file"), ("ankle.yaml", "speed and damping free"),
                             ("ankle_grouped.yaml", "the same, one strength of gastrocnemius")):
-            for tendon, solvers in (("rigid", ("lm", "ceres", "hop")), ("equilibrium", ("lm",)), ("elastic", ("lm",))):
+            for tendon, solvers in (("rigid", ("lm", "ceres", "hop")), ("equilibrium", ("lm",)), ("elastic", ("lm", "hop"))):
                 if tendon != "rigid" and not (name == "ankle.yaml" and emg == READY):
                     continue
                 if name == "ankle_grouped.yaml" and emg != READY:
