@@ -31,8 +31,9 @@ enum MuscleSlot {
   kCrossTalk,                ///< share of the other muscles' mean excitation in the measured one [1]
   kEnhancement,              ///< of the force, per optimal length of stretch: ForceHistory [1]
   kDepression,               ///< of the force, per optimal length of shortening: ForceHistory [1]
-  kTendonCompliance,  ///< strain of the tendon beside that of the subject's curve; of a rigid tendon only [1, >= 0]
-  kAngleOffset,  ///< first of kMostJoints: of the joint's true angle beyond the measured one [rad]
+  kTendonCompliance,  ///< strain of the tendon beside that of the subject's curve; of a rigid tendon only [1,
+                      ///< >= 0]
+  kAngleOffset,       ///< first of kMostJoints: of the joint's true angle beyond the measured one [rad]
   kMuscleSlots = kAngleOffset + 3
 };
 /// That a muscle may cross.
