@@ -139,8 +139,9 @@ std::vector<Gain> HeldOut::Gains(const std::vector<Vector>& before, const std::v
                                       static_cast<Eigen::Index>(kBlockShare * static_cast<double>(n))));
         for (Eigen::Index filled = 0; filled < n; filled += length) {
           const auto at = static_cast<Eigen::Index>(random.Index(static_cast<std::uint64_t>(n - length + 1)));
-          drawn_before += before[i].segment(at, length).squaredNorm();
-          drawn_after += after[i].segment(at, length).squaredNorm();
+          const double weight = block(i).weight;
+          drawn_before += before[i].segment(at, length).squaredNorm() / (weight * weight);
+          drawn_after += after[i].segment(at, length).squaredNorm() / (weight * weight);
         }
       }
       reductions.push_back(drawn_before > 0 ? 1 - std::sqrt(drawn_after / drawn_before) : 0);

@@ -76,6 +76,7 @@ class Preparation {
       out_.notes.push_back(fmt::format(
           "{} of {} samples of excitations were outside of 0..1 and were cut off", cut_off_, all_));
     }
+    NoteFloors();
     const auto& time = out_.trials.front().time;
     out_.rate = static_cast<double>(time.size() - 1) / (time.back() - time.front());
     return std::move(out_);
@@ -157,6 +158,33 @@ class Preparation {
       return Fail("has no measured moment: expected a channel such as {}_moment", settings_.joints.front());
     out_.trials.push_back(std::move(made));
     return {};
+  }
+
+  // An excitation that never comes down in one recording, but does in another: its floor was not taken off,
+  // or the muscle was never at rest. What is fitted to one recording then fails on the other.
+  void NoteFloors() {
+    constexpr double kSurelyMore = 0.03;   // than in the recording where it is lowest
+    constexpr double kShareOfPeak = 0.15;  // of the same recording
+    for (std::size_t m = 0; m < out_.muscles.size(); ++m) {
+      std::vector<double> floors;
+      std::vector<double> peaks;
+      for (const NmsTrial& trial : out_.trials) {
+        std::vector<double> sorted = trial.muscles[m].excitation;
+        std::sort(sorted.begin(), sorted.end());
+        floors.push_back(sorted[sorted.size() / 100]);
+        peaks.push_back(sorted[sorted.size() - 1 - sorted.size() / 100]);
+      }
+      const auto lowest =
+          static_cast<std::size_t>(std::min_element(floors.begin(), floors.end()) - floors.begin());
+      for (std::size_t t = 0; t < floors.size(); ++t) {
+        if (!(floors[t] > floors[lowest] + kSurelyMore && floors[t] > kShareOfPeak * peaks[t])) continue;
+        out_.notes.push_back(fmt::format(
+            "the excitation of {} never falls below {:.2g} in trial '{}', but to {:.2g} in '{}': was its "
+            "floor taken "
+            "off in both? What is fitted to one will not predict the other",
+            out_.muscles[m], floors[t], out_.trials[t].name, floors[lowest], out_.trials[lowest].name));
+      }
+    }
   }
 
   // For every muscle, the mean excitation of all others.

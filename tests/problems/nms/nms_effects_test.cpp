@@ -121,6 +121,19 @@ TEST(NmsEffectsTest, DerivativesOfEveryEffectAgreeWithDifferences) {
   EXPECT_LT(check.worst, 1e-5);
 }
 
+// As in a real recording, whose other trial no model predicted before its floor was taken off.
+TEST(NmsEffectsTest, AFloorOfOneRecordingIsSaid) {
+  Dataset data = Study({{"exact", 1}, {"cycles", 1}, {"train", 2}, {"validate", 1}});
+  EXPECT_TRUE(Bind(data).notes.empty());
+  for (double& e : data.trials.at("validate_75").grids.at("excitations").channels.at("soleus_r").values)
+    e = std::min(1.0, e + 0.1);
+  const std::vector<std::string> notes = Bind(data).notes;
+  ASSERT_EQ(notes.size(), 1U);
+  EXPECT_EQ(
+      notes.front().rfind("the excitation of soleus_r never falls below 0.12 in trial 'validate_75'", 0), 0U)
+      << notes.front();
+}
+
 TEST(NmsEffectsTest, WhatTheStudyCannotContainIsRefused) {
   const auto failure = [](const std::string& effect, const std::string& parameter, double value) {
     SynthesisRequest request;
