@@ -143,6 +143,7 @@ Result<int> RunSimulate(const SimulateWords& words) {
     std::printf("%s\n", words.out.c_str());
   }
   std::fputs(Table(rows, 2).c_str(), stdout);
+  for (const std::string& note : binding.bound.notes) std::fputs(Wrapped("note: " + note, 0).c_str(), stderr);
   if (mode != nullptr) mode->Print();
   return kDone;
 }

@@ -37,7 +37,10 @@ Search LevenbergMarquardt::DoSolve(Evaluator& evaluator, const Vector& start) co
   bool derivatives_at_x = false;
   while (true) {
     if (!derivatives_at_x) {
-      equations.Set(x.size(), residuals, jacobian);
+      if (!equations.Set(x.size(), residuals, jacobian)) {
+        search.stop = {Termination::kSolverFailed, "the squares of the derivatives overflow"};
+        return search;
+      }
       derivatives_at_x = true;
     }
     double predicted = 0;

@@ -9,11 +9,10 @@ namespace sinew {
 ///
 /// Every step solves for the free variables with those that reach a bound held there (NormalEquations), so
 /// that many active bounds cost no iterations; `ceres` projects the step instead, and creeps along them. A
-/// point without prediction is a rejected step. An accepted point costs two evaluations, a rejected one one:
-/// Jacobians are computed only where a step was accepted. Stops on the relative change of the cost, predicted
-/// or real, and on the length of the step.
-/// The normal equations square the condition number: where columns are collinear to eight digits `ceres`
-/// (QR) gets further.
+/// point without prediction is a rejected step. Points are evaluated with derivatives; after a rejected one
+/// without, until one is accepted, which is then evaluated once more. Stops on the relative change of the
+/// cost, predicted or real, and on the length of the step. The normal equations square the condition number:
+/// where columns are collinear to eight digits `ceres` (QR) gets further.
 class LevenbergMarquardt : public Solver {
  public:
   explicit LevenbergMarquardt(double cost_tolerance) : cost_tolerance_(cost_tolerance) {}

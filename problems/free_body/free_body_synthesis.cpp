@@ -9,6 +9,7 @@
 #include "problems/experiment_settings.h"
 #include "problems/free_body/free_body_data.h"
 #include "problems/free_body/free_body_problem.h"
+#include "problems/hidden_effects.h"
 
 namespace sinew {
 namespace {
@@ -49,27 +50,11 @@ std::string SettingsText(const Values& values) {
 
 Status HideEffects(const SynthesisRequest& request, const FreeBodyParameterList& list,
                    FreeBodyNumbers& truth) {
-  for (const auto& [name, numbers] : request.effects) {
-    const auto effect = std::find_if(list.effects.begin(), list.effects.end(),
-                                     [&, wanted = name](const Effect& e) { return e.name == wanted; });
-    if (effect == list.effects.end()) {
-      std::vector<std::string> names;
-      for (const Effect& e : list.effects) names.push_back(e.name);
-      return Fail("--effect: '{}' does not exist{}", name, Suggestion(name, names));
-    }
-    std::vector<std::string> names;
-    for (const int index : effect->parameters)
-      names.push_back(list.parameters[static_cast<std::size_t>(index)].name);
-    for (const auto& [parameter, value] : numbers) {
-      if (std::find(names.begin(), names.end(), parameter) == names.end())
-        return Fail("--effect {}: '{}' does not exist{}", name, parameter, Suggestion(parameter, names));
-      SINEW_ASSIGN(const int index, FindParameter(list.parameters, parameter));
-      const Parameter& p = list.parameters[static_cast<std::size_t>(index)];
-      if (!(value >= p.lower && value <= p.upper))
-        return Fail("--effect {}: {} = {}, expected {} to {}", name, parameter, value, p.lower, p.upper);
-      for (std::size_t slot = 0; slot < truth.value.size(); ++slot) {
-        if (list.index[slot] == index) truth.value[slot] = value;
-      }
+  SINEW_ASSIGN(const auto hidden, ReadHiddenEffects(request, list.effects, list.parameters));
+  for (const auto& [parameter, value] : hidden) {
+    SINEW_ASSIGN(const int index, FindParameter(list.parameters, parameter));
+    for (std::size_t slot = 0; slot < truth.value.size(); ++slot) {
+      if (list.index[slot] == index) truth.value[slot] = value;
     }
   }
   return {};

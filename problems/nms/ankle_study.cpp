@@ -7,6 +7,7 @@
 
 #include "base/constants.h"
 #include "models/emg/butterworth.h"
+#include "problems/nms/ceinms_subject.h"
 
 namespace sinew {
 namespace {
@@ -137,25 +138,13 @@ std::string StudySubjectXml() {
   std::string text =
       "<?xml version=\"1.0\" encoding=\"UTF-8\"?>\n<subject>\n  <mtuDefault>\n    <emDelay>0.04</emDelay>\n"
       "    <percentageChange>0.15</percentageChange>\n    <damping>0.1</damping>\n";
-  const auto curve = [&](const char* name, const std::vector<double>& x, const std::vector<double>& y) {
+  for (int which = 0; which < kSubjectCurves; ++which) {
+    const CurvePoints& points = CeinmsCurvePoints()[static_cast<std::size_t>(which)];
     text += fmt::format(
         "    <curve>\n      <name>{}</name>\n      <xPoints>{}</xPoints>\n      <yPoints>{}</yPoints>\n"
         "    </curve>\n",
-        name, list(x), list(y));
-  };
-  // The points that come with CEINMS (Pizzolato et al. 2015).
-  curve("activeForceLength",
-        {-5, 0, 0.401, 0.402, 0.4035, 0.52725, 0.62875, 0.71875, 0.86125, 1.045, 1.2175, 1.43875, 1.61875,
-         1.62, 1.621, 2.2, 5},
-        {0, 0, 0, 0, 0, 0.226667, 0.636667, 0.856667, 0.95, 0.993333, 0.77, 0.246667, 0, 0, 0, 0, 0});
-  curve("passiveForceLength", {-5, 0.998, 0.999, 1, 1.1, 1.2, 1.3, 1.4, 1.5, 1.6, 1.601, 1.602, 5},
-        {0, 0, 0, 0, 0.035, 0.12, 0.26, 0.55, 1.17, 2, 2, 2, 2});
-  curve("forceVelocity", {-10, -1, -0.6, -0.3, -0.1, 0, 0.1, 0.3, 0.6, 0.8, 10},
-        {0, 0, 0.08, 0.2, 0.55, 1, 1.4, 1.6, 1.7, 1.75, 1.75});
-  curve("tendonForceStrain",
-        {-10, -0.002, -0.001, 0, 0.00131, 0.00281, 0.00431, 0.00581, 0.00731, 0.00881, 0.0103, 0.0118, 0.0123,
-         9.2, 9.201, 9.202, 20},
-        {0, 0, 0, 0, 0.0108, 0.0257, 0.0435, 0.0652, 0.0915, 0.123, 0.161, 0.208, 0.227, 345, 345, 345, 345});
+        CeinmsCurveName(static_cast<SubjectCurve>(which)), list(points.x), list(points.y));
+  }
   text += "  </mtuDefault>\n  <mtuSet>\n";
   std::string names;
   for (const StudyMuscle& m : StudyMuscles()) {

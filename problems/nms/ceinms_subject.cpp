@@ -42,12 +42,6 @@ const Entry kEntries[] = {
 
 constexpr const char* kCurveNames[kSubjectCurves] = {"activeForceLength", "passiveForceLength",
                                                      "forceVelocity", "tendonForceStrain"};
-// CEINMS-RT builds the tendon's curve in.
-const CurvePoints kTendonPoints{
-    {-10, -0.002, -0.001, 0, 0.00131, 0.00281, 0.00431, 0.00581, 0.00731, 0.00881, 0.0103, 0.0118, 0.0123,
-     9.2, 9.201, 9.202, 20},
-    {0, 0, 0, 0, 0.0108, 0.0257, 0.0435, 0.0652, 0.0915, 0.123, 0.161, 0.208, 0.227, 345, 345, 345, 345}};
-
 struct Dialect {
   bool realtime = false;
   const char* defaults = "mtuDefault";
@@ -119,7 +113,8 @@ Status ReadCurves(const XmlDocument& xml, const Dialect& dialect, const pugi::xm
     found[which] = true;
   }
   if (!found[kTendonForceStrain]) {
-    subject.curves[kTendonForceStrain] = kTendonPoints;
+    // CEINMS-RT builds the tendon's curve in.
+    subject.curves[kTendonForceStrain] = CeinmsCurvePoints()[kTendonForceStrain];
     found[kTendonForceStrain] = dialect.realtime;
   }
   for (std::size_t i = 0; i < found.size(); ++i) {
@@ -163,6 +158,26 @@ void NoteUnknown(const XmlDocument& xml, const pugi::xml_node& parent, const std
 }
 
 }  // namespace
+
+const std::array<CurvePoints, kSubjectCurves>& CeinmsCurvePoints() {
+  static const std::array<CurvePoints, kSubjectCurves> kPoints{{
+      {{-5, 0, 0.401, 0.402, 0.4035, 0.52725, 0.62875, 0.71875, 0.86125, 1.045, 1.2175, 1.43875, 1.61875,
+        1.62, 1.621, 2.2, 5},
+       {0, 0, 0, 0, 0, 0.226667, 0.636667, 0.856667, 0.95, 0.993333, 0.77, 0.246667, 0, 0, 0, 0, 0}},
+      {{-5, 0.998, 0.999, 1, 1.1, 1.2, 1.3, 1.4, 1.5, 1.6, 1.601, 1.602, 5},
+       {0, 0, 0, 0, 0.035, 0.12, 0.26, 0.55, 1.17, 2, 2, 2, 2}},
+      {{-10, -1, -0.6, -0.3, -0.1, 0, 0.1, 0.3, 0.6, 0.8, 10},
+       {0, 0, 0.08, 0.2, 0.55, 1, 1.4, 1.6, 1.7, 1.75, 1.75}},
+      {{-10, -0.002, -0.001, 0, 0.00131, 0.00281, 0.00431, 0.00581, 0.00731, 0.00881, 0.0103, 0.0118, 0.0123,
+        9.2, 9.201, 9.202, 20},
+       {0, 0, 0, 0, 0.0108, 0.0257, 0.0435, 0.0652, 0.0915, 0.123, 0.161, 0.208, 0.227, 345, 345, 345, 345}},
+  }};
+  return kPoints;
+}
+
+const char* CeinmsCurveName(SubjectCurve curve) {
+  return kCurveNames[curve];
+}
 
 const SubjectMuscle* Subject::Find(const std::string& muscle) const {
   const auto found =

@@ -14,6 +14,11 @@
 
 namespace sinew {
 
+/// The points that come with CEINMS (Pizzolato et al. 2015), by curve.
+[[nodiscard]] const std::array<CurvePoints, kSubjectCurves>& CeinmsCurvePoints();
+/// A curve's name in the files.
+[[nodiscard]] const char* CeinmsCurveName(SubjectCurve curve);
+
 struct CeinmsSubject {
   Subject subject;
   std::vector<std::string> notes;  ///< elements that are not read, with their lines
