@@ -9,6 +9,7 @@
 #include "cli/command.h"
 #include "cli/terminal.h"
 #include "identify/results/identification.h"
+#include "identify/results/stepwise.h"
 
 namespace sinew {
 namespace {
@@ -24,6 +25,7 @@ struct IdentifyWords {
   std::string solver = "ceres";
   std::string json;
   bool resume = false;
+  bool stepwise = false;
 };
 
 // The recorded points lie between 0 and 1: under other bounds the same numbers are other parameters.
@@ -109,6 +111,7 @@ Result<int> RunIdentify(const IdentifyWords& words) {
   options.evaluator.budget = words.fit.ToBudget();
   options.evaluator.interrupt = &InterruptFlag();
   SINEW_TRY(MakeSolver(options.solver, options.solver_options));  // a wrong name writes nothing
+  if (words.resume && words.stepwise) return Fail("--resume: steps are done again, not resumed");
   if (words.resume) {
     SINEW_ASSIGN(options.evaluator.replay, Recorded(words, provenance, setup));
   }
@@ -128,7 +131,8 @@ Result<int> RunIdentify(const IdentifyWords& words) {
     next_saving = ended + std::max(kCheckpointInterval, kCheckpointShare * (ended - began));
   };
   SINEW_ASSIGN(Identification identification,
-               Identify(binding.problem(), std::move(setup), std::move(options)));
+               words.stepwise ? IdentifyStepwise(binding.problem(), request, options)
+                              : Identify(binding.problem(), std::move(setup), std::move(options)));
   line.Clear();
   for (const std::string& note : binding.bound.notes) identification.warnings.push_back(note);
 
@@ -156,6 +160,7 @@ void AddIdentifyCommand(Command app, const RunAction& run) {
       .ShowsDefault()
       .Shows("S");
   command.AddFlag("--resume", words->resume, "Go on with an interrupted run file to the same answer");
+  command.AddFlag("--stepwise", words->stepwise, "Fit in the steps that the settings list");
   command.Add("--json", words->json, "Result for machines; - for standard output").Shows("FILE|-");
   command.Runs(run, [=] { return RunIdentify(*words); });
 }

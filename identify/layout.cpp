@@ -25,6 +25,9 @@ Status CheckBlock(const Block& block, int parameters) {
   if (!(block.weight > 0) || !std::isfinite(block.weight)) return Fail("its weight is {}", block.weight);
   if (block.sigma && !(*block.sigma > 0))
     return Fail("its noise level is {}, expected above 0", *block.sigma);
+  if (block.range && !(block.range->lower < block.range->upper))
+    return Fail("its range {} .. {} is none", block.range->lower, block.range->upper);
+  if (block.range && block.role != BlockRole::kPredicted) return Fail("it has a range but is measured");
   for (std::size_t i = 0; i < block.columns.size(); ++i) {
     const int previous = i == 0 ? -1 : block.columns[i - 1];
     if (block.columns[i] <= previous || block.columns[i] >= parameters)

@@ -8,6 +8,7 @@
 
 #include "base/error.h"
 #include "base/linear_algebra.h"
+#include "identify/range.h"
 
 namespace sinew {
 
@@ -38,6 +39,8 @@ struct Block {
   /// their own inside (states of a toss): their residual has lost what these took up, so that an
   /// autoregression or a lower level estimated from it would be one of the fit.
   bool white = false;
+  /// kPredicted only: where its values should stay. `weight` is that of the distance from it.
+  std::optional<Range> range;
   std::vector<int> columns;  ///< parameters that it may depend on, increasing
 
   [[nodiscard]] int samples() const { return static_cast<int>(measured.size()); }

@@ -48,42 +48,58 @@ LeastSquares::LeastSquares(const Problem& problem, const FitSetup& setup) : prob
   }
   const Layout& layout = problem.layout();
   wanted_.assign(layout.size(), false);
+  constrained_.assign(layout.size(), false);
   for (std::size_t b = 0; b < layout.size(); ++b) {
+    if (layout[b].range) {
+      (layout[b].range->strict ? strict_ranges_ : ranges_).push_back(static_cast<int>(b));
+      (layout[b].range->strict ? constrained_ : wanted_)[b] = true;
+    }
     if (layout[b].role != BlockRole::kTrain) continue;
     wanted_[b] = true;
-    train_blocks_.push_back({static_cast<int>(b), rows_});
-    rows_ += layout[b].samples();
+    train_blocks_.push_back({static_cast<int>(b), data_rows_});
+    data_rows_ += layout[b].samples();
   }
   for (const int index : setup.free) {
     const Parameter& p = setup.parameters[static_cast<std::size_t>(index)];
     if (p.prior)
       priors_.push_back({variable_of_[static_cast<std::size_t>(index)], *p.prior, p.scale == Scale::kLog});
   }
-  rows_ += static_cast<int>(priors_.size());
+  rows_ = data_rows_ + static_cast<int>(priors_.size() + ranges_.size());
 }
 
 LeastSquares::Workspace LeastSquares::NewWorkspace() const {
-  return {problem_.NewWorkspace(), Prediction(problem_.layout()), setup_.rest, Vector(rows_)};
+  return {problem_.NewWorkspace(), Prediction(problem_.layout()), setup_.rest, Vector(rows_), {}};
+}
+
+SparseJacobian::Piece LeastSquares::NewPiece(const Block& block, int first_row, int rows) const {
+  SparseJacobian::Piece piece;
+  piece.first_row = first_row;
+  for (const int column : block.columns) {
+    const int variable = variable_of_[static_cast<std::size_t>(column)];
+    if (variable >= 0) piece.variables.push_back(variable);
+  }
+  piece.values = Matrix::Zero(rows, static_cast<Eigen::Index>(piece.variables.size()));
+  return piece;
 }
 
 SparseJacobian LeastSquares::NewJacobian() const {
+  const Layout& layout = problem_.layout();
   SparseJacobian jacobian;
   for (const TrainBlock& train : train_blocks_) {
-    const Block& block = problem_.layout()[static_cast<std::size_t>(train.block)];
-    SparseJacobian::Piece piece;
-    piece.first_row = train.first_row;
-    for (const int column : block.columns) {
-      const int variable = variable_of_[static_cast<std::size_t>(column)];
-      if (variable >= 0) piece.variables.push_back(variable);
-    }
-    piece.values = Matrix::Zero(block.samples(), static_cast<Eigen::Index>(piece.variables.size()));
-    jacobian.pieces.push_back(std::move(piece));
+    const Block& block = layout[static_cast<std::size_t>(train.block)];
+    jacobian.pieces.push_back(NewPiece(block, train.first_row, block.samples()));
   }
-  for (std::size_t i = 0; i < priors_.size(); ++i) {
-    const int row = rows_ - static_cast<int>(priors_.size() - i);
-    jacobian.pieces.push_back({row, {priors_[i].variable}, Matrix::Zero(1, 1)});
-  }
+  int row = data_rows_;
+  for (const Prior& prior : priors_) jacobian.pieces.push_back({row++, {prior.variable}, Matrix::Zero(1, 1)});
+  for (const int b : ranges_)
+    jacobian.pieces.push_back(NewPiece(layout[static_cast<std::size_t>(b)], row++, 1));
   return jacobian;
+}
+
+std::vector<int> LeastSquares::PriorVariables() const {
+  std::vector<int> variables;
+  for (const Prior& prior : priors_) variables.push_back(prior.variable);
+  return variables;
 }
 
 void LeastSquares::ParametersInto(const Vector& x, Vector& parameters) const {
@@ -155,21 +171,54 @@ Status LeastSquares::Evaluate(const Vector& x, Workspace& workspace, Vector& res
     }
     if (transform_ != nullptr) transform_->Apply(static_cast<int>(t), piece.values);
   }
+  EvaluatePriors(x, workspace, residuals, jacobian);
+  EvaluateRanges(x, workspace, residuals, jacobian);
+  if (!residuals.allFinite()) return Fail("a predicted value is not finite");
+  return {};
+}
+
+void LeastSquares::EvaluatePriors(const Vector& x, const Workspace& workspace, Vector& residuals,
+                                  SparseJacobian* jacobian) const {
   for (std::size_t i = 0; i < priors_.size(); ++i) {
     const Prior& prior = priors_[i];
     const int index = setup_.free[static_cast<std::size_t>(prior.variable)];
     const double value = workspace.parameters[index];
-    const auto row = static_cast<Eigen::Index>(rows_) - static_cast<Eigen::Index>(priors_.size() - i);
-    residuals[row] = ((prior.logarithmic ? std::log(value) : value) - prior.density.mean) /
-                     prior.density.standard_deviation;
-    if (jacobian != nullptr) {
-      const double slope = Slope(setup_.parameters[static_cast<std::size_t>(index)], x[prior.variable]);
-      jacobian->pieces[train_blocks_.size() + i].values(0, 0) =
-          (prior.logarithmic ? slope / value : slope) / prior.density.standard_deviation;
-    }
+    residuals[data_rows_ + static_cast<Eigen::Index>(i)] =
+        ((prior.logarithmic ? std::log(value) : value) - prior.density.mean) /
+        prior.density.standard_deviation;
+    if (jacobian == nullptr) continue;
+    const double slope = Slope(setup_.parameters[static_cast<std::size_t>(index)], x[prior.variable]);
+    jacobian->pieces[train_blocks_.size() + i].values(0, 0) =
+        (prior.logarithmic ? slope / value : slope) / prior.density.standard_deviation;
   }
-  if (!residuals.allFinite()) return Fail("a predicted value is not finite");
-  return {};
+}
+
+void LeastSquares::EvaluateRanges(const Vector& x, Workspace& workspace, Vector& residuals,
+                                  SparseJacobian* jacobian) const {
+  for (std::size_t i = 0; i < ranges_.size(); ++i) {
+    const int b = ranges_[i];
+    const Block& block = problem_.layout()[static_cast<std::size_t>(b)];
+    const double distance = DistanceFrom(*block.range, workspace.prediction.values(b),
+                                         jacobian == nullptr ? nullptr : &workspace.slopes);
+    residuals[data_rows_ + static_cast<Eigen::Index>(priors_.size() + i)] = block.weight * distance;
+    if (jacobian == nullptr) continue;
+    workspace.slopes *= block.weight;
+    RowOf(x, b, workspace.prediction, workspace.slopes,
+          jacobian->pieces[train_blocks_.size() + priors_.size() + i].values);
+  }
+}
+
+void LeastSquares::RowOf(const Vector& x, int block, const Prediction& prediction, const Vector& slopes,
+                         Eigen::Ref<Matrix> row) const {
+  const std::vector<int>& columns = problem_.layout()[static_cast<std::size_t>(block)].columns;
+  const auto derivatives = prediction.derivatives(block);
+  Eigen::Index k = 0;
+  for (std::size_t c = 0; c < columns.size(); ++c) {
+    const int variable = variable_of_[static_cast<std::size_t>(columns[c])];
+    if (variable < 0) continue;
+    row(0, k++) = slopes.dot(derivatives.col(static_cast<Eigen::Index>(c))) *
+                  Slope(setup_.parameters[static_cast<std::size_t>(columns[c])], x[variable]);
+  }
 }
 
 Result<double> LeastSquares::Cost(const Vector& x, Workspace& workspace) const {
@@ -177,19 +226,60 @@ Result<double> LeastSquares::Cost(const Vector& x, Workspace& workspace) const {
   return 0.5 * workspace.residuals.squaredNorm();
 }
 
-void LeastSquares::Constraints(const Vector& x, Vector& values, Matrix* jacobian) const {
+std::string LeastSquares::ConstraintName(int constraint) const {
+  const auto i = static_cast<std::size_t>(constraint);
+  const std::vector<Constraint>& linear = problem_.constraints();
+  if (i < linear.size()) return linear[i].name;
+  const Block& block = problem_.layout()[static_cast<std::size_t>(strict_ranges_[i - linear.size()])];
+  return fmt::format("{} within {} .. {} in trial {}", block.channel, block.range->lower, block.range->upper,
+                     block.trial);
+}
+
+Vector LeastSquares::ConstraintSizes(const Vector& x) const {
   const Vector parameters = Parameters(x);
+  std::vector<double> sizes;
+  for (const Constraint& c : problem_.constraints())
+    sizes.push_back(std::abs(c.offset) + c.coefficients.cwiseProduct(parameters).cwiseAbs().sum());
+  for (const int b : strict_ranges_) {
+    const Range& range = *problem_.layout()[static_cast<std::size_t>(b)].range;
+    sizes.push_back(std::max(std::abs(range.lower), std::abs(range.upper)));
+  }
+  return Eigen::Map<const Vector>(sizes.data(), static_cast<Eigen::Index>(sizes.size()));
+}
+
+Status LeastSquares::Constraints(const Vector& x, Workspace& workspace, Vector& values,
+                                 Matrix* jacobian) const {
+  ParametersInto(x, workspace.parameters);
   const Vector slopes = Slopes(x);
+  const std::vector<Constraint>& linear = problem_.constraints();
+  const auto count = static_cast<Eigen::Index>(linear.size());
   values.resize(constraints());
-  if (jacobian != nullptr) jacobian->resize(constraints(), variables());
-  for (int i = 0; i < constraints(); ++i) {
-    const Constraint& constraint = problem_.constraints()[static_cast<std::size_t>(i)];
-    values[i] = constraint.offset + constraint.coefficients.dot(parameters);
+  if (jacobian != nullptr) jacobian->setZero(constraints(), variables());
+  for (Eigen::Index i = 0; i < count; ++i) {
+    const Constraint& constraint = linear[static_cast<std::size_t>(i)];
+    values[i] = constraint.offset + constraint.coefficients.dot(workspace.parameters);
     if (jacobian == nullptr) continue;
     for (int k = 0; k < variables(); ++k) {
       (*jacobian)(i, k) = constraint.coefficients[setup_.free[static_cast<std::size_t>(k)]] * slopes[k];
     }
   }
+  if (strict_ranges_.empty()) return {};
+  const Query query{workspace.parameters, constrained_, jacobian != nullptr, &differentiate_};
+  SINEW_TRY(problem_.Predict(query, *workspace.problem, workspace.prediction));
+  for (std::size_t r = 0; r < strict_ranges_.size(); ++r) {
+    const int b = strict_ranges_[r];
+    const Block& block = problem_.layout()[static_cast<std::size_t>(b)];
+    const Eigen::Index i = count + static_cast<Eigen::Index>(r);
+    values[i] = FarthestFrom(*block.range, workspace.prediction.values(b),
+                             jacobian == nullptr ? nullptr : &workspace.slopes);
+    if (!std::isfinite(values[i])) return Fail("a predicted value is not finite");
+    if (jacobian == nullptr) continue;
+    SparseJacobian::Piece piece = NewPiece(block, 0, 1);
+    RowOf(x, b, workspace.prediction, workspace.slopes, piece.values);
+    for (std::size_t k = 0; k < piece.variables.size(); ++k)
+      (*jacobian)(i, piece.variables[k]) = piece.values(0, static_cast<Eigen::Index>(k));
+  }
+  return {};
 }
 
 }  // namespace sinew

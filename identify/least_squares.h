@@ -38,7 +38,7 @@ class RowTransform {
 };
 
 /// Cost = half the sum of squared residuals over the training blocks, plus half of ((p - mean) / deviation)^2
-/// per prior.
+/// per prior, plus half of (weight * distance)^2 per block that left its range.
 class LeastSquares {
  public:
   /// Scratch of one thread.
@@ -47,6 +47,7 @@ class LeastSquares {
     Prediction prediction;
     Vector parameters;
     Vector residuals;
+    Vector slopes;  // of a range
   };
 
   /// Both must outlive this object. @pre the setup was made for this problem.
@@ -62,6 +63,11 @@ class LeastSquares {
     int first_row = 0;
   };
   [[nodiscard]] const std::vector<TrainBlock>& train_blocks() const { return train_blocks_; }
+
+  /// Rows of the training blocks; rows of priors follow, then rows of ranges.
+  [[nodiscard]] int data_rows() const { return data_rows_; }
+  /// Variables of the priors, in the order of their rows.
+  [[nodiscard]] std::vector<int> PriorVariables() const;
 
   /// From now on residuals pass through `transform`, which must outlive its use; nullptr: as they are.
   void set_transform(const RowTransform* transform) { transform_ = transform; }
@@ -86,10 +92,16 @@ class LeastSquares {
   /// Half the squared norm of the residuals.
   Result<double> Cost(const Vector& x, Workspace& workspace) const;
 
-  /// Linear inequality constraints of the problem in terms of the variables at x: values [g <= 0] and, if not
-  /// null, their Jacobian [constraints x n].
-  [[nodiscard]] int constraints() const { return static_cast<int>(problem_.constraints().size()); }
-  void Constraints(const Vector& x, Vector& values, Matrix* jacobian) const;
+  /// The problem's linear inequality constraints, then its strict ranges.
+  [[nodiscard]] int constraints() const {
+    return static_cast<int>(problem_.constraints().size() + strict_ranges_.size());
+  }
+  [[nodiscard]] std::string ConstraintName(int constraint) const;
+  /// In terms of the variables at x: values [g <= 0] and, if not null, their Jacobian [constraints x n].
+  /// Errors: no prediction at x of a block with a strict range.
+  Status Constraints(const Vector& x, Workspace& workspace, Vector& values, Matrix* jacobian) const;
+  /// Sizes of the terms that a constraint sums up, to compare its value with [constraints].
+  [[nodiscard]] Vector ConstraintSizes(const Vector& x) const;
 
  private:
   struct Prior {
@@ -98,13 +110,26 @@ class LeastSquares {
     bool logarithmic = false;
   };
 
+  [[nodiscard]] SparseJacobian::Piece NewPiece(const Block& block, int first_row, int rows) const;
+  /// Multiplies a row of slopes [predictions] into d result / d variables [1 x variables of the block].
+  void RowOf(const Vector& x, int block, const Prediction& prediction, const Vector& slopes,
+             Eigen::Ref<Matrix> row) const;
+  void EvaluatePriors(const Vector& x, const Workspace& workspace, Vector& residuals,
+                      SparseJacobian* jacobian) const;
+  void EvaluateRanges(const Vector& x, Workspace& workspace, Vector& residuals,
+                      SparseJacobian* jacobian) const;
+
   const Problem& problem_;
   const FitSetup& setup_;
   std::vector<TrainBlock> train_blocks_;
-  std::vector<bool> wanted_;
+  std::vector<int> ranges_;          // blocks
+  std::vector<int> strict_ranges_;   // blocks
+  std::vector<bool> wanted_;         // in a residual
+  std::vector<bool> constrained_;    // in a strict range
   std::vector<int> variable_of_;     // [P], -1 if not free
   std::vector<bool> differentiate_;  // [P], true if free
   std::vector<Prior> priors_;
+  int data_rows_ = 0;
   int rows_ = 0;
   const RowTransform* transform_ = nullptr;
 };

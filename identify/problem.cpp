@@ -49,6 +49,15 @@ const std::vector<Constraint>& Problem::constraints() const {
   return kNone;
 }
 
+const std::vector<FitStep>& Problem::steps() const {
+  static const std::vector<FitStep> kNone;
+  return kNone;
+}
+
+std::vector<std::string> Problem::RemarksAt(const Vector& /*parameters*/) const {
+  return {};
+}
+
 Status Problem::Describe(const Vector& /*parameters*/, Hdf5Node& /*details*/) const {
   return {};
 }

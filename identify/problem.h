@@ -10,6 +10,7 @@
 #include "base/hdf5_tree.h"
 #include "base/linear_algebra.h"
 #include "identify/effect.h"
+#include "identify/fit_step.h"
 #include "identify/layout.h"
 #include "identify/parameter.h"
 
@@ -55,6 +56,9 @@ class Problem {
   /// Inequality constraints g(theta) <= 0, see Constraint.
   [[nodiscard]] virtual const std::vector<Constraint>& constraints() const;
 
+  /// Fits one after the other that people are used to do instead of one of everything; empty: none.
+  [[nodiscard]] virtual const std::vector<FitStep>& steps() const;
+
   [[nodiscard]] virtual std::unique_ptr<Workspace> NewWorkspace() const {
     return std::make_unique<Workspace>();
   }
@@ -79,6 +83,10 @@ class Problem {
   /// Adds what only this problem has to show (pressures under a sole, muscle forces) at these parameters to a
   /// run file.
   virtual Status Describe(const Vector& parameters, Hdf5Node& details) const;
+
+  /// What a person should know about the model at these parameters, in sentences: a muscle that works where
+  /// none can.
+  [[nodiscard]] virtual std::vector<std::string> RemarksAt(const Vector& parameters) const;
 
   /// Signals that a residual of block b may be looked at against, besides time: measured channels and inputs
   /// of its trial, at the block's samples.

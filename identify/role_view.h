@@ -23,8 +23,17 @@ class RoleView final : public Problem {
   [[nodiscard]] const std::vector<Effect>& effects() const override { return inner_.effects(); }
   [[nodiscard]] const std::vector<Port>& ports() const override { return inner_.ports(); }
   [[nodiscard]] const std::vector<Constraint>& constraints() const override { return inner_.constraints(); }
+  [[nodiscard]] const std::vector<FitStep>& steps() const override { return inner_.steps(); }
   [[nodiscard]] std::unique_ptr<Workspace> NewWorkspace() const override { return inner_.NewWorkspace(); }
   [[nodiscard]] double cost_grain() const override { return inner_.cost_grain(); }
+  [[nodiscard]] std::string objective() const override { return inner_.objective(); }
+  [[nodiscard]] std::vector<std::string> RemarksAt(const Vector& parameters) const override {
+    return inner_.RemarksAt(parameters);
+  }
+  [[nodiscard]] std::vector<Signal> SignalsOf(int block) const override { return inner_.SignalsOf(block); }
+  Status Describe(const Vector& parameters, Hdf5Node& details) const override {
+    return inner_.Describe(parameters, details);
+  }
   Status Predict(const Query& query, Workspace& workspace, Prediction& prediction) const override {
     return inner_.Predict(query, workspace, prediction);
   }

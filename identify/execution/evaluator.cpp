@@ -60,23 +60,22 @@ const TraceEntry* Evaluator::Replayed(const Vector& x) const {
   return entry.x.size() == x.size() && entry.x == x ? &entry : nullptr;
 }
 
-const Constraint* Evaluator::Violated(const Vector& x) const {
-  if (problem_.constraints() == 0) return nullptr;
-  const Vector parameters = problem_.Parameters(x);
-  for (const Constraint& constraint : problem_.problem().constraints()) {
-    const double value = constraint.offset + constraint.coefficients.dot(parameters);
-    const double size =
-        std::abs(constraint.offset) + constraint.coefficients.cwiseAbs().dot(parameters.cwiseAbs());
-    if (value > kConstraintTolerance * size) return &constraint;
+std::optional<std::string> Evaluator::Violated(const Vector& x) const {
+  if (problem_.constraints() == 0) return std::nullopt;
+  Vector values;
+  if (!problem_.Constraints(x, workspace_, values, nullptr)) return std::nullopt;
+  const Vector sizes = problem_.ConstraintSizes(x);
+  for (Eigen::Index i = 0; i < values.size(); ++i) {
+    if (values[i] > kConstraintTolerance * sizes[i]) return problem_.ConstraintName(static_cast<int>(i));
   }
-  return nullptr;
+  return std::nullopt;
 }
 
 void Evaluator::Keep(TraceEntry entry) {
   trace_.push_back(std::move(entry));
   const TraceEntry& kept = trace_.back();
   const bool better = std::isfinite(kept.cost) && (best_ < 0 || kept.cost < best().cost);
-  if (better && Violated(kept.x) == nullptr) best_ = static_cast<long>(trace_.size()) - 1;
+  if (better && !Violated(kept.x)) best_ = static_cast<long>(trace_.size()) - 1;
 }
 
 void Evaluator::Record(const Vector& x, double cost) {
@@ -94,11 +93,11 @@ Evaluator::Outcome Evaluator::RecordFailure(const Vector& x, const Error& error)
 
 Evaluator::Outcome Evaluator::Admit(const Vector& x, Infeasible infeasible) {
   if (MustStop()) return Outcome::kStop;
-  const Constraint* violated = Violated(x);
-  if (violated == nullptr) return Outcome::kOk;
+  const auto violated = Violated(x);
+  if (!violated) return Outcome::kOk;
   ++infeasible_;
   if (infeasible == Infeasible::kEvaluate) return Outcome::kOk;
-  return RecordFailure(x, {"constraint '" + violated->name + "' is violated"});
+  return RecordFailure(x, {"constraint '" + *violated + "' is violated"});
 }
 
 Evaluator::Outcome Evaluator::Cost(const Vector& x, double& cost, Infeasible infeasible) {

@@ -6,6 +6,7 @@
 #include <chrono>
 #include <functional>
 #include <limits>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -69,8 +70,9 @@ class Evaluator {
 
   /// True if no further evaluation is allowed; stop_cause() then says why.
   bool MustStop();
-  /// The first constraint that x violates by more than rounding, or nullptr.
-  [[nodiscard]] const Constraint* Violated(const Vector& x) const;
+  /// Name of the first constraint that x violates by more than rounding. None where there is no prediction:
+  /// the point is rejected for that.
+  [[nodiscard]] std::optional<std::string> Violated(const Vector& x) const;
 
   [[nodiscard]] const LeastSquares& problem() const { return problem_; }
   [[nodiscard]] long evaluations() const { return static_cast<long>(trace_.size()); }
@@ -110,7 +112,7 @@ class Evaluator {
 
   const LeastSquares& problem_;
   Options options_;
-  LeastSquares::Workspace workspace_;
+  mutable LeastSquares::Workspace workspace_;  // scratch
   SparseJacobian gradient_jacobian_;
   std::vector<TraceEntry> trace_;
   long best_ = -1;

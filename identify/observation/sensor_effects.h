@@ -46,6 +46,10 @@ class SensorEffects final : public Problem {
   [[nodiscard]] const std::vector<Effect>& effects() const override { return effects_; }
   [[nodiscard]] const std::vector<Port>& ports() const override { return ports_; }
   [[nodiscard]] const std::vector<Constraint>& constraints() const override { return constraints_; }
+  [[nodiscard]] const std::vector<FitStep>& steps() const override { return inner_->steps(); }
+  [[nodiscard]] std::vector<std::string> RemarksAt(const Vector& parameters) const override {
+    return inner_->RemarksAt(parameters.head(inner_parameters_));
+  }
   [[nodiscard]] std::unique_ptr<Workspace> NewWorkspace() const override;
   Status Predict(const Query& query, Workspace& workspace, Prediction& prediction) const override;
   [[nodiscard]] std::string objective() const override { return inner_->objective(); }

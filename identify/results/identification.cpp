@@ -40,6 +40,7 @@ Result<Identification> Identify(const Problem& problem, FitSetup setup, Identifi
     SINEW_ASSIGN(out.uncertainty, AnalyseUncertainty(least_squares, out.result.x, how));
     for (const std::string& note : out.uncertainty.notes) out.warnings.push_back(note);
   }
+  for (std::string& remark : problem.RemarksAt(out.parameters)) out.warnings.push_back(std::move(remark));
   out.findings = DescribeFindings(problem, out);
   return out;
 }

@@ -28,7 +28,8 @@ class Program : public Ipopt::TNLP {
         problem_(evaluator.problem()),
         start_(start),
         x_(start),
-        jacobian_(problem_.NewJacobian()) {}
+        jacobian_(problem_.NewJacobian()),
+        workspace_(problem_.NewWorkspace()) {}
 
   [[nodiscard]] int iterations() const { return iterations_; }
 
@@ -77,7 +78,8 @@ class Program : public Ipopt::TNLP {
   }
 
   bool eval_g(Index n, const Number* x, bool /*new_x*/, Index m, Number* g) override {
-    problem_.Constraints(Eigen::Map<const Vector>(x, n), constraint_values_, nullptr);
+    if (!problem_.Constraints(Eigen::Map<const Vector>(x, n), workspace_, constraint_values_, nullptr))
+      return false;
     Eigen::Map<Vector>(g, m) = constraint_values_;
     return true;
   }
@@ -91,12 +93,14 @@ class Program : public Ipopt::TNLP {
       }
       return true;
     }
-    problem_.Constraints(Eigen::Map<const Vector>(x, n), constraint_values_, &constraint_jacobian_);
+    if (!problem_.Constraints(Eigen::Map<const Vector>(x, n), workspace_, constraint_values_,
+                              &constraint_jacobian_))
+      return false;
     Eigen::Map<Matrix>(values, m, n) = constraint_jacobian_;
     return true;
   }
 
-  // The curvature of constraints is left out: they are linear, if perhaps in the logarithm of a variable.
+  // The curvature of constraints is left out, as that of the residuals is.
   bool eval_h(Index n, const Number* x, bool /*new_x*/, Number cost_factor, Index /*m*/,
               const Number* /*lambda*/, bool /*new_lambda*/, Index /*entries*/, Index* row, Index* column,
               Number* values) override {
@@ -159,6 +163,7 @@ class Program : public Ipopt::TNLP {
   Vector x_;
   Vector residuals_;
   SparseJacobian jacobian_;
+  LeastSquares::Workspace workspace_;  // of constraints
   Vector constraint_values_;
   Matrix constraint_jacobian_;
   bool evaluated_ = false;

@@ -28,7 +28,7 @@ bool Contains(const std::string& name, const char* part) {
 // What NLopt's callbacks share.
 struct Call {
   Call(Evaluator& to, Evaluator::Infeasible infeasible, nlopt_opt of)
-      : evaluator(to), objective(to, infeasible), handle(of) {
+      : evaluator(to), objective(to, infeasible), handle(of), workspace(to.problem().NewWorkspace()) {
     if (to.has_best() && to.best().cost > 0) scale = 1 / to.best().cost;
   }
 
@@ -40,6 +40,7 @@ struct Call {
   double scale = 1;
   Vector x;
   Vector gradient;
+  LeastSquares::Workspace workspace;
   Vector constraint_values;
   Matrix constraint_jacobian;
   double best = std::numeric_limits<double>::infinity();
@@ -73,8 +74,13 @@ void ConstraintsForNlopt(unsigned m, double* values, unsigned n, const double* x
                          void* data) {
   Call& call = *static_cast<Call*>(data);
   const Vector at = Eigen::Map<const Vector>(x, n);
-  call.evaluator.problem().Constraints(at, call.constraint_values,
-                                       gradient == nullptr ? nullptr : &call.constraint_jacobian);
+  const Status status = call.evaluator.problem().Constraints(
+      at, call.workspace, call.constraint_values, gradient == nullptr ? nullptr : &call.constraint_jacobian);
+  if (!status) {  // nothing can be said there, and the cost fails too
+    std::fill_n(values, m, 1.0);
+    if (gradient != nullptr) std::fill_n(gradient, m * n, 0.0);
+    return;
+  }
   Eigen::Map<Vector>(values, m) = call.constraint_values;
   if (gradient == nullptr) return;
   for (unsigned i = 0; i < m; ++i) {

@@ -98,7 +98,7 @@ Stop StopFrom(const Evaluator& evaluator) {
 
 bool Solver::CanBegin(const Evaluator& evaluator, const Vector& start) const {
   if (evaluator.has_best()) return true;
-  return evaluator.Violated(start) == nullptr ? ToleratesFailedStart() : ToleratesInfeasibleStart();
+  return evaluator.Violated(start) ? ToleratesInfeasibleStart() : ToleratesFailedStart();
 }
 
 SolverResult Solver::Solve(Evaluator& evaluator, const Vector& start) const {

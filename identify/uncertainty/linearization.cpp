@@ -53,9 +53,7 @@ Result<Linearization> Linearize(const LeastSquares& problem, const Vector& x) {
     at.blocks.push_back({train.block, train.first_row, block.samples(), std::sqrt(sum / block.samples())});
     at.data_rows += block.samples();
   }
-  for (std::size_t i = problem.train_blocks().size(); i < jacobian.pieces.size(); ++i) {
-    at.prior_variable.push_back(jacobian.pieces[i].variables.front());
-  }
+  at.prior_variable = problem.PriorVariables();
   for (int v = 0; v < problem.variables(); ++v) {
     at.standing.push_back(StandingOf(at, v));
     (at.parameter(problem, v).kind == ParameterKind::kNuisance ? at.nuisance : at.reported).push_back(v);

@@ -31,13 +31,13 @@ struct Linearization {
   Vector x;           ///< [n]
   Vector parameters;  ///< [P] at x
   Vector slopes;      ///< [n] dp/dx
-  Vector residuals;   ///< [m] weighted; the last rows are priors
+  Vector residuals;   ///< [m] weighted; the last rows are priors and ranges
   Matrix jacobian;    ///< [m x n]
   Vector gradient;    ///< [n] of the cost
   double cost = 0;
   std::vector<Rows> blocks;
-  int data_rows = 0;                ///< rows of the blocks; priors follow
-  std::vector<int> prior_variable;  ///< [m - data_rows]
+  int data_rows = 0;                ///< rows of the blocks; priors follow, then ranges
+  std::vector<int> prior_variable;  ///< of the rows of priors
   std::vector<Standing> standing;   ///< [n]
   std::vector<int> reported;        ///< variables that are findings, increasing
   std::vector<int> nuisance;        ///< the others, increasing

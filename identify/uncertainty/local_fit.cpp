@@ -25,7 +25,7 @@ LocalFit::LocalFit(const LeastSquares& problem, double penalty)
 
 void LocalFit::AddPenalties(const Vector& x, double& cost, bool derivatives) {
   if (problem_.constraints() == 0) return;
-  problem_.Constraints(x, constraint_, &constraint_jacobian_);
+  if (!problem_.Constraints(x, workspace_, constraint_, &constraint_jacobian_)) return;
   for (Eigen::Index i = 0; i < constraint_.size(); ++i) {
     const double span = constraint_jacobian_.row(i).squaredNorm();
     if (!(constraint_[i] > 0) || !(span > 0)) continue;

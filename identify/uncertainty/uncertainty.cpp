@@ -142,6 +142,9 @@ void Analysis::MakeInformations() {
     if (parameter(at_.prior_variable[i]).kind == ParameterKind::kNuisance) continue;
     data_only.row(at_.data_rows + static_cast<Eigen::Index>(i)).setZero();
   }
+  // Nor is a range anything that was measured.
+  const auto known = at_.data_rows + static_cast<Eigen::Index>(at_.prior_variable.size());
+  data_only.bottomRows(data_only.rows() - known).setZero();
   data_ = MakeInformation(data_only, inner(at_.reported, false), inner_nuisance_);
   std::vector<int> released;
   std::copy_if(at_.reported.begin(), at_.reported.end(), std::back_inserter(released),
@@ -338,14 +341,16 @@ void Analysis::AddNotes() {
                     "widened by up to {:.1f} times",
                     Join(channels, ", "), largest));
   }
+  if (problem_.constraints() == 0) return;
   Vector constraint;
-  problem_.Constraints(at_.x, constraint, nullptr);
+  LeastSquares::Workspace workspace = problem_.NewWorkspace();
+  if (!problem_.Constraints(at_.x, workspace, constraint, nullptr)) return;  // predicted before at this x
+  const Vector sizes = problem_.ConstraintSizes(at_.x);
   for (Eigen::Index i = 0; i < constraint.size(); ++i) {
-    const Constraint& c = problem_.problem().constraints()[static_cast<std::size_t>(i)];
-    const double scale = std::abs(c.offset) + c.coefficients.cwiseProduct(at_.parameters).cwiseAbs().sum();
-    if (constraint[i] < -kBoundTolerance * scale) continue;
+    if (constraint[i] < -kBoundTolerance * sizes[i]) continue;
     answer_.notes.push_back(
-        fmt::format("constraint {} is active: standard errors are as if it were not there", c.name));
+        fmt::format("constraint {} is active: standard errors are as if it were not there",
+                    problem_.ConstraintName(static_cast<int>(i))));
   }
 }
 

@@ -133,6 +133,15 @@ class Reader {
       }
     }
     if (c1 || c2) AddFilter(c1 ? *c1 : *c2, c1 && c2);
+    CeinmsStep made{ChildWords(step, "dofs"), {}};
+    for (const pugi::xml_node& parameter : Elements(step.child("parameterSet"))) {
+      const std::string name = ChildText(parameter, "name");
+      const auto* known =
+          std::find_if(std::begin(kNames), std::end(kNames), [&](const Name& n) { return name == n.ceinms; });
+      if (known != std::end(kNames)) made.parameters.emplace_back(known->ours);
+    }
+    if (c1 || c2) made.parameters.insert(made.parameters.end(), {"filter_mean", "filter_spread"});
+    out_.steps.push_back(std::move(made));
     return {};
   }
 
@@ -185,8 +194,8 @@ class Reader {
     const bool again = std::any_of(out_.parameters.begin(), out_.parameters.end(),
                                    [&](const CeinmsParameter& p) { return p.name == name; });
     if (again) {
-      out_.notes.push_back(
-          fmt::format("{}: '{}' is in several steps: the first one's range counts", xml_.file_name(), name));
+      out_.notes.push_back(fmt::format("{}: '{}' is in several steps: the range of the first one counts",
+                                       xml_.file_name(), name));
       return;
     }
     out_.parameters.push_back({name, "{" + range.share + ", " + range.numbers + "}"});
@@ -243,8 +252,8 @@ Result<CeinmsCalibration> ReadCeinmsCalibration(const std::string& text, const s
   for (const pugi::xml_node& step : steps) SINEW_TRY(reader.ReadStep(step));
   if (steps.size() > 1) {
     out.notes.push_back(
-        fmt::format("{}: {} steps: everything is fitted at once; `identify --fix` and "
-                    "`--start` do one step after the other",
+        fmt::format("{}: {} steps: `sinew identify nms` fits everything at once, `sinew identify nms "
+                    "--stepwise` one step after the other as CEINMS does",
                     file, steps.size()));
   }
   if (out.parameters.empty()) return xml.FailAt(xml.root(), "no calibration step names a parameter");
@@ -275,6 +284,12 @@ std::string SettingsText(const CeinmsCalibration& calibration) {
                     hybrid.adjust.empty() ? "hybrid" : "assisted", hybrid.alpha, hybrid.beta, hybrid.gamma,
                     List(hybrid.synthesise), List(hybrid.adjust),
                     hybrid.joints.empty() ? "" : ", joints: " + List(hybrid.joints));
+  }
+  if (calibration.steps.size() > 1) {
+    text += "  steps:   # of `sinew identify nms --stepwise`\n";
+    for (const CeinmsStep& step : calibration.steps)
+      text += "    - {" + (step.joints.empty() ? "" : "joints: " + List(step.joints) + ", ") +
+              "parameters: " + List(step.parameters) + "}\n";
   }
   text += "  parameters:\n";
   for (const CeinmsParameter& parameter : calibration.parameters)

@@ -26,11 +26,18 @@ struct CeinmsHybrid {
   long line = 0;                    ///< of <hybrid>
 };
 
+/// One of <calibrationSteps>.
+struct CeinmsStep {
+  std::vector<std::string> joints;      ///< empty: all
+  std::vector<std::string> parameters;  ///< as nms.yaml has them
+};
+
 struct CeinmsCalibration {
   std::string tendon = "rigid";            ///< as nms.yaml has it
   std::string activation = "exponential";  ///< as nms.yaml has it
   std::vector<std::string> joints;         ///< empty: all of the subject
   std::vector<CeinmsParameter> parameters;
+  std::vector<CeinmsStep> steps;
   std::optional<CeinmsHybrid> hybrid;  ///< else open loop
   std::vector<std::string> trials;     ///< files, as written
   std::vector<std::string> notes;

@@ -72,6 +72,7 @@ class Preparation {
     }
     if (!any_training) return Fail("no trial has the role train: nothing to fit");
     WeighAlike();
+    if (settings_.fibre_range) AddFibreBlocks();
     if (cut_off_ > 0) {
       out_.notes.push_back(fmt::format(
           "{} of {} samples of excitations were outside of 0..1 and were cut off", cut_off_, all_));
@@ -158,6 +159,31 @@ class Preparation {
       return Fail("has no measured moment: expected a channel such as {}_moment", settings_.joints.front());
     out_.trials.push_back(std::move(made));
     return {};
+  }
+
+  void AddFibreBlocks() {
+    const FibreRange& range = *settings_.fibre_range;
+    for (NmsTrial& trial : out_.trials) {
+      const auto first = out_.layout.begin() + trial.first_block;
+      const bool fitted = std::any_of(first, first + static_cast<std::ptrdiff_t>(settings_.joints.size()),
+                                      [](const Block& b) { return b.role == BlockRole::kTrain; });
+      if (!fitted) continue;
+      trial.first_fibre_block = static_cast<int>(out_.layout.size());
+      for (const std::string& muscle : out_.muscles) {
+        Block block;
+        block.trial = trial.name;
+        block.channel = muscle + "_fibre_length";
+        block.unit = "1";
+        block.role = BlockRole::kPredicted;
+        block.prediction_time = trial.time;
+        block.range = Range{range.lower, range.upper, range.strict};
+        block.weight = 1 / range.tolerance;
+        // As the thesis divides its penalty too (eq 4.6).
+        if (settings_.objective == NmsObjective::kThesis)
+          block.weight /= std::sqrt(static_cast<double>(trial.time.size()));
+        out_.layout.push_back(std::move(block));
+      }
+    }
   }
 
   // An excitation that never comes down in one recording, but does in another: its floor was not taken off,

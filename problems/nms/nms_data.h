@@ -29,7 +29,8 @@ struct NmsTrial {
   /// towards larger and towards smaller angles; 0 if there is none.
   std::vector<Vector> pull_plus;
   std::vector<Vector> pull_minus;
-  int first_block = 0;  ///< one per joint
+  int first_block = 0;         ///< one per joint
+  int first_fibre_block = -1;  ///< one per muscle; -1: none
 };
 
 struct NmsData {
@@ -37,7 +38,9 @@ struct NmsData {
   std::vector<std::vector<int>> joint_muscles;  ///< [joints] indices into muscles
   std::vector<std::vector<int>> muscle_joints;  ///< [muscles] the joints that each crosses, <= kMostJoints
   std::vector<NmsTrial> trials;
-  Layout layout;    ///< channels JOINT_moment
+  /// Channels JOINT_moment; of settings with a fibre range also MUSCLE_fibre_length [1, of the optimal one]
+  /// of training trials.
+  Layout layout;
   double rate = 0;  ///< of the lengths, in the first trial [1/s]
   std::vector<std::string> notes;
 };

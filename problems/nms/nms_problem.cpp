@@ -2,7 +2,10 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
+#include <set>
 
+#include "base/text.h"
 #include "problems/nms/ceinms_subject.h"
 
 namespace sinew {
@@ -30,6 +33,7 @@ NmsProblem::NmsProblem(NmsSettings settings, NmsData data, MuscleCurves curves)
   AddPulls();
   list_ = ListNmsParameters(settings_, data_, rest_);
   ListColumns();
+  ListSteps();
 }
 
 Result<std::unique_ptr<NmsProblem>> NmsProblem::Make(const Dataset& data, NmsSettings settings,
@@ -89,6 +93,45 @@ void NmsProblem::ListColumns() {
       std::sort(columns.begin(), columns.end());
       columns.erase(std::unique(columns.begin(), columns.end()), columns.end());
     }
+    for (std::size_t m = 0; data_.trials[t].first_fibre_block >= 0 && m < data_.muscles.size(); ++m) {
+      std::set<int> columns;
+      for (const NmsPlace& place : list_.places) {
+        if (place.muscle == static_cast<int>(m) && (place.trial < 0 || place.trial == static_cast<int>(t)))
+          columns.insert(place.parameter);
+      }
+      data_.layout[static_cast<std::size_t>(data_.trials[t].first_fibre_block) + m].columns.assign(
+          columns.begin(), columns.end());
+    }
+  }
+}
+
+void NmsProblem::ListSteps() {
+  for (std::size_t s = 0; s < settings_.steps.size(); ++s) {
+    const NmsStep& asked = settings_.steps[s];
+    FitStep step;
+    step.name =
+        fmt::format("step {} ({}: {})", s + 1, Join(asked.joints, ", "), Join(asked.parameters, ", "));
+    const std::vector<std::string> movers = MusclesOf(settings_.subject, asked.joints);
+    const auto contains = [](const std::vector<std::string>& names, const std::string& name) {
+      return std::find(names.begin(), names.end(), name) != names.end();
+    };
+    // The first parameters are those of the settings, in their order.
+    for (std::size_t p = 0; p < settings_.parameters.size(); ++p) {
+      const NmsParameterSetting& setting = settings_.parameters[p];
+      const auto& names = MuscleParameterNames();
+      const auto name = std::find_if(names.begin(), names.end(),
+                                     [&](const MuscleParameterName& n) { return n.slot == setting.slot; });
+      const bool moves = std::any_of(setting.muscles.begin(), setting.muscles.end(),
+                                     [&](const std::string& muscle) { return contains(movers, muscle); });
+      if (moves && contains(asked.parameters, name->name)) step.parameters.push_back(static_cast<int>(p));
+    }
+    for (std::size_t b = 0; b < data_.layout.size(); ++b) {
+      const bool compared = std::any_of(asked.joints.begin(), asked.joints.end(), [&](const auto& joint) {
+        return data_.layout[b].channel == joint + "_moment";
+      });
+      if (compared) step.blocks.push_back(static_cast<int>(b));
+    }
+    steps_.push_back(std::move(step));
   }
 }
 
@@ -153,6 +196,11 @@ Status NmsProblem::PredictTrial(std::size_t t, const Query& query, Scratch& scra
     }
     for (const int m : data_.joint_muscles[j]) scratch.needed[static_cast<std::size_t>(m)] = true;
   }
+  for (std::size_t m = 0; trial.first_fibre_block >= 0 && m < data_.muscles.size(); ++m) {
+    if (!query.blocks[static_cast<std::size_t>(trial.first_fibre_block) + m]) continue;
+    scratch.needed[m] = true;
+    any = true;
+  }
   if (!any) return {};
   SlotsAt(query.parameters, t, scratch.slots, query.derivatives ? &scratch.slopes : nullptr);
   for (std::size_t m = 0; m < data_.muscles.size(); ++m) {
@@ -202,6 +250,7 @@ Status NmsProblem::AddMuscle(std::size_t t, int muscle, const Query& query, Scra
     }
   }
   SINEW_TRY(ComputeMuscleForce(curves_, settings_.model, numbers, trial.muscles[m], trace));
+  AddFibreLength(t, m, numbers[kOptimalLength], trace, query, scratch, prediction);
   const std::vector<T>& force = trace.tendon_force;
   for (std::size_t crossed = 0; crossed < data_.muscle_joints[m].size(); ++crossed) {
     const auto j = static_cast<std::size_t>(data_.muscle_joints[m][crossed]);
@@ -235,6 +284,38 @@ Status NmsProblem::AddMuscle(std::size_t t, int muscle, const Query& query, Scra
   return {};
 }
 
+template <class T>
+void NmsProblem::AddFibreLength(std::size_t t, std::size_t muscle, const T& optimal,
+                                const MuscleTrace<T>& trace, const Query& query, const Scratch& scratch,
+                                Prediction& prediction) const {
+  if (data_.trials[t].first_fibre_block < 0) return;
+  const int b = data_.trials[t].first_fibre_block + static_cast<int>(muscle);
+  if (!query.blocks[static_cast<std::size_t>(b)]) return;
+  const auto count = static_cast<Eigen::Index>(trace.fibre_length.size());
+  auto values = prediction.values(b);
+  for (Eigen::Index i = 0; i < count; ++i)
+    values[i] = Value(trace.fibre_length[static_cast<std::size_t>(i)]) / Value(optimal);
+  if (!query.derivatives) return;
+  const std::vector<int>& columns = data_.layout[static_cast<std::size_t>(b)].columns;
+  auto derivatives = prediction.derivatives(b);
+  for (std::size_t c = 0; c < columns.size(); ++c) {
+    if (query.Differentiates(columns[c])) derivatives.col(static_cast<Eigen::Index>(c)).setZero();
+  }
+  if constexpr (!std::is_same_v<T, double>) {
+    for (const Slope& slope : scratch.slopes[muscle]) {
+      if (!query.Differentiates(slope.parameter)) continue;
+      auto column = derivatives.col(std::lower_bound(columns.begin(), columns.end(), slope.parameter) -
+                                    columns.begin());
+      const auto lane = static_cast<std::size_t>(
+          std::find(scratch.lanes.begin(), scratch.lanes.end(), slope.slot) - scratch.lanes.begin());
+      for (Eigen::Index i = 0; i < count; ++i) {
+        const T& length = trace.fibre_length[static_cast<std::size_t>(i)];
+        column[i] += slope.factor * (length.d[lane] - values[i] * optimal.d[lane]) / Value(optimal);
+      }
+    }
+  }
+}
+
 void NmsProblem::AddMoments(std::size_t t, const Query& query, Prediction& prediction) const {
   for (const NmsMoment& moment : list_.moments) {
     const int b = data_.trials[t].first_block + moment.joint;
@@ -249,9 +330,53 @@ void NmsProblem::AddMoments(std::size_t t, const Query& query, Prediction& predi
 }
 
 std::string NmsProblem::objective() const {
-  if (settings_.objective == NmsObjective::kThesis)
-    return "half the sum over trials and joints of the mean squared error of the moment over its variance";
-  return Problem::objective();
+  std::string what = settings_.objective == NmsObjective::kThesis
+                         ? "half the sum over trials and joints of the mean squared error of the moment over "
+                           "its variance"
+                         : Problem::objective();
+  if (settings_.fibre_range) {
+    const FibreRange& range = *settings_.fibre_range;
+    what += fmt::format(", fibres {} {} .. {} optimal lengths", range.strict ? "kept within" : "drawn into",
+                        range.lower, range.upper);
+  }
+  return what;
+}
+
+std::vector<std::string> NmsProblem::RemarksAt(const Vector& parameters) const {
+  const FibreRange range = settings_.fibre_range.value_or(FibreRange{});
+  struct Extent {
+    double least = std::numeric_limits<double>::infinity();
+    double most = -std::numeric_limits<double>::infinity();
+  };
+  std::vector<Extent> extents(data_.muscles.size());
+  std::vector<MuscleTrace<double>> muscles;
+  for (std::size_t t = 0; t < data_.trials.size(); ++t) {
+    if (data_.layout[static_cast<std::size_t>(data_.trials[t].first_block)].role != BlockRole::kTrain)
+      continue;
+    if (!MusclesAt(parameters, t, muscles)) return {};
+    Slots slots;
+    SlotsAt(parameters, t, slots, nullptr);
+    for (std::size_t m = 0; m < muscles.size(); ++m) {
+      const auto [least, most] =
+          std::minmax_element(muscles[m].fibre_length.begin(), muscles[m].fibre_length.end());
+      extents[m].least = std::min(extents[m].least, *least / slots[m][kOptimalLength]);
+      extents[m].most = std::max(extents[m].most, *most / slots[m][kOptimalLength]);
+    }
+  }
+  std::vector<std::string> outside;
+  for (std::size_t m = 0; m < extents.size(); ++m) {
+    const double tolerated = settings_.fibre_range ? range.tolerance : 0;
+    if (extents[m].least >= range.lower - tolerated && extents[m].most <= range.upper + tolerated) continue;
+    outside.push_back(
+        fmt::format("{} {:.2f} .. {:.2f}", data_.muscles[m], extents[m].least, extents[m].most));
+  }
+  if (outside.empty()) return {};
+  return {fmt::format("fibres work at other lengths than {} .. {} of the optimal one: {}{}", range.lower,
+                      range.upper, Join(outside, ", "),
+                      settings_.fibre_range
+                          ? ", in spite of fibre_range: the moments ask for it"
+                          : "; where a muscle can hardly pull, its strength means little. fibre_range in the "
+                            "settings keeps them in")};
 }
 
 std::vector<Problem::Signal> NmsProblem::SignalsOf(int block) const {

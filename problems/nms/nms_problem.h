@@ -36,6 +36,9 @@ class NmsProblem final : public Problem {
   [[nodiscard]] std::string objective() const override;
   /// Angle, velocity and mean excitation.
   [[nodiscard]] std::vector<Signal> SignalsOf(int block) const override;
+  [[nodiscard]] const std::vector<FitStep>& steps() const override { return steps_; }
+  /// Muscles whose fibres leave the lengths at which they can pull, in training trials.
+  [[nodiscard]] std::vector<std::string> RemarksAt(const Vector& parameters) const override;
   /// Per trial, under nms/TRIAL: time; MUSCLE/{activation, fibre_length, fibre_velocity, force}; and
   /// subject, the file of the subject with these parameters in it.
   Status Describe(const Vector& parameters, Hdf5Node& details) const override;
@@ -67,12 +70,16 @@ class NmsProblem final : public Problem {
   NmsProblem(NmsSettings settings, NmsData data, MuscleCurves curves);
   void AddPulls();
   void ListColumns();
+  void ListSteps();
   Status PredictTrial(std::size_t t, const Query& query, Scratch& scratch, Prediction& prediction) const;
   template <class T>
   Status AddMuscle(std::size_t t, int muscle, const Query& query, Scratch& scratch, MuscleTrace<T>& trace,
                    Prediction& prediction) const;
   Status AddMuscle(std::size_t t, int muscle, const Query& query, Scratch& scratch,
                    Prediction& prediction) const;
+  template <class T>
+  void AddFibreLength(std::size_t t, std::size_t muscle, const T& optimal, const MuscleTrace<T>& trace,
+                      const Query& query, const Scratch& scratch, Prediction& prediction) const;
   void AddMoments(std::size_t t, const Query& query, Prediction& prediction) const;
   /// Numbers of the muscles in a trial; with slopes [muscles] too if they are wanted.
   void SlotsAt(const Vector& parameters, std::size_t trial, Slots& slots,
@@ -83,6 +90,7 @@ class NmsProblem final : public Problem {
   MuscleCurves curves_;
   Slots rest_;  // of the subject
   NmsParameterList list_;
+  std::vector<FitStep> steps_;
 };
 
 /// The parameters of the ankle study with their default ranges, without data.

@@ -94,6 +94,48 @@ Status ReadParameter(const YamlReader& yaml, const MuscleParameterName& paramete
   return {};
 }
 
+Result<FibreRange> ReadFibreRange(const YamlReader& yaml) {
+  SINEW_TRY(yaml.OnlyKeys({"lower", "upper", "tolerance", "as"}));
+  FibreRange range;
+  SINEW_ASSIGN(range.lower, yaml.NumberOr("lower", range.lower));
+  SINEW_ASSIGN(range.upper, yaml.NumberOr("upper", range.upper));
+  SINEW_ASSIGN(range.tolerance, yaml.NumberOr("tolerance", range.tolerance));
+  if (!(range.lower < range.upper))
+    return FailAt(yaml.file(), yaml.line(), "fibre_range: lower {} is not below upper {}", range.lower,
+                  range.upper);
+  if (!(range.tolerance > 0))
+    return FailAt(yaml.file(), yaml.line(), "fibre_range: tolerance is {}, expected above 0",
+                  range.tolerance);
+  SINEW_ASSIGN(range.strict, ReadChoice<bool>(yaml, "as", {{"penalty", false}, {"constraint", true}}));
+  return range;
+}
+
+// @param known the parameters that the settings have
+Status ReadSteps(const YamlReader& yaml, const std::vector<std::string>& known, NmsSettings& settings) {
+  SINEW_ASSIGN(const auto steps, yaml.Items());
+  const auto read = [&](const YamlReader& step, const char* key, const std::vector<std::string>& names,
+                        const char* what, std::vector<std::string>& chosen) -> Status {
+    SINEW_ASSIGN(const YamlReader list, step.At(key));
+    SINEW_ASSIGN(chosen, list.Texts());
+    if (chosen.empty()) return FailAt(yaml.file(), list.line(), "steps: {}: expected at least one", key);
+    for (const std::string& name : chosen) {
+      if (std::find(names.begin(), names.end(), name) == names.end())
+        return FailAt(yaml.file(), list.line(), "steps: '{}' is no {} that is fitted{}", name, what,
+                      Suggestion(name, names));
+    }
+    return {};
+  };
+  for (const YamlReader& step : steps) {
+    SINEW_TRY(step.OnlyKeys({"joints", "parameters"}));
+    NmsStep made;
+    made.joints = settings.joints;
+    if (step.Has("joints")) SINEW_TRY(read(step, "joints", settings.joints, "joint", made.joints));
+    SINEW_TRY(read(step, "parameters", known, "parameter", made.parameters));
+    settings.steps.push_back(std::move(made));
+  }
+  return {};
+}
+
 }  // namespace
 
 std::vector<std::string> MusclesOf(const Subject& subject, const std::vector<std::string>& joints) {
@@ -127,8 +169,8 @@ const std::vector<MuscleParameterName>& MuscleParameterNames() {
 }
 
 Result<NmsSettings> ReadNmsSettings(const YamlReader& yaml, const std::map<std::string, std::string>& files) {
-  SINEW_TRY(yaml.OnlyKeys(
-      {"subject", "tendon", "activation", "as_ceinms", "joints", "objective", "mode", "parameters"}));
+  SINEW_TRY(yaml.OnlyKeys({"subject", "tendon", "activation", "as_ceinms", "joints", "objective",
+                           "fibre_range", "steps", "mode", "parameters"}));
   NmsSettings settings;
   SINEW_TRY(ReadSubject(yaml, files, settings));
   SINEW_ASSIGN(settings.model.tendon, ReadChoice<TendonMode>(yaml, "tendon",
@@ -144,6 +186,10 @@ Result<NmsSettings> ReadNmsSettings(const YamlReader& yaml, const std::map<std::
   SINEW_ASSIGN(settings.objective,
                ReadChoice<NmsObjective>(
                    yaml, "objective", {{"noise", NmsObjective::kNoise}, {"thesis", NmsObjective::kThesis}}));
+  if (yaml.Has("fibre_range")) {
+    SINEW_ASSIGN(const YamlReader range, yaml.At("fibre_range"));
+    SINEW_ASSIGN(settings.fibre_range, ReadFibreRange(range));
+  }
   std::vector<std::string> known;
   for (const auto& [joint, muscles] : settings.subject.dofs) known.push_back(joint);
   settings.joints = known;
@@ -182,6 +228,10 @@ Result<NmsSettings> ReadNmsSettings(const YamlReader& yaml, const std::map<std::
   }
   if (settings.parameters.empty())
     return FailAt(yaml.file(), parameters.line(), "parameters: nothing is to be found");
+  if (yaml.Has("steps")) {
+    SINEW_ASSIGN(const YamlReader steps, yaml.At("steps"));
+    SINEW_TRY(ReadSteps(steps, keys, settings));
+  }
   return settings;
 }
 

@@ -7,6 +7,10 @@
 //     as_ceinms: false                 # true: numbers as CEINMS computes them, curves included
 //     joints: [knee_angle_r, ankle_angle_r]
 //     objective: noise                 # or thesis: squares over variance and samples, per trial and joint
+//     fibre_range: {lower: 0.5, upper: 1.5, tolerance: 0.05, as: penalty}   # or constraint; see docs/nms.md
+//     steps:                           # of `identify --stepwise`; by default everything is fitted at once
+//       - {joints: [knee_angle_r], parameters: [shape, strength]}
+//       - {joints: [knee_angle_r, ankle_angle_r], parameters: [tendon_slack_length]}
 //     mode: {type: open_loop}          # of `simulate`: see nms_mode.h
 //     parameters:
 //       shape: {share: single, lower: -3, upper: 0}
@@ -48,6 +52,20 @@ struct NmsParameterSetting {
   std::optional<double> prior = {};  ///< standard deviation about the start before the data speak
 };
 
+/// Where fibre lengths of training trials should stay, as shares of the optimal length.
+struct FibreRange {
+  double lower = 0.5;
+  double upper = 1.5;
+  double tolerance = 0.05;  ///< that costs as much as a moment that is wrong by its spread, or its noise
+  bool strict = false;      ///< a constraint
+};
+
+/// A fit of some parameters to some joints.
+struct NmsStep {
+  std::vector<std::string> joints;      ///< at least one
+  std::vector<std::string> parameters;  ///< names of MuscleParameterNames, at least one
+};
+
 enum class NmsObjective { kNoise, kThesis };
 
 struct NmsSettings {
@@ -59,6 +77,8 @@ struct NmsSettings {
   std::vector<NmsParameterSetting> parameters;
   NmsMode mode;  ///< of simulations; what is fitted is always open loop
   NmsObjective objective = NmsObjective::kNoise;
+  std::optional<FibreRange> fibre_range;
+  std::vector<NmsStep> steps;
   std::vector<std::string> notes;
 };
 

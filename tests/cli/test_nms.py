@@ -68,6 +68,25 @@ class AnkleStudy(MuscleTest):
                 middle = slice(20, -20)  # the ends of an envelope hang on single samples
                 self.assertLess(((mean - one)[middle] ** 2).mean() ** 0.5, 0.15 * mean.max())
 
+    def test_steps_hold_what_was_found_before(self):
+        with h5py.File(STUDY) as study:
+            settings = study["files/nms.yaml"].asstr()[()]
+        config = self.path("steps.yaml")
+        config.write_text(settings.replace("  parameters:", "  steps:\n    - {parameters: [strength]}\n"
+                                           "    - {parameters: [shape]}\n  parameters:", 1))
+        done = self.succeeds("identify", "nms", "--data", STUDY, "--config", config, "--stepwise", "--quiet", "--out", "last.h5")
+        self.assertIn("step 1 (ankle_angle_r: strength): triceps.strength = ", done)
+        first = self.succeeds("identify", "nms", "--data", STUDY, "--quiet", "--out", "first.h5", "--free",
+                              "triceps.strength,peronei.strength,dorsiflexors.strength")
+        self.assertNotIn("step 1", first)
+        with h5py.File(self.path("last.h5")) as last, h5py.File(self.path("first.h5")) as alone:
+            values = [dict(zip(run["parameters/name"].asstr()[:], run["parameters/value"][:])) for run in (last, alone)]
+        self.assertEqual(values[0]["triceps.strength"], values[1]["triceps.strength"])
+        self.assertNotEqual(values[0]["plantarflexors.shape"], values[1]["plantarflexors.shape"])
+        self.assertEqual(values[0]["triceps.tendon_slack_length"], 1, "no step frees it")
+        self.refuses("the settings of this problem list no steps", "identify", "nms", "--data", STUDY, "--stepwise", "--quiet",
+                     "--out", "none.h5")
+
     def test_a_run_holds_the_muscles_and_the_subject(self):
         self.succeeds("identify", "nms", "--data", STUDY, "--quiet", "--out", "run.h5", "--release",
                       "passive_stiffness.ankle_angle_r")

@@ -185,8 +185,8 @@ TEST_F(EvaluatorTest, PointsThatViolateAConstraintAreRejectedOrEvaluatedButNever
   EXPECT_EQ(cost, 0.5 * (2.5 * 2.5 + 0.5 * 0.5));
   EXPECT_EQ(evaluator.infeasible(), 2);
   EXPECT_FALSE(evaluator.has_best());
-  ASSERT_EQ(evaluator.Violated(At(3.5, 0)), &problem_.constraints()[0]);
-  EXPECT_EQ(evaluator.Violated(At(3, 0)), nullptr) << "on the boundary is feasible";
+  ASSERT_EQ(evaluator.Violated(At(3.5, 0)), "a at most 3");
+  EXPECT_EQ(evaluator.Violated(At(3, 0)), std::nullopt) << "on the boundary is feasible";
 }
 
 TEST_F(EvaluatorTest, ProgressIsToldAtEveryEvaluation) {

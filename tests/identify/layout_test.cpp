@@ -45,6 +45,23 @@ TEST(Layout, GoodOnesPass) {
             "");
 }
 
+TEST(Layout, ARangeIsOfWhatIsOnlyPredicted) {
+  const auto with_range = [](Block& b) {
+    b.role = BlockRole::kPredicted;
+    b.sample.clear();
+    b.measured.clear();
+    b.range = Range{0.5, 1.5};
+  };
+  EXPECT_EQ(ErrorAfter(with_range), "");
+  EXPECT_EQ(ErrorAfter([&](Block& b) {
+              with_range(b);
+              b.range->lower = 1.5;
+            }),
+            "block walk/force: its range 1.5 .. 1.5 is none");
+  EXPECT_EQ(ErrorAfter([](Block& b) { b.range = Range{}; }),
+            "block walk/force: it has a range but is measured");
+}
+
 TEST(Layout, TimesMustIncrease) {
   EXPECT_EQ(ErrorAfter([](Block& b) { b.prediction_time.clear(); }), "block walk/force: it has no times");
   EXPECT_EQ(ErrorAfter([](Block& b) { b.prediction_time[2] = 0.5; }),

@@ -274,7 +274,8 @@ TEST(LeastSquares, ConstraintsAreExpressedInTheVariables) {
   Vector values;
   Matrix jacobian;
   const Vector x = fit.least_squares.Variables(Values({2, 10}));
-  fit.least_squares.Constraints(x, values, &jacobian);
+  auto workspace = fit.least_squares.NewWorkspace();
+  ASSERT_TRUE(fit.least_squares.Constraints(x, workspace, values, &jacobian));
   EXPECT_NEAR(values[0], 7, 10 * kRounding);
   ASSERT_EQ(jacobian.cols(), 1);
   EXPECT_NEAR(jacobian(0, 0), 10 * std::log(1e4), 100 * kRounding);

@@ -175,7 +175,93 @@ TEST_F(NmsProblemTest, WrongSettingsGetOneSentenceWithItsLine) {
   EXPECT_THAT(failure("soleus: [soleus_r]", "soleus: [soleus_r, tib_ant_r]"),
               HasSubstr("two groups of strength"));
   EXPECT_THAT(failure("shape: {", "shap: {"), HasSubstr("shap"));
+  EXPECT_THAT(failure("  joints: [", "  fibre_range: {lower: 2}\n  joints: ["),
+              HasSubstr("nms.yaml:6: fibre_range: lower 2 is not below upper 1.5"));
+  EXPECT_THAT(failure("  parameters:", "  steps: [{parameters: [shap]}]\n  parameters:"),
+              HasSubstr("nms.yaml:7: steps: 'shap' is no parameter that is fitted; did you mean 'shape'?"));
+  EXPECT_THAT(failure("  parameters:", "  steps: [{parameters: [shape], joints: []}]\n  parameters:"),
+              HasSubstr("steps: joints: expected at least one"));
   EXPECT_THAT(failure("lower: -2.999", "lower: 2.999"), HasSubstr("is not below upper"));
+}
+
+// A start from which the calibration shortens fibres: the range holds them, at a price.
+TEST_F(NmsProblemTest, FibresStayInTheirRange) {
+  const Dataset data = CeinmsExample("start.xml");
+  const auto fit = [&](const std::string& range, const char* solver) {
+    const auto problem = Bind(data, Replaced(kYaml, "  joints:", range + "  joints:"));
+    EXPECT_TRUE(problem) << problem.error().message;
+    const FitSetup setup = *MakeFitSetup(**problem, {});
+    const LeastSquares squares(**problem, setup);
+    Evaluator::Options options;
+    options.budget.max_evaluations = 300;
+    Evaluator evaluator(squares, options);
+    const SolverResult result = (*MakeSolver(solver, {}))->Solve(evaluator, squares.Start());
+    EXPECT_TRUE(result.stop.usable()) << result.stop.test;
+    const Vector parameters = squares.Parameters(result.x);
+    double least = 1;
+    double most = 1;
+    for (std::size_t t = 0; t < (*problem)->data().trials.size(); ++t) {
+      if ((*problem)->data().trials[t].name == "trial3") continue;
+      std::vector<MuscleTrace<double>> muscles;
+      EXPECT_TRUE((*problem)->MusclesAt(parameters, t, muscles));
+      const NmsParts parts = (*problem)->PartsAt(parameters, t);
+      for (std::size_t m = 0; m < muscles.size(); ++m) {
+        for (const double length : muscles[m].fibre_length) {
+          least = std::min(least, length / parts.slots[m][kOptimalLength]);
+          most = std::max(most, length / parts.slots[m][kOptimalLength]);
+        }
+      }
+    }
+    return std::tuple(least, most, (*problem)->RemarksAt(parameters));
+  };
+  const auto [least, most, remarks] = fit("", "lm");
+  ASSERT_LT(least, 0.62);
+  ASSERT_GT(most, 1.1);
+  const std::string range = "  fibre_range: {lower: 0.65, upper: 1.1, tolerance: 0.02";
+  const auto [drawn_least, drawn_most, drawn_remarks] = fit(range + "}\n", "lm");
+  EXPECT_GT(drawn_least, least + 0.5 * (0.65 - least));
+  EXPECT_LT(drawn_most, most - 0.5 * (most - 1.1));
+  const auto [kept_least, kept_most, kept_remarks] = fit(range + ", as: constraint}\n", "ipopt");
+  EXPECT_GE(kept_least, 0.65);
+  EXPECT_LE(kept_most, 1.1);
+  EXPECT_THAT(kept_remarks, testing::IsEmpty());
+}
+
+TEST_F(NmsProblemTest, DerivativesOfFibreLengthsAgreeWithDifferences) {
+  const Dataset data = CeinmsExample("true.xml");
+  for (const char* tendon : {"rigid", "elastic"}) {
+    std::string text = Replaced(kYaml, "as_ceinms: true",
+                                std::string("fibre_range: {}\n  as_ceinms: false\n  tendon: ") + tendon);
+    text = Replaced(text, "lower: -0.95, upper: -0.05", "lower: 0.005, upper: 0.1");
+    const auto problem = Bind(data, text);
+    ASSERT_TRUE(problem) << problem.error().message;
+    ASSERT_EQ((*problem)->layout().size(), 3 * 2 + 2 * 11);
+    Random random(2);
+    const JacobianCheck check = CheckJacobian(**problem, RandomInside(**problem, 0.3, random));
+    EXPECT_GT(check.compared, 0.35 * check.columns) << tendon;
+    EXPECT_LT(check.worst, 1e-5) << tendon;
+  }
+}
+
+TEST_F(NmsProblemTest, StepsFreeWhatTheyNameOfTheMusclesOfTheirJoints) {
+  const Dataset data = CeinmsExample("true.xml");
+  const auto problem = Bind(data, Replaced(kYaml, "  parameters:", R"(  steps:
+    - {joints: [ankle_angle_r], parameters: [shape, strength]}
+    - {parameters: [tendon_slack_length]}
+  parameters:)"));
+  ASSERT_TRUE(problem) << problem.error().message;
+  const auto& steps = (*problem)->steps();
+  ASSERT_EQ(steps.size(), 2U);
+  EXPECT_EQ(steps[0].name, "step 1 (ankle_angle_r: shape, strength)");
+  EXPECT_EQ(steps[0].blocks.size(), 3U) << "the ankle in three trials";
+  std::vector<std::string> names;
+  for (const int p : steps[0].parameters)
+    names.push_back((*problem)->parameters()[static_cast<std::size_t>(p)].name);
+  EXPECT_THAT(names, testing::UnorderedElementsAre("med_gas_r.shape", "lat_gas_r.shape", "soleus_r.shape",
+                                                   "tib_ant_r.shape", "gastrocnemii.strength",
+                                                   "soleus.strength", "tibialis.strength"));
+  EXPECT_EQ(steps[1].blocks.size(), 6U);
+  EXPECT_EQ(steps[1].parameters.size(), 11U);
 }
 
 // Parameters of the subject, through its own names and back.
