@@ -16,12 +16,13 @@ namespace {
 struct ProjectWords {
   std::string setup;
   std::string out;
+  std::string execution;
   std::vector<std::string> validate;
 };
 
 Result<int> ImportProject(const ProjectWords& words) {
-  SINEW_TRY(CheckOutput(words.out, {words.setup}));
-  SINEW_ASSIGN(const CeinmsProject project, ReadCeinmsProject(words.setup, words.validate));
+  SINEW_TRY(CheckOutput(words.out, {words.setup, words.execution}));
+  SINEW_ASSIGN(const CeinmsProject project, ReadCeinmsProject(words.setup, words.validate, words.execution));
   SINEW_TRY(WriteDataset(words.out, project.data));
   for (const std::string& note : project.notes) std::fputs(Wrapped("note: " + note, 0).c_str(), stderr);
   std::size_t train = 0;
@@ -51,13 +52,22 @@ Result<int> WriteSubject(const SubjectWords& words) {
 
 void AddCeinmsCommand(Command data, const RunAction& run) {
   auto words = std::make_shared<ProjectWords>();
-  Command command = data.AddCommand("ceinms", "A CEINMS project becomes a data set (docs/nms.md)");
-  command.Add("setup", words->setup, "Setup of a calibration or of an execution")
+  Command command =
+      data.AddCommand("ceinms", "A CEINMS or CEINMS-RT project becomes a data set (docs/nms.md)");
+  command
+      .Add("setup", words->setup,
+           "Setup of a CEINMS calibration or execution, or CEINMS-RT's calibration (<simulatedAnnealing>)")
       .Required()
       .Shows("SETUP.xml");
-  command.Add("--validate", words->validate, "Trials that are predicted and never fitted")
+  command
+      .Add("--validate", words->validate,
+           "Trials that are predicted and never fitted; of CEINMS-RT: TRIAL or TRIAL:FROM:TO [s]")
       .Split(',')
       .Shows("TRIAL.xml");
+  command
+      .Add("--execution", words->execution,
+           "CEINMS-RT's execution file, which knows the tendon; default: executionRT.xml beside SETUP.xml")
+      .Shows("EXECUTION.xml");
   command.Add("--out", words->out, "Data set to write").Required().Shows("F.h5");
   command.Runs(run, [words] { return ImportProject(*words); });
 }

@@ -8,6 +8,7 @@
 #include "datasets/io/storage_file.h"
 #include "datasets/io/text_file.h"
 #include "problems/nms/ceinms_calibration.h"
+#include "problems/nms/ceinms_rt_project.h"
 #include "problems/nms/ceinms_subject.h"
 
 namespace sinew {
@@ -164,13 +165,19 @@ Status CheckHybrid(const CeinmsCalibration& asked, const Subject& subject, const
 
 }  // namespace
 
-Result<CeinmsProject> ReadCeinmsProject(const std::string& setup, const std::vector<std::string>& validate) {
+Result<CeinmsProject> ReadCeinmsProject(const std::string& setup, const std::vector<std::string>& validate,
+                                        const std::string& execution) {
   SINEW_ASSIGN(const XmlDocument xml, ReadXml(setup));
   const std::string_view root = xml.root().name();
+  if (root == "simulatedAnnealing") return ReadCeinmsRtProject(setup, execution, validate);
   const bool calibrates = root == "ceinmsCalibration";
   if (!calibrates && root != "ceinms")
-    return xml.FailAt(xml.root(), "the outermost element is <{}>, expected <ceinmsCalibration> or <ceinms>",
+    return xml.FailAt(xml.root(),
+                      "the outermost element is <{}>, expected <ceinmsCalibration>, <ceinms>, or CEINMS-RT's "
+                      "<simulatedAnnealing>",
                       root);
+  if (!execution.empty())
+    return xml.FailAt(xml.root(), "--execution goes with a calibration of CEINMS-RT, <simulatedAnnealing>");
   SINEW_ASSIGN(const std::string subject_file, Named(xml, "subjectFile"));
   SINEW_ASSIGN(const std::string subject_text, ReadTextFile(subject_file));
   SINEW_ASSIGN(const CeinmsSubject subject, ReadCeinmsSubject(subject_text, subject_file));

@@ -23,8 +23,11 @@ struct CeinmsProject {
 /// (JOINT_moment). nms.yaml asks for CEINMS's own numbers (as_ceinms), its objective, and the calibration's
 /// parameters and ranges; c1 and c2, which can be exchanged, become the mean and the spread of the poles.
 /// An execution gives the ranges that CEINMS users have (SCIENCE section 3).
-/// @param validate trial files to predict only.
+///
+/// A calibration file of CEINMS-RT (<simulatedAnnealing>) is read as ReadCeinmsRtProject says.
+/// @param validate trial files to predict only. @param execution of CEINMS-RT, else empty
 /// Errors, with file and line: a file that is not there, elements that make no sense, muscles without input.
-Result<CeinmsProject> ReadCeinmsProject(const std::string& setup, const std::vector<std::string>& validate);
+Result<CeinmsProject> ReadCeinmsProject(const std::string& setup, const std::vector<std::string>& validate,
+                                        const std::string& execution = "");
 
 }  // namespace sinew
