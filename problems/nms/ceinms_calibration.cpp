@@ -276,6 +276,7 @@ std::string SettingsText(const CeinmsCalibration& calibration) {
       "  as_ceinms: true   # CEINMS's own numbers; false: smooth curves, delays between samples\n";
   text += "  tendon: " + calibration.tendon + "\n  activation: " + calibration.activation + "\n";
   text += "  objective: thesis\n";
+  if (calibration.fibre_range) text += "  fibre_range: {lower: 0.5, upper: 1.5}\n";
   if (!calibration.joints.empty()) text += "  joints: " + List(calibration.joints) + "\n";
   if (calibration.hybrid) {
     const CeinmsHybrid& hybrid = *calibration.hybrid;

@@ -38,6 +38,7 @@ struct CeinmsCalibration {
   std::vector<std::string> joints;         ///< empty: all of the subject
   std::vector<CeinmsParameter> parameters;
   std::vector<CeinmsStep> steps;
+  bool fibre_range = false;            ///< fibres are drawn into 0.5 .. 1.5 optimal lengths
   std::optional<CeinmsHybrid> hybrid;  ///< else open loop
   std::vector<std::string> trials;     ///< files, as written
   std::vector<std::string> notes;

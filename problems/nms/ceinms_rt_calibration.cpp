@@ -76,13 +76,13 @@ class Reader {
   // Every <dofs> is a step: its muscles are calibrated to its joints' moments, then the next one's.
   Status ReadJoints(const pugi::xml_node& calibration) {
     const pugi::xml_node list = calibration.child("dofToCalibrate");
-    int steps = 0;
     for (const pugi::xml_node& step : list.children("dofs")) {
-      ++steps;
+      out_.steps.emplace_back();
       std::string words = step.text().get();
       std::replace_if(
           words.begin(), words.end(), [](char c) { return c == '\n' || c == '\r'; }, ' ');
       for (const std::string_view word : SplitBlanks(words)) {
+        out_.steps.back().emplace_back(word);
         if (std::find(out_.joints.begin(), out_.joints.end(), word) == out_.joints.end())
           out_.joints.emplace_back(word);
       }
@@ -90,11 +90,10 @@ class Reader {
     if (out_.joints.empty())
       return xml_.FailAt(list ? list : calibration, "<dofToCalibrate><dofs> names no joint coordinate");
     out_.joints_line = xml_.Line(list);
-    if (steps > 1)
-      Note(list,
-           fmt::format("{} steps of joints: all are fitted at once; `identify --fix` and `--start` do one "
-                       "after the other",
-                       steps));
+    if (out_.steps.size() > 1)
+      Note(list, fmt::format("{} steps of joints: `sinew identify nms` fits all at once, `sinew identify nms "
+                             "--stepwise` one after the other as CEINMS-RT does",
+                             out_.steps.size()));
     return {};
   }
 

@@ -34,8 +34,9 @@ struct CeinmsRtCalibration {
   bool raw_emg = false;         ///< <filterEMG>: emg.sto is filtered; else emgFilt.sto is taken as it is
   /// <EMD>: the muscles see the EMG so much later [s, 0..1].
   double emg_delay_s = 0;
-  bool prescaled = false;           ///< <preScaling>: CEINMS-RT writes the subject file itself
-  std::vector<std::string> joints;  ///< of all steps
+  bool prescaled = false;                       ///< <preScaling>: CEINMS-RT writes the subject file itself
+  std::vector<std::string> joints;              ///< of all steps
+  std::vector<std::vector<std::string>> steps;  ///< joints of each
   long joints_line = 0;
   std::vector<CeinmsRtTrial> trials;  ///< at least one
   std::vector<std::string> notes;     ///< what is not read, and what is read otherwise

@@ -114,6 +114,12 @@ class Project {
     }
     settings.joints = calibration_.joints;
     settings.parameters = CeinmsRtParameters(calibration_.objective.text, subject_, calibration_.joints);
+    settings.fibre_range = true;
+    for (const auto& joints : calibration_.steps) {
+      settings.steps.push_back({joints, {}});
+      for (const CeinmsParameter& parameter : settings.parameters)
+        settings.steps.back().parameters.push_back(parameter.name);
+    }
     std::string& text = out_.data.files["nms.yaml"] = SettingsText(settings);
     // Names of a subject may be such that they mean something else in YAML.
     SINEW_ASSIGN(const YamlReader yaml, YamlReader::Parse(text, "nms.yaml"));
@@ -241,9 +247,10 @@ class Project {
     say("lengths and moment arms follow from the .osim at all recorded coordinates; CEINMS-RT interpolates "
         "them "
         "between nodes over the subject's joints and leaves other coordinates at their defaults");
-    say("the objective is CEINMS-RT's without its penalties for fibres beyond 0.5 to 1.5 optimal lengths and "
-        "for "
-        "slack tendons; fibre velocities come from a spline through all fibre lengths, not through past "
+    say("the objective is CEINMS-RT's, but its penalty for fibres beyond 0.5 to 1.5 optimal lengths is "
+        "smooth "
+        "here (fibre_range), and there is none for slack tendons; fibre velocities come from a spline "
+        "through all fibre lengths, not through past "
         "ones; "
         "values of the subject that are outside of a range start at its end");
     if (emg_filters_ && wanted_.size() > 1)

@@ -108,7 +108,8 @@ TEST(Range, SaysNothingWithin) {
   EXPECT_EQ(jacobian.pieces.back().values(0, 0), 0);
   ASSERT_TRUE(fit.Evaluate(Values({0.3}), workspace, residuals, &jacobian));
   EXPECT_DOUBLE_EQ(residuals[25], 2 * 2 * 2);  // weight 2, four values 2 above
-  EXPECT_DOUBLE_EQ(jacobian.pieces.back().values(0, 0), 2 * 4 * 0.5 * 2 * 10);  // weight, values, slope of each, dz/da, range of a
+  EXPECT_DOUBLE_EQ(jacobian.pieces.back().values(0, 0),
+                   2 * 4 * 0.5 * 2 * 10);  // weight, values, slope of each, dz/da, range of a
 }
 
 TEST(Range, AStrictOneIsAConstraint) {
