@@ -17,6 +17,7 @@ struct DiagnoseWords {
   BindingOptions binding;
   FitOptions fit;
   std::string from;
+  std::string solver = DiagnosisOptions{}.solver;
   std::string out;
   std::string json;
 };
@@ -93,7 +94,11 @@ Result<int> RunDiagnose(const DiagnoseWords& words) {
   }
   SINEW_ASSIGN(FitSetup setup, MakeFitSetup(binding.problem(), request));
 
+  SolverOptions how;
+  how.seed = words.fit.seed;
+  SINEW_TRY(MakeSolver(words.solver, how));  // a wrong name writes nothing
   DiagnosisOptions options;
+  options.solver = words.solver;
   options.seed = words.fit.seed;
   options.threads = words.fit.threads;
   options.interrupt = &InterruptFlag();
@@ -129,6 +134,9 @@ void AddDiagnoseCommand(Command app, const RunAction& run) {
   words->fit.AddChoiceTo(command);
   words->fit.AddWorkTo(command);
   command.Add("--from", words->from, "Start the base fit from the answer of a run file").Shows("RUN.h5");
+  command.Add("--solver", words->solver, "Of the base fit; `hop` where local minima trap others")
+      .ShowsDefault()
+      .Shows("S");
   command.Add("--out", words->out, "Diagnosis file to write (docs/run_file.md)").Required().Shows("DIAG.h5");
   command.Add("--json", words->json, "Result for machines; - for standard output").Shows("FILE|-");
   command.Runs(run, [=] { return RunDiagnose(*words); });

@@ -32,6 +32,7 @@ std::string Percent(double fraction) {
 }
 
 std::string Interval(const DiagnosedParameter& p) {
+  if (!p.at_bound.empty()) return "at its " + p.at_bound + " bound";
   if (!IsDetermined(p)) return "not determined by these data";
   return fmt::format("95 % interval {} to {}", Readable(p.ci95[0]), Readable(p.ci95[1]));
 }

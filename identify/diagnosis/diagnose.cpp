@@ -14,6 +14,7 @@
 #include "identify/diagnosis/tabulation.h"
 #include "identify/diagnosis/withdrawal.h"
 #include "identify/diagnosis/wording.h"
+#include "identify/results/concentration.h"
 #include "identify/results/held_out.h"
 
 namespace sinew {
@@ -21,6 +22,7 @@ namespace {
 
 // A base fit that needs more of them has no minimum to speak of (it takes 10 to 200, 650 in a narrow valley).
 constexpr long kBaseEvaluations = 2000;
+constexpr long kMostEvaluations = 200000;  // of another solver, which ends by its own rules
 // Of the variance of what was measured: a base model that explains less of it, and leaves the rest as
 // innovations, tells nothing from noise.
 constexpr double kLeastExplained = 0.1;
@@ -85,10 +87,11 @@ class Diagnostician {
     SolverOptions how;
     how.seed = options_.seed;
     how.threads = options_.threads;
-    SINEW_ASSIGN(const auto solver, MakeSolver("ceres", how));
+    SINEW_ASSIGN(const auto solver, MakeSolver(options_.solver, how));
     Evaluator::Options gate;
     gate.interrupt = options_.interrupt;
-    gate.budget.max_evaluations = kBaseEvaluations;
+    gate.budget.max_evaluations =
+        options_.solver == DiagnosisOptions{}.solver ? kBaseEvaluations : kMostEvaluations;
     Evaluator evaluator(fit, gate);
     out_.base = solver->Solve(evaluator, fit.Start());
     out_.base_point = fit.Parameters(out_.base.x);
@@ -181,6 +184,11 @@ class Diagnostician {
             block.measured[i] + residual[static_cast<Eigen::Index>(i)] / block.weight;
     }
     Assess(problem_.layout(), extended);
+    for (std::string& sentence :
+         DescribeConcentrations(FindConcentrations(problem_.layout(), extended.values)))
+      out_.warnings.push_back(std::move(sentence));
+    for (std::string& remark : problem_.RemarksAt(out_.extended_point))
+      out_.warnings.push_back(std::move(remark));
     out_.base_fit = base.pooled;
     out_.extended_fit = extended.pooled;
     for (std::size_t b = 0; b < problem_.layout().size(); ++b) {

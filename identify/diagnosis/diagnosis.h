@@ -27,7 +27,8 @@ enum class DiagnosisVerdict { kAdequate, kExplained, kAmbiguous, kUnexplained };
 [[nodiscard]] const char* ToString(DiagnosisVerdict verdict);
 
 struct DiagnosisOptions {
-  double alarm_level = 0.05;  ///< chance of any alarm if nothing is wrong: one level for everything
+  std::string solver = "ceres";  ///< of the base fit; a global one where local minima trap
+  double alarm_level = 0.05;     ///< chance of any alarm if nothing is wrong: one level for everything
   std::uint64_t seed = 1;
   int threads = 1;
   const std::atomic<bool>* interrupt = nullptr;
@@ -41,7 +42,8 @@ struct DiagnosedParameter {
   double value = 0;
   double std_error = 0;
   std::array<double, 2> ci95{};
-  double before = 0;  ///< in the base model (the null, for effect parameters)
+  double before = 0;     ///< in the base model (the null, for effect parameters)
+  std::string at_bound = {};  ///< "lower" or "upper": held there, std_error is NaN; else empty
 };
 
 /// How one effect answers before any refit, and after it if it was tried.

@@ -17,8 +17,8 @@
 namespace sinew {
 namespace {
 
-constexpr double kSetWidthColoured = 9;  // ... if the noise model itself is a guess
 constexpr int kMostCauses = 5;
+constexpr int kMostExchanges = 8;       // each lowers the deviance, so they end anyway
 constexpr double kFurtherLevel = 0.02;  // of an alarm after the first cause
 constexpr double kParsimony = 10.8;     // chi-squared with one degree: chance 0.001
 constexpr double kDouble = 0.97;        // correlation of traces above which they count as one
@@ -75,10 +75,18 @@ class Selector {
     if (!selection.alarm) return selection;
     Eliminate(chosen);
     if (IsOutdoneByUnknown(chosen)) chosen.clear();
+    for (int exchanges = 0;; ++exchanges) {
+      selection.causes.clear();
+      selection.rivals.clear();
+      Judge(chosen, selection);
+      SINEW_TRY(FindRivals(chosen, selection));
+      const Set better = BetterRival(chosen, selection);
+      if (better.empty() || exchanges == kMostExchanges) break;
+      chosen = better;
+      Eliminate(chosen);
+    }
     SINEW_ASSIGN(standing, StandAt(problem_, candidates_, cache_.at(chosen), kFurtherLevel, options_.seed));
     selection.model = cache_.at(chosen);
-    Judge(chosen, selection);
-    SINEW_TRY(FindRivals(chosen, selection));
     Leftovers(standing, chosen.empty(), selection);
     return selection;
   }
@@ -137,10 +145,6 @@ class Selector {
     return kPerParameter * parameters;
   }
   [[nodiscard]] double Penalised(const Refit& refit) const { return refit.deviance + Price(refit.released); }
-
-  [[nodiscard]] double SetWidth(const Refit& refit) const {
-    return refit.noise.IsColoured() ? kSetWidthColoured : kSetWidth;
-  }
 
   static Set With(Set set, int c) {
     set.insert(std::lower_bound(set.begin(), set.end(), c), c);
@@ -367,6 +371,27 @@ class Selector {
     return {};
   }
 
+  // One step at a time need not lead to the best set: what explains more in the place of a cause, takes it.
+  // What does so only at the end of its range stands in for something else. Empty: none does.
+  [[nodiscard]] Set BetterRival(const Set& chosen, const Selection& selection) const {
+    const Refit* best = &cache_.at(chosen);
+    for (const Rival& rival : selection.rivals) {
+      if (Penalised(rival.refit) < Penalised(*best) && !IsSimplerDouble(chosen, rival.refit) &&
+          !EndsAtABound(rival.refit, rival.candidate))
+        best = &rival.refit;
+    }
+    return best->released == chosen ? Set() : best->released;
+  }
+
+  [[nodiscard]] bool EndsAtABound(const Refit& refit, int c) const {
+    const auto& parameters = candidates_[static_cast<std::size_t>(c)].parameters;
+    return std::any_of(parameters.begin(), parameters.end(), [&](int index) {
+      const Parameter& p = refit.setup->parameters[static_cast<std::size_t>(index)];
+      const double value = refit.point[index];
+      return value != p.null_value && (value <= p.lower || value >= p.upper);
+    });
+  }
+
   void AddRival(const Set& chosen, int cause, const Set& released, Selection& selection) const {
     const Refit& refit = cache_.at(released);
     const Refit& model = cache_.at(chosen);
@@ -430,6 +455,10 @@ class Selector {
 };
 
 }  // namespace
+
+double SetWidth(const Refit& model) {
+  return model.noise.IsColoured() ? kSetWidthColoured : kSetWidth;
+}
 
 Result<Selection> Select(const Problem& problem, const Refitter& refitter,
                          const std::vector<Candidate>& candidates, const Standing& base,

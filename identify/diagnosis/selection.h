@@ -18,6 +18,9 @@ struct Rival {
   double correlation = 0;  ///< of the two signatures, base taken away
 };
 
+/// Twice the log-likelihood, and its price in parameters, by which a rival may fit worse than this model.
+[[nodiscard]] double SetWidth(const Refit& model);
+
 struct ChosenCause {
   int candidate = 0;
   double delta_lr = 0;  ///< against the chosen set without it

@@ -13,6 +13,7 @@ namespace sinew {
 inline constexpr double kPerParameter = 4;
 /// Units of deviance within which causes count as not told apart.
 inline constexpr double kSetWidth = 6;
+inline constexpr double kSetWidthColoured = 9;  ///< ... if the noise model itself is a guess
 
 class Shortlist {
  public:

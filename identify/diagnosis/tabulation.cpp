@@ -200,6 +200,8 @@ std::vector<DiagnosedParameter> ValuesOf(const Examination& examination, const R
     if (!(covariance(v, v) > 0)) {  // held by its bound, or nothing responds
       one.std_error = kUnknown;
       one.ci95 = {kUnknown, kUnknown};
+      if (one.value <= p.lower || one.value >= p.upper)
+        one.at_bound = one.value <= p.lower ? "lower" : "upper";
       values.push_back(std::move(one));
       continue;
     }

@@ -74,6 +74,51 @@ std::string AlternativeSentence(const Cause& cause, const Alternative& other) {
   return text;
 }
 
+// What became of a base parameter; empty where that tells nobody anything.
+std::string Moved(const Diagnosis& d, const DiagnosedParameter& base, const DiagnosedParameter& now) {
+  const std::string moves = fmt::format("With {}, {} moves from {} to {}{}: what was missing had ",
+                                        d.causes.size() == 1 ? "it" : "them", now.name, Readable(base.value),
+                                        Readable(now.value), Unit(now.unit));
+  if (!base.at_bound.empty()) return moves + "driven it to its " + base.at_bound + " bound.";
+  if (base.value == 0 || now.value == 0 || base.value * now.value < 0)
+    return moves + fmt::format("biased it by {}{}.", Readable(base.value - now.value), Unit(now.unit));
+  const double share = std::abs(base.value / now.value - 1);
+  return share < 0.005 ? "" : moves + fmt::format("biased it by {}.", Percent(share));
+}
+
+// Held-out trials that the extended model predicts worse than the base model.
+std::vector<std::string> Worsened(const Diagnosis& d) {
+  constexpr double kWorse = 1.02;
+  constexpr std::size_t kMost = 3;
+  std::vector<std::pair<double, std::string>> worse;
+  std::size_t held_out = 0;
+  for (const TracePair& trace : d.traces) {
+    if (trace.role != BlockRole::kValidate) continue;
+    ++held_out;
+    double before = 0;
+    double after = 0;
+    for (std::size_t i = 0; i < trace.measured.size(); ++i) {
+      before += std::pow(trace.before[i] - trace.measured[i], 2);
+      after += std::pow(trace.after[i] - trace.measured[i], 2);
+    }
+    if (!(after > kWorse * kWorse * before)) continue;
+    const auto rmse = [&](double squares) {
+      return Readable(std::sqrt(squares / static_cast<double>(trace.measured.size())));
+    };
+    worse.emplace_back(
+        before / after,
+        fmt::format("Held-out trial '{}' is predicted WORSE by the extended model: {} {} -> {}{} RMSE.",
+                    trace.trial, trace.channel, rmse(before), rmse(after), Unit(trace.unit)));
+  }
+  std::stable_sort(worse.begin(), worse.end(),
+                   [](const auto& a, const auto& b) { return a.first < b.first; });
+  std::vector<std::string> sentences;
+  for (std::size_t i = 0; i < std::min(worse.size(), kMost); ++i) sentences.push_back(worse[i].second);
+  if (worse.size() > kMost)
+    sentences.push_back(fmt::format("{} of {} held-out traces are predicted worse.", worse.size(), held_out));
+  return sentences;
+}
+
 // Each explains what is left on its own: all but the first are alternatives.
 std::string UnknownSentence(const UnknownFinding& unknown, bool alternative) {
   std::string text = alternative ? "Or instead: " : "Not in the library: ";
@@ -102,8 +147,9 @@ std::string UnknownSentence(const UnknownFinding& unknown, bool alternative) {
 std::string DescribeParameters(const std::vector<DiagnosedParameter>& parameters) {
   std::vector<std::string> parts;
   for (const DiagnosedParameter& p : parameters) {
-    parts.push_back(fmt::format("{} = {}{}{}", p.name, Readable(p.value), Unit(p.unit),
-                                p.std_error > 0 ? " +-" + Readable(1.96 * p.std_error, 2) : ""));
+    parts.push_back(fmt::format("{} = {}{}{}{}", p.name, Readable(p.value), Unit(p.unit),
+                                p.std_error > 0 ? " +-" + Readable(1.96 * p.std_error, 2) : "",
+                                p.at_bound.empty() ? "" : " (its " + p.at_bound + " bound)"));
   }
   return Join(parts, ", ");
 }
@@ -133,12 +179,8 @@ std::vector<std::string> DescribeDiagnosis(const Diagnosis& d, bool has_held_out
                                      [&](const DiagnosedParameter& b) { return b.name == p.name; });
       if (base == d.base_parameters.end() || !(std::abs(p.value - base->value) > 1.96 * p.std_error))
         continue;
-      const double share = p.value != 0 ? std::abs(base->value / p.value - 1) : 1;
-      if (share < 0.005) continue;  // beyond chance, but "biased by 0 %" tells nobody anything
-      sentences.push_back(
-          fmt::format("With {}, {} moves from {} to {}{}: what was missing had biased it by {}.",
-                      d.causes.size() == 1 ? "it" : "them", p.name, Readable(base->value), Readable(p.value),
-                      Unit(p.unit), Percent(share)));
+      sentences.push_back(Moved(d, *base, p));
+      if (sentences.back().empty()) sentences.pop_back();
     }
   }
   if (!has_held_out) {
@@ -146,6 +188,7 @@ std::vector<std::string> DescribeDiagnosis(const Diagnosis& d, bool has_held_out
   }
   if (!d.causes.empty() || !d.unknown_terms.empty()) {
     for (const Gain& gain : d.gain) sentences.push_back(GainSentence(gain));
+    for (std::string& sentence : Worsened(d)) sentences.push_back(std::move(sentence));
   }
   if (d.verdict == DiagnosisVerdict::kAdequate) {
     std::vector<const EffectScore*> noticed;

@@ -31,6 +31,7 @@ Json FromParameter(const DiagnosedParameter& p) {
           {"unit", p.unit},
           {"std_error", IsDetermined(p) ? Finite(p.std_error) : Json(nullptr)},
           {"ci95", IsDetermined(p) ? Interval(p.ci95) : Json(nullptr)},
+          {"at_bound", p.at_bound.empty() ? Json(nullptr) : Json(p.at_bound)},
           {"before", Finite(p.before)}};
 }
 

@@ -20,6 +20,8 @@ std::string And(const std::vector<std::string>& names) {
 }
 
 std::string Capitalised(std::string text) {
+  const auto first_word = text.substr(0, text.find(' '));
+  if (first_word.find('_') != std::string::npos) return text;  // a name, which is written in one way only
   if (!text.empty()) text[0] = static_cast<char>(std::toupper(static_cast<unsigned char>(text[0])));
   return text;
 }

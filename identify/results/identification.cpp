@@ -2,6 +2,7 @@
 
 #include <utility>
 
+#include "identify/results/concentration.h"
 #include "identify/results/held_out.h"
 
 namespace sinew {
@@ -40,6 +41,9 @@ Result<Identification> Identify(const Problem& problem, FitSetup setup, Identifi
     SINEW_ASSIGN(out.uncertainty, AnalyseUncertainty(least_squares, out.result.x, how));
     for (const std::string& note : out.uncertainty.notes) out.warnings.push_back(note);
   }
+  for (std::string& sentence :
+       DescribeConcentrations(FindConcentrations(problem.layout(), out.prediction.values)))
+    out.warnings.push_back(std::move(sentence));
   for (std::string& remark : problem.RemarksAt(out.parameters)) out.warnings.push_back(std::move(remark));
   out.findings = DescribeFindings(problem, out);
   return out;

@@ -137,7 +137,8 @@ TEST(Diagnose, ACauseThatHelpsHeldOutTrialsTooLittleStandsInForSomethingElse) {
   EXPECT_GT(d.gain[0].reduction, 0) << "it does help";
   truth.held_out_share = -0.5;
   const Diagnosis denied = Examine(LinearLaws(truth, 7));
-  EXPECT_FALSE(denied.withdrawn.empty());
+  ASSERT_FALSE(denied.withdrawn.empty());
+  EXPECT_THAT(denied.withdrawn[0].reason, testing::ContainsRegex("most in trial '.*': .* -> .* RMSE"));
 }
 
 // What differs from trial to trial and hides from every effect raises no alarm under a noise model that took
