@@ -57,6 +57,7 @@ EFFECTS = {
     "segment_weight." + JOINT: ({"weight_sine." + JOINT: 1, "weight_cosine." + JOINT: 0.3}, True),
     "machine_friction." + JOINT: ({"machine_friction." + JOINT: 0.3}, False),
     "emg_gain@train_90": ({"emg_gain@train_90": 0.02}, True),
+    "emg_offset@train_90": ({"emg_offset@train_90": 0.003}, True),
     CHANNEL + ".offset": ({CHANNEL + ".offset": 0.3}, True),
     CHANNEL + ".drift": ({CHANNEL + ".drift": 0.05}, True),
     CHANNEL + ".time_offset": ({CHANNEL + ".time_offset": 0.002}, True),

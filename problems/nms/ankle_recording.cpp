@@ -64,7 +64,7 @@ class Recording {
     const double drift = truth_.Effect("emg_drift");
     const double gain = truth_.Effect("emg_gain@" + name_);
     const double cross = truth_.Effect("cross_talk");
-    const double floor = truth_.Effect("co_contraction");
+    const double floor = truth_.Effect("co_contraction") + truth_.Effect("emg_offset@" + name_);
     const double fades = truth_.Effect("soleus_fades");
     const double loose = truth_.Effect("loose_electrode");
     auto seen = pulling_;

@@ -80,7 +80,7 @@ class Builder {
                           "time of the activation filter beyond the subject's, as a share", -0.8, 3, kThesis),
                    kFilterMean, NmsPlace::kScales);
     }
-    AddGainsOfTrials();
+    AddTrials();
   }
 
   void AddMuscle() {
@@ -192,8 +192,8 @@ class Builder {
     list_.moments.push_back({parameter, static_cast<int>(joint), std::move(by_trial)});
   }
 
-  // Electrodes are placed anew, and maxima taken anew, from day to day.
-  void AddGainsOfTrials() {
+  // Electrodes are placed anew, and floors and maxima taken anew, from day to day.
+  void AddTrials() {
     std::vector<std::size_t> fitted;
     for (std::size_t t = 0; t < data_.trials.size(); ++t) {
       if (data_.layout[static_cast<std::size_t>(data_.trials[t].first_block)].role == BlockRole::kTrain)
@@ -208,6 +208,12 @@ class Builder {
       OfAllMuscles(Number("emg_gain@" + trial, "1",
                           "excitation of the trial beyond the measured one, as a share", -0.5, 1, kThesis),
                    kEmgGain, NmsPlace::kAdds, static_cast<int>(t));
+      Name("emg_offset@" + trial, Level::kSensor,
+           "the EMG of one trial is too large or too small by a constant", "a rest phase in every trial");
+      list_.effects.back().trial = trial;
+      OfAllMuscles(Number("emg_offset@" + trial, "1", "excitation of the trial beyond the measured one", -0.2,
+                          0.2, kThesis),
+                   kCoContraction, NmsPlace::kAdds, static_cast<int>(t));
     }
   }
 

@@ -73,7 +73,8 @@ constexpr const char* kOutsiders[] = {
     "loose_electrode",  // the EMG of one muscle alone loses this share half-way [1]
 };
 
-// Effects of the problem that the study can contain; those of a trial alone are left out, but for emg_gain.
+// Effects of the problem that the study can contain; those of a trial alone are left out, but for the
+// EMG's.
 constexpr const char* kSimulated[] = {"emg_drift",
                                       "co_contraction",
                                       "cross_talk",
@@ -104,7 +105,8 @@ bool IsSimulated(const std::string& name) {
   const auto among = [&](const auto& names) {
     return std::find(std::begin(names), std::end(names), name) != std::end(names);
   };
-  return name.rfind("emg_gain@", 0) == 0 || among(kSimulated) || among(kOutsiders);
+  return name.rfind("emg_gain@", 0) == 0 || name.rfind("emg_offset@", 0) == 0 || among(kSimulated) ||
+         among(kOutsiders);
 }
 
 Result<Dataset> Record(const StudyTruth& truth, std::uint64_t seed) {
