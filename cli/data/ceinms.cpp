@@ -8,7 +8,7 @@
 #include "cli/terminal.h"
 #include "datasets/io/dataset_file.h"
 #include "datasets/io/text_file.h"
-#include "problems/nms/ceinms_project.h"
+#include "problems/nms/ceinms/project.h"
 
 namespace sinew {
 namespace {

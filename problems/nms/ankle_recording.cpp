@@ -5,7 +5,7 @@
 
 #include "base/constants.h"
 #include "models/emg/envelope.h"
-#include "problems/nms/ceinms_subject.h"
+#include "problems/nms/ceinms/subject.h"
 #include "problems/nms/nms_settings.h"
 
 namespace sinew {

@@ -7,7 +7,7 @@
 
 #include "base/constants.h"
 #include "models/emg/butterworth.h"
-#include "problems/nms/ceinms_subject.h"
+#include "problems/nms/ceinms/subject.h"
 
 namespace sinew {
 namespace {

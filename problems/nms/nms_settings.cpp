@@ -5,7 +5,7 @@
 #include <set>
 
 #include "base/text.h"
-#include "problems/nms/ceinms_subject.h"
+#include "problems/nms/ceinms/subject.h"
 
 namespace sinew {
 namespace {

@@ -7,10 +7,10 @@
 #include <fstream>
 
 #include "base/random.h"
-#include "problems/nms/ceinms_rt_calibration.h"
-#include "problems/nms/ceinms_rt_emg.h"
-#include "problems/nms/ceinms_rt_execution.h"
-#include "problems/nms/ceinms_rt_files.h"
+#include "problems/nms/ceinms/rt_calibration.h"
+#include "problems/nms/ceinms/rt_emg.h"
+#include "problems/nms/ceinms/rt_execution.h"
+#include "problems/nms/ceinms/rt_files.h"
 
 namespace sinew {
 namespace {

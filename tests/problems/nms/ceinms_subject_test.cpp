@@ -1,11 +1,10 @@
-#include "problems/nms/ceinms_subject.h"
-
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
 #include <cmath>
 
 #include "base/random.h"
+#include "problems/nms/ceinms/subject.h"
 
 namespace sinew {
 namespace {

@@ -9,7 +9,7 @@
 #include <sstream>
 
 #include "datasets/io/storage_file.h"
-#include "problems/nms/ceinms_subject.h"
+#include "problems/nms/ceinms/subject.h"
 
 namespace sinew {
 namespace {

@@ -1,4 +1,4 @@
-#include "problems/nms/ceinms_rt_files.h"
+#include "problems/nms/ceinms/rt_files.h"
 
 #include <algorithm>
 #include <filesystem>

@@ -1,4 +1,4 @@
-#include "problems/nms/ceinms_rt_project.h"
+#include "problems/nms/ceinms/rt_project.h"
 
 #include <algorithm>
 #include <cmath>
@@ -11,13 +11,13 @@
 #include "base/yaml_reader.h"
 #include "datasets/cut.h"
 #include "datasets/io/text_file.h"
-#include "problems/nms/ceinms_rt_calibration.h"
-#include "problems/nms/ceinms_rt_emg.h"
-#include "problems/nms/ceinms_rt_execution.h"
-#include "problems/nms/ceinms_rt_files.h"
-#include "problems/nms/ceinms_rt_recording.h"
-#include "problems/nms/ceinms_rt_trials.h"
-#include "problems/nms/ceinms_subject.h"
+#include "problems/nms/ceinms/rt_calibration.h"
+#include "problems/nms/ceinms/rt_emg.h"
+#include "problems/nms/ceinms/rt_execution.h"
+#include "problems/nms/ceinms/rt_files.h"
+#include "problems/nms/ceinms/rt_recording.h"
+#include "problems/nms/ceinms/rt_trials.h"
+#include "problems/nms/ceinms/subject.h"
 #include "problems/nms/muscle_grids.h"
 #include "problems/nms/nms_settings.h"
 

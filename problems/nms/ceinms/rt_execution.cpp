@@ -1,4 +1,4 @@
-#include "problems/nms/ceinms_rt_execution.h"
+#include "problems/nms/ceinms/rt_execution.h"
 
 #include "base/text.h"
 #include "base/xml_document.h"

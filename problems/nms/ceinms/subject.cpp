@@ -1,4 +1,4 @@
-#include "problems/nms/ceinms_subject.h"
+#include "problems/nms/ceinms/subject.h"
 
 #include <algorithm>
 #include <cmath>

@@ -1,4 +1,4 @@
-#include "problems/nms/ceinms_rt_emg.h"
+#include "problems/nms/ceinms/rt_emg.h"
 
 #include <algorithm>
 #include <cmath>

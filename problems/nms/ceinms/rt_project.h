@@ -5,7 +5,7 @@
 #include <vector>
 
 #include "base/error.h"
-#include "problems/nms/ceinms_project.h"
+#include "problems/nms/ceinms/project.h"
 
 namespace sinew {
 

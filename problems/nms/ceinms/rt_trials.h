@@ -6,7 +6,7 @@
 
 #include "base/error.h"
 #include "datasets/dataset.h"
-#include "problems/nms/ceinms_rt_calibration.h"
+#include "problems/nms/ceinms/rt_calibration.h"
 
 namespace sinew {
 

@@ -7,7 +7,7 @@
 #include <vector>
 
 #include "base/error.h"
-#include "problems/nms/ceinms_calibration.h"
+#include "problems/nms/ceinms/calibration.h"
 #include "problems/nms/subject.h"
 
 namespace sinew {

@@ -1,4 +1,4 @@
-#include "problems/nms/ceinms_rt_calibration.h"
+#include "problems/nms/ceinms/rt_calibration.h"
 
 #include <algorithm>
 #include <cmath>

@@ -1,4 +1,4 @@
-#include "problems/nms/ceinms_rt_recording.h"
+#include "problems/nms/ceinms/rt_recording.h"
 
 #include <algorithm>
 #include <cmath>

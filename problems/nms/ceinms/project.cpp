@@ -1,4 +1,4 @@
-#include "problems/nms/ceinms_project.h"
+#include "problems/nms/ceinms/project.h"
 
 #include <algorithm>
 #include <filesystem>
@@ -7,9 +7,9 @@
 #include "base/xml_document.h"
 #include "datasets/io/storage_file.h"
 #include "datasets/io/text_file.h"
-#include "problems/nms/ceinms_calibration.h"
-#include "problems/nms/ceinms_rt_project.h"
-#include "problems/nms/ceinms_subject.h"
+#include "problems/nms/ceinms/calibration.h"
+#include "problems/nms/ceinms/rt_project.h"
+#include "problems/nms/ceinms/subject.h"
 
 namespace sinew {
 namespace {

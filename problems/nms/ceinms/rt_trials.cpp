@@ -1,4 +1,4 @@
-#include "problems/nms/ceinms_rt_trials.h"
+#include "problems/nms/ceinms/rt_trials.h"
 
 #include <algorithm>
 #include <cmath>

@@ -1,4 +1,4 @@
-#include "problems/nms/ceinms_calibration.h"
+#include "problems/nms/ceinms/calibration.h"
 
 #include <algorithm>
 #include <optional>
