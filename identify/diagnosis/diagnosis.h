@@ -42,7 +42,7 @@ struct DiagnosedParameter {
   double value = 0;
   double std_error = 0;
   std::array<double, 2> ci95{};
-  double before = 0;          ///< in the base model (the null, for effect parameters)
+  double before = 0;     ///< in the base model (the null, for effect parameters)
   std::string at_bound = {};  ///< "lower" or "upper": held there, std_error is NaN; else empty
 };
 

@@ -183,8 +183,8 @@ TEST(WalkingCyclesTest, PredictsStridesThatWereNotUsed) {
       const double coverage = static_cast<double>(within) / static_cast<double>(samples);
       RecordProperty(which, fmt::format("RMSE {:.4f} R2 {:.3f} coverage {:.3f}", summary.rmse,
                                         summary.r_squared, coverage));
-      EXPECT_GT(summary.r_squared, 0.6) << which;
-      EXPECT_LT(summary.rmse, 0.12) << which;
+      EXPECT_GT(summary.r_squared, 0.7) << which;
+      EXPECT_LT(summary.rmse, 0.06) << which;
       EXPECT_GT(coverage, 0.85) << which;  // of 13 strides, which are not independent
     }
   }
