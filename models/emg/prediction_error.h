@@ -1,0 +1,35 @@
+// How well a predicted curve meets a measured one: the thesis's two figures. SCIENCE section 5.
+#pragma once
+
+#include <cstddef>
+#include <vector>
+
+#include "base/error.h"
+
+namespace sinew {
+
+struct PredictionError {
+  double rmse = 0;  ///< root mean square of the differences [unit of the curves]
+  /// Square of Pearson's correlation (product moment, section 6.4.3): says how alike the shapes are, not
+  /// whether the sizes agree, and not the share of variance explained [0..1]. NaN if a curve never changes.
+  double r_squared = 0;
+};
+
+/// @param predicted [N >= 2] @param measured [N]. Errors: sizes, fewer than 2, values that are not finite.
+Result<PredictionError> ComparePrediction(const std::vector<double>& predicted,
+                                          const std::vector<double>& measured);
+
+/// Mean and standard deviation (n - 1) over cycles, as the thesis's tables have them.
+struct ErrorSummary {
+  std::size_t count = 0;
+  double rmse = 0;
+  double rmse_deviation = 0;        ///< NaN for fewer than two
+  std::size_t r_squared_count = 0;  ///< those whose R2 is a number
+  double r_squared = 0;
+  double r_squared_deviation = 0;
+};
+
+/// All NaN if there are none.
+[[nodiscard]] ErrorSummary Summarise(const std::vector<PredictionError>& errors);
+
+}  // namespace sinew
