@@ -211,8 +211,8 @@ class Builder {
       Name("emg_offset@" + trial, Level::kSensor,
            "the EMG of one trial is too large or too small by a constant", "a rest phase in every trial");
       list_.effects.back().trial = trial;
-      OfAllMuscles(Number("emg_offset@" + trial, "1", "excitation of the trial beyond the measured one", -0.2,
-                          0.2, kThesis),
+      OfAllMuscles(Number("emg_offset@" + trial, "1", "excitation of the trial beyond the measured one", -0.1,
+                          0.1, kThesis),
                    kCoContraction, NmsPlace::kAdds, static_cast<int>(t));
     }
   }

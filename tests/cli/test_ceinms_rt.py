@@ -78,7 +78,7 @@ class CeinmsRt(ProgramTest):
     def test_the_published_project_is_one_command(self):
         notes = self.imports(WALKING / "Calibration.xml", "--validate", "walk36:35:55,walk45:1:58", "--out", "w.h5")
         for words in ("(--execution): rigid", "EMD: the times of the excitations are later by 0.1 s", "C1 and C2 are 0",
-                      "interpolates them between nodes", "without its penalties", "annealing"):
+                      "interpolates them between nodes", "its penalty for fibres", "annealing"):
             self.assertIn(words, notes)
         emg, moments = (table(WALKING / "walk36" / name) for name in ("emgFilt.sto", "id.sto"))
         with h5py.File(self.path("w.h5")) as file:

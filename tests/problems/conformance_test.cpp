@@ -49,8 +49,9 @@ const std::map<std::string, Exact> kExact{
        {"triceps.tendon_slack_length", 1.015},
        {"dorsiflexors.tendon_slack_length", 0.985}},
       false,
-      // Excitations are cut off at 0, and fibres turn from stretch to shortening.
-      0.85}},
+      // Excitations are cut off at 0, to which effects of all and of single trials lower them, and fibres
+      // turn from stretch to shortening: columns with such kinks are not compared.
+      0.8}},
 };
 
 struct Case {
