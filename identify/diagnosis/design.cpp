@@ -92,7 +92,8 @@ class DesignMaker {
     }
     SINEW_TRY(rows_.Predict(point_, nullptr));
     at_null_ = rows_.Values();
-    // Priors have rows too; they know nothing of candidates.
+    // Priors and ranges have rows too. Priors know nothing of candidates; what a candidate changes in a
+    // ranged prediction is left out of the scores, and counted in full when the candidate is fitted.
     height_ = design.residual.size();
 
     std::size_t most_probes = 1;

@@ -38,6 +38,7 @@ class Withdrawal {
       }
       Withdraw(std::move(worst));
     }
+    if (!withdrawn_.empty() && !selection_.gross) CompareWithTheRest();
     return std::move(withdrawn_);
   }
 
@@ -207,6 +208,14 @@ class Withdrawal {
     const auto now = e_.held_out.Residuals(selection_.model.point);
     const auto then = e_.held_out.Residuals(refit.point);
     return now && then && e_.Loss(*then, selection_.model.noise) <= e_.Loss(*now, selection_.model.noise);
+  }
+
+  // What each cause explains beside those that are left; its p-value stays that of its choice.
+  void CompareWithTheRest() {
+    for (ChosenCause& cause : selection_.causes) {
+      const Refit without = Without(cause.candidate);
+      if (without.usable()) cause.delta_lr = without.deviance - selection_.model.deviance;
+    }
   }
 
   // The next of the set that does carry over.

@@ -18,8 +18,9 @@ std::unique_ptr<RoleView> ViewOf(const Problem& problem, const FitStep& step) {
   });
 }
 
-Result<FitSetup> SetupOf(const Problem& view, const FitStep& step, FitRequest request,
-                         const std::vector<std::pair<std::string, double>>& found) {
+using Found = std::vector<std::pair<std::string, double>>;
+
+Result<FitSetup> SetupOf(const Problem& view, const FitStep& step, FitRequest request, const Found& found) {
   SINEW_ASSIGN(const FitSetup whole, MakeFitSetup(view, request));
   request.free.clear();
   for (const int index : step.parameters) {
@@ -35,7 +36,7 @@ Result<FitSetup> SetupOf(const Problem& view, const FitStep& step, FitRequest re
   return MakeFitSetup(view, request);
 }
 
-void TakeOver(std::vector<std::pair<std::string, double>>& found, const Identification& from) {
+void TakeOver(Found& found, const Identification& from) {
   for (const int index : from.setup.free) {
     const std::string& name = from.setup.parameters[static_cast<std::size_t>(index)].name;
     const auto known =
@@ -48,6 +49,33 @@ void TakeOver(std::vector<std::pair<std::string, double>>& found, const Identifi
   }
 }
 
+// That every step has something to fit is known before the first has written anything.
+Status CheckSteps(const Problem& problem, const FitRequest& request) {
+  for (const FitStep& step : problem.steps()) {
+    const auto view = ViewOf(problem, step);
+    SINEW_TRY(SetupOf(*view, step, request, {}));
+  }
+  return {};
+}
+
+// What the last step's intervals leave out.
+std::string HeldAsKnown(const Found& found, const Identification& last) {
+  std::vector<std::string> held;
+  for (const auto& [name, value] : found) {
+    const auto same = [&, &n = name](int index) {
+      return last.setup.parameters[static_cast<std::size_t>(index)].name == n;
+    };
+    if (std::none_of(last.setup.free.begin(), last.setup.free.end(), same)) held.push_back(name);
+  }
+  if (held.empty()) return "";
+  return fmt::format(
+      "errors and intervals are those of the last step: as if what earlier steps found ({}{}) were known "
+      "exactly",
+      fmt::join(held.begin(),
+                held.begin() + std::min<std::ptrdiff_t>(static_cast<std::ptrdiff_t>(held.size()), 4), ", "),
+      held.size() > 4 ? fmt::format(" and {} more", held.size() - 4) : "");
+}
+
 }  // namespace
 
 Result<Identification> IdentifyStepwise(const Problem& problem, const FitRequest& request,
@@ -56,7 +84,8 @@ Result<Identification> IdentifyStepwise(const Problem& problem, const FitRequest
   if (!request.release.empty())
     return Fail("effect '{}': a step frees base parameters; release it in a fit of everything",
                 request.release.front());
-  std::vector<std::pair<std::string, double>> found;
+  SINEW_TRY(CheckSteps(problem, request));
+  Found found;
   std::vector<std::string> findings;
   std::vector<std::string> warnings;
   for (std::size_t s = 0; s < problem.steps().size(); ++s) {
@@ -69,6 +98,9 @@ Result<Identification> IdentifyStepwise(const Problem& problem, const FitRequest
     const std::string prefix = last ? "" : step.name + ": ";
     for (const std::string& finding : fit.findings) findings.push_back(prefix + finding);
     for (const std::string& warning : fit.warnings) warnings.push_back(prefix + warning);
+    if (usable && last) {
+      if (std::string held = HeldAsKnown(found, fit); !held.empty()) warnings.push_back(std::move(held));
+    }
     if (usable) TakeOver(found, fit);
     if (usable && !last) continue;
     if (!usable && !last) fit.result.stop.test = prefix + fit.result.stop.test;

@@ -14,13 +14,28 @@ bool IsEvaluated(const Evaluator& evaluator, const Vector& x) {
   return !evaluator.trace().empty() && evaluator.trace().front().x == x;
 }
 
+// "ipopt, nlopt:LD_SLSQP"
+std::string ConstrainedSolvers() {
+  std::vector<std::string> names;
+  for (const SolverEntry& entry : SolverRegistry()) {
+    if (entry.constraints) names.push_back(entry.name);
+  }
+  return fmt::format("{}", fmt::join(names, ", "));
+}
+
 Stop StopWithoutAnswer(const Evaluator& evaluator) {
   if (evaluator.trace().empty()) {
     return {Termination::kNoPrediction, "not even the start was evaluated: " + StopFrom(evaluator).test};
   }
   if (evaluator.infeasible() > 0) {
-    return {Termination::kInfeasible, fmt::format("{} of {} points violate a constraint, no other has a cost",
-                                                  evaluator.infeasible(), evaluator.evaluations())};
+    const auto violated = evaluator.Violated(evaluator.trace().front().x);
+    return {Termination::kInfeasible,
+            fmt::format("{} of {} points violate a constraint, no other has a cost{}", evaluator.infeasible(),
+                        evaluator.evaluations(),
+                        violated ? fmt::format("; the start violates '{}': begin elsewhere, or with a solver "
+                                               "that searches along constraints ({})",
+                                               *violated, ConstrainedSolvers())
+                                 : "")};
   }
   return {Termination::kNoPrediction,
           fmt::format("{} of {} points have no prediction; the first: {}", evaluator.failures(),

@@ -42,6 +42,7 @@ TEST(Stepwise, EachStepHoldsWhatWasFoundBefore) {
   ASSERT_EQ(fit->setup.free.size(), 1U) << "the last step's";
   EXPECT_EQ(fit->setup.free[0], 1);
   EXPECT_THAT(fit->findings, testing::Contains(HasSubstr("step 1 (a): a = 2")));
+  EXPECT_THAT(fit->warnings, testing::Contains(HasSubstr("as if what earlier steps found (a) were known")));
   EXPECT_EQ(fit->prediction.quality.size(), 2U) << "of everything that was measured";
 }
 
@@ -60,6 +61,12 @@ TEST(Stepwise, WhatCannotBeDoneIsSaid) {
   FitRequest request;
   request.fix = {{"a", 3}};
   EXPECT_EQ(ErrorOf(IdentifyStepwise(problem, request, {})), "step 1 (a): nothing is left to fit");
+  request.fix = {{"b", 3}};
+  IdentificationOptions options;
+  bool evaluated = false;
+  options.evaluator.progress = [&](const auto&...) { evaluated = true; };
+  EXPECT_EQ(ErrorOf(IdentifyStepwise(problem, request, options)), "step 2 (b): nothing is left to fit");
+  EXPECT_FALSE(evaluated) << "known before the first step is fitted";
   request = {};
   request.release = {"drift"};
   EXPECT_THAT(ErrorOf(IdentifyStepwise(problem, request, {})),

@@ -39,6 +39,7 @@ JacobianCheck CheckJacobian(const Problem& problem, const Vector& parameters) {
   for (std::size_t k = 0; k < problem.parameters().size(); ++k) {
     const Parameter& p = problem.parameters()[k];
     const auto index = static_cast<Eigen::Index>(k);
+    bool was_compared = false;
     const double width = p.scale == Scale::kLog ? parameters[index] : p.upper - p.lower;
     const auto moved = [&](double steps) {
       Vector q = parameters;
@@ -80,8 +81,10 @@ JacobianCheck CheckJacobian(const Problem& problem, const Vector& parameters) {
       }
       if (static_cast<double>(smooth) < kSmoothShare * static_cast<double>(value.size())) continue;
       ++check.compared;
+      was_compared = true;
       check.worst = std::max(check.worst, std::sqrt(squares) / size);
     }
+    if (!was_compared) check.never.insert(static_cast<int>(k));
   }
   return check;
 }

@@ -1,15 +1,18 @@
 // Derivatives of a problem against differences of its predictions.
 #pragma once
 
+#include <set>
+
 #include "base/random.h"
 #include "identify/problem.h"
 
 namespace sinew {
 
 struct JacobianCheck {
-  int columns = 0;   ///< of all blocks
-  int compared = 0;  ///< those that are smooth at this point
-  double worst = 0;  ///< largest difference of a compared column, relative to its size
+  int columns = 0;      ///< of all blocks
+  int compared = 0;     ///< those that are smooth at this point
+  double worst = 0;     ///< largest difference of a compared column, relative to its size
+  std::set<int> never;  ///< parameters of which no column was compared
 };
 
 /// Compares every column of every block at `parameters`, which must lie inside the bounds by 0.1 % of the
