@@ -146,6 +146,14 @@ Result<double> YamlReader::NumberOr(const std::string& key, double fallback) con
   return value.Number();
 }
 
+Result<double> YamlReader::NumberOr(const std::string& key, double fallback, double lower,
+                                    double upper) const {
+  SINEW_ASSIGN(const double read, NumberOr(key, fallback));
+  if (read >= lower && read <= upper) return read;
+  SINEW_ASSIGN(const YamlReader value, At(key));
+  return FailAt(value.file(), value.line(), "{}: {}, expected {} to {}", key, read, lower, upper);
+}
+
 Result<std::string> YamlReader::TextOr(const std::string& key, const std::string& fallback) const {
   if (!Has(key)) return fallback;
   SINEW_ASSIGN(const YamlReader value, At(key));

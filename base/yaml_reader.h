@@ -40,6 +40,9 @@ class YamlReader {
 
   // The value at a key, or the fallback if the key is absent.
   [[nodiscard]] Result<double> NumberOr(const std::string& key, double fallback) const;
+  /// Errors: also a value out of its range.
+  [[nodiscard]] Result<double> NumberOr(const std::string& key, double fallback, double lower,
+                                        double upper) const;
   [[nodiscard]] Result<std::string> TextOr(const std::string& key, const std::string& fallback) const;
 
   [[nodiscard]] const std::string& file() const { return file_; }

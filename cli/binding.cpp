@@ -13,6 +13,22 @@ namespace {
 // Every seed is a whole number in the run file, in JSON and in HDF5's readers.
 constexpr std::uint64_t kMostSeed = std::uint64_t{1} << 53;
 
+// What is recorded, or predicted, in another file, in place of each trial's excitations.
+Status ReplaceExcitations(const std::string& path, Dataset& data) {
+  SINEW_ASSIGN(const Dataset other, ReadDataset(path));
+  for (auto& [name, trial] : data.trials) {
+    const auto found = other.trials.find(name);
+    if (found == other.trials.end()) return Fail("--excitations {}: has no trial '{}'", path, name);
+    const auto& grids = found->second.grids;
+    auto grid = grids.find("simulated");
+    if (grid == grids.end()) grid = grids.find("excitations");
+    if (grid == grids.end())
+      return Fail("--excitations {}: trial '{}' has no grid 'simulated' or 'excitations'", path, name);
+    trial.grids["excitations"] = grid->second;
+  }
+  return {};
+}
+
 }  // namespace
 
 void BindingOptions::AddTo(Command command) {
@@ -129,6 +145,7 @@ Result<Binding> Bind(const BindingOptions& options,
   Binding binding;
   SINEW_ASSIGN(binding.entry, FindProblem(options.problem));
   SINEW_ASSIGN(binding.data, ReadDataset(options.data));
+  if (!options.excitations.empty()) SINEW_TRY(ReplaceExcitations(options.excitations, binding.data));
   std::string config_name = options.config;
   if (!options.config.empty()) {
     SINEW_ASSIGN(binding.config_text, ReadText(options.config));

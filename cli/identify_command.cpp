@@ -26,6 +26,7 @@ struct IdentifyWords {
   std::string json;
   bool resume = false;
   bool stepwise = false;
+  std::string intervals = "profile";
 };
 
 // The recorded points lie between 0 and 1: under other bounds the same numbers are other parameters.
@@ -110,6 +111,9 @@ Result<int> RunIdentify(const IdentifyWords& words) {
   options.solver_options = words.fit.ToSolverOptions();
   options.evaluator.budget = words.fit.ToBudget();
   options.evaluator.interrupt = &InterruptFlag();
+  if (words.intervals != "profile" && words.intervals != "linear")
+    return Fail("--intervals: '{}'{}", words.intervals, Suggestion(words.intervals, {"profile", "linear"}));
+  options.profiles = words.intervals == "profile";
   SINEW_TRY(MakeSolver(options.solver, options.solver_options));  // a wrong name writes nothing
   if (words.resume && words.stepwise) return Fail("--resume: steps are done again, not resumed");
   if (words.resume) {
@@ -160,6 +164,10 @@ void AddIdentifyCommand(Command app, const RunAction& run) {
       .ShowsDefault()
       .Shows("S");
   command.AddFlag("--resume", words->resume, "Go on with an interrupted run file to the same answer");
+  command
+      .Add("--intervals", words->intervals,
+           "How 95 % intervals are found: profile likelihood, or from the curvature alone (much faster)")
+      .Shows("profile|linear");
   command.AddFlag("--stepwise", words->stepwise, "Fit in the steps that the settings list");
   command.Add("--json", words->json, "Result for machines; - for standard output").Shows("FILE|-");
   command.Runs(run, [=] { return RunIdentify(*words); });

@@ -21,7 +21,8 @@ struct SimulateWords {
   std::string out;
 };
 
-Result<Vector> Parameters(const SimulateWords& words, const Problem& problem) {
+// @param left_out if not null, how many values of the run were of trials that these data do not have
+Result<Vector> Parameters(const SimulateWords& words, const Problem& problem, int* left_out = nullptr) {
   Vector parameters = RestPoint(problem);
   const auto assign = [&](const std::string& name, double value) -> Status {
     SINEW_ASSIGN(const int index, FindParameter(problem.parameters(), name));
@@ -36,6 +37,10 @@ Result<Vector> Parameters(const SimulateWords& words, const Problem& problem) {
   if (!words.from.empty()) {
     SINEW_ASSIGN(const RecordedRun recorded, ReadRun(words.from));
     for (const auto& [name, value] : recorded.values) {
+      if (recorded.incidental.count(name) > 0 && !FindParameter(problem.parameters(), name)) {
+        if (left_out != nullptr) ++*left_out;
+        continue;
+      }
       const Status status = assign(name, value);
       if (!status) return Fail("{}: {}", words.from, status.error().message);
     }
@@ -111,10 +116,14 @@ Result<int> RunSimulate(const SimulateWords& words) {
   const std::string extension = std::filesystem::path(words.out).extension().string();
   if (extension != ".h5" && extension != ".sto")
     return Fail("--out {}: expected a name that ends with .h5 or .sto", words.out);
-  SINEW_TRY(CheckOutput(words.out, {words.binding.data, words.binding.config, words.from}));
+  SINEW_TRY(CheckOutput(words.out,
+                        {words.binding.data, words.binding.config, words.from, words.binding.excitations}));
+  if (!words.binding.excitations.empty() && words.binding.problem != "nms")
+    return Fail("--excitations: the problem '{}' takes none, only nms does", words.binding.problem);
   std::unique_ptr<ExcitationMode> mode;
   SINEW_ASSIGN(const Binding binding, BindFor(words, mode));
-  SINEW_ASSIGN(const Vector parameters, Parameters(words, binding.problem()));
+  int left_out = 0;
+  SINEW_ASSIGN(const Vector parameters, Parameters(words, binding.problem(), &left_out));
   if (mode != nullptr) {
     const Status found = mode->Find(parameters);
     if (!found) return Fail("{}: {}", words.binding.data, found.error().message);
@@ -143,6 +152,14 @@ Result<int> RunSimulate(const SimulateWords& words) {
     std::printf("%s\n", words.out.c_str());
   }
   std::fputs(Table(rows, 2).c_str(), stdout);
+  if (left_out > 0) {
+    std::fputs(
+        Wrapped(fmt::format("note: {} nuisance values of {} belong to trials that these data do not have",
+                            left_out, words.from),
+                0)
+            .c_str(),
+        stderr);
+  }
   for (const std::string& note : binding.bound.notes) std::fputs(Wrapped("note: " + note, 0).c_str(), stderr);
   if (mode != nullptr) mode->Print();
   return kDone;
@@ -158,6 +175,11 @@ void AddSimulateCommand(Command app, const RunAction& run) {
       .Split(',')
       .Shows("NAME=VALUE");
   command.Add("--from", words->from, "Parameters of a run file").Shows("RUN.h5");
+  command
+      .Add("--excitations", words->binding.excitations,
+           "nms: take the excitations of all trials from this file, such as what `simulate emg_shape` "
+           "predicted")
+      .Shows("EMG.h5");
   words->mode.AddTo(command);
   command.Add("--out", words->out, "Predicted channels").Required().Shows("OUT.h5|OUT.sto");
   command.Runs(run, [=] { return RunSimulate(*words); });

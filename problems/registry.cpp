@@ -9,6 +9,9 @@
 #include "problems/drive/drive_channels.h"
 #include "problems/drive/drive_problem.h"
 #include "problems/drive/drive_synthesis.h"
+#include "problems/emg_shape/averaging_problem.h"
+#include "problems/emg_shape/emg_shape_problem.h"
+#include "problems/emg_shape/emg_shape_synthesis.h"
 #include "problems/free_body/free_body_problem.h"
 #include "problems/free_body/free_body_synthesis.h"
 #include "problems/nms/nms_problem.h"
@@ -61,6 +64,20 @@ Result<BoundProblem> BindFreeBody(const Dataset& data, const YamlReader& setting
   return Bound(std::move(problem), false);
 }
 
+// Faults of electrodes are effects of the problem itself.
+Result<BoundProblem> BindEmgShape(const Dataset& data, const YamlReader& settings,
+                                  bool /*with_sensor_effects*/) {
+  SINEW_TRY(settings.OnlyKeys({"emg_shape"}));
+  SINEW_ASSIGN(const YamlReader section, settings.At("emg_shape"));
+  SINEW_ASSIGN(EmgShapeSettings emg, ReadEmgShapeSettings(section));
+  if (emg.model == EmgShapeModel::kAveraging) {
+    SINEW_ASSIGN(auto averaging, AveragingProblem::Make(data, emg));
+    return Bound(std::move(averaging), false);
+  }
+  SINEW_ASSIGN(auto problem, EmgShapeProblem::Make(data, std::move(emg)));
+  return Bound(std::move(problem), false);
+}
+
 Result<BoundProblem> BindNms(const Dataset& data, const YamlReader& settings, bool with_sensor_effects) {
   SINEW_TRY(settings.OnlyKeys({"nms"}));
   SINEW_ASSIGN(const YamlReader section, settings.At("nms"));
@@ -78,6 +95,9 @@ const std::vector<ProblemEntry>& ProblemRegistry() {
        ContactExperiment},
       {"drive", "inertia, friction, gravity and motor of one actuated joint from its input and its motion",
        DescribeDriveChannels(), BindDrive, SynthesizeDrive, DefaultDriveParameters, DriveExperiment, true},
+      {"emg_shape", "EMG of a cyclic movement from its angle and speed, without electrodes",
+       DescribeEmgShapeChannels(), BindEmgShape, SynthesizeEmgShape, DefaultEmgShapeParameters,
+       EmgShapeExperiment},
       {"free_body", "contact and friction of a body that is thrown on a table, from its recorded pose",
        DescribeFreeBodyChannels(), BindFreeBody, SynthesizeFreeBody, DefaultFreeBodyParameters,
        FreeBodyExperiment},

@@ -4,6 +4,7 @@
 #include <cmath>
 #include <limits>
 
+#include "base/column_space.h"
 #include "base/decompositions.h"
 #include "identify/diagnosis/design.h"
 #include "identify/results/held_out.h"
@@ -30,23 +31,6 @@ std::vector<Vector> PerBlock(const LeastSquares& fit, const Vector& rows) {
   }
   return blocks;
 }
-
-/// Least squares whose columns may be zero, of any unit, or combinations of each other.
-class Columns {
- public:
-  explicit Columns(const Matrix& columns) : length_(columns.colwise().norm().cwiseMax(1e-300)) {
-    qr_.setThreshold(kSingular);
-    qr_.compute(columns * length_.cwiseInverse().asDiagonal());
-    q_ = qr_.householderQ() * Matrix::Identity(columns.rows(), qr_.rank());
-  }
-  [[nodiscard]] Vector Solve(const Vector& rows) const { return qr_.solve(rows).cwiseQuotient(length_); }
-  [[nodiscard]] Matrix TakenFrom(const Matrix& rows) const { return rows - q_ * (q_.transpose() * rows); }
-
- private:
-  Vector length_;
-  Eigen::ColPivHouseholderQR<Matrix> qr_;
-  Matrix q_;
-};
 
 /// Of values that are N(0, deviation^2) each and reach unit noise through columns with these eigenvalues of
 /// their Gram matrix and these scores along its eigenvectors: the deviation of greatest likelihood.
@@ -118,7 +102,7 @@ class Transfer {
     Matrix nuisance(seen.base.rows(), static_cast<Eigen::Index>(own.size()));
     for (std::size_t k = 0; k < own.size(); ++k)
       nuisance.col(static_cast<Eigen::Index>(k)) = seen.base.col(own[k]);
-    if (nuisance.cols() > 0) after = Columns(nuisance).TakenFrom(after);
+    if (nuisance.cols() > 0) after = ColumnSpace(nuisance, kSingular).TakenFrom(after);
     term.after = PerBlock(there, after);
     return {};
   }
@@ -142,7 +126,7 @@ Result<LinearTerm> FitLinearTerm(const Problem& problem, const Refit& refit, con
   Whiten(fit, whitening, residual);
   Whiten(fit, whitening, base);
   Whiten(fit, whitening, columns);
-  const Columns taken(base);
+  const ColumnSpace taken(base, kSingular);
   const Matrix left = taken.TakenFrom(columns);
   if (!(left.norm() > 1e-6 * columns.norm())) return Fail("{}: these data do not show it", candidate.effect);
 

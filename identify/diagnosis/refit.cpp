@@ -55,6 +55,11 @@ double Deviance(const LeastSquares& fit, const Vector& residual, const NoiseMode
       deviance += filters[channel].LogDeterminant(rows.size());
     }
   }
+  // What is known of parameters beforehand: a cause that takes over from an unlikely nuisance is believed.
+  if (!blocks.empty()) {
+    const Block& last = fit.problem().layout()[static_cast<std::size_t>(blocks.back().block)];
+    deviance += residual.tail(residual.size() - blocks.back().first_row - last.samples()).squaredNorm();
+  }
   if (counted != nullptr) *counted = 0;
   for (std::size_t c = 0; c < sum.size(); ++c) {
     if (count[c] == 0) continue;
@@ -168,7 +173,7 @@ Status Refitter::Generalise(LeastSquares& fit, Refit& refit) const {
   const auto stretches = TrainStretches(fit);
   for (int round = 0; round < kNoiseRounds; ++round) {
     if (round > 0) SINEW_TRY(EstimateNoise(fit, false, refit));
-    if (IsPlain(refit.noise)) break;
+    if (IsPlain(refit.noise) && fit.PriorVariables().empty()) break;
     const Whitening whitening(refit.noise, stretches);
     fit.set_transform(&whitening);
     LocalFit whitened(fit);

@@ -86,8 +86,8 @@ class Refitter {
 /// Stretches of every training block.
 [[nodiscard]] std::vector<std::vector<int>> TrainStretches(const LeastSquares& fit);
 
-/// -2 log-likelihood (exact, that of stationary stretches; constants left out) with the innovations' variance
-/// of each channel profiled out: comparable between noise models of any order.
+/// -2 log-likelihood and priors (exact, that of stationary stretches; constants left out) with the
+/// innovations' variance of each channel profiled out: comparable between noise models of any order.
 /// @param residual [m] weighted @param counted how many rows that were; may be null
 [[nodiscard]] double Deviance(const LeastSquares& fit, const Vector& residual, const NoiseModel& noise,
                               int* counted);

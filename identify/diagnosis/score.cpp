@@ -5,7 +5,7 @@
 #include <array>
 #include <cmath>
 
-#include "base/decompositions.h"
+#include "base/column_space.h"
 #include "identify/uncertainty/chi_squared.h"
 
 namespace sinew {
@@ -118,20 +118,9 @@ class TableMaker {
   }
 
   void TakeBaseAway() {
-    // Columns of unit length, so that the rank decision knows no units.
-    std::vector<Eigen::Index> used;
-    for (Eigen::Index k = 0; k < base_.cols(); ++k) {
-      const double norm = base_.col(k).norm();
-      if (!(norm > 0)) continue;
-      base_.col(static_cast<Eigen::Index>(used.size())) = base_.col(k) / norm;
-      used.push_back(k);
-    }
-    if (used.empty()) return;
-    Eigen::ColPivHouseholderQR<Matrix> qr(base_.leftCols(static_cast<Eigen::Index>(used.size())));
-    qr.setThreshold(kSingular);
-    const Matrix q = qr.householderQ() * Matrix::Identity(base_.rows(), qr.rank());
-    residual_ -= q * (q.transpose() * residual_);
-    columns_ -= q * (q.transpose() * columns_);
+    const ColumnSpace base(base_, kSingular);
+    residual_ = base.TakenFrom(residual_);
+    columns_ = base.TakenFrom(columns_);
   }
 
   void AddGroup(int first, int end) {

@@ -3,7 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
-#include "base/decompositions.h"
+#include "base/column_space.h"
 
 namespace sinew {
 namespace {
@@ -37,18 +37,14 @@ Vector StartAt(const Standing& standing, const ScoreTable& table, const Candidat
 
 constexpr Eigen::Index kRowsPerDirection = 50;
 constexpr Eigen::Index kMostDirections = 40;
-constexpr double kDenied = 10;        // deviance
+constexpr double kDenied = 10;  // deviance
+constexpr double kSingular = 1e-8;
 constexpr double kLeastShare = 1e-4;  // of the largest eigenvalue
 
 // Leading directions of what all candidates can do and the base cannot, unit length [m x r].
 Matrix LeadingDirections(const Design& design) {
-  Matrix columns = design.candidates;
-  Eigen::ColPivHouseholderQR<Matrix> qr(
-      design.base * design.base.colwise().norm().cwiseMax(1e-300).cwiseInverse().asDiagonal());
-  qr.setThreshold(1e-8);
-  const Matrix q = qr.householderQ() * Matrix::Identity(columns.rows(), qr.rank());
-  const Vector before = columns.colwise().norm();
-  columns -= q * (q.transpose() * columns);
+  const Vector before = design.candidates.colwise().norm();
+  Matrix columns = ColumnSpace(design.base, kSingular).TakenFrom(design.candidates);
   for (Eigen::Index k = 0; k < columns.cols(); ++k) {
     const double left = columns.col(k).norm();
     columns.col(k) *= left > 1e-3 * before[k] ? 1 / left : 0;

@@ -38,6 +38,7 @@ Result<Identification> Identify(const Problem& problem, FitSetup setup, Identifi
     UncertaintyOptions how;
     how.threads = options.solver_options.threads;
     how.interrupt = interrupt;
+    how.profile = options.profiles;
     SINEW_ASSIGN(out.uncertainty, AnalyseUncertainty(least_squares, out.result.x, how));
     for (const std::string& note : out.uncertainty.notes) out.warnings.push_back(note);
   }

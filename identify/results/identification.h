@@ -19,6 +19,7 @@ struct IdentificationOptions {
   std::string solver = "ceres";
   SolverOptions solver_options;
   Evaluator::Options evaluator;
+  bool profiles = true;  ///< false: intervals are linear
 };
 
 struct Identification {

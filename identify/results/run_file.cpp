@@ -82,6 +82,21 @@ std::uint64_t SeedOf(const Hdf5Node& run) {
   return integer == nullptr ? 1 : static_cast<std::uint64_t>(*integer);
 }
 
+// Runs of earlier versions may not say; then nothing is.
+void FindIncidental(const Hdf5Node& root, const std::vector<std::string>& names,
+                    std::set<std::string>& incidental) {
+  const Hdf5Node* kinds = root.Find("parameters/kind");
+  const Hdf5Node* free = root.Find("parameters/free");
+  if (kinds == nullptr || free == nullptr || kinds->texts() == nullptr || free->array() == nullptr ||
+      kinds->texts()->size() != names.size() || free->array()->values.size() != names.size())
+    return;
+  for (std::size_t i = 0; i < names.size(); ++i) {
+    const std::string& kind = (*kinds->texts())[i];
+    if (kind == "nuisance" || (kind == "effect" && free->array()->values[i] == 0))
+      incidental.insert(names[i]);
+  }
+}
+
 }  // namespace
 
 Result<Hdf5Node> RunTree(const Problem& problem, const Identification& identification,
@@ -156,6 +171,7 @@ Result<RecordedRun> ReadRun(const std::string& path) {
     for (std::size_t i = 0; i < names->texts()->size(); ++i) {
       recorded.values.emplace_back((*names->texts())[i], values->array()->values[i]);
     }
+    FindIncidental(root, *names->texts(), recorded.incidental);
   }
   const Hdf5Node* trace = root.Find("trace");
   const Hdf5Node* cost = root.Find("trace/cost");

@@ -1,6 +1,7 @@
 // The file that an identification leaves: docs/run_file.md.
 #pragma once
 
+#include <set>
 #include <string>
 #include <vector>
 
@@ -38,6 +39,8 @@ struct RecordedRun {
   std::vector<std::string> variables;  ///< names of the free parameters
   std::vector<TraceEntry> trace;
   std::vector<std::pair<std::string, double>> values;  ///< every parameter
+  /// Nuisance values, and effects that were not released: other data need not know them.
+  std::set<std::string> incidental;
 };
 
 /// Errors: not a run file, or damaged.

@@ -5,7 +5,7 @@
 #include <cmath>
 #include <iterator>
 
-#include "base/decompositions.h"
+#include "base/column_space.h"
 #include "identify/uncertainty/verdict.h"
 
 namespace sinew {
@@ -27,13 +27,11 @@ void ProjectOut(const Matrix& jacobian, Information& info) {
   if (h == 0) return;
   Matrix nuisance = Columns(jacobian, info.nuisance);
   for (Eigen::Index i = 0; i < h; ++i) nuisance.col(i).normalize();
-  Eigen::ColPivHouseholderQR<Matrix> qr(nuisance);
-  qr.setThreshold(kRankTolerance);
-  const Matrix basis = qr.householderQ() * Matrix::Identity(jacobian.rows(), qr.rank());
-  info.leverage += basis.rowwise().squaredNorm();
-  const Matrix parts = qr.solve(info.columns);
-  info.columns -= basis * (basis.transpose() * info.columns);
-  info.columns -= basis * (basis.transpose() * info.columns);  // again: the first leaves rounding errors
+  const ColumnSpace space(nuisance, kRankTolerance);
+  info.leverage += space.Leverage();
+  const Matrix parts = space.Solve(info.columns);
+  info.columns = space.TakenFrom(info.columns);
+  info.columns = space.TakenFrom(info.columns);  // again: the first leaves rounding errors
   for (Eigen::Index j = 0; j < k; ++j) {
     if (info.full_norm[j] > 0) info.nuisance_share.col(j) = parts.col(j).cwiseAbs() / info.full_norm[j];
   }

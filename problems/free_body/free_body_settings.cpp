@@ -7,24 +7,6 @@
 namespace sinew {
 namespace {
 
-struct Number {
-  const char* key;
-  double fallback;
-  double lower;
-  double upper;
-};
-
-Result<double> ReadNumber(const YamlReader& yaml, const Number& number) {
-  if (!yaml.Has(number.key)) return number.fallback;
-  SINEW_ASSIGN(const YamlReader value, yaml.At(number.key));
-  SINEW_ASSIGN(const double read, value.Number());
-  if (!(read >= number.lower && read <= number.upper)) {
-    return FailAt(value.file(), value.line(), "{}: {}, expected {} to {}", number.key, read, number.lower,
-                  number.upper);
-  }
-  return read;
-}
-
 Result<Vec3> ReadPositives(const YamlReader& yaml, const char* key) {
   SINEW_ASSIGN(const YamlReader value, yaml.At(key));
   SINEW_ASSIGN(const auto numbers, value.Numbers(3));
@@ -53,7 +35,7 @@ Result<FreeBodySettings> ReadFreeBodySettings(const YamlReader& yaml) {
   FreeBody& body = settings.body;
   SINEW_ASSIGN(settings.edges, ReadPositives(yaml, "box"));
   SINEW_TRY(yaml.At("mass"));
-  SINEW_ASSIGN(body.mass, ReadNumber(yaml, {"mass", 1, 1e-9, 1e9}));
+  SINEW_ASSIGN(body.mass, yaml.NumberOr("mass", 1, 1e-9, 1e9));
   if (yaml.Has("inertia")) {
     SINEW_ASSIGN(body.inertia, ReadPositives(yaml, "inertia"));
     const double sum = body.inertia.sum();
@@ -67,16 +49,16 @@ Result<FreeBodySettings> ReadFreeBodySettings(const YamlReader& yaml) {
     body.inertia = body.mass / 12 * (Vec3::Constant(squares.sum()) - squares);
   }
   SINEW_ASSIGN(body.contact, ReadContact(yaml));
-  SINEW_ASSIGN(const double divisions, ReadNumber(yaml, {"divisions", 10, 1, 100}));
+  SINEW_ASSIGN(const double divisions, yaml.NumberOr("divisions", 10, 1, 100));
   if (divisions != static_cast<int>(divisions)) {
     SINEW_ASSIGN(const YamlReader value, yaml.At("divisions"));
     return FailAt(value.file(), value.line(), "divisions: {}, expected a whole number", divisions);
   }
-  SINEW_ASSIGN(settings.horizon, ReadNumber(yaml, {"horizon", 0.2, 0, 1e6}));
-  SINEW_ASSIGN(settings.window, ReadNumber(yaml, {"window", 0, 0, 1e6}));
-  SINEW_ASSIGN(body.gravity, ReadNumber(yaml, {"gravity", 9.81, 0, 1000}));
-  SINEW_ASSIGN(body.transition_velocity, ReadNumber(yaml, {"transition_velocity", 0.01, 1e-5, 10}));
-  SINEW_ASSIGN(body.accuracy, ReadNumber(yaml, {"accuracy", 1e-8, 1e-12, 1e-2}));
+  SINEW_ASSIGN(settings.horizon, yaml.NumberOr("horizon", 0.2, 0, 1e6));
+  SINEW_ASSIGN(settings.window, yaml.NumberOr("window", 0, 0, 1e6));
+  SINEW_ASSIGN(body.gravity, yaml.NumberOr("gravity", 9.81, 0, 1000));
+  SINEW_ASSIGN(body.transition_velocity, yaml.NumberOr("transition_velocity", 0.01, 1e-5, 10));
+  SINEW_ASSIGN(body.accuracy, yaml.NumberOr("accuracy", 1e-8, 1e-12, 1e-2));
   body.points = PointsOfBox(settings.edges, body.contact, static_cast<int>(divisions));
   body.size = settings.edges.maxCoeff() / 2;
   body.reach = settings.edges.norm() / 2;

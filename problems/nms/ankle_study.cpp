@@ -131,7 +131,7 @@ std::vector<double> DrawRawEmg(const std::vector<double>& excitation, Random& ra
   return raw;
 }
 
-std::string StudySubjectXml() {
+std::string StudySubjectXml(const std::vector<std::string>& muscles) {
   const auto list = [](const std::vector<double>& values) {
     return fmt::format("{}", fmt::join(values, " "));
   };
@@ -148,6 +148,7 @@ std::string StudySubjectXml() {
   text += "  </mtuDefault>\n  <mtuSet>\n";
   std::string names;
   for (const StudyMuscle& m : StudyMuscles()) {
+    if (!muscles.empty() && std::find(muscles.begin(), muscles.end(), m.name) == muscles.end()) continue;
     text += fmt::format(
         "    <mtu>\n      <name>{}</name>\n      <c1>-0.7</c1>\n      <c2>-0.7</c2>\n"
         "      <shapeFactor>-0.5</shapeFactor>\n      <optimalFibreLength>{}</optimalFibreLength>\n"

@@ -62,7 +62,7 @@ struct StudyMotion {
 constexpr double kStudyEmgRate = 2048;  // [Hz]
 constexpr double kStudyFullEmg = 1e-3;  // [V]
 
-/// The generic subject as CEINMS writes it.
-[[nodiscard]] std::string StudySubjectXml();
+/// The generic subject as CEINMS writes it. @param muscles names, in the order of StudyMuscles; empty: all
+[[nodiscard]] std::string StudySubjectXml(const std::vector<std::string>& muscles = {});
 
 }  // namespace sinew

@@ -5,23 +5,11 @@
 #include <set>
 
 #include "base/text.h"
+#include "base/yaml_choice.h"
 #include "problems/nms/ceinms/subject.h"
 
 namespace sinew {
 namespace {
-
-template <class E>
-Result<E> ReadChoice(const YamlReader& yaml, const std::string& key,
-                     const std::vector<std::pair<std::string, E>>& choices) {
-  SINEW_ASSIGN(const std::string word, yaml.TextOr(key, choices.front().first));
-  std::vector<std::string> names;
-  for (const auto& [name, value] : choices) {
-    if (name == word) return value;
-    names.push_back(name);
-  }
-  SINEW_ASSIGN(const YamlReader at, yaml.At(key));
-  return FailAt(yaml.file(), at.line(), "{}: '{}'{}", key, word, Suggestion(word, names));
-}
 
 Status ReadSubject(const YamlReader& yaml, const std::map<std::string, std::string>& files,
                    NmsSettings& settings) {

@@ -1,0 +1,32 @@
+// How much the cycles of one movement differ from each other, before anything is fitted.
+#pragma once
+
+#include <vector>
+
+#include "base/error.h"
+#include "base/linear_algebra.h"
+
+namespace sinew {
+
+/// Samples of one muscle in one recording.
+struct CycleSamples {
+  std::vector<double> phase;   ///< [N, cycles]
+  std::vector<double> values;  ///< [N]
+  std::vector<int> cycle;      ///< [N] which cycle each is of, not decreasing
+};
+
+struct CycleScatter {
+  double gain = 0;    ///< standard deviation of a cycle's log gain about its recording's mean
+  double timing = 0;  ///< and of its timing [cycle]
+  double noise = 0;   ///< standard deviation of what gain and timing do not explain
+};
+
+/// By moments: a shape per recording by least squares, a gain and a timing per cycle by regression on it and
+/// on its slope, their mean squares less what noise alone would make of them. Noise counts as correlated over
+/// `correlated` samples.
+/// @param recordings each with two cycles or more @param knots of a shape
+/// @return Errors: those of FitPeriodicSpline; no recording.
+Result<CycleScatter> EstimateCycleScatter(const std::vector<CycleSamples>& recordings, int knots,
+                                          double correlated);
+
+}  // namespace sinew

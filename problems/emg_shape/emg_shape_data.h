@@ -1,0 +1,78 @@
+// Recorded trials as the emg_shape problems see them: where in its cycle every sample is, and which samples
+// are compared.
+#pragma once
+
+#include <string>
+#include <vector>
+
+#include "base/error.h"
+#include "datasets/dataset.h"
+#include "identify/layout.h"
+#include "models/emg/cycles.h"
+#include "problems/emg_shape/emg_shape_settings.h"
+
+namespace sinew {
+
+/// A cycle of one muscle in one recording. It is cut where the muscle is least active, not where the
+/// movement turns: a burst over the turn belongs to one of them.
+struct EmgWindow {
+  int first = 0;  ///< samples of the prediction from here
+  int end = 0;    ///< to here, not included
+};
+
+struct EmgShapeTrial {
+  std::string name;
+  BlockRole role = BlockRole::kTrain;
+  double speed = 0;   ///< [rad/s]: condition speed_rad_per_s, else the cycles' mean absolute speed
+  double period = 0;  ///< median duration of its cycles [s]
+  int group = 0;      ///< index into EmgShapeData::speeds
+  std::vector<MovementCycle> cycles;
+  std::vector<double> time;   ///< [M, s] of the predictions
+  std::vector<double> phase;  ///< [M, cycles] from the beginning of the cycle in `cycle`; before
+                              ///< the first and after the last it runs on
+  std::vector<int> cycle;     ///< [M] index of the cycle
+  std::vector<double> angle;  ///< [M, rad]
+  std::vector<std::vector<double>> others;  ///< [muscles][M] mean EMG of the others; empty: not measured
+  std::vector<std::vector<EmgWindow>>
+      windows;          ///< [muscles]; of training trials, those with compared samples
+  int first_block = 0;  ///< one per muscle
+};
+
+struct EmgSpeed {
+  double speed = 0;      ///< [rad/s] of its first trial
+  std::string label;     ///< "0.524"
+  bool trained = false;  ///< a training trial has it
+};
+
+/// What the cycles of the training trials say of a muscle before anything is fitted.
+struct EmgMuscle {
+  std::string name;
+  Vector shape;               ///< [knots] at the reference speed
+  double noise = 0;           ///< standard deviation within cycles, at the compared samples
+  double gain_scatter = 0;    ///< standard deviation of a cycle's log gain
+  double timing_scatter = 0;  ///< and of its timing [cycle]
+  double quiet_phase = 0;     ///< where it is least active [0..1)
+};
+
+struct EmgShapeData {
+  std::vector<EmgMuscle> muscles;
+  std::vector<EmgSpeed> speeds;  ///< increasing
+  std::vector<EmgShapeTrial> trials;
+  EmgReference reference;
+  Layout layout;  ///< block of trial t and muscle m: trials[t].first_block + m
+  std::vector<std::string> notes;
+
+  [[nodiscard]] int trained_speeds() const;
+};
+
+[[nodiscard]] std::string DescribeEmgShapeChannels();
+
+/// Cycles that are incomplete, have gaps or another duration, and those of a muscle without signal, saturated
+/// or with gaps are left out, and notes say how many. So are training trials and muscles of trials with fewer
+/// than two cycles.
+///
+/// Errors, with the trial's name: no angle, another unit, no excitations in a training trial; no training
+/// trial and no `reference` in the settings; no muscle that can be learnt from.
+Result<EmgShapeData> PrepareEmgShapeData(const Dataset& data, const EmgShapeSettings& settings);
+
+}  // namespace sinew

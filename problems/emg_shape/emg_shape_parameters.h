@@ -1,0 +1,63 @@
+// What is identified of a person's EMG in a cyclic movement, and what may be wrong with that model.
+//
+//   emg = floor_m + exp(gain) S_m(phase + timing)
+//   gain   = exponent_m ln(s / s0) + gain@s.m + gain of the cycle
+//   timing = (lead + lead_m) (1 / T(s) - 1 / T0) + timing@s + timing@s.m + timing of the cycle
+//
+// s speed, T period of a cycle; s0, T0 those of the reference. docs/decisions/emg_shape_model.md.
+#pragma once
+
+#include <vector>
+
+#include "identify/effect.h"
+#include "identify/parameter.h"
+#include "problems/emg_shape/emg_shape_data.h"
+
+namespace sinew {
+
+// Priors (standard deviations): how far people's EMG at one speed is from a law of all speeds. Chosen on the
+// prototype of docs/decisions/emg_shape_model.md.
+constexpr double kSpeedTiming = 0.02;        ///< of all muscles together [cycle]
+constexpr double kSpeedMuscleTiming = 0.01;  ///< of one beyond it [cycle]
+constexpr double kSpeedGain = 0.1;           ///< of the logarithm
+
+/// How a parameter enters the prediction of one muscle in one trial.
+enum class EmgTerm {
+  kShape,   ///< a control point of S
+  kOffset,  ///< adds to the EMG
+  kGain,    ///< adds to the log gain
+  kTiming   ///< adds to the phase at which S is read [cycle]
+};
+
+/// What the parameter is multiplied with at every sample, besides `factor`.
+enum class EmgAlong {
+  kOne,
+  kCycle,   ///< number of the cycle from the recording's middle
+  kSine,    ///< of the phase
+  kCosine,  ///< of the phase, less 1: nothing moves at the beginning
+  kOthers,  ///< mean EMG of the other muscles
+  kHat      ///< a hat over time in the trial
+};
+
+struct EmgColumn {
+  int parameter = 0;
+  EmgTerm term = EmgTerm::kOffset;
+  EmgAlong along = EmgAlong::kOne;
+  int which = 0;  ///< control point, or hat
+  double factor = 1;
+  int first = 0;  ///< samples that it touches
+  int end = 0;
+};
+
+struct EmgShapeParameters {
+  std::vector<Parameter> parameters;
+  std::vector<Effect> effects;
+  std::vector<Port> ports;
+  std::vector<double> hat_knots;                ///< [s] in the trial, of EmgAlong::kHat
+  std::vector<std::vector<EmgColumn>> columns;  ///< [blocks of the layout], parameters increasing
+};
+
+[[nodiscard]] EmgShapeParameters ListEmgShapeParameters(const EmgShapeSettings& settings,
+                                                        const EmgShapeData& data);
+
+}  // namespace sinew
