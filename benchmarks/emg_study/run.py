@@ -14,7 +14,7 @@ import subprocess
 import sys
 import tempfile
 import time
-from concurrent.futures import ThreadPoolExecutor
+from concurrent.futures import ProcessPoolExecutor
 
 import h5py
 import numpy as np
@@ -25,7 +25,7 @@ MUSCLES = {"lat_gas_r": "Gastrocnemius lateralis", "med_gas_r": "Gastrocnemius m
            "soleus_r": "Soleus", "tib_ant_r": "Tibialis anterior"}
 SPEEDS = [30, 45, 60, 75, 90, 120]
 PEOPLE = range(5)
-AVERAGING = "emg_shape: {angle: ankle_angle_r, model: averaging}\n"
+BOTH = ("validate", "train")  # of a speed that was left out, nothing was fitted
 MOMENT = "ankle_angle_r_moment"
 
 
@@ -53,17 +53,20 @@ class Person:
         if done.returncode != 0:
             sys.exit(f"{' '.join(words)}: {done.stdout}{done.stderr}")
 
-    def identify(self, data, out):
+    def config(self, model="", more=""):
+        path = self.path("emg_shape.yaml")
+        with open(path, "w") as file:
+            file.write("emg_shape: {" + ", ".join(w for w in ("angle: ankle_angle_r", model, more) if w) + "}\n")
+        return path
+
+    def identify(self, data, out, more=""):
         """Model (b)."""
-        self.run("identify emg_shape", "identify", "emg_shape", "--data", data, "--solver", "lm", "--intervals", "linear",
+        self.run("identify emg_shape", "identify", "emg_shape", "--data", data, "--config", self.config("", more), "--solver", "lm", "--intervals", "linear",
                  "--quiet", "--out", out)
 
-    def average(self, data, out):
+    def average(self, data, out, more=""):
         """Model (a): its starts are the thesis's averaging."""
-        config = self.path("averaging.yaml")
-        with open(config, "w") as file:
-            file.write(AVERAGING)
-        self.run("averaging", "simulate", "emg_shape", "--data", data, "--config", config, "--out", out)
+        self.run("averaging", "simulate", "emg_shape", "--data", data, "--config", self.config("model: averaging", more), "--out", out)
 
     def study(self):
         data, shape, averaged, muscles = (self.path(n) for n in ("data.h5", "shape.h5", "a.h5", "nms.h5"))
@@ -86,55 +89,51 @@ class Person:
         return results
 
     @staticmethod
-    def held_out_cycles(run, speed):
-        trial = run[f"details/emg_shape/trials/validate_{speed:03}"]
+    def held_out_cycles(run, trial):
+        trial = run[f"details/emg_shape/trials/{trial}"]
         return list(zip(trial["begin"][:], trial["end"][:]))
 
-    def emg(self, data, shape, predicted, speeds=SPEEDS):
+    def emg(self, data, shape, predicted, speeds=SPEEDS, kinds=("validate",)):
         """[(muscle, speed, rmse, r2)] of every held-out cycle."""
         rows = []
-        with h5py.File(data) as d, h5py.File(shape) as s, h5py.File(predicted) as p:
-            for speed in speeds:
-                trial = f"validate_{speed:03}"
+        with h5py.File(data) as d, h5py.File(shape) as run, h5py.File(predicted) as p:
+            for speed, trial in ((s, f"{kind}_{s:03}") for s in speeds for kind in kinds):
                 measured = d[f"trials/{trial}/excitations"]
                 simulated = p[f"trials/{trial}/simulated"]
                 at = measured["time"][:]
-                for begin, end in self.held_out_cycles(s, speed):
+                for begin, end in self.held_out_cycles(run, trial):
                     inside = (at >= begin) & (at < end)
                     for muscle in MUSCLES:
-                        value = np.interp(at[inside], simulated["time"][:], simulated[muscle][:])
-                        rows.append((muscle, speed, *compare(value, measured[muscle][:][inside])))
+                        value = np.interp(at[inside], simulated["time"][:], simulated["channels"][muscle][:])
+                        rows.append((muscle, speed, *compare(value, measured["channels"][muscle][:][inside])))
         return rows
 
-    def coverage(self, data, shape, speeds=SPEEDS):
+    def coverage(self, data, shape, speeds=SPEEDS, kinds=("validate",)):
         """{speed: share of held-out samples within the 95 % band}."""
-        share = {}
-        with h5py.File(data) as d, h5py.File(shape) as s:
-            for speed in speeds:
-                trial = f"validate_{speed:03}"
-                node = s[f"details/emg_shape/trials/{trial}"]
+        within = {speed: [] for speed in speeds}
+        with h5py.File(data) as d, h5py.File(shape) as run:
+            for speed, trial in ((s, f"{kind}_{s:03}") for s in speeds for kind in kinds):
+                node = run[f"details/emg_shape/trials/{trial}"]
                 at = node["time"][:]
                 inside = np.zeros(len(at), bool)
-                for begin, end in self.held_out_cycles(s, speed):
+                for begin, end in self.held_out_cycles(run, trial):
                     inside |= (at >= begin) & (at < end)
-                within = []
                 for muscle in MUSCLES:
-                    error = d[f"trials/{trial}/excitations/{muscle}"][:] - node[f"{muscle}/predicted"][:]
-                    within.append(np.mean(np.abs(error[inside]) <= 1.96 * node[f"{muscle}/deviation"][:][inside]))
-                share[speed] = float(np.mean(within))
-        return share
+                    error = d[f"trials/{trial}/excitations/channels/{muscle}"][:] - node[f"{muscle}/predicted"][:]
+                    within[speed].append(np.mean(np.abs(error[inside]) <= 1.96 * node[f"{muscle}/deviation"][:][inside]))
+        return {speed: float(np.mean(shares)) for speed, shares in within.items()}
 
     def torques(self, data, shape, files):
         """{comparison: [(speed, rmse, r2)]} of every held-out cycle."""
         rows = {"measured": [], "a": [], "b": [], "between_a": [], "between_b": []}
-        with h5py.File(data) as d, h5py.File(shape) as s:
+        with h5py.File(data) as d, h5py.File(shape) as run:
             opened = {name: h5py.File(path) for name, path in files.items()}
             for speed in SPEEDS:
                 trial = f"validate_{speed:03}"
                 grid = d[f"trials/{trial}/moments"]
-                at, truth = grid["time"][:], grid[MOMENT][:]
-                made = {name: f[f"trials/{trial}/simulated/{MOMENT}"][:] for name, f in opened.items()}
-                for begin, end in self.held_out_cycles(s, speed):
+                at, truth = grid["time"][:], grid["channels"][MOMENT][:]
+                made = {name: f[f"trials/{trial}/simulated/channels/{MOMENT}"][:] for name, f in opened.items()}
+                for begin, end in self.held_out_cycles(run, trial):
                     inside = (at >= begin) & (at < end)
                     for name in files:
                         rows[name].append((speed, *compare(made[name][inside], truth[inside])))
@@ -148,26 +147,14 @@ class Person:
         """Every speed once: learnt from the five others."""
         results = {}
         for speed in SPEEDS:
-            part, shape, averaged, predicted = (self.path(f"without_{speed}_{n}.h5") for n in ("data", "shape", "a", "b"))
-            with h5py.File(data) as source, h5py.File(part, "w") as target:
-                for key, value in source.attrs.items():
-                    target.attrs[key] = value
-                for key in source:
-                    if key != "trials":
-                        source.copy(key, target)
-                trials = target.create_group("trials")
-                for key, value in source["trials"].attrs.items():
-                    trials.attrs[key] = value
-                for trial in source["trials"]:
-                    if trial == f"train_{speed:03}":
-                        continue
-                    source.copy(f"trials/{trial}", trials)
-                    trials[trial].pop("emg", None)
-            self.identify(part, shape)
-            self.average(part, averaged)
-            self.run("simulate", "simulate", "emg_shape", "--data", part, "--from", shape, "--out", predicted)
-            results[speed] = {"a": self.emg(part, shape, averaged, [speed]), "b": self.emg(part, shape, predicted, [speed]),
-                              "coverage": self.coverage(part, shape, [speed])[speed]}
+            shape, averaged, predicted = (self.path(f"without_{speed}_{n}.h5") for n in ("shape", "a", "b"))
+            without = f"hold_out: [train_{speed:03}]"
+            self.identify(data, shape, without)
+            self.average(data, averaged, without)
+            self.run("simulate", "simulate", "emg_shape", "--data", data, "--config", self.config("", without), "--from", shape,
+                     "--out", predicted)
+            results[speed] = {"a": self.emg(data, shape, averaged, [speed], BOTH), "b": self.emg(data, shape, predicted, [speed], BOTH),
+                              "coverage": self.coverage(data, shape, [speed], BOTH)[speed]}
         return results
 
 
@@ -265,7 +252,7 @@ def main():
         folder = words.dir or scratch
         os.makedirs(folder, exist_ok=True)
         people = [Person(words.sinew, folder, p, words.cycles, words.left_out == "yes") for p in PEOPLE]
-        with ThreadPoolExecutor(words.jobs) as pool:
+        with ProcessPoolExecutor(words.jobs) as pool:
             results = list(pool.map(Person.study, people))
     tables(results)
     took = {}

@@ -42,6 +42,12 @@ class Preparation {
   explicit Preparation(const EmgShapeSettings& settings) : settings_(settings) {}
 
   Result<EmgShapeData> Run(const Dataset& data) {
+    std::vector<std::string> names;
+    for (const auto& [name, trial] : data.trials) names.push_back(name);
+    for (const std::string& name : settings_.hold_out) {
+      if (data.trials.count(name) == 0)
+        return Fail("hold_out: there is no trial '{}'{}", name, Suggestion(name, names));
+    }
     for (const auto& [name, trial] : data.trials) {
       const Status added = Add(name, trial);
       if (!added) return Fail("trial '{}': {}", name, added.error().message);
@@ -59,7 +65,9 @@ class Preparation {
     Recording made;
     EmgShapeTrial& of = made.trial;
     of.name = name;
-    of.role = trial.role == Role::kTrain ? BlockRole::kTrain : BlockRole::kValidate;
+    const auto& held = settings_.hold_out;
+    const bool fitted = trial.role == Role::kTrain && std::find(held.begin(), held.end(), name) == held.end();
+    of.role = fitted ? BlockRole::kTrain : BlockRole::kValidate;
     const Trial::Found angle = trial.Find(settings_.angle);
     if (!angle) {
       return Fail("has no channel '{}', the angle of the settings{}", settings_.angle,

@@ -53,7 +53,7 @@ Result<EmgReference> ReadReference(const YamlReader& yaml) {
 
 Result<EmgShapeSettings> ReadEmgShapeSettings(const YamlReader& yaml) {
   SINEW_TRY(yaml.OnlyKeys({"angle", "muscles", "model", "cycles", "laws", "timing", "cycle_scatter", "knots",
-                           "rate", "same_speed", "reference"}));
+                           "rate", "same_speed", "hold_out", "reference"}));
   EmgShapeSettings settings;
   SINEW_ASSIGN(const YamlReader angle, yaml.At("angle"));
   SINEW_ASSIGN(settings.angle, angle.Text());
@@ -86,6 +86,10 @@ Result<EmgShapeSettings> ReadEmgShapeSettings(const YamlReader& yaml) {
   settings.knots = static_cast<int>(knots);
   SINEW_ASSIGN(settings.rate, yaml.NumberOr("rate", settings.rate, 1, 1000));
   SINEW_ASSIGN(settings.same_speed, yaml.NumberOr("same_speed", settings.same_speed, 0, 0.5));
+  if (yaml.Has("hold_out")) {
+    SINEW_ASSIGN(const YamlReader list, yaml.At("hold_out"));
+    SINEW_ASSIGN(settings.hold_out, list.Texts());
+  }
   if (yaml.Has("reference")) {
     SINEW_ASSIGN(const YamlReader reference, yaml.At("reference"));
     SINEW_ASSIGN(settings.reference, ReadReference(reference));

@@ -16,6 +16,7 @@
 //     knots: 14                       # control points of a shape
 //     rate: 25                        # [Hz] of the samples that are compared
 //     same_speed: 0.03                # trials whose speeds differ by less than this share have one speed
+//     hold_out: [train_030]           # training trials that are predicted, not fitted
 //     reference: {speed: 1.31, period: 1.5}  # [rad/s], [s]; default: the middle training speed
 #pragma once
 
@@ -52,6 +53,7 @@ struct EmgShapeSettings {
   int knots = 14;
   double rate = 25;
   double same_speed = 0.03;
+  std::vector<std::string> hold_out;
   std::optional<EmgReference> reference;
 };
 

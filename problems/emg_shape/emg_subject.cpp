@@ -36,7 +36,7 @@ EmgSubject DrawEmgSubject(int number) {
   subject.timing_scatter = clumsy * random.Uniform(0.012, 0.02);
   subject.cross_talk = clumsy * random.Uniform(0.0, 0.06);
   subject.strength = random.Uniform(0.8, 1.15);
-  subject.push = random.Uniform(15, 35);
+  subject.push = random.Uniform(30, 60);
   for (std::size_t m = 0; m < subject.muscles.size(); ++m) {
     EmgSubjectMuscle& muscle = subject.muscles[m];
     muscle.study = kWithElectrode[m];
