@@ -22,6 +22,8 @@ constexpr double kLogVarianceRange = 25;
 constexpr double kSmallestDeviation = 1e-100;  // of a channel that is zero throughout
 constexpr double kRowsPerCoefficient = 10;     // degrees of freedom that a coefficient needs
 constexpr double kMinimumTolerance = 1e-8;     // of the deviance; the sweeps stop at 1e-6
+constexpr double kOrderTolerance = 1e-3;       // where orders are compared, whose prices are 2 and more
+constexpr int kOrdersWithoutGain = 4;          // in a row, after which no higher one is tried
 constexpr double kSweepTolerance = 1e-6;
 constexpr int kMaxSweeps = 50;
 constexpr double kLoud = 1.5;    // times the stated noise: there is more in the residual than noise
@@ -97,7 +99,8 @@ class Estimator {
     double last = std::numeric_limits<double>::infinity();
     for (int sweep = 0; sweep < kMaxSweeps; ++sweep) {
       double deviance = last;
-      for (std::size_t c = 0; c < channels_.size(); ++c) deviance = Refine(c, channels_[c].shape);
+      for (std::size_t c = 0; c < channels_.size(); ++c)
+        deviance = Refine(c, channels_[c].shape, kMinimumTolerance);
       if (channels_.size() == 1 || !(last - deviance > kSweepTolerance)) break;
       last = deviance;
     }
@@ -180,7 +183,7 @@ class Estimator {
   }
 
   /// Minimises over one channel, the others as they stand. @return the deviance
-  double Refine(std::size_t c, const Vector& shape) {
+  double Refine(std::size_t c, const Vector& shape, double tolerance) {
     Channel& channel = channels_[c];
     GatherOthers(c);
     const bool single = channels_.size() == 1;
@@ -201,7 +204,7 @@ class Estimator {
     double deviance = Deviance(channel, x, &log_variance);
     if (!channel.silent) {
       const auto function = [&](const Vector& at) { return Deviance(channel, at, &log_variance); };
-      MinimizeSmooth(function, curvature, kMinimumTolerance, x);
+      MinimizeSmooth(function, curvature, tolerance, x);
       deviance = Deviance(channel, x, &log_variance);
     }
     channel.shape = x.head(order);
@@ -217,19 +220,22 @@ class Estimator {
     Vector best_shape;
     double best_log_variance = channel.log_variance;
     Vector shape(0);
-    for (int order = 0; order <= channel.largest_order; ++order) {
+    int without_gain = 0;
+    for (int order = 0; order <= channel.largest_order && without_gain < kOrdersWithoutGain; ++order) {
+      ++without_gain;
       if (order > 0) {
         // The next lower order's optimum, and what the ordinary residual says of one lag more.
         shape.conservativeResize(order);
         shape[order - 1] = std::atanh(
             std::clamp(channel.burg[static_cast<std::size_t>(order - 1)], -kLargestBurg, kLargestBurg));
       }
-      const double deviance = Refine(c, shape);
+      const double deviance = Refine(c, shape, kOrderTolerance);
       shape = channel.shape;
       if (deviance + price * order < best) {
         best = deviance + price * order;
         best_shape = shape;
         best_log_variance = channel.log_variance;
+        without_gain = 0;
       }
     }
     channel.shape = best_shape;

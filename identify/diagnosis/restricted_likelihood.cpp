@@ -6,6 +6,8 @@
 #include <limits>
 #include <numeric>
 
+#include "base/sparse_cholesky.h"
+
 namespace sinew {
 namespace {
 
@@ -128,12 +130,18 @@ ProfiledOut ProfileOut(NormalEquations& equations) {
     for (Eigen::Index r = c; r < k; ++r) gram(r, c) *= scale[r] * scale[c];
     gram(c, c) = 1 + kRidge;
   }
+  const Vector projection = equations.projection.cwiseProduct(scale);
+  if (const SparseCholesky sparse(gram); sparse.usable()) {
+    out.power -= projection.dot(sparse.Solve(projection));
+    out.log_determinant += sparse.LogDeterminant();
+    return out;
+  }
   const Eigen::LLT<Eigen::Ref<Matrix>, Eigen::Lower> root(gram);
   if (root.info() != Eigen::Success) {
     out.power = std::numeric_limits<double>::quiet_NaN();
     return out;
   }
-  Vector half = equations.projection.cwiseProduct(scale);
+  Vector half = projection;
   root.matrixL().solveInPlace(half);
   out.power -= half.squaredNorm();
   for (Eigen::Index i = 0; i < k; ++i) out.log_determinant += 2 * std::log(gram(i, i));

@@ -4,6 +4,7 @@
 #include <vector>
 
 #include "base/decompositions.h"
+#include "base/sparse_cholesky.h"
 
 namespace sinew {
 
@@ -48,7 +49,9 @@ Vector NormalEquations::BoxStep(const Vector& x, int held, double damping, doubl
       for (Eigen::Index j = 0; j < n; ++j) reduced(i, j) = normal(moving[i], moving[j]) * scale[i] * scale[j];
       reduced(i, i) += damping;
     }
-    const Vector solution = reduced.ldlt().solve(pull).cwiseProduct(scale);
+    const SparseCholesky sparse(reduced);
+    const Vector found = sparse.usable() ? sparse.Solve(pull) : Vector(reduced.ldlt().solve(pull));
+    const Vector solution = found.cwiseProduct(scale);
     std::vector<int> inside;
     for (Eigen::Index i = 0; i < n; ++i) {
       const int v = moving[static_cast<std::size_t>(i)];

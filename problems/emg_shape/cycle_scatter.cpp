@@ -11,11 +11,11 @@ namespace {
 // Least scatter: of a movement that repeats itself exactly nothing would be left to learn a prior from.
 constexpr double kLeastGain = 0.01;
 constexpr double kLeastTiming = 0.001;
-constexpr double kFewest = 4;       // samples of a cycle
-constexpr double kWellTold = 0.05;  // share of the mean cycle's information below which one says nothing
+constexpr double kFewest = 4;      // samples of a burst
+constexpr double kWellTold = 0.2;  // share of the mean burst's information below which one says nothing
 
-// Sums over samples of one cycle.
-struct CycleSums {
+// Sums over samples of one burst.
+struct BurstSums {
   double pp = 0;  // shape
   double ps = 0;  // shape and slope
   double ss = 0;
@@ -30,15 +30,15 @@ struct CycleSums {
 Result<CycleScatter> EstimateCycleScatter(const std::vector<CycleSamples>& recordings, int knots,
                                           double correlated) {
   if (recordings.empty()) return Fail("no recording");
-  std::vector<CycleSums> cycles;
+  std::vector<BurstSums> bursts;
   double degrees = 0;
   for (const CycleSamples& recording : recordings) {
     SINEW_ASSIGN(const Vector shape, FitPeriodicSpline(recording.phase, recording.values, knots));
     degrees -= knots;
     const double floor = shape.minCoeff();
     for (std::size_t i = 0; i < recording.phase.size(); ++i) {
-      if (i == 0 || recording.cycle[i] != recording.cycle[i - 1]) cycles.emplace_back();
-      CycleSums& sums = cycles.back();
+      if (i == 0 || recording.burst[i] != recording.burst[i - 1]) bursts.emplace_back();
+      BurstSums& sums = bursts.back();
       const PeriodicBasis basis = PeriodicBasisAt(recording.phase[i], knots);
       const double p = basis.At(shape.data());
       const double slope = basis.SlopeAt(shape.data());
@@ -55,9 +55,9 @@ Result<CycleScatter> EstimateCycleScatter(const std::vector<CycleSamples>& recor
   }
   double mean_pp = 0;
   double mean_ss = 0;
-  for (const CycleSums& sums : cycles) {
-    mean_pp += sums.pp / static_cast<double>(cycles.size());
-    mean_ss += sums.ss / static_cast<double>(cycles.size());
+  for (const BurstSums& sums : bursts) {
+    mean_pp += sums.pp / static_cast<double>(bursts.size());
+    mean_ss += sums.ss / static_cast<double>(bursts.size());
   }
   double left = 0;
   double gain_squares = 0;
@@ -65,7 +65,7 @@ Result<CycleScatter> EstimateCycleScatter(const std::vector<CycleSamples>& recor
   double gain_noise = 0;  // variances of the estimates, of unit noise
   double timing_noise = 0;
   double told = 0;
-  for (const CycleSums& sums : cycles) {
+  for (const BurstSums& sums : bursts) {
     left += sums.rr;
     degrees += sums.count;
     const double determinant = sums.pp * sums.ss - sums.ps * sums.ps;
@@ -90,8 +90,10 @@ Result<CycleScatter> EstimateCycleScatter(const std::vector<CycleSamples>& recor
     scatter.timing = kLeastTiming;
     return scatter;
   }
-  // The mean of each recording's cycles was taken away with its shape.
-  const double freedom = std::max(told - static_cast<double>(recordings.size()), 1.0);
+  // The mean of each recording's bursts was taken away with its shape.
+  double shapes = 0;
+  for (const CycleSamples& recording : recordings) shapes += recording.bursts;
+  const double freedom = std::max(told - shapes, 1.0);
   const auto deviation = [&](double squares, double noise, double least) {
     return std::sqrt(std::max(squares / freedom - correlated * variance * noise / told, least * least));
   };

@@ -12,16 +12,17 @@ namespace sinew {
 struct CycleSamples {
   std::vector<double> phase;   ///< [N, cycles]
   std::vector<double> values;  ///< [N]
-  std::vector<int> cycle;      ///< [N] which cycle each is of, not decreasing
+  std::vector<int> burst;      ///< [N] which burst each is of, not decreasing
+  int bursts = 1;              ///< per cycle
 };
 
 struct CycleScatter {
-  double gain = 0;    ///< standard deviation of a cycle's log gain about its recording's mean
+  double gain = 0;    ///< standard deviation of a burst's log gain about its recording's mean
   double timing = 0;  ///< and of its timing [cycle]
   double noise = 0;   ///< standard deviation of what gain and timing do not explain
 };
 
-/// By moments: a shape per recording by least squares, a gain and a timing per cycle by regression on it and
+/// By moments: a shape per recording by least squares, a gain and a timing per burst by regression on it and
 /// on its slope, their mean squares less what noise alone would make of them. Noise counts as correlated over
 /// `correlated` samples.
 /// @param recordings each with two cycles or more @param knots of a shape

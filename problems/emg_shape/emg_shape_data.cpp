@@ -18,7 +18,8 @@ namespace {
 
 constexpr std::size_t kFewestCycles = 2;  // one cannot say how much cycles differ
 constexpr double kLeastNoise = 1e-3;      // of normalised EMG; made-up data without noise have a weight too
-constexpr int kPhases = 100;              // at which the quietest one is looked for
+constexpr int kPhases = 100;              // at which cuts between bursts are looked for
+constexpr double kBetweenBursts = 0.1;    // of the shape's range, by which a cut lies below both bursts
 // An envelope of 6 Hz is correlated over so many seconds.
 constexpr double kCorrelated_s = 0.08;
 
@@ -35,6 +36,40 @@ double At(const std::vector<double>& time, const std::vector<double>& values, do
   const auto i = static_cast<std::size_t>(std::upper_bound(time.begin(), time.end(), t) - time.begin());
   const double share = (t - time[i - 1]) / (time[i] - time[i - 1]);
   return values[i - 1] + share * (values[i] - values[i - 1]);
+}
+
+// Minima of a curve on a circle, each at least `depth` below the curve's maxima on both sides; increasing.
+// The lowest is always one.
+std::vector<int> Valleys(const Vector& curve, double depth) {
+  const auto n = static_cast<int>(curve.size());
+  Eigen::Index lowest = 0;
+  curve.minCoeff(&lowest);
+  std::vector<int> valleys{static_cast<int>(lowest)};
+  double peak = curve[lowest];
+  int candidate = -1;  // lowest point since the peak
+  for (int i = 1; i < n; ++i) {
+    const int at = (static_cast<int>(lowest) + i) % n;
+    const double value = curve[at];
+    if (candidate < 0) {
+      peak = std::max(peak, value);
+      if (peak - curve[valleys.back()] > depth && peak - value > depth) candidate = at;
+      continue;
+    }
+    if (value < curve[candidate]) candidate = at;
+    if (value - curve[candidate] > depth) {
+      valleys.push_back(candidate);
+      candidate = -1;
+      peak = value;
+    }
+  }
+  std::sort(valleys.begin(), valleys.end());
+  return valleys;
+}
+
+// Which burst a sample is of: as many numbers per cycle as there are cuts.
+int BurstOf(const std::vector<double>& cuts, int cycle, double phase) {
+  const auto past = std::upper_bound(cuts.begin(), cuts.end(), phase) - cuts.begin();
+  return cycle * static_cast<int>(cuts.size()) + static_cast<int>(past);
 }
 
 class Preparation {
@@ -294,15 +329,16 @@ class Preparation {
     return Fail("no training trial");
   }
 
-  [[nodiscard]] CycleSamples SamplesOf(const Recording& recording, const std::vector<double>& values,
-                                       double cut) const {
+  [[nodiscard]] static CycleSamples SamplesOf(const Recording& recording, const std::vector<double>& values,
+                                              const std::vector<double>& cuts) {
     CycleSamples samples;
+    samples.bursts = std::max(1, static_cast<int>(cuts.size()));
     const EmgShapeTrial& trial = recording.trial;
     for (std::size_t i = 0; i < values.size(); ++i) {
       if (!std::isfinite(values[i])) continue;
       samples.phase.push_back(trial.phase[i]);
       samples.values.push_back(values[i]);
-      samples.cycle.push_back(trial.cycle[i] + (trial.phase[i] >= cut ? 1 : 0));
+      samples.burst.push_back(BurstOf(cuts, trial.cycle[i], trial.phase[i]));
     }
     return samples;
   }
@@ -330,7 +366,7 @@ class Preparation {
       const auto found = recording.measured.find(muscle.name);
       if (recording.trial.role != BlockRole::kTrain || found == recording.measured.end()) continue;
       with.push_back(&recording);
-      const CycleSamples samples = SamplesOf(recording, found->second, 2);
+      const CycleSamples samples = SamplesOf(recording, found->second, {});
       const auto shape = FitPeriodicSpline(samples.phase, samples.values, settings_.knots);
       if (!shape) return Fail("trial '{}': {}", recording.trial.name, shape.error().message);
       for (int i = 0; i < kPhases; ++i)
@@ -344,13 +380,12 @@ class Preparation {
     }
     const CycleSamples& from = at_reference.phase.empty() ? all : at_reference;
     SINEW_ASSIGN(muscle.shape, FitPeriodicSpline(from.phase, from.values, settings_.knots));
-    Eigen::Index quiet = 0;
-    mean.minCoeff(&quiet);
-    muscle.quiet_phase = static_cast<double>(quiet) / kPhases;
+    for (const int valley : Valleys(mean, kBetweenBursts * (mean.maxCoeff() - mean.minCoeff())))
+      muscle.cuts.push_back(static_cast<double>(valley) / kPhases);
     std::vector<CycleSamples> recordings;
     double rate = 0;
     for (const Recording* recording : with) {
-      recordings.push_back(SamplesOf(*recording, recording->measured.at(muscle.name), muscle.quiet_phase));
+      recordings.push_back(SamplesOf(*recording, recording->measured.at(muscle.name), muscle.cuts));
       rate = 1 / (recording->trial.time[1] - recording->trial.time[0]);
     }
     SINEW_ASSIGN(const CycleScatter scatter,
@@ -393,7 +428,7 @@ class Preparation {
     int last = -1;
     for (const int i : block.sample) {
       const auto at = static_cast<std::size_t>(i);
-      const int window = trial.cycle[at] + (trial.phase[at] >= muscle.quiet_phase ? 1 : 0);
+      const int window = BurstOf(muscle.cuts, trial.cycle[at], trial.phase[at]);
       if (window != last) windows.push_back({i, i + 1});
       windows.back().end = i + 1;
       last = window;

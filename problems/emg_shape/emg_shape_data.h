@@ -13,8 +13,8 @@
 
 namespace sinew {
 
-/// A cycle of one muscle in one recording. It is cut where the muscle is least active, not where the
-/// movement turns: a burst over the turn belongs to one of them.
+/// A burst of one muscle in one cycle of one recording. Cuts lie where the muscle is least active, not where
+/// the movement turns: a burst over the turn is one.
 struct EmgWindow {
   int first = 0;  ///< samples of the prediction from here
   int end = 0;    ///< to here, not included
@@ -49,9 +49,9 @@ struct EmgMuscle {
   std::string name;
   Vector shape;               ///< [knots] at the reference speed
   double noise = 0;           ///< standard deviation within cycles, at the compared samples
-  double gain_scatter = 0;    ///< standard deviation of a cycle's log gain
+  double gain_scatter = 0;    ///< standard deviation of a burst's log gain
   double timing_scatter = 0;  ///< and of its timing [cycle]
-  double quiet_phase = 0;     ///< where it is least active [0..1)
+  std::vector<double> cuts;   ///< phases between its bursts, increasing [0..1); at least one
 };
 
 struct EmgShapeData {

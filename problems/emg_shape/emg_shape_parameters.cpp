@@ -203,7 +203,7 @@ class Builder {
           const EmgWindow& window = trial.windows[m][w];
           const std::string of = fmt::format("@{}.{}.{}", trial.name, w + 1, muscle.name);
           Parameter gain =
-              BaseParameter("gain" + of, "1", "logarithm of one cycle's gain", -kMostGain, kMostGain, 0);
+              BaseParameter("gain" + of, "1", "logarithm of one burst's gain", -kMostGain, kMostGain, 0);
           Parameter timing =
               BaseParameter("timing" + of, "1", "share of the cycle by which one burst is early",
                             -kMostTiming, kMostTiming, 0);

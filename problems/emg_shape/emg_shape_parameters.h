@@ -1,8 +1,8 @@
 // What is identified of a person's EMG in a cyclic movement, and what may be wrong with that model.
 //
 //   emg = floor_m + exp(gain) S_m(phase + timing)
-//   gain   = exponent_m ln(s / s0) + gain@s.m + gain of the cycle
-//   timing = (lead + lead_m) (1 / T(s) - 1 / T0) + timing@s + timing@s.m + timing of the cycle
+//   gain   = exponent_m ln(s / s0) + gain@s.m + gain of the burst
+//   timing = (lead + lead_m) (1 / T(s) - 1 / T0) + timing@s + timing@s.m + timing of the burst
 //
 // s speed, T period of a cycle; s0, T0 those of the reference. docs/decisions/emg_shape_model.md.
 #pragma once

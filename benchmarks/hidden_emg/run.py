@@ -1,0 +1,152 @@
+#!/usr/bin/python3
+"""Hides effects in the made-up EMG study (problem emg_shape), lets the program diagnose the files, and counts.
+
+Each case: the program synthesizes the envelopes of a person drawn at random (three muscles, four speeds, six training and three
+held-out cycles a speed; EMG of one electrode per muscle) with one effect whose size is known here and nowhere in the file;
+`sinew diagnose emg_shape` sees the data only. A size is in units of what a test of that effect alone, at 5 %, just detects with
+95 %: from the diagnosis of another recording of the same person, without a fault. Counts are those of ../hidden_effects/README.md.
+
+usage: run.py --sinew PATH [--kind none,single,outsider] [--cases 100] [--sizes 1,2,3] [--jobs 2] [--first-seed 1]
+              [--laws no|yes] [--out results.json]        run.py --merge results.json...
+"""
+import argparse
+import importlib.util
+import json
+import random
+import sys
+import tempfile
+import time
+from concurrent.futures import ThreadPoolExecutor
+from pathlib import Path
+
+HERE = Path(__file__).resolve().parent
+spec = importlib.util.spec_from_file_location("hidden_effects", HERE.parent / "hidden_effects" / "run.py")
+hidden_effects = importlib.util.module_from_spec(spec)
+spec.loader.exec_module(hidden_effects)
+run, read = hidden_effects.run, hidden_effects.read
+
+UNIT = 3.605
+POWER = 1.645  # of smallest_detectable, which is for the family's threshold
+PEOPLE = 20
+STUDY = {"raw": 0, "moments": 0, "speeds": 4, "muscles": 3, "train": 6, "validate": 3}
+MUSCLES = ("lat_gas_r", "med_gas_r", "per_long_r")
+TRIALS = ("train_045", "train_075", "train_090", "train_120")
+# Effect: its parameters in one muscle, and whether it has two signs.
+EFFECTS = {
+    "amplitude_with_speed": ("{m}.amplitude_exponent", True),
+    "phase_shift_with_speed": ("lead", True),
+    "warp_with_speed": ("warp_sine", True),
+    "fatigue": ("{m}.fatigue", True),
+    **{f"noise_floor@{t}": ("{m}.floor@" + t, False) for t in TRIALS},
+    **{f"cross_talk.{m}": (f"cross_talk.{m}", False) for m in MUSCLES},
+}
+OUTSIDERS = {"lost_bursts": 0.6, "loose_electrode": 0.5, "hum": 0.04}
+
+
+def synthesize(options, person, seed, effects, out):
+    words = [f"--set={k}={v}" for k, v in STUDY.items()] + [f"--set=subject={person}", f"--set=laws={int(options.laws == 'yes')}"]
+    for effect, numbers in effects.items():
+        for name, value in numbers.items():
+            words += ["--effect", f"{effect}:{name}={value!r}"]
+    status, _, message = run(options.sinew, "data", "synthesize", "emg_shape", "--seed", seed, *words, "--out", out)
+    if status != 0:
+        raise ValueError(message)
+
+
+def diagnose(options, data, folder):
+    status, seconds, message = run(options.sinew, "diagnose", "emg_shape", "--data", data, "--solver", "lm", "--out",
+                                   folder / "found.h5", "--json", folder / "found.json", "--threads", 1, "--quiet")
+    found = read(folder / "found.json")
+    if found is None:
+        raise ValueError(message or f"exit status {status}")
+    return found, seconds
+
+
+def units_of(options, person):
+    """{effect: amplitude of unit size} of the parameter that the diagnosis names, and which one that is."""
+    with tempfile.TemporaryDirectory(prefix="hidden_emg_") as folder:
+        folder = Path(folder)
+        synthesize(options, person, 900000 + person, {}, folder / "data.h5")
+        found, _ = diagnose(options, folder / "data.h5", folder)
+    units = {}
+    for score in found["scores"]:
+        told = score.get("smallest_detectable")
+        if score["known"] and told:
+            units[score["effect"]] = (told["parameter"], told["value"] * UNIT / (found["threshold"] + POWER))
+    return units
+
+
+def study(options, kind, size, seed):
+    case = {"kind": kind, "size": size, "noise": "emg", "seed": seed}
+    own = random.Random(1000003 * seed + int(100 * size) + {"none": 0, "single": 1, "outsider": 2}[kind])
+    person = 100 + seed % PEOPLE
+    truth = {"base": {}, "effects": []}
+    effects = {}
+    if kind == "single":
+        names = sorted(n for n in (options.effect or EFFECTS) if n in options.units[person])
+        effect = own.choice(names)
+        parameter, unit = options.units[person][effect]
+        sign = own.choice([-1, 1]) if EFFECTS[effect][1] else 1
+        effects = {effect: {parameter: sign * size * unit}}
+        truth["effects"].append({"name": effect, "parameters": effects[effect], "statistic": UNIT * size})
+    elif kind == "outsider":
+        effect = own.choice(sorted(OUTSIDERS))
+        effects = {effect: {effect: OUTSIDERS[effect] * size / 3}}
+        truth["effects"].append({"name": effect, "parameters": effects[effect], "statistic": UNIT * size})
+    case["truth"] = truth
+    with tempfile.TemporaryDirectory(prefix="hidden_emg_") as folder:
+        folder = Path(folder)
+        try:
+            synthesize(options, person, seed, effects, folder / "case.h5")
+            found, case["seconds"] = diagnose(options, folder / "case.h5", folder)
+        except ValueError as error:
+            case["failure"] = str(error)
+            return case
+        hidden_effects.compare(case, truth, found)
+    return case
+
+
+def main():
+    parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
+    parser.add_argument("--sinew", type=Path)
+    parser.add_argument("--kind", type=hidden_effects.words, default=["none", "single"], help="of none,single,outsider")
+    parser.add_argument("--cases", type=int, default=100, help="per kind and size")
+    parser.add_argument("--sizes", type=hidden_effects.numbers, default=[2.0], help="in units of what a test just detects")
+    parser.add_argument("--effect", action="append", default=[], help="hide this one instead of drawing")
+    parser.add_argument("--laws", choices=["no", "yes"], default="no",
+                        help="yes: size and phase do change with speed, and the model has laws for that")
+    parser.add_argument("--jobs", type=int, default=2)
+    parser.add_argument("--first-seed", type=int, default=1)
+    parser.add_argument("--merge", type=Path, nargs="+", help="no new cases: the tables of these results together")
+    parser.add_argument("--out", type=Path)
+    options = parser.parse_args()
+    begin = time.monotonic()
+    if options.merge:
+        cases = [case for path in options.merge for case in json.loads(path.read_text())["cases"]]
+    else:
+        if not options.sinew:
+            parser.error("--sinew is needed")
+        options.sinew = options.sinew.resolve()
+        plan = [(kind, size, options.first_seed + i) for kind in options.kind
+                for size in (options.sizes if kind != "none" else [0.0]) for i in range(options.cases)]
+        with ThreadPoolExecutor(options.jobs) as pool:
+            people = sorted({100 + seed % PEOPLE for kind, _, seed in plan if kind == "single"})
+            options.units = dict(zip(people, pool.map(lambda p: units_of(options, p), people)))
+            cases = list(pool.map(lambda words: study(options, *words), plan))
+    hidden_effects.summarise(cases)
+    for kind in ("single", "outsider"):
+        own = [c for c in cases if c["kind"] == kind and "failure" not in c]
+        print(f"\n{kind}, by name: cases, noticed, first, in the set" if own else "")
+        for name in sorted({c["truth"]["effects"][0]["name"] for c in own}):
+            of = [c for c in own if c["truth"]["effects"][0]["name"] == name]
+            print(f"  {name:38s} {len(of):3d} {sum(c['detected'] for c in of):3d} {sum(c['first'] for c in of):3d} "
+                  f"{sum(c['in_set'] for c in of):3d}")
+    for failure in sorted({c["failure"] for c in cases if "failure" in c})[:5]:
+        print(f"failed: {failure}")
+    print(f"\n{len(cases)} cases" + ("" if options.merge else f" in {time.monotonic() - begin:.0f} s"))
+    if options.out:
+        options.out.write_text(json.dumps({"schema": "sinew.hidden_emg/1", "cases": cases}, indent=1))
+
+
+if __name__ == "__main__":
+    sys.exit(main())
