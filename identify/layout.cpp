@@ -23,6 +23,12 @@ Status CheckBlock(const Block& block, int parameters) {
   }
   if (block.role != BlockRole::kPredicted && block.measured.empty()) return Fail("it has no measured value");
   if (!(block.weight > 0) || !std::isfinite(block.weight)) return Fail("its weight is {}", block.weight);
+  if (!block.relative_weight.empty() && block.relative_weight.size() != block.measured.size())
+    return Fail("{} relative weights but {} measured values", block.relative_weight.size(),
+                block.measured.size());
+  for (const double weight : block.relative_weight) {
+    if (!(weight > 0) || !std::isfinite(weight)) return Fail("a relative weight is {}", weight);
+  }
   if (block.sigma && !(*block.sigma > 0))
     return Fail("its noise level is {}, expected above 0", *block.sigma);
   if (block.range && !(block.range->lower < block.range->upper))

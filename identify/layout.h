@@ -34,7 +34,11 @@ struct Block {
   std::vector<int> sample;              ///< [N] indices into prediction_time, increasing; gaps are left out
   std::vector<double> measured;         ///< [N, unit], finite; empty for kPredicted without measurement
   double weight = 1;                    ///< [1/unit], > 0
-  std::optional<double> sigma;          ///< [unit] noise level, if known
+  /// [N] or empty: factors > 0 on the weight of single samples, about 1, where noise is not alike everywhere
+  /// (EMG is noisier while the muscle is active). Noise models are those of residuals so weighted; errors
+  /// that people read are not.
+  std::vector<double> relative_weight;
+  std::optional<double> sigma;  ///< [unit] noise level, if known
   /// The noise is white, and no lower than `sigma` where that is known. For predictions that fit values of
   /// their own inside (states of a toss): their residual has lost what these took up, so that an
   /// autoregression or a lower level estimated from it would be one of the fit.
@@ -43,6 +47,10 @@ struct Block {
   std::optional<Range> range;
   std::vector<int> columns;  ///< parameters that it may depend on, increasing
 
+  /// Of sample i [1/unit].
+  [[nodiscard]] double WeightOf(std::size_t i) const {
+    return relative_weight.empty() ? weight : weight * relative_weight[i];
+  }
   [[nodiscard]] int samples() const { return static_cast<int>(measured.size()); }
   [[nodiscard]] int predictions() const { return static_cast<int>(prediction_time.size()); }
 };

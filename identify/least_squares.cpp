@@ -149,7 +149,7 @@ Status LeastSquares::Evaluate(const Vector& x, Workspace& workspace, Vector& res
     const auto predicted = workspace.prediction.values(b);
     for (int i = 0; i < block.samples(); ++i) {
       const auto at = static_cast<std::size_t>(i);
-      residuals[first_row + i] = block.weight * (predicted[block.sample[at]] - block.measured[at]);
+      residuals[first_row + i] = block.WeightOf(at) * (predicted[block.sample[at]] - block.measured[at]);
     }
     if (transform_ != nullptr) {
       transform_->Apply(static_cast<int>(t), residuals.middleRows(first_row, block.samples()));
@@ -161,11 +161,11 @@ Status LeastSquares::Evaluate(const Vector& x, Workspace& workspace, Vector& res
     for (std::size_t c = 0; c < block.columns.size(); ++c) {
       const int variable = variable_of_[static_cast<std::size_t>(block.columns[c])];
       if (variable < 0) continue;
-      const double factor =
-          block.weight * Slope(setup_.parameters[static_cast<std::size_t>(block.columns[c])], x[variable]);
+      const double slope = Slope(setup_.parameters[static_cast<std::size_t>(block.columns[c])], x[variable]);
       for (int i = 0; i < block.samples(); ++i) {
         piece.values(i, k) =
-            factor * derivatives(block.sample[static_cast<std::size_t>(i)], static_cast<Eigen::Index>(c));
+            block.WeightOf(static_cast<std::size_t>(i)) * slope *
+            derivatives(block.sample[static_cast<std::size_t>(i)], static_cast<Eigen::Index>(c));
       }
       ++k;
     }

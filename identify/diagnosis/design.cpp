@@ -37,7 +37,8 @@ class Rows {
       const Block& b = block(train.block);
       const auto values = workspace_.prediction.values(train.block);
       for (int i = 0; i < b.samples(); ++i)
-        rows[train.first_row + i] = b.weight * values[b.sample[static_cast<std::size_t>(i)]];
+        rows[train.first_row + i] =
+            b.WeightOf(static_cast<std::size_t>(i)) * values[b.sample[static_cast<std::size_t>(i)]];
     }
     return rows;
   }
@@ -51,7 +52,8 @@ class Rows {
       if (found == b.columns.end() || *found != parameter) continue;
       const auto column = workspace_.prediction.derivatives(train.block).col(found - b.columns.begin());
       for (int i = 0; i < b.samples(); ++i)
-        rows[train.first_row + i] = b.weight * column[b.sample[static_cast<std::size_t>(i)]];
+        rows[train.first_row + i] =
+            b.WeightOf(static_cast<std::size_t>(i)) * column[b.sample[static_cast<std::size_t>(i)]];
     }
     return rows;
   }

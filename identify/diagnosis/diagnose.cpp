@@ -181,7 +181,7 @@ class Diagnostician {
       const Block& block = problem_.layout()[static_cast<std::size_t>(b)];
       for (std::size_t i = 0; i < block.sample.size(); ++i)
         extended.values[static_cast<std::size_t>(b)][block.sample[i]] =
-            block.measured[i] + residual[static_cast<Eigen::Index>(i)] / block.weight;
+            block.measured[i] + residual[static_cast<Eigen::Index>(i)] / block.WeightOf(i);
     }
     Assess(problem_.layout(), extended);
     for (std::string& sentence :

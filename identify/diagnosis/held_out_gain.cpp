@@ -68,7 +68,7 @@ Result<std::vector<Vector>> HeldOut::Residuals(const Vector& point) const {
     Vector residual(b.samples());
     for (int k = 0; k < b.samples(); ++k) {
       const auto at = static_cast<std::size_t>(k);
-      residual[k] = b.weight * (values[b.sample[at]] - b.measured[at]);
+      residual[k] = b.WeightOf(at) * (values[b.sample[at]] - b.measured[at]);
     }
     if (!residual.allFinite())
       return Fail("trial '{}', {}: a predicted value is not finite", b.trial, b.channel);

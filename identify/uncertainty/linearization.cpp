@@ -47,7 +47,8 @@ Result<Linearization> Linearize(const LeastSquares& problem, const Vector& x) {
     double sum = 0;
     for (int i = 0; i < block.samples(); ++i) {
       const double value =
-          at.residuals[train.first_row + i] + block.weight * block.measured[static_cast<std::size_t>(i)];
+          at.residuals[train.first_row + i] +
+          block.WeightOf(static_cast<std::size_t>(i)) * block.measured[static_cast<std::size_t>(i)];
       sum += value * value;
     }
     at.blocks.push_back({train.block, train.first_row, block.samples(), std::sqrt(sum / block.samples())});

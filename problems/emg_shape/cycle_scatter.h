@@ -16,17 +16,24 @@ struct CycleSamples {
   int bursts = 1;              ///< per cycle
 };
 
+// Least scatter: of a movement that repeats itself exactly nothing would be left to learn a prior from.
+constexpr double kLeastGainScatter = 0.01;
+constexpr double kLeastTimingScatter = 0.001;  // [cycle]
+
 struct CycleScatter {
   double gain = 0;    ///< standard deviation of a burst's log gain about its recording's mean
   double timing = 0;  ///< and of its timing [cycle]
   double noise = 0;   ///< standard deviation of what gain and timing do not explain
+  /// Where it comes from: noise^2 = quiet^2 + growth^2 EMG^2, its mean over all samples.
+  double quiet = 0;
+  double growth = 0;
 };
 
 /// By moments: a shape per recording by least squares, a gain and a timing per burst by regression on it and
 /// on its slope, their mean squares less what noise alone would make of them. Noise counts as correlated over
 /// `correlated` samples.
 /// @param recordings each with two cycles or more @param knots of a shape
-/// @return Errors: those of FitPeriodicSpline; no recording.
+/// @return Errors: those of FitShape; no recording.
 Result<CycleScatter> EstimateCycleScatter(const std::vector<CycleSamples>& recordings, int knots,
                                           double correlated);
 

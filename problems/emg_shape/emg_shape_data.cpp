@@ -7,10 +7,11 @@
 
 #include "base/text.h"
 #include "models/emg/cycle_checks.h"
+#include "models/emg/cycle_warp.h"
 #include "models/emg/envelope.h"
-#include "models/emg/periodic_spline.h"
 #include "models/emg/raw_emg.h"
 #include "models/emg/sampling.h"
+#include "models/emg/shape_basis.h"
 #include "problems/emg_shape/cycle_scatter.h"
 
 namespace sinew {
@@ -19,7 +20,7 @@ namespace {
 constexpr std::size_t kFewestCycles = 2;  // one cannot say how much cycles differ
 constexpr double kLeastNoise = 1e-3;      // of normalised EMG; made-up data without noise have a weight too
 constexpr int kPhases = 100;              // at which cuts between bursts are looked for
-constexpr double kBetweenBursts = 0.1;    // of the shape's range, by which a cut lies below both bursts
+constexpr double kBetweenBursts = 0.03;   // of the shape's range, by which a cut lies below both bursts
 // An envelope of 6 Hz is correlated over so many seconds.
 constexpr double kCorrelated_s = 0.08;
 
@@ -64,6 +65,13 @@ std::vector<int> Valleys(const Vector& curve, double depth) {
   }
   std::sort(valleys.begin(), valleys.end());
   return valleys;
+}
+
+// Standard deviation of the noise at a phase.
+double NoiseAt(const EmgMuscle& muscle, double phase) {
+  if (muscle.mean.empty()) return muscle.noise;
+  const double emg = AtPhase(muscle.mean, phase - std::floor(phase));
+  return std::max(kLeastNoise, std::hypot(muscle.quiet_noise, muscle.noise_growth * emg));
 }
 
 // Which burst a sample is of: as many numbers per cycle as there are cuts.
@@ -354,6 +362,7 @@ class Preparation {
   // Where the shape begins to be fitted: the recordings at the reference speed, or all of them.
   Status Learn(EmgMuscle& muscle) {
     muscle.shape = Vector::Zero(settings_.knots);
+    const ShapeBasis plain(settings_.knots);
     Vector mean = Vector::Zero(kPhases);
     CycleSamples at_reference;
     CycleSamples all;
@@ -367,19 +376,27 @@ class Preparation {
       if (recording.trial.role != BlockRole::kTrain || found == recording.measured.end()) continue;
       with.push_back(&recording);
       const CycleSamples samples = SamplesOf(recording, found->second, {});
-      const auto shape = FitPeriodicSpline(samples.phase, samples.values, settings_.knots);
+      const auto shape = FitShape(samples.phase, samples.values, plain);
       if (!shape) return Fail("trial '{}': {}", recording.trial.name, shape.error().message);
       for (int i = 0; i < kPhases; ++i)
-        mean[i] += PeriodicBasisAt(static_cast<double>(i) / kPhases, settings_.knots).At(shape->data());
+        mean[i] += plain.Value(static_cast<double>(i) / kPhases, shape->data());
       append(samples, all);
       if (recording.trial.speed == out_.reference.speed) append(samples, at_reference);
     }
     if (with.empty()) {
       muscle.noise = 1;
+      const auto known = settings_.scatter.find(muscle.name);
+      if (known != settings_.scatter.end()) {
+        muscle.gain_scatter = known->second[0];
+        muscle.timing_scatter = known->second[1];
+      }
       return {};
     }
     const CycleSamples& from = at_reference.phase.empty() ? all : at_reference;
-    SINEW_ASSIGN(muscle.shape, FitPeriodicSpline(from.phase, from.values, settings_.knots));
+    SINEW_ASSIGN(muscle.shape, FitShape(from.phase, from.values, BasisOf(settings_, out_.reference.period)));
+    mean /= static_cast<double>(with.size());
+    muscle.mean.assign(mean.data(), mean.data() + mean.size());
+    muscle.mean.push_back(mean[0]);
     for (const int valley : Valleys(mean, kBetweenBursts * (mean.maxCoeff() - mean.minCoeff())))
       muscle.cuts.push_back(static_cast<double>(valley) / kPhases);
     std::vector<CycleSamples> recordings;
@@ -391,6 +408,8 @@ class Preparation {
     SINEW_ASSIGN(const CycleScatter scatter,
                  EstimateCycleScatter(recordings, settings_.knots, std::max(1.0, kCorrelated_s * rate)));
     muscle.noise = std::max(scatter.noise, kLeastNoise);
+    muscle.quiet_noise = scatter.quiet;
+    muscle.noise_growth = scatter.growth;
     muscle.gain_scatter = scatter.gain;
     muscle.timing_scatter = scatter.timing;
     return {};
@@ -413,6 +432,7 @@ class Preparation {
           if (!std::isfinite(found->second[i])) continue;
           block.sample.push_back(static_cast<int>(i));
           block.measured.push_back(found->second[i]);
+          block.relative_weight.push_back(muscle.noise / NoiseAt(muscle, trial.phase[i]));
         }
       }
       block.role = block.measured.empty() ? BlockRole::kPredicted : trial.role;
@@ -461,6 +481,10 @@ class Preparation {
 };
 
 }  // namespace
+
+ShapeBasis BasisOf(const EmgShapeSettings& settings, double period, double jitter) {
+  return ShapeBasis(settings.knots, settings.low_pass * period, jitter);
+}
 
 int EmgShapeData::trained_speeds() const {
   return static_cast<int>(

@@ -9,6 +9,7 @@
 #include "datasets/dataset.h"
 #include "identify/layout.h"
 #include "models/emg/cycles.h"
+#include "models/emg/shape_basis.h"
 #include "problems/emg_shape/emg_shape_settings.h"
 
 namespace sinew {
@@ -49,6 +50,9 @@ struct EmgMuscle {
   std::string name;
   Vector shape;               ///< [knots] at the reference speed
   double noise = 0;           ///< standard deviation within cycles, at the compared samples
+  double quiet_noise = 0;     ///< its part that does not depend on the EMG
+  double noise_growth = 0;    ///< the other part, over the EMG's mean at that phase
+  std::vector<double> mean;   ///< EMG over one cycle, mean of the training trials; [0] and the end are one
   double gain_scatter = 0;    ///< standard deviation of a burst's log gain
   double timing_scatter = 0;  ///< and of its timing [cycle]
   std::vector<double> cuts;   ///< phases between its bursts, increasing [0..1); at least one
@@ -64,6 +68,10 @@ struct EmgShapeData {
 
   [[nodiscard]] int trained_speeds() const;
 };
+
+/// What shapes are made of, as the envelopes' filter shows them in cycles of this period [s]. @param jitter
+/// of the cycles whose mean it is [cycle]
+[[nodiscard]] ShapeBasis BasisOf(const EmgShapeSettings& settings, double period, double jitter = 0);
 
 [[nodiscard]] std::string DescribeEmgShapeChannels();
 

@@ -4,7 +4,8 @@
 #include <cmath>
 
 #include "base/constants.h"
-#include "models/emg/periodic_spline.h"
+#include "models/emg/shape_basis.h"
+#include "problems/emg_shape/cycle_scatter.h"
 
 namespace sinew {
 
@@ -16,12 +17,24 @@ struct EmgShapeProblem::Scratch final : Problem::Workspace {
   std::vector<double> control;  // [knots]
   std::vector<double> shape;
   std::vector<double> slope;
-  std::vector<PeriodicBasis> basis;
+  Matrix basis;  // [knots x samples]
+  Matrix slopes;
 };
 
 EmgShapeProblem::EmgShapeProblem(EmgShapeSettings settings, EmgShapeData data)
     : settings_(std::move(settings)), data_(std::move(data)) {
   list_ = ListEmgShapeParameters(settings_, data_);
+  for (const EmgShapeTrial& trial : data_.trials) {
+    for (const EmgMuscle& muscle : data_.muscles) {
+      // Of fitted trials every burst has its gain and timing. Others are predicted by their mean, which is
+      // larger and rounder than a typical one: gains are log-normal.
+      const bool mean = settings_.cycle_scatter && trial.role != BlockRole::kTrain;
+      const bool gains = mean && muscle.gain_scatter > kLeastGainScatter;
+      const bool timings = mean && muscle.timing_scatter > kLeastTimingScatter;
+      basis_.push_back(BasisOf(settings_, trial.period, timings ? muscle.timing_scatter : 0));
+      mean_gain_.push_back(gains ? 0.5 * muscle.gain_scatter * muscle.gain_scatter : 0);
+    }
+  }
   for (std::size_t b = 0; b < data_.layout.size(); ++b) {
     std::vector<int>& columns = data_.layout[b].columns;
     for (const EmgColumn& column : list_.columns[b]) columns.push_back(column.parameter);
@@ -86,7 +99,7 @@ void EmgShapeProblem::PredictBlock(std::size_t t, std::size_t m, const Query& qu
   const int b = trial.first_block + static_cast<int>(m);
   const std::vector<EmgColumn>& columns = list_.columns[static_cast<std::size_t>(b)];
   const std::size_t count = trial.time.size();
-  scratch.gain.assign(count, 0);
+  scratch.gain.assign(count, mean_gain_[static_cast<std::size_t>(b)]);
   scratch.timing.assign(count, 0);
   scratch.offset.assign(count, 0);
   scratch.control.assign(static_cast<std::size_t>(settings_.knots), 0);
@@ -102,17 +115,22 @@ void EmgShapeProblem::PredictBlock(std::size_t t, std::size_t m, const Query& qu
   }
   scratch.shape.resize(count);
   scratch.slope.resize(count);
-  scratch.basis.resize(count);
+  scratch.basis.resize(settings_.knots, static_cast<Eigen::Index>(count));
+  scratch.slopes.resize(settings_.knots, static_cast<Eigen::Index>(count));
+  const Eigen::Map<const Vector> control(scratch.control.data(), settings_.knots);
   auto values = prediction.values(b);
   for (std::size_t i = 0; i < count; ++i) {
-    scratch.basis[i] = PeriodicBasisAt(trial.phase[i] + scratch.timing[i], settings_.knots);
+    const auto column = static_cast<Eigen::Index>(i);
+    basis_[static_cast<std::size_t>(b)].At(trial.phase[i] + scratch.timing[i],
+                                           scratch.basis.col(column).data(),
+                                           scratch.slopes.col(column).data());
     scratch.gain[i] = std::exp(scratch.gain[i]);
-    scratch.shape[i] = scratch.gain[i] * scratch.basis[i].At(scratch.control.data());
+    scratch.shape[i] = scratch.gain[i] * scratch.basis.col(column).dot(control);
     values[static_cast<Eigen::Index>(i)] = scratch.offset[i] + scratch.shape[i];
   }
   if (!query.derivatives) return;
   for (std::size_t i = 0; i < count; ++i)
-    scratch.slope[i] = scratch.gain[i] * scratch.basis[i].SlopeAt(scratch.control.data());
+    scratch.slope[i] = scratch.gain[i] * scratch.slopes.col(static_cast<Eigen::Index>(i)).dot(control);
   auto derivatives = prediction.derivatives(b);
   const std::vector<int>& order = data_.layout[static_cast<std::size_t>(b)].columns;
   Eigen::Index at = -1;
@@ -127,13 +145,9 @@ void EmgShapeProblem::PredictBlock(std::size_t t, std::size_t m, const Query& qu
     for (auto i = static_cast<std::size_t>(column.first); i < static_cast<std::size_t>(column.end); ++i) {
       double& slope = slopes[static_cast<Eigen::Index>(i)];
       switch (column.term) {
-        case EmgTerm::kShape: {
-          const PeriodicBasis& basis = scratch.basis[i];
-          for (std::size_t k = 0; k < kSplineSupport; ++k) {
-            if (basis.knot[k] == column.which) slope += scratch.gain[i] * basis.value[k];
-          }
+        case EmgTerm::kShape:
+          slope += scratch.gain[i] * scratch.basis(column.which, static_cast<Eigen::Index>(i));
           break;
-        }
         case EmgTerm::kOffset:
           slope += Along(column, trial, m, i);
           break;
@@ -171,6 +185,15 @@ std::vector<std::string> EmgShapeProblem::RemarksAt(const Vector& /*parameters*/
                             100 * muscle.timing_scatter, 100 * muscle.gain_scatter);
     }
     remarks.push_back("cycles of one speed differ in timing (of a cycle) and size by: " + jitter);
+    std::string scatter;
+    for (const EmgMuscle& muscle : data_.muscles) {
+      scatter += fmt::format("{}{}: [{:.4g}, {:.4g}]", scatter.empty() ? "" : ", ", muscle.name,
+                             muscle.gain_scatter, muscle.timing_scatter);
+    }
+    remarks.push_back(fmt::format(
+        "to predict recordings without EMG, state in their settings: reference: {{speed: {:.9g}, period: "
+        "{:.9g}}}, scatter: {{{}}}",
+        data_.reference.speed, data_.reference.period, scatter));
   }
   double slowest = 0;
   double fastest = 0;

@@ -47,6 +47,8 @@ class EmgShapeProblem final : public Problem {
   EmgShapeSettings settings_;
   EmgShapeData data_;
   EmgShapeParameters list_;
+  std::vector<ShapeBasis> basis_;  // [blocks]
+  std::vector<double> mean_gain_;  // [blocks] logarithm of the mean gain of cycles that are not known
 };
 
 /// The parameters of the made-up study, without data.

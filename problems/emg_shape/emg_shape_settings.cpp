@@ -4,7 +4,7 @@
 
 #include "base/text.h"
 #include "base/yaml_choice.h"
-#include "models/emg/periodic_spline.h"
+#include "models/emg/shape_basis.h"
 
 namespace sinew {
 namespace {
@@ -52,8 +52,8 @@ Result<EmgReference> ReadReference(const YamlReader& yaml) {
 }  // namespace
 
 Result<EmgShapeSettings> ReadEmgShapeSettings(const YamlReader& yaml) {
-  SINEW_TRY(yaml.OnlyKeys({"angle", "muscles", "model", "cycles", "laws", "timing", "cycle_scatter", "knots",
-                           "rate", "same_speed", "hold_out", "reference"}));
+  SINEW_TRY(yaml.OnlyKeys({"angle", "muscles", "model", "cycles", "laws", "timing", "cycle_scatter",
+                           "low_pass", "knots", "rate", "same_speed", "hold_out", "reference", "scatter"}));
   EmgShapeSettings settings;
   SINEW_ASSIGN(const YamlReader angle, yaml.At("angle"));
   SINEW_ASSIGN(settings.angle, angle.Text());
@@ -78,7 +78,8 @@ Result<EmgShapeSettings> ReadEmgShapeSettings(const YamlReader& yaml) {
                ReadChoice<bool>(yaml, "timing", {{"per_muscle", true}, {"shared", false}}));
   SINEW_ASSIGN(settings.cycle_scatter,
                ReadChoice<bool>(yaml, "cycle_scatter", {{"true", true}, {"false", false}}));
-  SINEW_ASSIGN(const double knots, yaml.NumberOr("knots", settings.knots, kSplineSupport, 200));
+  SINEW_ASSIGN(settings.low_pass, yaml.NumberOr("low_pass", settings.low_pass, 0, 1000));
+  SINEW_ASSIGN(const double knots, yaml.NumberOr("knots", settings.knots, kFewestKnots, 200));
   if (knots != static_cast<int>(knots)) {
     SINEW_ASSIGN(const YamlReader value, yaml.At("knots"));
     return FailAt(value.file(), value.line(), "knots: {}, expected a whole number", knots);
@@ -93,6 +94,19 @@ Result<EmgShapeSettings> ReadEmgShapeSettings(const YamlReader& yaml) {
   if (yaml.Has("reference")) {
     SINEW_ASSIGN(const YamlReader reference, yaml.At("reference"));
     SINEW_ASSIGN(settings.reference, ReadReference(reference));
+  }
+  if (yaml.Has("scatter")) {
+    SINEW_ASSIGN(const YamlReader scatter, yaml.At("scatter"));
+    SINEW_ASSIGN(const auto muscles, scatter.Keys());
+    for (const std::string& muscle : muscles) {
+      SINEW_ASSIGN(const YamlReader pair, scatter.At(muscle));
+      SINEW_ASSIGN(const auto numbers, pair.Numbers(2));
+      if (!(numbers[0] >= 0 && numbers[0] <= 2 && numbers[1] >= 0 && numbers[1] <= 0.25)) {
+        return FailAt(pair.file(), pair.line(), "scatter: {}: [{}, {}], expected 0 to 2 and 0 to 0.25",
+                      muscle, numbers[0], numbers[1]);
+      }
+      settings.scatter[muscle] = {numbers[0], numbers[1]};
+    }
   }
   return settings;
 }

@@ -13,13 +13,18 @@
 //     laws: [amplitude, lead]         # how EMG changes with speed, fitted; what is not listed is an effect
 //     timing: per_muscle              # or shared: bursts of all muscles move together
 //     cycle_scatter: true             # gains and timings of single cycles are fitted too
+//     low_pass: 6                     # [Hz] of the envelopes' filter, order 4; 0: none
 //     knots: 14                       # control points of a shape
 //     rate: 25                        # [Hz] of the samples that are compared
 //     same_speed: 0.03                # trials whose speeds differ by less than this share have one speed
 //     hold_out: [train_030]           # training trials that are predicted, not fitted
 //     reference: {speed: 1.31, period: 1.5}  # [rad/s], [s]; default: the middle training speed
+//     scatter: {soleus_r: [0.2, 0.02]}  # of single bursts: gain (of the logarithm), timing [cycle]; where
+//                                     # there is no training trial to tell
 #pragma once
 
+#include <array>
+#include <map>
 #include <optional>
 #include <string>
 #include <vector>
@@ -50,11 +55,13 @@ struct EmgShapeSettings {
   bool lead_law = true;
   bool timing_per_muscle = true;
   bool cycle_scatter = true;
+  double low_pass = 6;
   int knots = 14;
   double rate = 25;
   double same_speed = 0.03;
   std::vector<std::string> hold_out;
   std::optional<EmgReference> reference;
+  std::map<std::string, std::array<double, 2>> scatter;
 };
 
 /// @param yaml the map under the key `emg_shape`. Errors: unknown keys, wrong values, each with file and

@@ -44,6 +44,7 @@ emg_shape:
   angle: ankle_angle_r
   cycles: {{begins_at: highest}}
   laws: [{}]
+  low_pass: {}   # [Hz] of the envelopes
 )";
 
 constexpr const char* kNmsText = R"(# How the nms problem sees the study.
@@ -89,7 +90,8 @@ Dataset Begin(const EmgStudyTruth& truth) {
   data.licence = "CC0-1.0";
   data.synthetic = true;
   data.files["emg_shape.yaml"] =
-      fmt::format(kShapeText, truth.Set("laws") != 0 && truth.Set("speeds") > 1 ? "amplitude, lead" : "");
+      fmt::format(kShapeText, truth.Set("laws") != 0 && truth.Set("speeds") > 1 ? "amplitude, lead" : "",
+                  truth.Set("noisy") != 0 ? 6 : 0);
   if (truth.Set("moments") != 0 && truth.Set("muscles") == kEmgStudyMuscles) {
     data.files["nms.yaml"] = kNmsText;
     data.files["subject.xml"] = StudySubjectXml(EmgStudyMuscleNames());

@@ -1,5 +1,5 @@
 // What the emg_shape problem tells of itself in a run file.
-#include "models/emg/periodic_spline.h"
+#include "models/emg/shape_basis.h"
 #include "problems/emg_shape/emg_shape_problem.h"
 #include "problems/emg_shape/prediction_band.h"
 
@@ -25,6 +25,7 @@ void DescribeTrial(const EmgShapeTrial& trial, Hdf5Node& node) {
 Status EmgShapeProblem::Describe(const Vector& parameters, Hdf5Node& details) const {
   std::vector<double> phases;
   for (int i = 0; i < kPhases; ++i) phases.push_back(static_cast<double>(i) / (kPhases - 1));
+  const ShapeBasis basis = BasisOf(settings_, data_.reference.period);
   for (std::size_t m = 0; m < data_.muscles.size(); ++m) {
     std::vector<double> control;
     for (std::size_t p = 0; p < list_.parameters.size(); ++p) {
@@ -32,8 +33,7 @@ Status EmgShapeProblem::Describe(const Vector& parameters, Hdf5Node& details) co
         control.push_back(parameters[static_cast<Eigen::Index>(p)]);
     }
     std::vector<double> shape;
-    for (const double phase : phases)
-      shape.push_back(PeriodicBasisAt(phase, settings_.knots).At(control.data()));
+    for (const double phase : phases) shape.push_back(basis.Value(phase, control.data()));
     Hdf5Node& node = details.At("emg_shape/shapes/" + data_.muscles[m].name);
     node.At("phase").SetVector(phases);
     node.At("shape").SetVector(shape);

@@ -114,7 +114,9 @@ class Band {
   [[nodiscard]] Vector Scatter(std::size_t t, std::size_t m) const {
     const EmgMuscle& muscle = data_.muscles[m];
     const Parts parts = PartsOf(t, m);
-    return muscle.noise * muscle.noise +
+    const auto emg = prediction_.values(data_.trials[t].first_block + static_cast<int>(m));
+    return muscle.quiet_noise * muscle.quiet_noise +
+           muscle.noise_growth * muscle.noise_growth * emg.array().square() +
            muscle.gain_scatter * muscle.gain_scatter * parts.level.array().square() +
            muscle.timing_scatter * muscle.timing_scatter * parts.slope.array().square();
   }

@@ -49,7 +49,7 @@ TEST(EmgShapeProblem, TheTruthIsFoundInItsOwnEmg) {
                                  {"lead", 0.12},
                                  {"lat_gas_r.amplitude_exponent", 0.6},
                                  {"med_gas_r.amplitude_exponent", -0.3}});
-  const auto problem = Bound(data);
+  const auto problem = Bound(data, ", low_pass: 0");
   const Identification fit = Fitted(*problem);
   // Priors draw the deviations of speeds to 0, which is their truth; floors and shapes may exchange a little.
   EXPECT_NEAR(ValueOf(*problem, fit.parameters, "lead"), 0.12, 1e-5);
@@ -60,8 +60,8 @@ TEST(EmgShapeProblem, TheTruthIsFoundInItsOwnEmg) {
 
 TEST(EmgShapeProblem, LawsPredictASpeedThatWasNotMeasured) {
   const Dataset data = EmgStudy({{"speeds", 6}, {"noisy", 0}, {"subject", 2}, {"train", 6}});
-  const auto with = Bound(data, ", hold_out: [train_120]");
-  const auto without = Bound(data, ", hold_out: [train_120], laws: []");
+  const auto with = Bound(data, ", low_pass: 0, hold_out: [train_120]");
+  const auto without = Bound(data, ", low_pass: 0, hold_out: [train_120], laws: []");
   for (const char* muscle : {"lat_gas_r", "med_gas_r"}) {
     const double lawful = QualityOf(Fitted(*with), "train_120", muscle).rmse;
     const double lawless = QualityOf(Fitted(*without), "train_120", muscle).rmse;
@@ -81,14 +81,19 @@ TEST(EmgShapeProblem, OneSpeedHasNoLaws) {
 // What a patient at home has: an angle. The model comes from elsewhere.
 TEST(EmgShapeProblem, AnAngleAloneIsEnoughToPredict) {
   const Dataset data = EmgStudy({{"noisy", 0}});
-  const auto learnt = Bound(data);
+  const auto learnt = Bound(data, ", low_pass: 0");
   const Identification fit = Fitted(*learnt);
   Dataset home;
   home.trials["validate_075"] = data.trials.at("validate_075");
   home.trials.at("validate_075").grids.erase("excitations");
+  std::string scatter;
+  for (const EmgMuscle& muscle : learnt->data().muscles)
+    scatter += fmt::format("{}{}: [{}, {}]", scatter.empty() ? "" : ", ", muscle.name, muscle.gain_scatter,
+                           muscle.timing_scatter);
   const auto problem =
-      Bound(home, fmt::format(", muscles: [lat_gas_r, med_gas_r], reference: {{speed: {}, period: {}}}",
-                              learnt->data().reference.speed, learnt->data().reference.period));
+      Bound(home, fmt::format(", low_pass: 0, muscles: [lat_gas_r, med_gas_r], reference: {{speed: {}, "
+                              "period: {}}}, scatter: {{{}}}",
+                              learnt->data().reference.speed, learnt->data().reference.period, scatter));
   Vector point = RestPoint(*problem);
   for (std::size_t i = 0; i < problem->parameters().size(); ++i) {
     const auto found = FindParameter(learnt->parameters(), problem->parameters()[i].name);
