@@ -20,6 +20,16 @@ Matrix BasisOf(const Eigen::ColPivHouseholderQR<Matrix>& qr) {
   return qr.householderQ() * Matrix::Identity(qr.rows(), qr.rank());
 }
 
+// By the columns that count alone: Eigen's own solve would divide by the rounding errors of all others.
+Matrix SolveBy(const Eigen::ColPivHouseholderQR<Matrix>& qr, const Matrix& rows) {
+  const Eigen::Index rank = qr.rank();
+  Matrix pivoted = Matrix::Zero(qr.cols(), rows.cols());
+  const Matrix turned = qr.householderQ().adjoint() * rows;
+  pivoted.topRows(rank) =
+      qr.matrixQR().topLeftCorner(rank, rank).triangularView<Eigen::Upper>().solve(turned.topRows(rank));
+  return qr.colsPermutation() * pivoted;
+}
+
 // Which columns touch common rows.
 class Unions {
  public:
@@ -166,7 +176,7 @@ Matrix ColumnSpace::Solve(const Matrix& rows) const {
   Matrix left = rows;
   if (wide_.cols() > 0) {
     TakeGroupsFrom(left);
-    const Matrix found = qr_.solve(left);
+    const Matrix found = SolveBy(qr_, left);
     left = rows - wide_ * found;
     for (Eigen::Index c = 0; c < found.rows(); ++c) {
       const Eigen::Index column = others_[static_cast<std::size_t>(c)];
@@ -175,7 +185,7 @@ Matrix ColumnSpace::Solve(const Matrix& rows) const {
   }
   for (const Group& group : groups_) {
     const Matrix own = RowsOf(group, left);
-    const Matrix found = group.qr.solve(own);
+    const Matrix found = SolveBy(group.qr, own);
     for (Eigen::Index c = 0; c < found.rows(); ++c) {
       const Eigen::Index column = group.columns[static_cast<std::size_t>(c)];
       answer.row(column) = found.row(c) / length_[column];

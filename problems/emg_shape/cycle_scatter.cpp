@@ -3,16 +3,18 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <map>
+#include <utility>
 
 #include "models/emg/shape_basis.h"
 
 namespace sinew {
 namespace {
 
-constexpr double kFewest = 4;         // samples of a burst
-constexpr double kMostTaken = 0.8;    // share of a sample's noise that a regression is believed to have taken
-constexpr double kMostGrowth = 0.85;  // share of the variance that may come from the EMG
-constexpr double kWellTold = 0.2;     // share of the mean burst's information below which one says nothing
+constexpr double kFewest = 4;        // samples of a burst
+constexpr double kMostTaken = 0.8;   // share of a sample's noise that a regression is believed to have taken
+constexpr double kMostGrowth = 0.5;  // share of the variance that may come from the EMG
+constexpr double kWellTold = 0.2;    // share of the mean burst's information below which one says nothing
 
 // Sums over samples of one burst.
 struct BurstSums {
@@ -23,6 +25,8 @@ struct BurstSums {
   double sr = 0;
   double rr = 0;
   double count = 0;
+  double middle = 0;  // sum of squares times place
+  int recording = 0;
 };
 
 struct Sample {
@@ -105,6 +109,8 @@ Result<CycleScatter> EstimateCycleScatter(const std::vector<CycleSamples>& recor
       sums.sr += slope * r;
       sums.rr += r * r;
       sums.count += 1;
+      sums.middle += above * above * (recording.cycle[i] + recording.phase[i]);
+      sums.recording = static_cast<int>(&recording - recordings.data());
       samples.push_back({static_cast<int>(bursts.size()) - 1, p, above, slope, r});
     }
   }
@@ -120,6 +126,7 @@ Result<CycleScatter> EstimateCycleScatter(const std::vector<CycleSamples>& recor
   double gain_noise = 0;  // variances of the estimates, of unit noise
   double timing_noise = 0;
   double told = 0;
+  CycleScatter scatter;
   for (const BurstSums& sums : bursts) {
     left += sums.rr;
     degrees += sums.count;
@@ -136,8 +143,8 @@ Result<CycleScatter> EstimateCycleScatter(const std::vector<CycleSamples>& recor
     gain_noise += sums.ss / determinant;
     timing_noise += sums.pp / determinant;
     told += 1;
+    scatter.timings.push_back({sums.recording, static_cast<int>(std::floor(sums.middle / sums.pp)), timing});
   }
-  CycleScatter scatter;
   const double variance = std::max(left, 0.0) / std::max(degrees, 1.0);
   scatter.gain = kLeastGainScatter;
   scatter.timing = kLeastTimingScatter;
@@ -154,6 +161,30 @@ Result<CycleScatter> EstimateCycleScatter(const std::vector<CycleSamples>& recor
   }
   if (variance > 0) FindNoise(samples, bursts, variance, correlated, scatter);
   return scatter;
+}
+
+double SharedTiming(const std::vector<std::vector<BurstTiming>>& muscles) {
+  std::map<std::pair<int, int>, std::vector<double>> cycles;  // (recording, cycle) -> mean of each muscle
+  for (const auto& timings : muscles) {
+    std::map<std::pair<int, int>, std::pair<double, int>> sums;
+    for (const BurstTiming& burst : timings) {
+      auto& [sum, count] = sums[{burst.recording, burst.cycle}];
+      sum += burst.timing;
+      ++count;
+    }
+    for (const auto& [key, sum] : sums) cycles[key].push_back(sum.first / sum.second);
+  }
+  double products = 0;
+  double pairs = 0;
+  for (const auto& [key, means] : cycles) {
+    for (std::size_t a = 0; a < means.size(); ++a) {
+      for (std::size_t b = 0; b < a; ++b) {
+        products += means[a] * means[b];
+        pairs += 1;
+      }
+    }
+  }
+  return pairs > 0 ? std::sqrt(std::max(products / pairs, 0.0)) : 0;
 }
 
 }  // namespace sinew

@@ -346,6 +346,7 @@ class Preparation {
       if (!std::isfinite(values[i])) continue;
       samples.phase.push_back(trial.phase[i]);
       samples.values.push_back(values[i]);
+      samples.cycle.push_back(trial.cycle[i]);
       samples.burst.push_back(BurstOf(cuts, trial.cycle[i], trial.phase[i]));
     }
     return samples;
@@ -356,6 +357,7 @@ class Preparation {
       const Status learnt = Learn(muscle);
       if (!learnt) return Fail("{}: {}", muscle.name, learnt.error().message);
     }
+    out_.shared_timing = SharedTiming(timings_);
     return {};
   }
 
@@ -412,6 +414,10 @@ class Preparation {
     muscle.noise_growth = scatter.growth;
     muscle.gain_scatter = scatter.gain;
     muscle.timing_scatter = scatter.timing;
+    timings_.push_back(scatter.timings);
+    for (BurstTiming& timing : timings_.back())
+      timing.recording =
+          static_cast<int>(with[static_cast<std::size_t>(timing.recording)] - recordings_.data());
     return {};
   }
 
@@ -449,10 +455,12 @@ class Preparation {
     for (const int i : block.sample) {
       const auto at = static_cast<std::size_t>(i);
       const int window = BurstOf(muscle.cuts, trial.cycle[at], trial.phase[at]);
-      if (window != last) windows.push_back({i, i + 1});
+      if (window != last) windows.push_back({i, i + 1, 0});
       windows.back().end = i + 1;
       last = window;
     }
+    for (EmgWindow& window : windows)
+      window.cycle = trial.cycle[static_cast<std::size_t>((window.first + window.end) / 2)];
     if (block.role != BlockRole::kTrain) windows.clear();
     trial.windows.push_back(std::move(windows));
   }
@@ -478,6 +486,7 @@ class Preparation {
   const EmgShapeSettings& settings_;
   std::vector<Recording> recordings_;
   EmgShapeData out_;
+  std::vector<std::vector<BurstTiming>> timings_;  // [muscles] that were learnt
 };
 
 }  // namespace

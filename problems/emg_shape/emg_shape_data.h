@@ -19,6 +19,7 @@ namespace sinew {
 struct EmgWindow {
   int first = 0;  ///< samples of the prediction from here
   int end = 0;    ///< to here, not included
+  int cycle = 0;  ///< of the movement, in which its middle lies
 };
 
 struct EmgShapeTrial {
@@ -63,7 +64,8 @@ struct EmgShapeData {
   std::vector<EmgSpeed> speeds;  ///< increasing
   std::vector<EmgShapeTrial> trials;
   EmgReference reference;
-  Layout layout;  ///< block of trial t and muscle m: trials[t].first_block + m
+  double shared_timing = 0;  ///< standard deviation of what bursts of one cycle have in common [cycle]
+  Layout layout;             ///< block of trial t and muscle m: trials[t].first_block + m
   std::vector<std::string> notes;
 
   [[nodiscard]] int trained_speeds() const;

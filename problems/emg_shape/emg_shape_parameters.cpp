@@ -12,6 +12,7 @@ constexpr double kMuscleLead = 0.03;  // [s]
 constexpr double kFloor = 0.02;
 constexpr double kMostTiming = 0.25;  // [cycle]; further would be another burst
 constexpr double kMostGain = 2;       // of the logarithm
+constexpr double kLeastOwn = 0.3;     // of a muscle's scatter of timing, at least, is its own
 constexpr int kHats = 9;
 constexpr const char* kSource = "thesis ch. 6; docs/decisions/emg_shape_model.md";
 
@@ -35,7 +36,7 @@ class Builder {
       for (std::size_t m = 0; m < muscles(); ++m) AddExponent(m, "");
     }
     if (Laws() && settings_.lead_law) AddLead("");
-    if (settings_.cycle_scatter && data_.trained_speeds() > 0) {
+    if (settings_.cycle_scatter) {
       for (std::size_t m = 0; m < muscles(); ++m) AddFloor(m);
     }
     AddSpeeds();
@@ -197,8 +198,13 @@ class Builder {
   void AddCycles() {
     for (std::size_t t = 0; t < data_.trials.size(); ++t) {
       const EmgShapeTrial& trial = data_.trials[t];
+      AddSharedTimings(t);
       for (std::size_t m = 0; m < muscles(); ++m) {
         const EmgMuscle& muscle = data_.muscles[m];
+        const double shared = data_.shared_timing;
+        const double total = muscle.timing_scatter;
+        const double own =
+            std::max(std::sqrt(std::max(total * total - shared * shared, 0.0)), kLeastOwn * total);
         for (std::size_t w = 0; w < trial.windows[m].size(); ++w) {
           const EmgWindow& window = trial.windows[m][w];
           const std::string of = fmt::format("@{}.{}.{}", trial.name, w + 1, muscle.name);
@@ -209,9 +215,31 @@ class Builder {
                             -kMostTiming, kMostTiming, 0);
           gain.trial = timing.trial = trial.name;
           const int g = AddNuisance(std::move(gain), muscle.gain_scatter);
-          const int d = AddNuisance(std::move(timing), muscle.timing_scatter);
+          const int d = AddNuisance(std::move(timing), own);
           Touch(t, m, {g, EmgTerm::kGain, EmgAlong::kOne, 0, 1, window.first, window.end});
           Touch(t, m, {d, EmgTerm::kTiming, EmgAlong::kOne, 0, 1, window.first, window.end});
+        }
+      }
+    }
+  }
+
+  // A person who is early is so with all muscles.
+  void AddSharedTimings(std::size_t t) {
+    const EmgShapeTrial& trial = data_.trials[t];
+    if (!(data_.shared_timing > 0) || muscles() < 2) return;
+    for (int k = 0; k < static_cast<int>(trial.cycles.size()); ++k) {
+      int shared = -1;
+      for (std::size_t m = 0; m < muscles(); ++m) {
+        for (const EmgWindow& window : trial.windows[m]) {
+          if (window.cycle != k) continue;
+          if (shared < 0) {
+            Parameter p = BaseParameter(fmt::format("timing@{}.{}", trial.name, k + 1), "1",
+                                        "share of the cycle by which all bursts of it are early",
+                                        -kMostTiming, kMostTiming, 0);
+            p.trial = trial.name;
+            shared = AddNuisance(std::move(p), data_.shared_timing);
+          }
+          Touch(t, m, {shared, EmgTerm::kTiming, EmgAlong::kOne, 0, 1, window.first, window.end});
         }
       }
     }
