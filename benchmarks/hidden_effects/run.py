@@ -150,6 +150,19 @@ def compare(case, truth, found):
     case["stated_covers"] = covered(truth, named)
 
 
+def summarise_by_name(cases):
+    """What became of every hidden effect, and up to five reasons why cases failed."""
+    for kind in ("single", "outsider"):
+        own = [c for c in cases if c["kind"] == kind and "failure" not in c]
+        print(f"\n{kind}, by name: cases, noticed, first, in the set" if own else "")
+        for name in sorted({c["truth"]["effects"][0]["name"] for c in own}):
+            of = [c for c in own if c["truth"]["effects"][0]["name"] == name]
+            print(f"  {name:38s} {len(of):3d} {sum(c['detected'] for c in of):3d} {sum(c['first'] for c in of):3d} "
+                  f"{sum(c['in_set'] for c in of):3d}")
+    for failure in sorted({c["failure"] for c in cases if "failure" in c})[:5]:
+        print(f"failed: {failure}")
+
+
 def wilson(hits, count):
     """Share and its 95 % interval (Wilson 1927)."""
     if count == 0:

@@ -220,15 +220,7 @@ def main():
         with ThreadPoolExecutor(options.jobs) as pool:
             cases = list(pool.map(lambda words: study(options, *words), plan))
     hidden_effects.summarise(cases)
-    for kind in ("single", "outsider"):
-        own = [c for c in cases if c["kind"] == kind and "failure" not in c]
-        print(f"\n{kind}, by name: cases, noticed, first, in the set" if own else "")
-        for name in sorted({c["truth"]["effects"][0]["name"] for c in own}):
-            of = [c for c in own if c["truth"]["effects"][0]["name"] == name]
-            print(f"  {name:38s} {len(of):3d} {sum(c['detected'] for c in of):3d} {sum(c['first'] for c in of):3d} "
-                  f"{sum(c['in_set'] for c in of):3d}")
-    for failure in sorted({c["failure"] for c in cases if "failure" in c})[:5]:
-        print(f"failed: {failure}")
+    hidden_effects.summarise_by_name(cases)
     print(f"\n{len(cases)} cases" + ("" if options.merge else f" in {time.monotonic() - begin:.0f} s"))
     if options.out:
         options.out.write_text(json.dumps({"schema": "sinew.hidden_muscles/1", "cases": cases}, indent=1))

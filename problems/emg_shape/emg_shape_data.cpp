@@ -29,6 +29,11 @@ struct Recording {
   EmgShapeTrial trial;
   std::map<std::string, std::vector<double>> recorded;  // muscle -> values at trial.time
   std::map<std::string, std::vector<double>> measured;  // the same, NaN where nothing is compared
+  // Phases between a muscle's bursts, increasing [0..1), at least one. Bursts shift with speed, and so do
+  // these: a cut through a flank would give it the next burst's gain.
+  std::map<std::string, std::vector<double>> cuts;
+  std::map<std::string, std::vector<double>>
+      curves;  // mean over a cycle, where fitted; [0] and the end are one
 };
 
 double At(const std::vector<double>& time, const std::vector<double>& values, double t) {
@@ -67,10 +72,16 @@ std::vector<int> Valleys(const Vector& curve, double depth) {
   return valleys;
 }
 
-// Standard deviation of the noise at a phase.
-double NoiseAt(const EmgMuscle& muscle, double phase) {
-  if (muscle.mean.empty()) return muscle.noise;
-  const double emg = AtPhase(muscle.mean, phase - std::floor(phase));
+std::vector<double> Closed(const Vector& curve) {
+  std::vector<double> closed(curve.data(), curve.data() + curve.size());
+  closed.push_back(curve[0]);
+  return closed;
+}
+
+// Standard deviation of the noise at a phase of a muscle whose EMG runs along this curve.
+double NoiseAt(const EmgMuscle& muscle, const std::vector<double>& curve, double phase) {
+  if (curve.empty()) return muscle.noise;
+  const double emg = AtPhase(curve, phase - std::floor(phase));
   return std::max(kLeastNoise, std::hypot(muscle.quiet_noise, muscle.noise_growth * emg));
 }
 
@@ -373,38 +384,39 @@ class Preparation {
       to.phase.insert(to.phase.end(), from.phase.begin(), from.phase.end());
       to.values.insert(to.values.end(), from.values.begin(), from.values.end());
     };
-    for (const Recording& recording : recordings_) {
+    for (Recording& recording : recordings_) {
       const auto found = recording.measured.find(muscle.name);
       if (recording.trial.role != BlockRole::kTrain || found == recording.measured.end()) continue;
       with.push_back(&recording);
       const CycleSamples samples = SamplesOf(recording, found->second, {});
       const auto shape = FitShape(samples.phase, samples.values, plain);
       if (!shape) return Fail("trial '{}': {}", recording.trial.name, shape.error().message);
+      Vector curve(kPhases);
       for (int i = 0; i < kPhases; ++i)
-        mean[i] += plain.Value(static_cast<double>(i) / kPhases, shape->data());
+        curve[i] = plain.Value(static_cast<double>(i) / kPhases, shape->data());
+      mean += curve;
+      recording.curves[muscle.name] = Closed(curve);
+      std::vector<double>& cuts = recording.cuts[muscle.name];
+      for (const int valley : Valleys(curve, kBetweenBursts * (curve.maxCoeff() - curve.minCoeff())))
+        cuts.push_back(static_cast<double>(valley) / kPhases);
       append(samples, all);
       if (recording.trial.speed == out_.reference.speed) append(samples, at_reference);
     }
     if (with.empty()) {
       muscle.noise = 1;
-      const auto known = settings_.scatter.find(muscle.name);
-      if (known != settings_.scatter.end()) {
-        muscle.gain_scatter = known->second[0];
-        muscle.timing_scatter = known->second[1];
-      }
+      const auto known = settings_.jitter.find(muscle.name);
+      if (known != settings_.jitter.end()) muscle.timing_scatter = known->second;
       return {};
     }
     const CycleSamples& from = at_reference.phase.empty() ? all : at_reference;
     SINEW_ASSIGN(muscle.shape, FitShape(from.phase, from.values, BasisOf(settings_, out_.reference.period)));
     mean /= static_cast<double>(with.size());
-    muscle.mean.assign(mean.data(), mean.data() + mean.size());
-    muscle.mean.push_back(mean[0]);
-    for (const int valley : Valleys(mean, kBetweenBursts * (mean.maxCoeff() - mean.minCoeff())))
-      muscle.cuts.push_back(static_cast<double>(valley) / kPhases);
+    muscle.mean = Closed(mean);
     std::vector<CycleSamples> recordings;
     double rate = 0;
     for (const Recording* recording : with) {
-      recordings.push_back(SamplesOf(*recording, recording->measured.at(muscle.name), muscle.cuts));
+      recordings.push_back(
+          SamplesOf(*recording, recording->measured.at(muscle.name), recording->cuts.at(muscle.name)));
       rate = 1 / (recording->trial.time[1] - recording->trial.time[0]);
     }
     SINEW_ASSIGN(const CycleScatter scatter,
@@ -433,28 +445,41 @@ class Preparation {
       block.prediction_time = trial.time;
       block.weight = 1 / muscle.noise;
       const auto found = recording.measured.find(muscle.name);
+      const std::vector<double>& curve = CurveOf(recording, trial.group, muscle);
       if (found != recording.measured.end()) {
         for (std::size_t i = 0; i < found->second.size(); ++i) {
           if (!std::isfinite(found->second[i])) continue;
           block.sample.push_back(static_cast<int>(i));
           block.measured.push_back(found->second[i]);
-          block.relative_weight.push_back(muscle.noise / NoiseAt(muscle, trial.phase[i]));
+          block.relative_weight.push_back(muscle.noise / NoiseAt(muscle, curve, trial.phase[i]));
         }
       }
       block.role = block.measured.empty() ? BlockRole::kPredicted : trial.role;
-      AddWindows(muscle, block, trial);
+      AddWindows(recording.cuts[muscle.name], block, trial);
       out_.layout.push_back(std::move(block));
     }
     AddOthers(recording, trial);
     out_.trials.push_back(std::move(trial));
   }
 
-  static void AddWindows(const EmgMuscle& muscle, const Block& block, EmgShapeTrial& trial) {
+  // The muscle's mean EMG in this recording, in a fitted one at the same speed, or at all speeds.
+  [[nodiscard]] const std::vector<double>& CurveOf(const Recording& recording, int group,
+                                                   const EmgMuscle& muscle) const {
+    const auto own = recording.curves.find(muscle.name);
+    if (own != recording.curves.end()) return own->second;
+    for (const Recording& other : recordings_) {
+      const auto found = other.curves.find(muscle.name);
+      if (other.trial.group == group && found != other.curves.end()) return found->second;
+    }
+    return muscle.mean;
+  }
+
+  static void AddWindows(const std::vector<double>& cuts, const Block& block, EmgShapeTrial& trial) {
     std::vector<EmgWindow> windows;
     int last = -1;
     for (const int i : block.sample) {
       const auto at = static_cast<std::size_t>(i);
-      const int window = BurstOf(muscle.cuts, trial.cycle[at], trial.phase[at]);
+      const int window = BurstOf(cuts, trial.cycle[at], trial.phase[at]);
       if (window != last) windows.push_back({i, i + 1, 0});
       windows.back().end = i + 1;
       last = window;

@@ -56,7 +56,6 @@ struct EmgMuscle {
   std::vector<double> mean;   ///< EMG over one cycle, mean of the training trials; [0] and the end are one
   double gain_scatter = 0;    ///< standard deviation of a burst's log gain
   double timing_scatter = 0;  ///< and of its timing [cycle]
-  std::vector<double> cuts;   ///< phases between its bursts, increasing [0..1); at least one
 };
 
 struct EmgShapeData {

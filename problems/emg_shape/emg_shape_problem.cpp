@@ -26,13 +26,11 @@ EmgShapeProblem::EmgShapeProblem(EmgShapeSettings settings, EmgShapeData data)
   list_ = ListEmgShapeParameters(settings_, data_);
   for (const EmgShapeTrial& trial : data_.trials) {
     for (const EmgMuscle& muscle : data_.muscles) {
-      // Of fitted trials every burst has its gain and timing. Others are predicted by their mean, which is
-      // larger and rounder than a typical one: gains are log-normal.
+      // Of fitted trials every burst has its timing. Others are predicted by their mean, which is rounder
+      // than a single one.
       const bool mean = settings_.cycle_scatter && trial.role != BlockRole::kTrain;
-      const bool gains = mean && muscle.gain_scatter > kLeastGainScatter;
       const bool timings = mean && muscle.timing_scatter > kLeastTimingScatter;
       basis_.push_back(BasisOf(settings_, trial.period, timings ? muscle.timing_scatter : 0));
-      mean_gain_.push_back(gains ? 0.5 * muscle.gain_scatter * muscle.gain_scatter : 0);
     }
   }
   for (std::size_t b = 0; b < data_.layout.size(); ++b) {
@@ -99,7 +97,7 @@ void EmgShapeProblem::PredictBlock(std::size_t t, std::size_t m, const Query& qu
   const int b = trial.first_block + static_cast<int>(m);
   const std::vector<EmgColumn>& columns = list_.columns[static_cast<std::size_t>(b)];
   const std::size_t count = trial.time.size();
-  scratch.gain.assign(count, mean_gain_[static_cast<std::size_t>(b)]);
+  scratch.gain.assign(count, 0);
   scratch.timing.assign(count, 0);
   scratch.offset.assign(count, 0);
   scratch.control.assign(static_cast<std::size_t>(settings_.knots), 0);
@@ -185,15 +183,13 @@ std::vector<std::string> EmgShapeProblem::RemarksAt(const Vector& /*parameters*/
                             100 * muscle.timing_scatter, 100 * muscle.gain_scatter);
     }
     remarks.push_back("cycles of one speed differ in timing (of a cycle) and size by: " + jitter);
-    std::string scatter;
-    for (const EmgMuscle& muscle : data_.muscles) {
-      scatter += fmt::format("{}{}: [{:.4g}, {:.4g}]", scatter.empty() ? "" : ", ", muscle.name,
-                             muscle.gain_scatter, muscle.timing_scatter);
-    }
+    std::string jitters;
+    for (const EmgMuscle& muscle : data_.muscles)
+      jitters += fmt::format("{}{}: {:.4g}", jitters.empty() ? "" : ", ", muscle.name, muscle.timing_scatter);
     remarks.push_back(fmt::format(
         "to predict recordings without EMG, state in their settings: reference: {{speed: {:.9g}, period: "
-        "{:.9g}}}, scatter: {{{}}}",
-        data_.reference.speed, data_.reference.period, scatter));
+        "{:.9g}}}, jitter: {{{}}}",
+        data_.reference.speed, data_.reference.period, jitters));
   }
   double slowest = 0;
   double fastest = 0;

@@ -48,7 +48,6 @@ class EmgShapeProblem final : public Problem {
   EmgShapeData data_;
   EmgShapeParameters list_;
   std::vector<ShapeBasis> basis_;  // [blocks]
-  std::vector<double> mean_gain_;  // [blocks] logarithm of the mean gain of cycles that are not known
 };
 
 /// The parameters of the made-up study, without data.

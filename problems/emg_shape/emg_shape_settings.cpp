@@ -53,7 +53,7 @@ Result<EmgReference> ReadReference(const YamlReader& yaml) {
 
 Result<EmgShapeSettings> ReadEmgShapeSettings(const YamlReader& yaml) {
   SINEW_TRY(yaml.OnlyKeys({"angle", "muscles", "model", "cycles", "laws", "timing", "cycle_scatter",
-                           "low_pass", "knots", "rate", "same_speed", "hold_out", "reference", "scatter"}));
+                           "low_pass", "knots", "rate", "same_speed", "hold_out", "reference", "jitter"}));
   EmgShapeSettings settings;
   SINEW_ASSIGN(const YamlReader angle, yaml.At("angle"));
   SINEW_ASSIGN(settings.angle, angle.Text());
@@ -95,17 +95,11 @@ Result<EmgShapeSettings> ReadEmgShapeSettings(const YamlReader& yaml) {
     SINEW_ASSIGN(const YamlReader reference, yaml.At("reference"));
     SINEW_ASSIGN(settings.reference, ReadReference(reference));
   }
-  if (yaml.Has("scatter")) {
-    SINEW_ASSIGN(const YamlReader scatter, yaml.At("scatter"));
-    SINEW_ASSIGN(const auto muscles, scatter.Keys());
+  if (yaml.Has("jitter")) {
+    SINEW_ASSIGN(const YamlReader jitter, yaml.At("jitter"));
+    SINEW_ASSIGN(const auto muscles, jitter.Keys());
     for (const std::string& muscle : muscles) {
-      SINEW_ASSIGN(const YamlReader pair, scatter.At(muscle));
-      SINEW_ASSIGN(const auto numbers, pair.Numbers(2));
-      if (!(numbers[0] >= 0 && numbers[0] <= 2 && numbers[1] >= 0 && numbers[1] <= 0.25)) {
-        return FailAt(pair.file(), pair.line(), "scatter: {}: [{}, {}], expected 0 to 2 and 0 to 0.25",
-                      muscle, numbers[0], numbers[1]);
-      }
-      settings.scatter[muscle] = {numbers[0], numbers[1]};
+      SINEW_ASSIGN(settings.jitter[muscle], jitter.NumberOr(muscle, 0, 0, 0.25));
     }
   }
   return settings;

@@ -19,11 +19,9 @@
 //     same_speed: 0.03                # trials whose speeds differ by less than this share have one speed
 //     hold_out: [train_030]           # training trials that are predicted, not fitted
 //     reference: {speed: 1.31, period: 1.5}  # [rad/s], [s]; default: the middle training speed
-//     scatter: {soleus_r: [0.2, 0.02]}  # of single bursts: gain (of the logarithm), timing [cycle]; where
-//                                     # there is no training trial to tell
+//     jitter: {soleus_r: 0.02}        # of the timing of single bursts [cycle]; where no training trial tells
 #pragma once
 
-#include <array>
 #include <map>
 #include <optional>
 #include <string>
@@ -61,7 +59,7 @@ struct EmgShapeSettings {
   double same_speed = 0.03;
   std::vector<std::string> hold_out;
   std::optional<EmgReference> reference;
-  std::map<std::string, std::array<double, 2>> scatter;
+  std::map<std::string, double> jitter;
 };
 
 /// @param yaml the map under the key `emg_shape`. Errors: unknown keys, wrong values, each with file and

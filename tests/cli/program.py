@@ -86,6 +86,15 @@ class ProgramTest(unittest.TestCase):
         self.assertEqual((done.returncode, done.stdout), (2, ""), words)
         self.assertEqual(contents(self.folder), before, "something was written")
 
+    def refuses(self, part, *words):
+        """As fails, of a message that holds these words."""
+        before = contents(self.folder)
+        done = self.run_program(*words)
+        self.assertEqual((done.returncode, done.stdout), (2, ""), done.stderr)
+        self.assertEqual(done.stderr.count("sinew: error: "), 1, done.stderr)
+        self.assertIn(part, done.stderr)
+        self.assertEqual(contents(self.folder), before, "something was written")
+
 
 def replace_text(file, path, text):
     del file[path]

@@ -86,14 +86,13 @@ TEST(EmgShapeProblem, AnAngleAloneIsEnoughToPredict) {
   Dataset home;
   home.trials["validate_075"] = data.trials.at("validate_075");
   home.trials.at("validate_075").grids.erase("excitations");
-  std::string scatter;
+  std::string jitter;
   for (const EmgMuscle& muscle : learnt->data().muscles)
-    scatter += fmt::format("{}{}: [{}, {}]", scatter.empty() ? "" : ", ", muscle.name, muscle.gain_scatter,
-                           muscle.timing_scatter);
+    jitter += fmt::format("{}{}: {}", jitter.empty() ? "" : ", ", muscle.name, muscle.timing_scatter);
   const auto problem =
       Bound(home, fmt::format(", low_pass: 0, muscles: [lat_gas_r, med_gas_r], reference: {{speed: {}, "
-                              "period: {}}}, scatter: {{{}}}",
-                              learnt->data().reference.speed, learnt->data().reference.period, scatter));
+                              "period: {}}}, jitter: {{{}}}",
+                              learnt->data().reference.speed, learnt->data().reference.period, jitter));
   Vector point = RestPoint(*problem);
   for (std::size_t i = 0; i < problem->parameters().size(); ++i) {
     const auto found = FindParameter(learnt->parameters(), problem->parameters()[i].name);
