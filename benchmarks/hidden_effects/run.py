@@ -150,6 +150,21 @@ def compare(case, truth, found):
     case["stated_covers"] = covered(truth, named)
 
 
+def study_parser(about, detector):
+    """The words of a study whose cases the program itself synthesizes."""
+    parser = argparse.ArgumentParser(description=about.splitlines()[0])
+    parser.add_argument("--sinew", type=Path)
+    parser.add_argument("--kind", type=words, default=["none", "single"], help="of none,single,outsider")
+    parser.add_argument("--cases", type=int, default=100, help="per kind and size")
+    parser.add_argument("--sizes", type=numbers, default=[2.0], help=f"in units of what {detector} just detects")
+    parser.add_argument("--effect", action="append", default=[], help="hide this one instead of drawing")
+    parser.add_argument("--jobs", type=int, default=2)
+    parser.add_argument("--first-seed", type=int, default=1)
+    parser.add_argument("--merge", type=Path, nargs="+", help="no new cases: the tables of these results together")
+    parser.add_argument("--out", type=Path)
+    return parser
+
+
 def summarise_by_name(cases):
     """What became of every hidden effect, and up to five reasons why cases failed."""
     for kind in ("single", "outsider"):

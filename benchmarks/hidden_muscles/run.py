@@ -9,7 +9,6 @@ has norm 3.605 times the noise (see ../hidden_effects/README.md, whose counts th
 usage: run.py --sinew PATH [--kind none,single,outsider] [--cases 100] [--sizes 1,2,3] [--jobs 2] [--first-seed 1]
               [--out results.json]        run.py --merge results.json...
 """
-import argparse
 import importlib.util
 import json
 import random
@@ -196,16 +195,7 @@ def study(options, kind, size, seed):
 
 
 def main():
-    parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
-    parser.add_argument("--sinew", type=Path)
-    parser.add_argument("--kind", type=hidden_effects.words, default=["none", "single"], help="of none,single,outsider")
-    parser.add_argument("--cases", type=int, default=100, help="per kind and size")
-    parser.add_argument("--sizes", type=hidden_effects.numbers, default=[2.0], help="in units of what an oracle just detects")
-    parser.add_argument("--effect", action="append", default=[], help="hide this one instead of drawing")
-    parser.add_argument("--jobs", type=int, default=2)
-    parser.add_argument("--first-seed", type=int, default=1)
-    parser.add_argument("--merge", type=Path, nargs="+", help="no new cases: the tables of these results together")
-    parser.add_argument("--out", type=Path)
+    parser = hidden_effects.study_parser(__doc__, "an oracle")
     options = parser.parse_args()
     begin = time.monotonic()
     if options.merge:

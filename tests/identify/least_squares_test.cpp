@@ -127,6 +127,25 @@ TEST(LeastSquares, ResidualIsWeightTimesPredictedMinusMeasuredAtTheSamples) {
             0.5 * (2 * 2 + 3.5 * 3.5 + 4 * 4));
 }
 
+TEST(LeastSquares, SamplesMayHaveWeightsOfTheirOwn) {
+  Block block = MakeBlock("t", "y", 3, 1);
+  block.measured = {1, 2, 3};
+  block.weight = 2;
+  block.relative_weight = {1, 0.5, 4};
+  const ToyProblem problem({MakeParameter("a", -10, 10, 0)}, {block},
+                           [](const Block&, double, const Vector& p, Vector* gradient) -> Result<double> {
+                             if (gradient != nullptr) *gradient << 1;
+                             return p[0];
+                           });
+  const ToyFit fit(problem);
+  auto workspace = fit.view.NewWorkspace();
+  auto jacobian = fit.view.NewJacobian();
+  Vector residuals;
+  ASSERT_TRUE(fit.view.Evaluate(fit.view.Variables(Values({5})), workspace, residuals, &jacobian));
+  EXPECT_EQ(residuals, Values({2 * 4, 1 * 3, 8 * 2}));
+  EXPECT_EQ(Vector(jacobian.Dense(3, 1).col(0)), Values({2 * 20, 1 * 20, 8 * 20})) << "the range is 20";
+}
+
 TEST(LeastSquares, OnlyTrainingBlocksAreInTheCost) {
   const ToyProblem problem =
       DecayProblem({MakeBlock("v", "y", 5, 1, BlockRole::kValidate), MakeBlock("t", "y", 3, 1),
@@ -152,6 +171,7 @@ TEST(LeastSquares, JacobianAgreesWithDifferences) {
   gappy.sample = {1, 2, 5};
   gappy.measured = {0.1, 0.2, 0.3};
   gappy.weight = 3;
+  gappy.relative_weight = {0.5, 2, 1.5};
   const ToyProblem problem({a, b}, {MakeBlock("t", "y", 9, 1), gappy}, Decay);
   const ToyFit fit(problem);
   ASSERT_EQ(fit.view.residuals(), 9 + 3 + 2);
