@@ -7,9 +7,9 @@
 
 namespace sinew {
 
-/// Phases between the bursts of a muscle's mean EMG over a cycle, increasing [0..1): its lowest point, and every
-/// valley that lies 3 % of its range below the bursts on both sides. For one recording: bursts shift with speed,
-/// and a cut through a flank would give it the next burst's gain.
+/// Phases between the bursts of a muscle's mean EMG over a cycle, increasing [0..1): its lowest point, and
+/// every valley that lies 3 % of its range below the bursts on both sides. For one recording: bursts shift
+/// with speed, and a cut through a flank would give it the next burst's gain.
 /// @param curve [N >= 1] at phases 0, 1 / N, ...
 [[nodiscard]] std::vector<double> FindCuts(const Vector& curve);
 

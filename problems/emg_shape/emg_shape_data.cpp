@@ -15,8 +15,8 @@
 namespace sinew {
 namespace {
 
-constexpr double kLeastNoise = 1e-3;      // of normalised EMG; made-up data without noise have a weight too
-constexpr int kPhases = 100;              // of a mean curve
+constexpr double kLeastNoise = 1e-3;  // of normalised EMG; made-up data without noise have a weight too
+constexpr int kPhases = 100;          // of a mean curve
 // An envelope of 6 Hz is correlated over so many seconds.
 constexpr double kCorrelated_s = 0.08;
 

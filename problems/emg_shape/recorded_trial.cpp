@@ -56,8 +56,8 @@ class Reader {
     NoteCycles(*found, of);
     if (of.cycles.empty() || (of.role == BlockRole::kTrain && of.cycles.size() < kFewestCycles)) {
       notes_.push_back(fmt::format("trial '{}' is left out: {} cycle{}, expected at least {}", name,
-                                       of.cycles.size(), of.cycles.size() == 1 ? "" : "s",
-                                       of.role == BlockRole::kTrain ? kFewestCycles : 1));
+                                   of.cycles.size(), of.cycles.size() == 1 ? "" : "s",
+                                   of.role == BlockRole::kTrain ? kFewestCycles : 1));
       return std::nullopt;
     }
     MeasureSpeed(trial, of);
@@ -80,8 +80,8 @@ class Reader {
     for (const std::string& doubt : found.doubts)
       notes_.push_back(fmt::format("trial '{}': {}", of.name, doubt));
     if (of.cycles.size() < found.cycles.size()) {
-      notes_.push_back(fmt::format("trial '{}': {} cycles are left out, no EMG was recorded there",
-                                       of.name, found.cycles.size() - of.cycles.size()));
+      notes_.push_back(fmt::format("trial '{}': {} cycles are left out, no EMG was recorded there", of.name,
+                                   found.cycles.size() - of.cycles.size()));
     }
   }
 
@@ -150,8 +150,8 @@ class Reader {
         notes_.push_back(fmt::format("trial '{}': {}", of.name, sentence));
       if (check.silent) continue;
       if (of.role == BlockRole::kTrain && CountUsable(check) < kFewestCycles) {
-        notes_.push_back(fmt::format("trial '{}': {} is left out: {} cycles, expected at least {}",
-                                         of.name, muscle, CountUsable(check), kFewestCycles));
+        notes_.push_back(fmt::format("trial '{}': {} is left out: {} cycles, expected at least {}", of.name,
+                                     muscle, CountUsable(check), kFewestCycles));
         continue;
       }
       Compare(muscle, excitations, channel.values, check, made);

@@ -46,8 +46,9 @@ TEST(Bursts, NumbersRunOnOverTheEndOfTheCycle) {
 
 TEST(SharedTiming, IsWhatMusclesHaveInCommon) {
   // Both early and late together by 0.03, each by 0.01 of its own, with and against.
-  const std::vector<std::vector<BurstTiming>> together{{{0, 0, 0.04}, {0, 1, 0.02}, {1, 0, -0.04}, {1, 1, -0.02}},
-                                                       {{0, 0, 0.02}, {0, 1, 0.04}, {1, 0, -0.04}, {1, 1, -0.02}}};
+  const std::vector<std::vector<BurstTiming>> together{
+      {{0, 0, 0.04}, {0, 1, 0.02}, {1, 0, -0.04}, {1, 1, -0.02}},
+      {{0, 0, 0.02}, {0, 1, 0.04}, {1, 0, -0.04}, {1, 1, -0.02}}};
   EXPECT_NEAR(SharedTiming(together), std::sqrt((0.0008 + 0.0008 + 0.0016 + 0.0004) / 4), 1e-12);
   EXPECT_EQ(SharedTiming({{{0, 0, 0.03}, {0, 1, -0.03}}, {{0, 0, -0.03}, {0, 1, 0.03}}}), 0) << "against";
   EXPECT_EQ(SharedTiming({{{0, 0, 0.03}}}), 0) << "one muscle";
