@@ -1,11 +1,17 @@
 #include "problems/emg_shape/bursts.h"
 
 #include <algorithm>
+#include <cmath>
+#include <cstdlib>
 
 namespace sinew {
 namespace {
 
 constexpr double kBetweenBursts = 0.03;  // of the curve's range, by which a cut lies below both bursts
+constexpr double kHalfWidth = 1.1774;    // of a bell curve at half of its height, in standard deviations
+constexpr double kFlat = 12;             // least steepness [1 / cycle]
+constexpr double kSteep = 400;           // and most
+constexpr double kTail = 6;  // reach times steepness: a quarter of a percent is left of the other burst
 
 // Minima on the circle, each at least `depth` below the maxima on both sides; increasing.
 std::vector<int> Valleys(const Vector& curve, double depth) {
@@ -34,20 +40,78 @@ std::vector<int> Valleys(const Vector& curve, double depth) {
   return valleys;
 }
 
-}  // namespace
-
-std::vector<double> FindCuts(const Vector& curve) {
-  const double depth = kBetweenBursts * (curve.maxCoeff() - curve.minCoeff());
-  std::vector<double> cuts;
-  for (const int valley : Valleys(curve, depth))
-    cuts.push_back(static_cast<double>(valley) / static_cast<double>(curve.size()));
-  return cuts;
+double LogisticOf(double x) {
+  return 1 / (1 + std::exp(-x));
 }
 
-int BurstOf(const std::vector<double>& cuts, int cycle, double phase) {
+// How far from its peak [samples] a burst has half of its height above the valley, on the way to that valley.
+double HalfWay(const Vector& curve, int peak, int valley) {
+  const auto n = static_cast<int>(curve.size());
+  const auto at = [&](int i) { return curve[((i % n) + n) % n]; };
+  const int step = valley > peak ? 1 : -1;
+  const double half = 0.5 * (at(peak) + at(valley));
+  int i = peak;
+  while (i != valley && at(i) > half) i += step;
+  return std::max(1, std::abs(i - peak));
+}
+
+// Two bell curves of widths s1, s2 with their peaks at p1 < c < p2 have the logarithm of their ratio rise by
+// (c - p1) / s1^2 + (p2 - c) / s2^2 at c.
+BurstCut CutAt(const Vector& curve, int before, int valley, int after) {
+  const auto n = static_cast<int>(curve.size());
+  const auto at = [&](int i) { return curve[((i % n) + n) % n]; };
+  int first = before;
+  int last = valley;
+  for (int i = before; i < valley; ++i) first = at(i) > at(first) ? i : first;
+  for (int i = valley; i < after; ++i) last = at(i) > at(last) ? i : last;
+  const double left = HalfWay(curve, first, valley) / kHalfWidth;
+  const double right = HalfWay(curve, last, valley) / kHalfWidth;
+  BurstCut cut;
+  cut.phase = static_cast<double>(valley) / n;
+  cut.steepness =
+      std::clamp(n * ((valley - first) / (left * left) + (last - valley) / (right * right)), kFlat, kSteep);
+  cut.reach = std::min(kTail / cut.steepness, 0.5 * std::min(valley - before, after - valley) / n);
+  return cut;
+}
+
+}  // namespace
+
+BurstCut::Share BurstCut::Later(double since) const {
+  if (since <= -reach) return {0, 0};
+  if (since >= reach) return {1, 0};
+  const double end = LogisticOf(-steepness * reach);
+  const double share = LogisticOf(steepness * since);
+  return {(share - end) / (1 - 2 * end), steepness * share * (1 - share) / (1 - 2 * end)};
+}
+
+int BurstPattern::BurstAt(int cycle, double phase) const {
   if (cuts.empty()) return cycle;
-  const auto past = std::upper_bound(cuts.begin(), cuts.end(), phase) - cuts.begin();
-  return cycle * static_cast<int>(cuts.size()) + static_cast<int>(past);
+  const auto past = std::upper_bound(cuts.begin(), cuts.end(), phase,
+                                     [](double of, const BurstCut& cut) { return of < cut.phase; }) -
+                    cuts.begin();
+  return cycle * count() + static_cast<int>(past);
+}
+
+int BurstPattern::CycleOf(int burst) const {
+  const int since = burst - main + count() - 1 - std::min(after, count() - 1);
+  return since >= 0 ? since / count() : -((count() - 1 - since) / count());
+}
+
+BurstPattern FindBursts(const Vector& curve) {
+  BurstPattern pattern;
+  const double depth = kBetweenBursts * (curve.maxCoeff() - curve.minCoeff());
+  const auto n = static_cast<int>(curve.size());
+  const std::vector<int> valleys = Valleys(curve, depth);
+  for (std::size_t i = 0; i < valleys.size(); ++i) {
+    const int before = i > 0 ? valleys[i - 1] : valleys.back() - n;
+    const int after = i + 1 < valleys.size() ? valleys[i + 1] : valleys.front() + n;
+    pattern.cuts.push_back(CutAt(curve, before, valleys[i], after));
+  }
+  Eigen::Index highest = 0;
+  curve.maxCoeff(&highest);
+  pattern.main =
+      pattern.BurstAt(0, static_cast<double>(highest) / static_cast<double>(curve.size())) % pattern.count();
+  return pattern;
 }
 
 }  // namespace sinew

@@ -5,6 +5,8 @@
 
 #include "base/error.h"
 #include "base/linear_algebra.h"
+#include "problems/emg_shape/bursts.h"
+#include "problems/emg_shape/modulated_noise.h"
 
 namespace sinew {
 
@@ -12,35 +14,44 @@ namespace sinew {
 struct CycleSamples {
   std::vector<double> phase;   ///< [N, cycles]
   std::vector<double> values;  ///< [N]
-  std::vector<int> burst;      ///< [N] which burst each is of, not decreasing
-  std::vector<int> cycle;      ///< [N] of the movement, in which each lies
-  int bursts = 1;              ///< per cycle
+  std::vector<int> burst;      ///< [N] BurstPattern::BurstAt, not decreasing
+  BurstPattern pattern;        ///< its `after` is found out
 };
 
 // Least scatter: of a movement that repeats itself exactly nothing would be left to learn a prior from.
 constexpr double kLeastGainScatter = 0.01;
 constexpr double kLeastTimingScatter = 0.001;  // [cycle]
 
-/// When one burst came.
-struct BurstTiming {
+/// How single bursts differ from the mean of their recording: standard deviations.
+struct Scatter {
+  double total = 0;     ///< of a burst
+  double together = 0;  ///< of what the bursts of one cycle have in common; all of it where there is but one
+  std::vector<double> factor;  ///< [recordings] by which both are larger, or smaller, in one
+
+  /// Of what each burst has of its own.
+  [[nodiscard]] double own() const;
+};
+
+/// When a cycle's bursts came.
+struct CycleTiming {
   int recording = 0;
-  int cycle = 0;      ///< of the movement, in which its middle lies
-  double timing = 0;  ///< early by this [cycle]
+  int cycle = 0;      ///< BurstPattern::CycleOf
+  double timing = 0;  ///< early by this, mean of its bursts, over their recording's factor [cycle]
 };
 
 struct CycleScatter {
-  double gain = 0;    ///< standard deviation of a burst's log gain about its recording's mean
-  double timing = 0;  ///< and of its timing [cycle]
-  double noise = 0;   ///< standard deviation of what gain and timing do not explain
-  /// Where it comes from: noise^2 = quiet^2 + growth^2 EMG^2, its mean over all samples.
-  double quiet = 0;
-  double growth = 0;
-  std::vector<BurstTiming> timings;
+  Scatter gain;      ///< of the logarithm
+  Scatter timing;    ///< [cycle]
+  int after = 0;     ///< BurstPattern::after
+  double noise = 0;  ///< root of the mean square of what gain and timing do not explain
+  ModulatedNoise modulated;
+  std::vector<CycleTiming> timings;
 };
 
 /// By moments: a shape per recording by least squares, a gain and a timing per burst by regression on it and
-/// on its slope, their mean squares less what noise alone would make of them. Noise counts as correlated over
-/// `correlated` samples.
+/// on its slope, their mean squares less what noise alone would make of them; mean products of the bursts of
+/// a cycle for what they have in common. Which neighbours that are is what brings the largest products. Noise
+/// counts as correlated over `correlated` samples.
 /// @param recordings each with two cycles or more @param knots of a shape
 /// @return Errors: those of FitShape; no recording.
 Result<CycleScatter> EstimateCycleScatter(const std::vector<CycleSamples>& recordings, int knots,
@@ -48,6 +59,6 @@ Result<CycleScatter> EstimateCycleScatter(const std::vector<CycleSamples>& recor
 
 /// Standard deviation of the timing that bursts of different muscles in one cycle have in common, by their
 /// mean product; 0 if it is negative, or there is one muscle. @param muscles [M] timings of each
-[[nodiscard]] double SharedTiming(const std::vector<std::vector<BurstTiming>>& muscles);
+[[nodiscard]] double SharedTiming(const std::vector<std::vector<CycleTiming>>& muscles);
 
 }  // namespace sinew

@@ -15,16 +15,23 @@
 namespace sinew {
 namespace {
 
-constexpr double kLeastNoise = 1e-3;  // of normalised EMG; made-up data without noise have a weight too
+constexpr double kLeastNoise = 1e-4;  // of normalised EMG; made-up data without noise have a weight too
 constexpr int kPhases = 100;          // of a mean curve
 // An envelope of 6 Hz is correlated over so many seconds.
 constexpr double kCorrelated_s = 0.08;
 
 // What is learnt of one recording's muscles, beside it.
 struct Recording : RecordedTrial {
-  std::map<std::string, std::vector<double>> cuts;    // FindCuts
+  std::map<std::string, BurstPattern> bursts;
   std::map<std::string, std::vector<double>> curves;  // mean over a cycle; [0] and the end are one
+  std::map<std::string, EmgScatterFactors> factors;
 };
+
+Vector CurveOf(const ShapeBasis& basis, const Vector& shape) {
+  Vector curve(kPhases);
+  for (int i = 0; i < kPhases; ++i) curve[i] = basis.Value(static_cast<double>(i) / kPhases, shape.data());
+  return curve;
+}
 
 std::vector<double> Closed(const Vector& curve) {
   std::vector<double> closed(curve.data(), curve.data() + curve.size());
@@ -36,7 +43,11 @@ std::vector<double> Closed(const Vector& curve) {
 double NoiseAt(const EmgMuscle& muscle, const std::vector<double>& curve, double phase) {
   if (curve.empty()) return muscle.noise;
   const double emg = AtPhase(curve, phase - std::floor(phase));
-  return std::max(kLeastNoise, std::hypot(muscle.quiet_noise, muscle.noise_growth * emg));
+  return std::max(kLeastNoise, muscle.modulated.At(emg));
+}
+
+int Remainder(int i, int n) {
+  return ((i % n) + n) % n;
 }
 
 class Preparation {
@@ -53,7 +64,7 @@ class Preparation {
     for (const auto& [name, trial] : data.trials) {
       auto read = ReadRecordedTrial(name, trial, settings_, out_.notes);
       if (!read) return Fail("trial '{}': {}", name, read.error().message);
-      if (*read) recordings_.push_back({std::move(**read), {}, {}});
+      if (*read) recordings_.push_back({std::move(**read), {}, {}, {}});
     }
     SINEW_TRY(ChooseMuscles());
     SINEW_TRY(GroupSpeeds());
@@ -138,16 +149,15 @@ class Preparation {
   }
 
   [[nodiscard]] static CycleSamples SamplesOf(const Recording& recording, const std::vector<double>& values,
-                                              const std::vector<double>& cuts) {
+                                              const BurstPattern& bursts) {
     CycleSamples samples;
-    samples.bursts = std::max(1, static_cast<int>(cuts.size()));
+    samples.pattern = bursts;
     const EmgShapeTrial& trial = recording.trial;
     for (std::size_t i = 0; i < values.size(); ++i) {
       if (!std::isfinite(values[i])) continue;
       samples.phase.push_back(trial.phase[i]);
       samples.values.push_back(values[i]);
-      samples.cycle.push_back(trial.cycle[i]);
-      samples.burst.push_back(BurstOf(cuts, trial.cycle[i], trial.phase[i]));
+      samples.burst.push_back(bursts.BurstAt(trial.cycle[i], trial.phase[i]));
     }
     return samples;
   }
@@ -168,7 +178,7 @@ class Preparation {
     Vector mean = Vector::Zero(kPhases);
     CycleSamples at_reference;
     CycleSamples all;
-    std::vector<const Recording*> with;
+    std::vector<Recording*> with;
     const auto append = [](const CycleSamples& from, CycleSamples& to) {
       to.phase.insert(to.phase.end(), from.phase.begin(), from.phase.end());
       to.values.insert(to.values.end(), from.values.begin(), from.values.end());
@@ -180,41 +190,43 @@ class Preparation {
       const CycleSamples samples = SamplesOf(recording, found->second, {});
       const auto shape = FitShape(samples.phase, samples.values, plain);
       if (!shape) return Fail("trial '{}': {}", recording.trial.name, shape.error().message);
-      Vector curve(kPhases);
-      for (int i = 0; i < kPhases; ++i)
-        curve[i] = plain.Value(static_cast<double>(i) / kPhases, shape->data());
+      const Vector curve = CurveOf(plain, *shape);
       mean += curve;
       recording.curves[muscle.name] = Closed(curve);
-      recording.cuts[muscle.name] = FindCuts(curve);
+      recording.bursts[muscle.name] = FindBursts(curve);
       append(samples, all);
       if (recording.trial.speed == out_.reference.speed) append(samples, at_reference);
     }
     if (with.empty()) {
       muscle.noise = 1;
       const auto known = settings_.jitter.find(muscle.name);
-      if (known != settings_.jitter.end()) muscle.timing_scatter = known->second;
+      if (known != settings_.jitter.end()) muscle.timing.total = known->second;
       return {};
     }
     const CycleSamples& from = at_reference.phase.empty() ? all : at_reference;
     SINEW_ASSIGN(muscle.shape, FitShape(from.phase, from.values, BasisOf(settings_, out_.reference.period)));
+    muscle.bursts = FindBursts(CurveOf(BasisOf(settings_, out_.reference.period), muscle.shape));
     mean /= static_cast<double>(with.size());
     muscle.mean = Closed(mean);
     std::vector<CycleSamples> recordings;
     double rate = 0;
     for (const Recording* recording : with) {
       recordings.push_back(
-          SamplesOf(*recording, recording->measured.at(muscle.name), recording->cuts.at(muscle.name)));
+          SamplesOf(*recording, recording->measured.at(muscle.name), recording->bursts.at(muscle.name)));
       rate = 1 / (recording->trial.time[1] - recording->trial.time[0]);
     }
     SINEW_ASSIGN(const CycleScatter scatter,
                  EstimateCycleScatter(recordings, settings_.knots, std::max(1.0, kCorrelated_s * rate)));
     muscle.noise = std::max(scatter.noise, kLeastNoise);
-    muscle.quiet_noise = scatter.quiet;
-    muscle.noise_growth = scatter.growth;
-    muscle.gain_scatter = scatter.gain;
-    muscle.timing_scatter = scatter.timing;
+    muscle.bursts.after = scatter.after;
+    muscle.modulated = scatter.modulated;
+    muscle.gain = scatter.gain;
+    muscle.timing = scatter.timing;
+    for (std::size_t i = 0; i < with.size(); ++i) {
+      with[i]->factors[muscle.name] = {scatter.gain.factor[i], scatter.timing.factor[i]};
+    }
     timings_.push_back(scatter.timings);
-    for (BurstTiming& timing : timings_.back())
+    for (CycleTiming& timing : timings_.back())
       timing.recording =
           static_cast<int>(with[static_cast<std::size_t>(timing.recording)] - recordings_.data());
     return {};
@@ -232,7 +244,7 @@ class Preparation {
       block.prediction_time = trial.time;
       block.weight = 1 / muscle.noise;
       const auto found = recording.measured.find(muscle.name);
-      const std::vector<double>& curve = CurveOf(recording, trial.group, muscle);
+      const std::vector<double>& curve = MeanOf(recording, trial.group, muscle);
       if (found != recording.measured.end()) {
         for (std::size_t i = 0; i < found->second.size(); ++i) {
           if (!std::isfinite(found->second[i])) continue;
@@ -242,7 +254,8 @@ class Preparation {
         }
       }
       block.role = block.measured.empty() ? BlockRole::kPredicted : trial.role;
-      AddWindows(recording.cuts[muscle.name], block, trial);
+      trial.scatter.push_back(FactorsOf(recording, trial.group, muscle));
+      AddWindows(muscle, block, trial);
       out_.layout.push_back(std::move(block));
     }
     AddOthers(recording, trial);
@@ -250,8 +263,8 @@ class Preparation {
   }
 
   // The muscle's mean EMG in this recording, in a fitted one at the same speed, or at all speeds.
-  [[nodiscard]] const std::vector<double>& CurveOf(const Recording& recording, int group,
-                                                   const EmgMuscle& muscle) const {
+  [[nodiscard]] const std::vector<double>& MeanOf(const Recording& recording, int group,
+                                                  const EmgMuscle& muscle) const {
     const auto own = recording.curves.find(muscle.name);
     if (own != recording.curves.end()) return own->second;
     for (const Recording& other : recordings_) {
@@ -261,20 +274,58 @@ class Preparation {
     return muscle.mean;
   }
 
-  static void AddWindows(const std::vector<double>& cuts, const Block& block, EmgShapeTrial& trial) {
-    std::vector<EmgWindow> windows;
-    int last = -1;
-    for (const int i : block.sample) {
-      const auto at = static_cast<std::size_t>(i);
-      const int window = BurstOf(cuts, trial.cycle[at], trial.phase[at]);
-      if (window != last) windows.push_back({i, i + 1, 0});
-      windows.back().end = i + 1;
-      last = window;
+  // Of the recording itself, else the mean of the fitted ones at the same speed.
+  [[nodiscard]] EmgScatterFactors FactorsOf(const Recording& recording, int group,
+                                            const EmgMuscle& muscle) const {
+    const auto own = recording.factors.find(muscle.name);
+    if (own != recording.factors.end()) return own->second;
+    EmgScatterFactors sum{0, 0};
+    double count = 0;
+    for (const Recording& other : recordings_) {
+      const auto found = other.factors.find(muscle.name);
+      if (other.trial.group != group || found == other.factors.end()) continue;
+      sum.gain += found->second.gain;
+      sum.timing += found->second.timing;
+      count += 1;
     }
-    for (EmgWindow& window : windows)
-      window.cycle = trial.cycle[static_cast<std::size_t>((window.first + window.end) / 2)];
-    if (block.role != BlockRole::kTrain) windows.clear();
-    trial.windows.push_back(std::move(windows));
+    return count > 0 ? EmgScatterFactors{sum.gain / count, sum.timing / count} : EmgScatterFactors{};
+  }
+
+  static void AddWindows(const EmgMuscle& muscle, const Block& block, EmgShapeTrial& trial) {
+    const BurstPattern& bursts = muscle.bursts;
+    trial.windows.emplace_back();
+    if (block.role != BlockRole::kTrain) return;
+    const bool apart = muscle.gain.own() > 0 || muscle.timing.own() > 0;
+    std::vector<EmgWindow>& windows = trial.windows.back();
+    std::vector<int> window_of(trial.time.size());
+    int last = 0;
+    for (std::size_t i = 0; i < trial.time.size(); ++i) {
+      const int burst = bursts.BurstAt(trial.cycle[i], trial.phase[i]);
+      const int cycle = bursts.CycleOf(burst);
+      if (windows.empty() || (apart ? burst != last : cycle != windows.back().cycle)) {
+        EmgWindow window;
+        window.first = static_cast<int>(i);
+        window.cycle = cycle;
+        if (!windows.empty() && !bursts.cuts.empty()) {
+          window.before = bursts.cuts[static_cast<std::size_t>(Remainder(burst - 1, bursts.count()))];
+          window.begin =
+              std::round(trial.cycle[i] + trial.phase[i] - window.before.phase) + window.before.phase;
+          windows.back().finish = window.begin;
+          windows.back().after = window.before;
+        }
+        windows.push_back(window);
+      }
+      windows.back().end = static_cast<int>(i) + 1;
+      window_of[i] = static_cast<int>(windows.size()) - 1;
+      last = burst;
+    }
+    for (const int i : block.sample)
+      windows[static_cast<std::size_t>(window_of[static_cast<std::size_t>(i)])].fitted = true;
+    // Timings move a burst into where its neighbours are.
+    std::vector<int> ends;
+    for (const EmgWindow& window : windows) ends.push_back(window.end);
+    for (std::size_t w = windows.size(); w-- > 1;) windows[w].first = windows[w - 1].first;
+    for (std::size_t w = 0; w + 1 < windows.size(); ++w) windows[w].end = ends[w + 1];
   }
 
   void AddOthers(const Recording& recording, EmgShapeTrial& trial) const {
@@ -298,10 +349,16 @@ class Preparation {
   const EmgShapeSettings& settings_;
   std::vector<Recording> recordings_;
   EmgShapeData out_;
-  std::vector<std::vector<BurstTiming>> timings_;  // [muscles] that were learnt
+  std::vector<std::vector<CycleTiming>> timings_;  // [muscles] that were learnt
 };
 
 }  // namespace
+
+BurstCut::Share EmgWindow::ShareAt(double place) const {
+  const BurstCut::Share here = std::isfinite(begin) ? before.Later(place - begin) : BurstCut::Share{1, 0};
+  const BurstCut::Share gone = std::isfinite(finish) ? after.Later(place - finish) : BurstCut::Share{};
+  return {here.value * (1 - gone.value), here.slope * (1 - gone.value) - here.value * gone.slope};
+}
 
 ShapeBasis BasisOf(const EmgShapeSettings& settings, double period, double jitter) {
   return ShapeBasis(settings.knots, settings.low_pass * period, jitter);

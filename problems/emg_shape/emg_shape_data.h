@@ -2,6 +2,7 @@
 // are compared.
 #pragma once
 
+#include <limits>
 #include <string>
 #include <vector>
 
@@ -10,16 +11,31 @@
 #include "identify/layout.h"
 #include "models/emg/cycles.h"
 #include "models/emg/shape_basis.h"
+#include "problems/emg_shape/cycle_scatter.h"
 #include "problems/emg_shape/emg_shape_settings.h"
 
 namespace sinew {
 
-/// A burst of one muscle in one cycle of one recording. Cuts lie where the muscle is least active, not where
-/// the movement turns: a burst over the turn is one.
+/// A burst of one muscle in one recording, or all of a cycle that vary together. Places are phases of the
+/// muscle's shape, and count cycles from the beginning of the recording's first.
 struct EmgWindow {
-  int first = 0;  ///< samples of the prediction from here
+  int first = 0;  ///< samples of the prediction in which it may be seen, from here
   int end = 0;    ///< to here, not included
-  int cycle = 0;  ///< of the movement, in which its middle lies
+  int cycle = 0;  ///< with whose bursts it varies together
+  double begin = -std::numeric_limits<double>::infinity();  ///< place of `before`
+  double finish = std::numeric_limits<double>::infinity();  ///< place of `after`
+  BurstCut before;
+  BurstCut after;
+  bool fitted = false;  ///< compared samples are in it
+
+  /// Of the EMG at a place that is this burst's.
+  [[nodiscard]] BurstCut::Share ShareAt(double place) const;
+};
+
+/// By how much bursts of one muscle in one recording scatter more, or less, than is usual.
+struct EmgScatterFactors {
+  double gain = 1;
+  double timing = 1;
 };
 
 struct EmgShapeTrial {
@@ -34,9 +50,10 @@ struct EmgShapeTrial {
                               ///< the first and after the last it runs on
   std::vector<int> cycle;     ///< [M] index of the cycle
   std::vector<double> angle;  ///< [M, rad]
-  std::vector<std::vector<double>> others;  ///< [muscles][M] mean EMG of the others; empty: not measured
-  std::vector<std::vector<EmgWindow>>
-      windows;          ///< [muscles]; of training trials, those with compared samples
+  std::vector<std::vector<double>> others;      ///< [muscles][M] mean EMG of the others; empty: not measured
+  std::vector<std::vector<EmgWindow>> windows;  ///< [muscles]; all of a training trial, else none
+  /// [muscles] 1 where nothing is known of the speed.
+  std::vector<EmgScatterFactors> scatter;
   int first_block = 0;  ///< one per muscle
 };
 
@@ -49,13 +66,13 @@ struct EmgSpeed {
 /// What the cycles of the training trials say of a muscle before anything is fitted.
 struct EmgMuscle {
   std::string name;
-  Vector shape;               ///< [knots] at the reference speed
-  double noise = 0;           ///< standard deviation within cycles, at the compared samples
-  double quiet_noise = 0;     ///< its part that does not depend on the EMG
-  double noise_growth = 0;    ///< the other part, over the EMG's mean at that phase
-  std::vector<double> mean;   ///< EMG over one cycle, mean of the training trials; [0] and the end are one
-  double gain_scatter = 0;    ///< standard deviation of a burst's log gain
-  double timing_scatter = 0;  ///< and of its timing [cycle]
+  Vector shape;              ///< [knots] at the reference speed
+  BurstPattern bursts;       ///< of that shape
+  double noise = 0;          ///< standard deviation within cycles, at the compared samples
+  ModulatedNoise modulated;  ///< and how it depends on the EMG's mean at that phase
+  std::vector<double> mean;  ///< EMG over one cycle, mean of the training trials; [0] and the end are one
+  Scatter gain;              ///< of bursts, of the logarithm
+  Scatter timing;            ///< of bursts [cycle]
 };
 
 struct EmgShapeData {
@@ -63,7 +80,7 @@ struct EmgShapeData {
   std::vector<EmgSpeed> speeds;  ///< increasing
   std::vector<EmgShapeTrial> trials;
   EmgReference reference;
-  double shared_timing = 0;  ///< standard deviation of what bursts of one cycle have in common [cycle]
+  double shared_timing = 0;  ///< standard deviation of what all muscles have in common in a cycle [cycle]
   Layout layout;             ///< block of trial t and muscle m: trials[t].first_block + m
   std::vector<std::string> notes;
 

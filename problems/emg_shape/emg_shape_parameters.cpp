@@ -1,7 +1,9 @@
 #include "problems/emg_shape/emg_shape_parameters.h"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
+#include <map>
 
 #include "base/constants.h"
 
@@ -100,7 +102,6 @@ class Builder {
   // Touches all samples of a muscle's block in a trial.
   void Touch(std::size_t trial, std::size_t muscle, EmgColumn column) {
     const auto block = static_cast<std::size_t>(data_.trials[trial].first_block) + muscle;
-    if (column.end == 0) column.end = data_.layout[block].predictions();
     list_.columns[block].push_back(column);
   }
 
@@ -114,7 +115,7 @@ class Builder {
                         "control point of the EMG's shape over a cycle", -most / 4, most, muscle.shape[j]);
       const int index = AddNuisance(std::move(p), 0);
       for (std::size_t t = 0; t < data_.trials.size(); ++t)
-        Touch(t, m, {index, EmgTerm::kShape, EmgAlong::kOne, j, 1, 0, 0});
+        Touch(t, m, {index, EmgTerm::kShape, EmgAlong::kOne, j, 1});
     }
   }
 
@@ -124,7 +125,7 @@ class Builder {
                           "exponent of the speed to which the EMG's size is proportional", -1.5, 2.5, 0),
             effect);
     for (std::size_t t = 0; t < data_.trials.size(); ++t)
-      Touch(t, m, {index, EmgTerm::kGain, EmgAlong::kOne, 0, LogSpeed(data_.trials[t]), 0, 0});
+      Touch(t, m, {index, EmgTerm::kGain, EmgAlong::kOne, 0, LogSpeed(data_.trials[t])});
   }
 
   void AddLead(const std::string& effect) {
@@ -134,7 +135,7 @@ class Builder {
             effect);
     const auto touch = [&](std::size_t m, int index, double factor) {
       for (std::size_t t = 0; t < data_.trials.size(); ++t)
-        Touch(t, m, {index, EmgTerm::kTiming, EmgAlong::kOne, 0, factor * Rhythm(data_.trials[t]), 0, 0});
+        Touch(t, m, {index, EmgTerm::kTiming, EmgAlong::kOne, 0, factor * Rhythm(data_.trials[t])});
     };
     for (std::size_t m = 0; m < muscles(); ++m) touch(m, shared, 1);
     if (!settings_.timing_per_muscle || !effect.empty()) return;
@@ -156,7 +157,7 @@ class Builder {
     p.prior = GaussianPrior{0, kFloor};
     const int index = Add(std::move(p), "");
     for (std::size_t t = 0; t < data_.trials.size(); ++t)
-      Touch(t, m, {index, EmgTerm::kOffset, EmgAlong::kOne, 0, 1, 0, 0});
+      Touch(t, m, {index, EmgTerm::kOffset, EmgAlong::kOne, 0, 1});
   }
 
   // What people do at a speed that no law says. A speed that was not measured has none of its own.
@@ -189,7 +190,7 @@ class Builder {
                          EmgTerm::kGain);
         for (std::size_t t = 0; t < data_.trials.size(); ++t) {
           if (data_.trials[t].group != static_cast<int>(s)) continue;
-          for (const auto& [index, term] : own) Touch(t, m, {index, term, EmgAlong::kOne, 0, 1, 0, 0});
+          for (const auto& [index, term] : own) Touch(t, m, {index, term, EmgAlong::kOne, 0, 1});
         }
       }
     }
@@ -197,50 +198,93 @@ class Builder {
 
   void AddCycles() {
     for (std::size_t t = 0; t < data_.trials.size(); ++t) {
-      const EmgShapeTrial& trial = data_.trials[t];
       AddSharedTimings(t);
-      for (std::size_t m = 0; m < muscles(); ++m) {
-        const EmgMuscle& muscle = data_.muscles[m];
-        const double shared = data_.shared_timing;
-        const double total = muscle.timing_scatter;
-        const double own =
-            std::max(std::sqrt(std::max(total * total - shared * shared, 0.0)), kLeastOwn * total);
-        for (std::size_t w = 0; w < trial.windows[m].size(); ++w) {
-          const EmgWindow& window = trial.windows[m][w];
-          const std::string of = fmt::format("@{}.{}.{}", trial.name, w + 1, muscle.name);
-          Parameter gain =
-              BaseParameter("gain" + of, "1", "logarithm of one burst's gain", -kMostGain, kMostGain, 0);
-          Parameter timing =
-              BaseParameter("timing" + of, "1", "share of the cycle by which one burst is early",
-                            -kMostTiming, kMostTiming, 0);
-          gain.trial = timing.trial = trial.name;
-          const int g = AddNuisance(std::move(gain), muscle.gain_scatter);
-          const int d = AddNuisance(std::move(timing), own);
-          Touch(t, m, {g, EmgTerm::kGain, EmgAlong::kOne, 0, 1, window.first, window.end});
-          Touch(t, m, {d, EmgTerm::kTiming, EmgAlong::kOne, 0, 1, window.first, window.end});
-        }
-      }
+      for (std::size_t m = 0; m < muscles(); ++m) AddBursts(t, m);
     }
+  }
+
+  // What all bursts of a cycle have in common, and what each has of its own.
+  void AddBursts(std::size_t t, std::size_t m) {
+    const EmgShapeTrial& trial = data_.trials[t];
+    const EmgMuscle& muscle = data_.muscles[m];
+    // Of timing, a part may be that of all muscles.
+    const double shared = muscles() < 2 ? 0 : data_.shared_timing;
+    const auto beyond = [&](double scatter) {
+      return std::max(std::sqrt(std::max(scatter * scatter - shared * shared, 0.0)), kLeastOwn * scatter);
+    };
+    const EmgScatterFactors& factor = trial.scatter[m];
+    const bool correlated = muscle.timing.together > 0;
+    const double common = correlated ? beyond(muscle.timing.together) : 0;
+    const double own = correlated ? muscle.timing.own() : beyond(muscle.timing.total);
+    int cycle = 0;
+    int number = 0;
+    std::array<int, 2> together{-1, -1};
+    for (std::size_t w = 0; w < trial.windows[m].size(); ++w) {
+      const EmgWindow& window = trial.windows[m][w];
+      if (!window.fitted) continue;
+      if (number == 0 || window.cycle != cycle) {
+        number = 0;
+        cycle = window.cycle;
+        const std::string of = fmt::format("@{}.{}.{}", trial.name, cycle + 1, muscle.name);
+        together = AddScatter(of, "one cycle's", trial.name, factor.gain * muscle.gain.together,
+                              factor.timing * common);
+      }
+      ++number;
+      TouchWindow(t, m, w, together);
+      const std::string of = fmt::format("@{}.{}.{}.{}", trial.name, cycle + 1, muscle.name, number);
+      TouchWindow(
+          t, m, w,
+          AddScatter(of, "one burst's", trial.name, factor.gain * muscle.gain.own(), factor.timing * own));
+    }
+  }
+
+  // Gain and timing; -1 where the scatter is 0.
+  std::array<int, 2> AddScatter(const std::string& of, const std::string& whose, const std::string& trial,
+                                double gain_scatter, double timing_scatter) {
+    std::array<int, 2> added{-1, -1};
+    if (gain_scatter > 0) {
+      Parameter gain =
+          BaseParameter("gain" + of, "1", "logarithm of " + whose + " gain", -kMostGain, kMostGain, 0);
+      gain.trial = trial;
+      added[0] = AddNuisance(std::move(gain), gain_scatter);
+    }
+    if (timing_scatter > 0) {
+      Parameter timing =
+          BaseParameter("timing" + of, "1", "share of the cycle by which " + whose + " EMG is early",
+                        -kMostTiming, kMostTiming, 0);
+      timing.trial = trial;
+      added[1] = AddNuisance(std::move(timing), timing_scatter);
+    }
+    return added;
+  }
+
+  // @param added gain and timing; -1: none
+  void TouchWindow(std::size_t t, std::size_t m, std::size_t window, const std::array<int, 2>& added) {
+    const int which = static_cast<int>(window);
+    if (added[0] >= 0) Touch(t, m, {added[0], EmgTerm::kGain, EmgAlong::kWindow, which, 1});
+    if (added[1] >= 0) Touch(t, m, {added[1], EmgTerm::kTiming, EmgAlong::kWindow, which, 1});
   }
 
   // A person who is early is so with all muscles.
   void AddSharedTimings(std::size_t t) {
     const EmgShapeTrial& trial = data_.trials[t];
     if (!(data_.shared_timing > 0) || muscles() < 2) return;
-    for (int k = 0; k < static_cast<int>(trial.cycles.size()); ++k) {
-      int shared = -1;
-      for (std::size_t m = 0; m < muscles(); ++m) {
-        for (const EmgWindow& window : trial.windows[m]) {
-          if (window.cycle != k) continue;
-          if (shared < 0) {
-            Parameter p = BaseParameter(fmt::format("timing@{}.{}", trial.name, k + 1), "1",
-                                        "share of the cycle by which all bursts of it are early",
-                                        -kMostTiming, kMostTiming, 0);
-            p.trial = trial.name;
-            shared = AddNuisance(std::move(p), data_.shared_timing);
-          }
-          Touch(t, m, {shared, EmgTerm::kTiming, EmgAlong::kOne, 0, 1, window.first, window.end});
+    double factor = 0;
+    for (const EmgScatterFactors& of : trial.scatter) factor += of.timing / static_cast<double>(muscles());
+    std::map<int, int> of_cycle;
+    for (std::size_t m = 0; m < muscles(); ++m) {
+      for (std::size_t w = 0; w < trial.windows[m].size(); ++w) {
+        const EmgWindow& window = trial.windows[m][w];
+        if (!window.fitted) continue;
+        const auto [found, first] = of_cycle.try_emplace(window.cycle, -1);
+        if (first) {
+          Parameter p = BaseParameter(fmt::format("timing@{}.{}", trial.name, window.cycle + 1), "1",
+                                      "share of the cycle by which all muscles are early in it", -kMostTiming,
+                                      kMostTiming, 0);
+          p.trial = trial.name;
+          found->second = AddNuisance(std::move(p), factor * data_.shared_timing);
         }
+        TouchWindow(t, m, w, {-1, found->second});
       }
     }
   }
@@ -259,7 +303,7 @@ class Builder {
               list_.effects.back().name);
       for (std::size_t t = 0; t < data_.trials.size(); ++t) {
         for (std::size_t m = 0; m < muscles(); ++m)
-          Touch(t, m, {index, EmgTerm::kTiming, along, 0, LogSpeed(data_.trials[t]), 0, 0});
+          Touch(t, m, {index, EmgTerm::kTiming, along, 0, LogSpeed(data_.trials[t])});
       }
     }
   }
@@ -272,7 +316,7 @@ class Builder {
                                           "growth of the logarithm of the EMG per cycle", -0.2, 0.2, 0),
                             list_.effects.back().name);
       for (std::size_t t = 0; t < data_.trials.size(); ++t)
-        Touch(t, m, {index, EmgTerm::kGain, EmgAlong::kCycle, 0, 1, 0, 0});
+        Touch(t, m, {index, EmgTerm::kGain, EmgAlong::kCycle, 0, 1});
     }
   }
 
@@ -292,7 +336,7 @@ class Builder {
                                     "floor of the trial beyond that of all", -0.3, 0.3, 0);
         p.trial = trial;
         const int index = Add(std::move(p), list_.effects.back().name);
-        Touch(t, m, {index, EmgTerm::kOffset, EmgAlong::kOne, 0, 1, 0, 0});
+        Touch(t, m, {index, EmgTerm::kOffset, EmgAlong::kOne, 0, 1});
       }
     }
   }
@@ -305,7 +349,7 @@ class Builder {
                                           "share of the others' mean EMG in this muscle's", 0, 0.8, 0),
                             list_.effects.back().name);
       for (std::size_t t = 0; t < data_.trials.size(); ++t)
-        Touch(t, m, {index, EmgTerm::kOffset, EmgAlong::kOthers, 0, 1, 0, 0});
+        Touch(t, m, {index, EmgTerm::kOffset, EmgAlong::kOthers, 0, 1});
     }
   }
 
@@ -327,7 +371,7 @@ class Builder {
         const int index = Add(std::move(p), term.name);
         term.parameters.push_back(index);
         for (std::size_t t = 0; t < data_.trials.size(); ++t)
-          Touch(t, m, {index, EmgTerm::kOffset, EmgAlong::kHat, k, 1, 0, 0});
+          Touch(t, m, {index, EmgTerm::kOffset, EmgAlong::kHat, k, 1});
       }
       port.terms.push_back(std::move(term));
       list_.ports.push_back(std::move(port));

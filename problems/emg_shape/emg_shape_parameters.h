@@ -1,9 +1,11 @@
 // What is identified of a person's EMG in a cyclic movement, and what may be wrong with that model.
 //
-//   emg = floor_m + exp(gain) S_m(phase + timing)
-//   gain   = exponent_m ln(s / s0) + gain@s.m + gain of the burst
-//   timing = (lead + lead_m) (1 / T(s) - 1 / T0) + timing@s + timing@s.m + timing of the burst
+//   emg = floor_m + sum over bursts b of exp(gain + gain_b) share_b(place + timing_b)
+//                                                           S_m(phase + timing + timing_b)
+//   gain   = exponent_m ln(s / s0) + gain@s.m
+//   timing = (lead + lead_m) (1 / T(s) - 1 / T0) + timing@s + timing@s.m
 //
+// share_b: how much of S_m is burst b's (EmgWindow); bursts overlap, and each has its gain and timing.
 // s speed, T period of a cycle; s0, T0 those of the reference. docs/decisions/emg_shape_model.md.
 #pragma once
 
@@ -36,17 +38,16 @@ enum class EmgAlong {
   kSine,    ///< of the phase
   kCosine,  ///< of the phase, less 1: nothing moves at the beginning
   kOthers,  ///< mean EMG of the other muscles
-  kHat      ///< a hat over time in the trial
+  kHat,     ///< a hat over time in the trial
+  kWindow   ///< of gains and timings: they are those of one EmgWindow
 };
 
 struct EmgColumn {
   int parameter = 0;
   EmgTerm term = EmgTerm::kOffset;
   EmgAlong along = EmgAlong::kOne;
-  int which = 0;  ///< control point, or hat
+  int which = 0;  ///< control point, hat or window
   double factor = 1;
-  int first = 0;  ///< samples that it touches
-  int end = 0;
 };
 
 struct EmgShapeParameters {

@@ -9,28 +9,48 @@
 
 namespace sinew {
 
-// Of one block, sample by sample.
+// Of one block.
 struct EmgShapeProblem::Scratch final : Problem::Workspace {
-  std::vector<double> gain;    // of the logarithm; later its exponential
+  // Sample by sample.
+  std::vector<double> gain;    // of the logarithm
   std::vector<double> timing;  // [cycle]
   std::vector<double> offset;
-  std::vector<double> control;  // [knots]
-  std::vector<double> shape;
-  std::vector<double> slope;
-  Matrix basis;  // [knots x samples]
-  Matrix slopes;
+  Vector by_gain;  // derivatives
+  Vector by_timing;
+  Matrix by_shape;  // [knots x samples]
+  // Window by window.
+  std::vector<double> window_gain;
+  std::vector<double> window_timing;
+  std::vector<Vector> by_window_gain;  // from the window's first sample on
+  std::vector<Vector> by_window_timing;
+  Vector control;  // [knots]
+  Vector basis;    // [knots] at one sample
+  Vector slopes;
 };
+
+namespace {
+
+// Where there are no windows, all is one.
+std::vector<EmgWindow> WindowsOf(const EmgShapeTrial& trial, std::size_t muscle) {
+  if (!trial.windows[muscle].empty()) return trial.windows[muscle];
+  EmgWindow all;
+  all.end = static_cast<int>(trial.time.size());
+  return {all};
+}
+
+}  // namespace
 
 EmgShapeProblem::EmgShapeProblem(EmgShapeSettings settings, EmgShapeData data)
     : settings_(std::move(settings)), data_(std::move(data)) {
   list_ = ListEmgShapeParameters(settings_, data_);
   for (const EmgShapeTrial& trial : data_.trials) {
-    for (const EmgMuscle& muscle : data_.muscles) {
+    for (std::size_t m = 0; m < data_.muscles.size(); ++m) {
       // Of fitted trials every burst has its timing. Others are predicted by their mean, which is rounder
       // than a single one.
+      const double scatter = data_.muscles[m].timing.total;
       const bool mean = settings_.cycle_scatter && trial.role != BlockRole::kTrain;
-      const bool timings = mean && muscle.timing_scatter > kLeastTimingScatter;
-      basis_.push_back(BasisOf(settings_, trial.period, timings ? muscle.timing_scatter : 0));
+      const bool timings = mean && scatter > kLeastTimingScatter;
+      basis_.push_back(BasisOf(settings_, trial.period, timings ? scatter : 0));
     }
   }
   for (std::size_t b = 0; b < data_.layout.size(); ++b) {
@@ -62,6 +82,7 @@ double EmgShapeProblem::Along(const EmgColumn& column, const EmgShapeTrial& tria
                               std::size_t sample) const {
   switch (column.along) {
     case EmgAlong::kOne:
+    case EmgAlong::kWindow:
       return column.factor;
     case EmgAlong::kCycle:
       return column.factor * (trial.cycle[sample] - 0.5 * (static_cast<double>(trial.cycles.size()) - 1));
@@ -91,71 +112,109 @@ Status EmgShapeProblem::Predict(const Query& query, Workspace& workspace, Predic
   return {};
 }
 
-void EmgShapeProblem::PredictBlock(std::size_t t, std::size_t m, const Query& query, Scratch& scratch,
-                                   Prediction& prediction) const {
+// Sums of the parameters, sample by sample and window by window.
+void EmgShapeProblem::AddUp(std::size_t t, std::size_t m, const Vector& parameters, Scratch& scratch) const {
   const EmgShapeTrial& trial = data_.trials[t];
-  const int b = trial.first_block + static_cast<int>(m);
-  const std::vector<EmgColumn>& columns = list_.columns[static_cast<std::size_t>(b)];
   const std::size_t count = trial.time.size();
   scratch.gain.assign(count, 0);
   scratch.timing.assign(count, 0);
   scratch.offset.assign(count, 0);
-  scratch.control.assign(static_cast<std::size_t>(settings_.knots), 0);
-  for (const EmgColumn& column : columns) {
-    const double value = query.parameters[column.parameter];
-    if (column.term == EmgTerm::kShape) scratch.control[static_cast<std::size_t>(column.which)] = value;
+  scratch.window_gain.assign(std::max<std::size_t>(1, trial.windows[m].size()), 0);
+  scratch.window_timing.assign(scratch.window_gain.size(), 0);
+  scratch.control = Vector::Zero(settings_.knots);
+  for (const EmgColumn& column : list_.columns[static_cast<std::size_t>(trial.first_block) + m]) {
+    const double value = parameters[column.parameter];
+    if (column.term == EmgTerm::kShape) scratch.control[column.which] = value;
     if (column.term == EmgTerm::kShape || value == 0) continue;
+    if (column.along == EmgAlong::kWindow) {
+      auto& sums = column.term == EmgTerm::kGain ? scratch.window_gain : scratch.window_timing;
+      sums[static_cast<std::size_t>(column.which)] += value * column.factor;
+      continue;
+    }
     std::vector<double>& sum = column.term == EmgTerm::kGain     ? scratch.gain
                                : column.term == EmgTerm::kTiming ? scratch.timing
                                                                  : scratch.offset;
-    for (auto i = static_cast<std::size_t>(column.first); i < static_cast<std::size_t>(column.end); ++i)
-      sum[i] += value * Along(column, trial, m, i);
+    for (std::size_t i = 0; i < count; ++i) sum[i] += value * Along(column, trial, m, i);
   }
-  scratch.shape.resize(count);
-  scratch.slope.resize(count);
-  scratch.basis.resize(settings_.knots, static_cast<Eigen::Index>(count));
-  scratch.slopes.resize(settings_.knots, static_cast<Eigen::Index>(count));
-  const Eigen::Map<const Vector> control(scratch.control.data(), settings_.knots);
+}
+
+void EmgShapeProblem::PredictBlock(std::size_t t, std::size_t m, const Query& query, Scratch& scratch,
+                                   Prediction& prediction) const {
+  const EmgShapeTrial& trial = data_.trials[t];
+  const int b = trial.first_block + static_cast<int>(m);
+  AddUp(t, m, query.parameters, scratch);
+  const auto count = static_cast<Eigen::Index>(trial.time.size());
+  const std::vector<EmgWindow> windows = WindowsOf(trial, m);
   auto values = prediction.values(b);
-  for (std::size_t i = 0; i < count; ++i) {
-    const auto column = static_cast<Eigen::Index>(i);
-    basis_[static_cast<std::size_t>(b)].At(trial.phase[i] + scratch.timing[i],
-                                           scratch.basis.col(column).data(),
-                                           scratch.slopes.col(column).data());
-    scratch.gain[i] = std::exp(scratch.gain[i]);
-    scratch.shape[i] = scratch.gain[i] * scratch.basis.col(column).dot(control);
-    values[static_cast<Eigen::Index>(i)] = scratch.offset[i] + scratch.shape[i];
+  values = Eigen::Map<const Vector>(scratch.offset.data(), count);
+  if (query.derivatives) {
+    scratch.by_gain = scratch.by_timing = Vector::Zero(count);
+    scratch.by_shape = Matrix::Zero(settings_.knots, count);
+    scratch.by_window_gain.resize(windows.size());
+    scratch.by_window_timing.resize(windows.size());
   }
-  if (!query.derivatives) return;
-  for (std::size_t i = 0; i < count; ++i)
-    scratch.slope[i] = scratch.gain[i] * scratch.slopes.col(static_cast<Eigen::Index>(i)).dot(control);
+  scratch.basis.resize(settings_.knots);
+  scratch.slopes.resize(settings_.knots);
+  for (std::size_t w = 0; w < windows.size(); ++w) {
+    const EmgWindow& window = windows[w];
+    if (query.derivatives)
+      scratch.by_window_gain[w] = scratch.by_window_timing[w] = Vector::Zero(window.end - window.first);
+    for (int i = window.first; i < window.end; ++i) {
+      const auto at = static_cast<std::size_t>(i);
+      const double early = scratch.window_timing[w];
+      const BurstCut::Share share =
+          window.ShareAt(trial.cycle[at] + trial.phase[at] + scratch.timing[at] + early);
+      if (share.value == 0) continue;
+      basis_[static_cast<std::size_t>(b)].At(trial.phase[at] + scratch.timing[at] + early,
+                                             scratch.basis.data(),
+                                             query.derivatives ? scratch.slopes.data() : nullptr);
+      const double gain = std::exp(scratch.gain[at] + scratch.window_gain[w]);
+      const double emg = gain * scratch.basis.dot(scratch.control);
+      values[i] += share.value * emg;
+      if (!query.derivatives) continue;
+      const double slope = share.value * gain * scratch.slopes.dot(scratch.control);
+      scratch.by_gain[i] += share.value * emg;
+      scratch.by_shape.col(i) += share.value * gain * scratch.basis;
+      scratch.by_window_gain[w][i - window.first] = share.value * emg;
+      scratch.by_window_timing[w][i - window.first] = slope + share.slope * emg;
+      scratch.by_timing[i] += slope + share.slope * emg;
+    }
+  }
+  if (query.derivatives) Differentiate(t, m, query, windows, scratch, prediction);
+}
+
+void EmgShapeProblem::Differentiate(std::size_t t, std::size_t m, const Query& query,
+                                    const std::vector<EmgWindow>& windows, const Scratch& scratch,
+                                    Prediction& prediction) const {
+  const EmgShapeTrial& trial = data_.trials[t];
+  const int b = trial.first_block + static_cast<int>(m);
   auto derivatives = prediction.derivatives(b);
   const std::vector<int>& order = data_.layout[static_cast<std::size_t>(b)].columns;
   Eigen::Index at = -1;
-  std::vector<bool> const* wanted = query.differentiate;
-  for (const EmgColumn& column : columns) {
+  for (const EmgColumn& column : list_.columns[static_cast<std::size_t>(b)]) {
+    const bool wanted = query.Differentiates(column.parameter);
     if (at < 0 || order[static_cast<std::size_t>(at)] != column.parameter) {
       ++at;
-      if (query.Differentiates(column.parameter)) derivatives.col(at).setZero();
+      if (wanted) derivatives.col(at).setZero();
     }
-    if (wanted != nullptr && !(*wanted)[static_cast<std::size_t>(column.parameter)]) continue;
+    if (!wanted) continue;
     auto slopes = derivatives.col(at);
-    for (auto i = static_cast<std::size_t>(column.first); i < static_cast<std::size_t>(column.end); ++i) {
-      double& slope = slopes[static_cast<Eigen::Index>(i)];
-      switch (column.term) {
-        case EmgTerm::kShape:
-          slope += scratch.gain[i] * scratch.basis(column.which, static_cast<Eigen::Index>(i));
-          break;
-        case EmgTerm::kOffset:
-          slope += Along(column, trial, m, i);
-          break;
-        case EmgTerm::kGain:
-          slope += scratch.shape[i] * Along(column, trial, m, i);
-          break;
-        case EmgTerm::kTiming:
-          slope += scratch.slope[i] * Along(column, trial, m, i);
-          break;
-      }
+    if (column.along == EmgAlong::kWindow) {
+      const auto w = static_cast<std::size_t>(column.which);
+      const Vector& by =
+          column.term == EmgTerm::kGain ? scratch.by_window_gain[w] : scratch.by_window_timing[w];
+      slopes.segment(windows[w].first, by.size()) += column.factor * by;
+      continue;
+    }
+    if (column.term == EmgTerm::kShape) {
+      slopes += scratch.by_shape.row(column.which).transpose();
+      continue;
+    }
+    for (Eigen::Index i = 0; i < slopes.size(); ++i) {
+      const double by = column.term == EmgTerm::kGain     ? scratch.by_gain[i]
+                        : column.term == EmgTerm::kTiming ? scratch.by_timing[i]
+                                                          : 1;
+      slopes[i] += by * Along(column, trial, m, static_cast<std::size_t>(i));
     }
   }
 }
@@ -180,12 +239,12 @@ std::vector<std::string> EmgShapeProblem::RemarksAt(const Vector& /*parameters*/
     std::string jitter;
     for (const EmgMuscle& muscle : data_.muscles) {
       jitter += fmt::format("{}{} {:.1f} %, {:.0f} %", jitter.empty() ? "" : "; ", muscle.name,
-                            100 * muscle.timing_scatter, 100 * muscle.gain_scatter);
+                            100 * muscle.timing.total, 100 * muscle.gain.total);
     }
     remarks.push_back("cycles of one speed differ in timing (of a cycle) and size by: " + jitter);
     std::string jitters;
     for (const EmgMuscle& muscle : data_.muscles)
-      jitters += fmt::format("{}{}: {:.4g}", jitters.empty() ? "" : ", ", muscle.name, muscle.timing_scatter);
+      jitters += fmt::format("{}{}: {:.4g}", jitters.empty() ? "" : ", ", muscle.name, muscle.timing.total);
     remarks.push_back(fmt::format(
         "to predict recordings without EMG, state in their settings: reference: {{speed: {:.9g}, period: "
         "{:.9g}}}, jitter: {{{}}}",

@@ -41,8 +41,11 @@ class EmgShapeProblem final : public Problem {
   EmgShapeProblem(EmgShapeSettings settings, EmgShapeData data);
   [[nodiscard]] double Along(const EmgColumn& column, const EmgShapeTrial& trial, std::size_t muscle,
                              std::size_t sample) const;
+  void AddUp(std::size_t t, std::size_t m, const Vector& parameters, Scratch& scratch) const;
   void PredictBlock(std::size_t t, std::size_t m, const Query& query, Scratch& scratch,
                     Prediction& prediction) const;
+  void Differentiate(std::size_t t, std::size_t m, const Query& query, const std::vector<EmgWindow>& windows,
+                     const Scratch& scratch, Prediction& prediction) const;
 
   EmgShapeSettings settings_;
   EmgShapeData data_;

@@ -54,7 +54,7 @@ class Band {
       if (!train[b]) continue;
       const Block& block = layout[b];
       const double step = block.prediction_time[1] - block.prediction_time[0];
-      const double weight = block.weight / std::sqrt(std::max(1.0, kCorrelated_s / step));
+      const double correlated = std::sqrt(std::max(1.0, kCorrelated_s / step));
       const auto derivatives = prediction_.derivatives(static_cast<int>(b));
       std::vector<Eigen::Index> columns;
       std::vector<int> variables;
@@ -68,7 +68,8 @@ class Band {
       for (std::size_t c = 0; c < columns.size(); ++c) {
         for (int i = 0; i < block.samples(); ++i)
           rows(i, static_cast<Eigen::Index>(c)) =
-              weight * derivatives(block.sample[static_cast<std::size_t>(i)], columns[c]);
+              block.WeightOf(static_cast<std::size_t>(i)) / correlated *
+              derivatives(block.sample[static_cast<std::size_t>(i)], columns[c]);
       }
       const Matrix product = rows.transpose() * rows;
       for (std::size_t c = 0; c < variables.size(); ++c) {
@@ -113,12 +114,13 @@ class Band {
 
   [[nodiscard]] Vector Scatter(std::size_t t, std::size_t m) const {
     const EmgMuscle& muscle = data_.muscles[m];
+    const EmgScatterFactors& factor = data_.trials[t].scatter[m];
     const Parts parts = PartsOf(t, m);
     const auto emg = prediction_.values(data_.trials[t].first_block + static_cast<int>(m));
-    return muscle.quiet_noise * muscle.quiet_noise +
-           muscle.noise_growth * muscle.noise_growth * emg.array().square() +
-           muscle.gain_scatter * muscle.gain_scatter * parts.level.array().square() +
-           muscle.timing_scatter * muscle.timing_scatter * parts.slope.array().square();
+    return muscle.modulated.quiet * muscle.modulated.quiet +
+           muscle.modulated.growth * muscle.modulated.growth * emg.array().square() +
+           std::pow(factor.gain * muscle.gain.total, 2) * parts.level.array().square() +
+           std::pow(factor.timing * muscle.timing.total, 2) * parts.slope.array().square();
   }
 
   void FindFactors() {

@@ -22,31 +22,49 @@ Vector Curve(const std::vector<std::pair<double, double>>& bursts) {
 }
 
 TEST(Bursts, CutsLieBetweenThem) {
-  const auto one = FindCuts(Curve({{0.5, 0.3}}));
-  ASSERT_EQ(one.size(), 1U);
-  EXPECT_NEAR(one[0], 0.8, 0.02);
-  const auto two = FindCuts(Curve({{0.5, 0.2}, {0.1, 0.7}}));
-  ASSERT_EQ(two.size(), 2U);
-  EXPECT_LT(two[0], 0.02 + 0.5);
-  EXPECT_GT(two[0], 0.38);
-  EXPECT_GT(two[1], 0.9);
+  const auto one = FindBursts(Curve({{0.5, 0.3}}));
+  ASSERT_EQ(one.cuts.size(), 1U);
+  EXPECT_NEAR(one.cuts[0].phase, 0.8, 0.02);
+  const auto two = FindBursts(Curve({{0.5, 0.2}, {0.1, 0.7}}));
+  ASSERT_EQ(two.cuts.size(), 2U);
+  EXPECT_LT(two.cuts[0].phase, 0.02 + 0.5);
+  EXPECT_GT(two.cuts[0].phase, 0.38);
+  EXPECT_GT(two.cuts[1].phase, 0.9);
   // A bump of 1 % is none; over the cycle's end a burst is one.
-  EXPECT_EQ(FindCuts(Curve({{0.5, 0.2}, {0.005, 0.7}})).size(), 1U);
-  EXPECT_EQ(FindCuts(Curve({{0.5, 0.99}, {0.3, 0.5}})).size(), 2U);
-  EXPECT_EQ(FindCuts(Vector::Constant(10, 0.3)).size(), 1U);
+  EXPECT_EQ(FindBursts(Curve({{0.5, 0.2}, {0.005, 0.7}})).count(), 1);
+  EXPECT_EQ(FindBursts(Curve({{0.5, 0.99}, {0.3, 0.5}})).count(), 2);
+  EXPECT_EQ(FindBursts(Vector::Constant(10, 0.3)).count(), 1);
 }
 
 TEST(Bursts, NumbersRunOnOverTheEndOfTheCycle) {
-  const std::vector<double> cuts{0.2, 0.6};
-  EXPECT_EQ(BurstOf(cuts, 0, 0.1) + 1, BurstOf(cuts, 0, 0.3));
-  EXPECT_EQ(BurstOf(cuts, 0, 0.3) + 1, BurstOf(cuts, 0, 0.7));
-  EXPECT_EQ(BurstOf(cuts, 0, 0.7), BurstOf(cuts, 1, 0.1)) << "one burst";
-  EXPECT_EQ(BurstOf({}, 3, 0.5), 3);
+  const BurstPattern two{{{0.2, 50, 0.1}, {0.6, 50, 0.1}}, 1, 0};
+  EXPECT_EQ(two.BurstAt(0, 0.1) + 1, two.BurstAt(0, 0.3));
+  EXPECT_EQ(two.BurstAt(0, 0.3) + 1, two.BurstAt(0, 0.7));
+  EXPECT_EQ(two.BurstAt(0, 0.7), two.BurstAt(1, 0.1)) << "one burst";
+  EXPECT_EQ(BurstPattern{}.BurstAt(3, 0.5), 3);
+}
+
+TEST(Bursts, OthersBelongToTheMainOneBeforeOrAfterThem) {
+  const Vector curve = Curve({{0.5, 0.3}, {0.2, 0.8}});
+  BurstPattern pattern = FindBursts(curve);
+  const auto cycle = [&](int k, double phase) { return pattern.CycleOf(pattern.BurstAt(k, phase)); };
+  for (const int k : {-2, -1, 0, 5}) {
+    pattern.after = 1;
+    EXPECT_EQ(cycle(k, 0.3), k);
+    EXPECT_EQ(cycle(k, 0.8), k) << "with the one before";
+    pattern.after = 0;
+    EXPECT_EQ(cycle(k, 0.3), k);
+    EXPECT_EQ(cycle(k, 0.8), k + 1) << "with the next one";
+  }
+  pattern = FindBursts(Curve({{0.5, 0.3}}));
+  pattern.after = 3;
+  EXPECT_EQ(cycle(-4, 0.3), -4);
+  EXPECT_EQ(cycle(4, 0.3), 4);
 }
 
 TEST(SharedTiming, IsWhatMusclesHaveInCommon) {
   // Both early and late together by 0.03, each by 0.01 of its own, with and against.
-  const std::vector<std::vector<BurstTiming>> together{
+  const std::vector<std::vector<CycleTiming>> together{
       {{0, 0, 0.04}, {0, 1, 0.02}, {1, 0, -0.04}, {1, 1, -0.02}},
       {{0, 0, 0.02}, {0, 1, 0.04}, {1, 0, -0.04}, {1, 1, -0.02}}};
   EXPECT_NEAR(SharedTiming(together), std::sqrt((0.0008 + 0.0008 + 0.0016 + 0.0004) / 4), 1e-12);

@@ -88,7 +88,7 @@ TEST(EmgShapeProblem, AnAngleAloneIsEnoughToPredict) {
   home.trials.at("validate_075").grids.erase("excitations");
   std::string jitter;
   for (const EmgMuscle& muscle : learnt->data().muscles)
-    jitter += fmt::format("{}{}: {}", jitter.empty() ? "" : ", ", muscle.name, muscle.timing_scatter);
+    jitter += fmt::format("{}{}: {}", jitter.empty() ? "" : ", ", muscle.name, muscle.timing.total);
   const auto problem =
       Bound(home, fmt::format(", low_pass: 0, muscles: [lat_gas_r, med_gas_r], reference: {{speed: {}, "
                               "period: {}}}, jitter: {{{}}}",
