@@ -26,7 +26,7 @@ run, read = hidden_effects.run, hidden_effects.read
 
 UNIT = 3.605
 POWER = 1.645  # of smallest_detectable, which is for the family's threshold
-PEOPLE = 20
+PEOPLE = 20  # of single effects
 STUDY = {"raw": 0, "moments": 0, "speeds": 4, "muscles": 2, "train": 6, "validate": 3}
 MUSCLES = ("lat_gas_r", "med_gas_r")
 TRIALS = ("train_045", "train_075", "train_090", "train_120")
@@ -78,7 +78,8 @@ def units_of(options, person):
 def study(options, kind, size, seed):
     case = {"kind": kind, "size": size, "noise": "emg", "seed": seed}
     own = random.Random(1000003 * seed + int(100 * size) + {"none": 0, "single": 1, "outsider": 2}[kind])
-    person = 100 + seed % PEOPLE
+    # Sizes need a recording without a fault of the same person; where none are asked for, everybody is another.
+    person = 100 + (seed % PEOPLE if kind == "single" else seed)
     truth = {"base": {}, "effects": []}
     effects = {}
     if kind == "single":

@@ -80,6 +80,11 @@ def predict(options, recordings):
             print(f"| {muscle} | {' | '.join(cells)} | {100 * within:.0f} % |")
 
 
+def told(parameter):
+    known = parameter.get("ci95")
+    return f"{parameter['name']} {parameter['value']:.3g}" + (f" in {known[0]:.2g} .. {known[1]:.2g}" if known else " (at its bound)")
+
+
 def diagnose(options, both, muscle):
     out = options.work / f"why_{muscle}.h5"
     words = [options.sinew, "diagnose", "emg_shape", "--data", both, "--config",
@@ -89,11 +94,11 @@ def diagnose(options, both, muscle):
     if not out.with_suffix(".json").exists():
         return f"{muscle}: {done.stderr.strip()}"
     found = json.loads(out.with_suffix(".json").read_text())
-    causes = "; ".join(f"{c['effect']} (" + ", ".join(f"{p['name']} {p['value']:.3g} in {p['ci95'][0]:.2g} .. {p['ci95'][1]:.2g}"
+    causes = "; ".join(f"{c['effect']} (" + ", ".join(told(p)
                                                        for p in c["parameters"]) + ")" for c in found["causes"])
     gain = found.get("gain")
     return (f"{muscle}: {found['verdict']}; {causes or 'no cause'}"
-            + (f"; held out {gain['before']:.3f} -> {gain['after']:.3f}" if gain else ""))
+            + (f"; held out {gain['validate_rmse_before']:.3f} -> {gain['validate_rmse_after']:.3f}" if gain else ""))
 
 
 def main():

@@ -160,9 +160,23 @@ class Builder {
       Touch(t, m, {index, EmgTerm::kOffset, EmgAlong::kOne, 0, 1});
   }
 
+  // Where the shape lies in the cycle. A spline follows a shift of itself nearly, but the noise of valleys is
+  // less than what is missing: the shape would stay where it began, at the reference speed, and that speed
+  // alone would be on time.
+  void AddPhase(std::size_t m) {
+    const int index =
+        AddNuisance(BaseParameter(data_.muscles[m].name + ".phase", "1",
+                                  "share of the cycle by which the shape is early at all speeds",
+                                  -kMostTiming, kMostTiming, 0),
+                    0);
+    for (std::size_t t = 0; t < data_.trials.size(); ++t)
+      Touch(t, m, {index, EmgTerm::kTiming, EmgAlong::kOne, 0, 1});
+  }
+
   // What people do at a speed that no law says. A speed that was not measured has none of its own.
   void AddSpeeds() {
     if (data_.trained_speeds() == 1) return;
+    for (std::size_t m = 0; m < muscles(); ++m) AddPhase(m);
     for (std::size_t s = 0; s < data_.speeds.size(); ++s) {
       // Where nothing is fitted, they may come from a run that was.
       if (!data_.speeds[s].trained && data_.trained_speeds() > 0) continue;

@@ -3,7 +3,7 @@
 //   emg = floor_m + sum over bursts b of exp(gain + gain_b) share_b(place + timing_b)
 //                                                           S_m(phase + timing + timing_b)
 //   gain   = exponent_m ln(s / s0) + gain@s.m
-//   timing = (lead + lead_m) (1 / T(s) - 1 / T0) + timing@s + timing@s.m
+//   timing = phase_m + (lead + lead_m) (1 / T(s) - 1 / T0) + timing@s + timing@s.m
 //
 // share_b: how much of S_m is burst b's (EmgWindow); bursts overlap, and each has its gain and timing.
 // s speed, T period of a cycle; s0, T0 those of the reference. docs/decisions/emg_shape_model.md.

@@ -3,8 +3,8 @@
 #include <gtest/gtest.h>
 
 #include <cmath>
-
-#include "problems/emg_shape/cycle_scatter.h"
+#include <utility>
+#include <vector>
 
 namespace sinew {
 namespace {
@@ -62,14 +62,26 @@ TEST(Bursts, OthersBelongToTheMainOneBeforeOrAfterThem) {
   EXPECT_EQ(cycle(4, 0.3), 4);
 }
 
-TEST(SharedTiming, IsWhatMusclesHaveInCommon) {
-  // Both early and late together by 0.03, each by 0.01 of its own, with and against.
-  const std::vector<std::vector<CycleTiming>> together{
-      {{0, 0, 0.04}, {0, 1, 0.02}, {1, 0, -0.04}, {1, 1, -0.02}},
-      {{0, 0, 0.02}, {0, 1, 0.04}, {1, 0, -0.04}, {1, 1, -0.02}}};
-  EXPECT_NEAR(SharedTiming(together), std::sqrt((0.0008 + 0.0008 + 0.0016 + 0.0004) / 4), 1e-12);
-  EXPECT_EQ(SharedTiming({{{0, 0, 0.03}, {0, 1, -0.03}}, {{0, 0, -0.03}, {0, 1, 0.03}}}), 0) << "against";
-  EXPECT_EQ(SharedTiming({{{0, 0, 0.03}}}), 0) << "one muscle";
+TEST(Bursts, SharesAreThoseOfBellCurves) {
+  // Two bell curves of width 0.07 without a floor.
+  Vector curve = Curve({{0.5, 0.25}, {0.3, 0.7}});
+  curve.array() -= 0.02;
+  const BurstPattern pattern = FindBursts(curve);
+  ASSERT_EQ(pattern.count(), 2);
+  const BurstCut& cut = pattern.cuts[0];
+  for (double phase = cut.phase - 0.08; phase < cut.phase + 0.08; phase += 0.01) {
+    const double first = 0.5 * std::exp(-0.5 * std::pow((phase - 0.25) / 0.07, 2));
+    const double second = 0.3 * std::exp(-0.5 * std::pow((phase - 0.7) / 0.07, 2));
+    // The lowest point is not quite where both are equal.
+    EXPECT_NEAR(cut.Later(phase - cut.phase).value, second / (first + second), 0.2) << phase;
+    const double step = 1e-6;
+    EXPECT_NEAR(
+        cut.Later(phase - cut.phase).slope,
+        (cut.Later(phase - cut.phase + step).value - cut.Later(phase - cut.phase - step).value) / (2 * step),
+        1e-4);
+  }
+  EXPECT_EQ(cut.Later(-0.3).value, 0);
+  EXPECT_EQ(cut.Later(0.3).value, 1);
 }
 
 }  // namespace

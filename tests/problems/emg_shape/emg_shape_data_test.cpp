@@ -61,6 +61,32 @@ TEST(EmgShapeData, TheScatterOfCyclesIsFound) {
   }
 }
 
+// Every bit of the EMG is some burst's, and no bit is two bursts'.
+TEST(EmgShapeData, BurstsShareTheEmg) {
+  const auto data = PrepareEmgShapeData(EmgStudy({{"subject", 3}, {"noisy", 0}}), EmgSettings());
+  ASSERT_TRUE(data);
+  for (const EmgShapeTrial& trial : data->trials) {
+    for (std::size_t m = 0; m < data->muscles.size(); ++m) {
+      if (trial.role != BlockRole::kTrain) {
+        EXPECT_TRUE(trial.windows[m].empty());
+        continue;
+      }
+      ASSERT_GE(trial.windows[m].size(), trial.cycles.size());
+      for (std::size_t i = 0; i < trial.time.size(); ++i) {
+        const double place = trial.cycle[i] + trial.phase[i];
+        double shares = 0;
+        for (const EmgWindow& window : trial.windows[m]) {
+          const double share = window.ShareAt(place).value;
+          const bool inside = window.first <= static_cast<int>(i) && static_cast<int>(i) < window.end;
+          EXPECT_TRUE(inside || share == 0);
+          shares += share;
+        }
+        EXPECT_NEAR(shares, 1, 1e-9) << trial.name << " at " << place;
+      }
+    }
+  }
+}
+
 TEST(EmgShapeData, AnAngleWithDropoutsLosesThoseCycles) {
   Dataset data = EmgStudy();
   Grid& motion = data.trials.at("train_075").grids.at("motion");
