@@ -36,7 +36,8 @@ struct BurstSums {
 
 struct Sample {
   int burst = 0;
-  double emg = 0;  // of the shape
+  double phase = 0;
+  double emg = 0;  // of the shape, with the burst's gain and timing once they are known
   double above = 0;
   double slope = 0;
   double residual = 0;
@@ -75,12 +76,17 @@ class Estimation {
       if (variance_ > 0) FindNoise();
     }
     FindTogether();
+    out_.emg.resize(recordings_.size());
+    for (const Sample& sample : samples_)
+      out_.emg[static_cast<std::size_t>(bursts_[static_cast<std::size_t>(sample.burst)].recording)].push_back(
+          sample.emg);
     return std::move(out_);
   }
 
  private:
   Status Gather(const CycleSamples& recording) {
     SINEW_ASSIGN(const Vector shape, FitShape(recording.phase, recording.values, basis_));
+    shapes_.push_back(shape);
     const double floor = shape.minCoeff();
     for (std::size_t i = 0; i < recording.phase.size(); ++i) {
       if (i == 0 || recording.burst[i] != recording.burst[i - 1]) {
@@ -91,8 +97,8 @@ class Estimation {
       const double p = basis_.Value(recording.phase[i], shape.data());
       const double slope = basis_.Slope(recording.phase[i], shape.data());
       // A gain leaves the floor as it is.
-      samples_.push_back(
-          {static_cast<int>(bursts_.size()) - 1, p, p - floor, slope, recording.values[i] - p});
+      samples_.push_back({static_cast<int>(bursts_.size()) - 1, recording.phase[i], p, p - floor, slope,
+                          recording.values[i] - p});
     }
     return {};
   }
@@ -292,7 +298,7 @@ class Estimation {
                        (gain * of.sr - both * of.pr) / one / determinant});
     }
     std::vector<double> squares;
-    for (const Sample& sample : samples_) {
+    for (Sample& sample : samples_) {
       const auto of = static_cast<std::size_t>(sample.burst);
       const double left = sample.residual - found[of][0] * sample.above - found[of][1] * sample.slope;
       const double taken =
@@ -300,6 +306,12 @@ class Estimation {
            inverse[of][2] * sample.slope * sample.slope) /
           (variance_ * VarianceOf(sample));
       squares.push_back(left * left / (1 - std::min(taken, kMostTaken)));
+      // Errors grow with the EMG as it is, not with its mean: on the flank of a burst that comes late there
+      // is half of it.
+      const Vector& shape = shapes_[static_cast<std::size_t>(bursts_[of].recording)];
+      const double floor = shape.minCoeff();
+      const double there = basis_.Value(sample.phase + found[of][1], shape.data()) - floor;
+      sample.emg = std::max(floor, 0.0) + std::exp(found[of][0]) * std::max(there, 0.0);
     }
     SetNoise(squares);
   }
@@ -307,6 +319,7 @@ class Estimation {
   const std::vector<CycleSamples>& recordings_;
   ShapeBasis basis_;
   double correlated_;
+  std::vector<Vector> shapes_;  // [recordings]
   std::vector<BurstSums> bursts_;
   std::vector<Sample> samples_;
   std::vector<Told> told_;

@@ -45,6 +45,9 @@ struct CycleScatter {
   int after = 0;     ///< BurstPattern::after
   double noise = 0;  ///< root of the mean square of what gain and timing do not explain
   ModulatedNoise modulated;
+  /// [recordings][N] what is there without noise, at the gain and timing of its burst: what the noise grows
+  /// with
+  std::vector<std::vector<double>> emg;
   std::vector<CycleTiming> timings;
 };
 

@@ -17,6 +17,7 @@ namespace {
 
 constexpr double kLeastNoise = 1e-4;  // of normalised EMG; made-up data without noise have a weight too
 constexpr int kPhases = 100;          // of a mean curve
+constexpr int kNoiseKnots = 24;       // at least, of curves that noise is measured about: valleys count
 // An envelope of 6 Hz is correlated over so many seconds.
 constexpr double kCorrelated_s = 0.08;
 
@@ -25,6 +26,7 @@ struct Recording : RecordedTrial {
   std::map<std::string, BurstPattern> bursts;
   std::map<std::string, std::vector<double>> curves;  // mean over a cycle; [0] and the end are one
   std::map<std::string, EmgScatterFactors> factors;
+  std::map<std::string, std::vector<double>> emg;  // CycleScatter::emg
 };
 
 Vector CurveOf(const ShapeBasis& basis, const Vector& shape) {
@@ -39,10 +41,8 @@ std::vector<double> Closed(const Vector& curve) {
   return closed;
 }
 
-// Standard deviation of the noise at a phase of a muscle whose EMG runs along this curve.
-double NoiseAt(const EmgMuscle& muscle, const std::vector<double>& curve, double phase) {
-  if (curve.empty()) return muscle.noise;
-  const double emg = AtPhase(curve, phase - std::floor(phase));
+// Standard deviation of the noise where a muscle has so much EMG.
+double NoiseAt(const EmgMuscle& muscle, double emg) {
   return std::max(kLeastNoise, muscle.modulated.At(emg));
 }
 
@@ -64,7 +64,7 @@ class Preparation {
     for (const auto& [name, trial] : data.trials) {
       auto read = ReadRecordedTrial(name, trial, settings_, out_.notes);
       if (!read) return Fail("trial '{}': {}", name, read.error().message);
-      if (*read) recordings_.push_back({std::move(**read), {}, {}, {}});
+      if (*read) recordings_.push_back({std::move(**read), {}, {}, {}, {}});
     }
     SINEW_TRY(ChooseMuscles());
     SINEW_TRY(GroupSpeeds());
@@ -215,14 +215,18 @@ class Preparation {
           SamplesOf(*recording, recording->measured.at(muscle.name), recording->bursts.at(muscle.name)));
       rate = 1 / (recording->trial.time[1] - recording->trial.time[0]);
     }
+    std::size_t fewest = all.phase.size();
+    for (const CycleSamples& samples : recordings) fewest = std::min(fewest, samples.phase.size());
+    const int knots = std::max(settings_.knots, std::min(kNoiseKnots, static_cast<int>(fewest / 3)));
     SINEW_ASSIGN(const CycleScatter scatter,
-                 EstimateCycleScatter(recordings, settings_.knots, std::max(1.0, kCorrelated_s * rate)));
+                 EstimateCycleScatter(recordings, knots, std::max(1.0, kCorrelated_s * rate)));
     muscle.noise = std::max(scatter.noise, kLeastNoise);
     muscle.bursts.after = scatter.after;
     muscle.modulated = scatter.modulated;
     muscle.gain = scatter.gain;
     muscle.timing = scatter.timing;
     for (std::size_t i = 0; i < with.size(); ++i) {
+      with[i]->emg[muscle.name] = scatter.emg[i];
       with[i]->factors[muscle.name] = {scatter.gain.factor[i], scatter.timing.factor[i]};
     }
     timings_.push_back(scatter.timings);
@@ -245,12 +249,18 @@ class Preparation {
       block.weight = 1 / muscle.noise;
       const auto found = recording.measured.find(muscle.name);
       const std::vector<double>& curve = MeanOf(recording, trial.group, muscle);
+      const auto own = recording.emg.find(muscle.name);
+      std::size_t at = 0;
       if (found != recording.measured.end()) {
         for (std::size_t i = 0; i < found->second.size(); ++i) {
           if (!std::isfinite(found->second[i])) continue;
           block.sample.push_back(static_cast<int>(i));
           block.measured.push_back(found->second[i]);
-          block.relative_weight.push_back(muscle.noise / NoiseAt(muscle, curve, trial.phase[i]));
+          const double noise =
+              own != recording.emg.end() ? NoiseAt(muscle, own->second[at++])
+              : curve.empty()            ? muscle.noise
+                              : NoiseAt(muscle, AtPhase(curve, trial.phase[i] - std::floor(trial.phase[i])));
+          block.relative_weight.push_back(muscle.noise / noise);
         }
       }
       block.role = block.measured.empty() ? BlockRole::kPredicted : trial.role;
