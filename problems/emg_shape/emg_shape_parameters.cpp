@@ -122,7 +122,7 @@ class Builder {
   void AddExponent(std::size_t m, const std::string& effect) {
     const int index =
         Add(BaseParameter(data_.muscles[m].name + ".amplitude_exponent", "1",
-                          "exponent of the speed to which the EMG's size is proportional", -1.5, 2.5, 0),
+                          "exponent of the speed to which the EMG's size is proportional", -4, 6, 0),
             effect);
     for (std::size_t t = 0; t < data_.trials.size(); ++t)
       Touch(t, m, {index, EmgTerm::kGain, EmgAlong::kOne, 0, LogSpeed(data_.trials[t])});
