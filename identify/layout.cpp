@@ -31,6 +31,8 @@ Status CheckBlock(const Block& block, int parameters) {
   }
   if (block.sigma && !(*block.sigma > 0))
     return Fail("its noise level is {}, expected above 0", *block.sigma);
+  if (block.noise_memory && !(*block.noise_memory > 0))
+    return Fail("its noise is forgotten in {} s, expected above 0", *block.noise_memory);
   if (block.range && !(block.range->lower < block.range->upper))
     return Fail("its range {} .. {} is none", block.range->lower, block.range->upper);
   if (block.range && block.role != BlockRole::kPredicted) return Fail("it has a range but is measured");

@@ -43,6 +43,10 @@ struct Block {
   /// their own inside (states of a toss): their residual has lost what these took up, so that an
   /// autoregression or a lower level estimated from it would be one of the fit.
   bool white = false;
+  /// [s, > 0] What is known of how long errors last, from how the channel was made: their correlation fades
+  /// as fast as exp(-t / noise_memory), or faster. What lasts longer is no noise. (An envelope forgets as
+  /// fast as its filter.)
+  std::optional<double> noise_memory;
   /// kPredicted only: where its values should stay. `weight` is that of the distance from it.
   std::optional<Range> range;
   std::vector<int> columns;  ///< parameters that it may depend on, increasing

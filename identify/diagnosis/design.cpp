@@ -268,6 +268,7 @@ Result<std::vector<NoiseBlock>> NoiseBlocks(const LeastSquares& fit, const Vecto
     noise.stretches = Stretches(block);
     if (block.sigma) noise.stated = block.weight * *block.sigma;
     noise.white = block.white;
+    noise.largest_root = LargestRoot(block);
     blocks.push_back(std::move(noise));
   }
   return blocks;

@@ -41,12 +41,20 @@ int RowsWithPast(const std::vector<const LaggedBlock*>& blocks, int past) {
   return rows;
 }
 
-AutoregressiveFilter FilterOf(const Vector& shape) {
+// x_t r^-t of a stationary autoregression has roots r times as large.
+std::vector<double> Shrunk(const std::vector<double>& partial, double root) {
+  std::vector<double> coefficients = CoefficientsFromPartial(partial);
+  double power = 1;
+  for (double& coefficient : coefficients) coefficient *= power *= root;
+  return PartialFromCoefficients(coefficients);
+}
+
+AutoregressiveFilter FilterOf(const Vector& shape, double largest_root) {
   std::vector<double> partial;
   for (Eigen::Index i = 0; i < shape.size(); ++i) {
     partial.push_back(std::tanh(std::clamp(shape[i], -kLargestArgument, kLargestArgument)));
   }
-  return AutoregressiveFilter(partial);
+  return AutoregressiveFilter(largest_root < 1 ? Shrunk(partial, largest_root) : partial);
 }
 
 struct Channel {
@@ -57,6 +65,7 @@ struct Channel {
   bool silent = false;                     // zero throughout
   bool white = false;                      // by decree
   double least_deviation = 0;              // by decree
+  double largest_root = 0;                 // by decree
   std::optional<LaggedProducts> products;  // of the rows that count now
   Vector shape;                            // partial autocorrelations = tanh of it
   double log_variance = 0;                 // of the innovation
@@ -84,6 +93,7 @@ class Estimator {
       found->power += blocks[b].residual.squaredNorm();
       found->loud_power += samples * std::pow(kLoud * stated, 2);
       found->white = found->white || blocks[b].white;
+      found->largest_root = std::max(found->largest_root, blocks[b].largest_root);
       if (blocks[b].white)
         found->least_deviation = std::max(found->least_deviation, blocks[b].stated.value_or(0));
       model_.channel_of.push_back(static_cast<int>(found - channels_.begin()));
@@ -107,8 +117,8 @@ class Estimator {
     for (const Channel& channel : channels_) {
       const double estimated = channel.silent ? kSmallestDeviation : std::exp(0.5 * channel.log_variance);
       const double deviation = std::max(estimated, channel.least_deviation);
-      model_.channels.push_back(
-          {channel.name, FilterOf(channel.shape).coefficients(), deviation, channel.least_deviation});
+      model_.channels.push_back({channel.name, FilterOf(channel.shape, channel.largest_root).coefficients(),
+                                 deviation, channel.least_deviation});
     }
     return std::move(model_);
   }
@@ -152,8 +162,8 @@ class Estimator {
       if (i == c) continue;
       Channel& other = channels_[i];
       others_deviance_ += other.products->rows() * other.log_variance;
-      others_deviance_ +=
-          other.products->AddFiltered(FilterOf(other.shape), std::exp(-other.log_variance), others_);
+      others_deviance_ += other.products->AddFiltered(FilterOf(other.shape, other.largest_root),
+                                                      std::exp(-other.log_variance), others_);
     }
   }
 
@@ -164,7 +174,7 @@ class Estimator {
     work_ = others_;
     const int rows = channel.products->rows();
     if (single) {
-      const double covariance = channel.products->AddFiltered(FilterOf(x), 1, work_);
+      const double covariance = channel.products->AddFiltered(FilterOf(x, channel.largest_root), 1, work_);
       const ProfiledOut left = ProfileOut(work_);
       const double degrees = rows - columns_;
       const double variance = left.power / degrees;
@@ -174,8 +184,8 @@ class Estimator {
     }
     *log_variance = std::clamp(x[x.size() - 1], channel.first_log_variance - kLogVarianceRange,
                                channel.first_log_variance + kLogVarianceRange);
-    const double covariance =
-        channel.products->AddFiltered(FilterOf(x.head(x.size() - 1)), std::exp(-*log_variance), work_);
+    const double covariance = channel.products->AddFiltered(
+        FilterOf(x.head(x.size() - 1), channel.largest_root), std::exp(-*log_variance), work_);
     const ProfiledOut left = ProfileOut(work_);
     const double deviance =
         others_deviance_ + rows * *log_variance + covariance + left.power + left.log_determinant;

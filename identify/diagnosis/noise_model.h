@@ -42,6 +42,7 @@ struct NoiseBlock {
   std::vector<int> stretches;
   std::optional<double> stated;  ///< noise level that the data state [unit of `residual`], > 0
   bool white = false;            ///< order 0, and no lower than `stated`; as in Block
+  double largest_root = 1;       ///< in (0, 1]: that an autoregression may have; of Block::noise_memory
 };
 
 /// Price of one coefficient in the deviance: log(rows) or 2.
@@ -88,6 +89,10 @@ struct NoiseModelOptions {
 ///
 /// A channel with a white block gets order 0, and no level below the largest stated one of its white blocks.
 ///
+/// Roots stay below the largest `largest_root` of a channel's blocks. (A trial whose floor lies higher by
+/// half the noise would else be noise with a root of 0.998, in whose fit the model is exchanged for that
+/// noise.)
+///
 /// Regressors that are combinations of others count once. Several channels: one at a time, the others as they
 /// stand, until the likelihood no longer changes. Cost does not depend on the number of samples after one
 /// pass (lagged cross products). Errors: not more samples than regressors in all.
@@ -118,5 +123,8 @@ class Whitening final : public RowTransform {
 /// Where a block's samples have neighbours: a new stretch starts after a gap longer than 2.5 times the median
 /// interval. (Jitter reaches 1.9 in recordings of a servo where nothing is missing.)
 [[nodiscard]] std::vector<int> Stretches(const Block& block);
+
+/// NoiseBlock::largest_root of noise that is forgotten in the block's noise_memory.
+[[nodiscard]] double LargestRoot(const Block& block);
 
 }  // namespace sinew

@@ -10,7 +10,7 @@ namespace {
 constexpr std::size_t kLeastSurvivors = 4;
 constexpr std::size_t kMostSurvivors = 14;
 constexpr std::size_t kMostPairs = 8;
-constexpr double kStandsOut = 3;   // times the answer of any other trial ...
+constexpr double kStandsOut = 3;   // times the answer of any other trial beside it ...
 constexpr double kNoticeable = 6;  // ... and so much more
 
 }  // namespace
@@ -20,24 +20,30 @@ Shortlist::Shortlist(const std::vector<Candidate>& candidates, const Standing& b
   FindTrialThatStandsOut();
 }
 
+// Of a kind of effect that every trial has, one trial's may be named if no other's answers once it is in.
+// (The base model meets a fault of one trial half way, so that all the others seem to have its opposite.)
 void Shortlist::FindTrialThatStandsOut() {
-  std::map<std::string, std::map<std::string, double>> of_kind;  // effect without its trial
+  std::map<std::string, std::vector<const Score*>> of_kind;  // effect without its trial
   for (std::size_t c = 0; c < candidates_.size(); ++c) {
     const Candidate& candidate = candidates_[c];
     const Score* score = base_.BestOf(static_cast<int>(c));
     if (!candidate.known || candidate.trial.empty() || score == nullptr) continue;
     const std::string kind = candidate.effect.substr(0, candidate.effect.rfind('@'));
-    of_kind[kind][candidate.trial] = score->statistic;
+    of_kind[kind].push_back(score);
   }
   double most = 0;
   for (const auto& [kind, answers] : of_kind) {
-    std::vector<std::pair<double, std::string>> order;
-    for (const auto& [trial, statistic] : answers) order.emplace_back(statistic, trial);
-    std::sort(order.rbegin(), order.rend());
-    const double others = order.size() > 1 ? order[1].first : 0;
-    if (order.front().first < kStandsOut * others + kNoticeable || order.front().first <= most) continue;
-    most = order.front().first;
-    trial_that_stands_out_ = order.front().second;
+    const Score* first =
+        *std::max_element(answers.begin(), answers.end(),
+                          [](const Score* a, const Score* b) { return a->statistic < b->statistic; });
+    double others = 0;
+    for (const Score* other : answers) {
+      if (other != first)
+        others = std::max(others, JointStatistic(base_.whitened, {first, other}) - first->statistic);
+    }
+    if (first->statistic < kStandsOut * others + kNoticeable || first->statistic <= most) continue;
+    most = first->statistic;
+    trial_that_stands_out_ = candidates_[static_cast<std::size_t>(first->candidate)].trial;
   }
 }
 

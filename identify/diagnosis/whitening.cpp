@@ -1,4 +1,5 @@
 #include <algorithm>
+#include <cmath>
 #include <cstddef>
 #include <utility>
 
@@ -11,6 +12,21 @@ namespace {
 // Median intervals. A servo read over a serial bus comes at 0.95 to 1.9 of them, and nothing is missing;
 // where two samples in a row are, it is 3.
 constexpr double kGap = 2.5;
+
+std::vector<double> Intervals(const Block& block) {
+  std::vector<double> intervals;
+  for (std::size_t i = 1; i < block.sample.size(); ++i) {
+    intervals.push_back(block.prediction_time[static_cast<std::size_t>(block.sample[i])] -
+                        block.prediction_time[static_cast<std::size_t>(block.sample[i - 1])]);
+  }
+  return intervals;
+}
+
+double Median(std::vector<double> values) {
+  const auto middle = values.begin() + static_cast<std::ptrdiff_t>(values.size() / 2);
+  std::nth_element(values.begin(), middle, values.end());
+  return *middle;
+}
 
 }  // namespace
 
@@ -36,22 +52,20 @@ void Whitening::Apply(int train_block, Eigen::Ref<Matrix> rows) const {
 }
 
 std::vector<int> Stretches(const Block& block) {
-  const int n = static_cast<int>(block.sample.size());
-  std::vector<double> intervals;
-  for (int i = 1; i < n; ++i) {
-    const auto at = static_cast<std::size_t>(i);
-    intervals.push_back(block.prediction_time[static_cast<std::size_t>(block.sample[at])] -
-                        block.prediction_time[static_cast<std::size_t>(block.sample[at - 1])]);
-  }
+  const std::vector<double> intervals = Intervals(block);
   std::vector<int> starts = {0};
   if (intervals.empty()) return starts;
-  std::vector<double> sorted = intervals;
-  const auto middle = sorted.begin() + static_cast<std::ptrdiff_t>(sorted.size() / 2);
-  std::nth_element(sorted.begin(), middle, sorted.end());
-  for (int i = 1; i < n; ++i) {
-    if (intervals[static_cast<std::size_t>(i - 1)] > kGap * *middle) starts.push_back(i);
+  const double longest = kGap * Median(intervals);
+  for (std::size_t i = 0; i < intervals.size(); ++i) {
+    if (intervals[i] > longest) starts.push_back(static_cast<int>(i) + 1);
   }
   return starts;
+}
+
+double LargestRoot(const Block& block) {
+  const std::vector<double> intervals = Intervals(block);
+  if (!block.noise_memory || intervals.empty()) return 1;
+  return std::exp(-Median(intervals) / *block.noise_memory);
 }
 
 }  // namespace sinew

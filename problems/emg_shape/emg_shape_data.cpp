@@ -20,6 +20,9 @@ constexpr int kPhases = 100;          // of a mean curve
 constexpr int kNoiseKnots = 24;       // at least, of curves that noise is measured about: valleys count
 // An envelope of 6 Hz is correlated over so many seconds.
 constexpr double kCorrelated_s = 0.08;
+// And its errors are forgotten in this time, those of a burst's shape among them. What lasts longer is a
+// floor.
+constexpr double kForgotten_s = 0.3;
 
 // What is learnt of one recording's muscles, beside it.
 struct Recording : RecordedTrial {
@@ -247,6 +250,7 @@ class Preparation {
       block.unit = "1";
       block.prediction_time = trial.time;
       block.weight = 1 / muscle.noise;
+      block.noise_memory = kForgotten_s;
       const auto found = recording.measured.find(muscle.name);
       const std::vector<double>& curve = MeanOf(recording, trial.group, muscle);
       const auto own = recording.emg.find(muscle.name);
