@@ -36,12 +36,14 @@ void Shortlist::FindTrialThatStandsOut() {
     const Score* first =
         *std::max_element(answers.begin(), answers.end(),
                           [](const Score* a, const Score* b) { return a->statistic < b->statistic; });
+    const double price = kPerParameter * static_cast<double>(first->directions.size());
     double others = 0;
     for (const Score* other : answers) {
-      if (other != first)
-        others = std::max(others, JointStatistic(base_.whitened, {first, other}) - first->statistic);
+      if (other == first) continue;
+      const double beside = JointStatistic(base_.whitened, {first, other}) - first->statistic;
+      others = std::max(others, beside - kPerParameter * static_cast<double>(other->directions.size()));
     }
-    if (first->statistic < kStandsOut * others + kNoticeable || first->statistic <= most) continue;
+    if (first->statistic - price < kStandsOut * others + kNoticeable || first->statistic <= most) continue;
     most = first->statistic;
     trial_that_stands_out_ = candidates_[static_cast<std::size_t>(first->candidate)].trial;
   }

@@ -22,7 +22,7 @@ constexpr int kNoiseKnots = 24;       // at least, of curves that noise is measu
 constexpr double kCorrelated_s = 0.08;
 // And its errors are forgotten in this time, those of a burst's shape among them. What lasts longer is a
 // floor.
-constexpr double kForgotten_s = 0.3;
+constexpr double kForgotten_s = 0.2;
 
 // What is learnt of one recording's muscles, beside it.
 struct Recording : RecordedTrial {
