@@ -29,6 +29,8 @@ Status CheckBlock(const Block& block, int parameters) {
   for (const double weight : block.relative_weight) {
     if (!(weight > 0) || !std::isfinite(weight)) return Fail("a relative weight is {}", weight);
   }
+  if (!block.group.empty() && block.group.size() != block.measured.size())
+    return Fail("{} groups of samples but {} measured values", block.group.size(), block.measured.size());
   if (block.sigma && !(*block.sigma > 0))
     return Fail("its noise level is {}, expected above 0", *block.sigma);
   if (block.noise_memory && !(*block.noise_memory > 0))

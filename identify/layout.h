@@ -47,6 +47,10 @@ struct Block {
   /// as fast as exp(-t / noise_memory), or faster. What lasts longer is no noise. (An envelope forgets as
   /// fast as its filter.)
   std::optional<double> noise_memory;
+  /// kValidate, [N] or empty: samples that share an error beyond noise have one number, the same in all
+  /// blocks of a trial: a cycle whose gain and timing only a fit would tell. Such a block has a noise of its
+  /// own, larger and smoother than that of fitted trials.
+  std::vector<int> group;
   /// kPredicted only: where its values should stay. `weight` is that of the distance from it.
   std::optional<Range> range;
   std::vector<int> columns;  ///< parameters that it may depend on, increasing

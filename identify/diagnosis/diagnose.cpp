@@ -136,6 +136,10 @@ class Diagnostician {
     SINEW_ASSIGN(e_.base,
                  StandAt(problem_, e_.candidates, std::move(base), options_.alarm_level, options_.seed));
     SINEW_TRY(DescribeResidual());
+    if (e_.held_out.exists()) {
+      SINEW_ASSIGN(const auto residuals, e_.held_out.Residuals(e_.base.refit.point));
+      SINEW_TRY(e_.held_out.LearnOwnNoise(residuals));
+    }
     Say("refitting what answered");
     SINEW_ASSIGN(e_.selection, Select(problem_, *e_.refitter, e_.candidates, e_.base, options_));
     SINEW_TRY(Continue());

@@ -4,6 +4,7 @@
 #include <cmath>
 #include <limits>
 #include <map>
+#include <utility>
 
 #include "base/random.h"
 #include "identify/results/held_out.h"
@@ -24,7 +25,7 @@ const ChannelNoiseModel* ChannelOf(const NoiseModel& noise, const std::string& c
 
 // Of the block's channel; a channel that is only held out (the plate of the other foot) has the noise of a
 // fitted one of the same quantity. Null if there is none.
-const ChannelNoiseModel* NoiseOf(const Block& block, const NoiseModel& noise, const Layout& layout) {
+const ChannelNoiseModel* TrainedNoiseOf(const Block& block, const NoiseModel& noise, const Layout& layout) {
   if (const ChannelNoiseModel* model = ChannelOf(noise, block.channel)) return model;
   for (const Block& other : layout) {
     if (block.quantity.empty() || other.quantity != block.quantity || other.role != BlockRole::kTrain)
@@ -43,7 +44,7 @@ double Quantile(std::vector<double>& sorted, double share) {
 
 double NoiseFloorOf(const Block& block, const NoiseModel& noise, const Layout& layout) {
   if (block.sigma) return block.weight * *block.sigma;
-  const ChannelNoiseModel* model = NoiseOf(block, noise, layout);
+  const ChannelNoiseModel* model = TrainedNoiseOf(block, noise, layout);
   return model == nullptr ? 0 : model->ProcessDeviation();
 }
 
@@ -77,19 +78,61 @@ Result<std::vector<Vector>> HeldOut::Residuals(const Vector& point) const {
   return residuals;
 }
 
+Status HeldOut::LearnOwnNoise(const std::vector<Vector>& base) {
+  std::vector<NoiseBlock> blocks;
+  for (std::size_t i = 0; i < blocks_.size(); ++i) {
+    if (block(i).group.empty()) continue;
+    NoiseBlock noise;
+    noise.channel = block(i).channel;
+    noise.residual = base[i];
+    noise.regressors = Matrix(base[i].size(), 0);
+    noise.stretches = Stretches(block(i));
+    blocks.push_back(std::move(noise));
+  }
+  if (blocks.empty()) return {};
+  SINEW_ASSIGN(own_, EstimateNoiseModel(blocks, {}));
+  return {};
+}
+
+const ChannelNoiseModel* HeldOut::NoiseOf(const Block& block, const NoiseModel& trained) const {
+  const ChannelNoiseModel* own = block.group.empty() ? nullptr : ChannelOf(own_, block.channel);
+  return own != nullptr ? own : TrainedNoiseOf(block, trained, problem_.layout());
+}
+
+double HeldOut::FloorOf(const Block& block, const NoiseModel& trained) const {
+  const ChannelNoiseModel* own = block.group.empty() ? nullptr : ChannelOf(own_, block.channel);
+  return own != nullptr ? own->ProcessDeviation() : NoiseFloorOf(block, trained, problem_.layout());
+}
+
+Vector HeldOut::WhitenedBlock(std::size_t i, const Vector& residual, const NoiseModel& noise) const {
+  const ChannelNoiseModel* model = NoiseOf(block(i), noise);
+  if (model == nullptr) return Vector::Zero(residual.size());
+  NoiseModel one;
+  one.channels = {*model};
+  one.channel_of = {0};
+  Matrix rows = residual;
+  Whitening(one, {Stretches(block(i))}).Apply(0, rows);
+  return rows;
+}
+
 double HeldOut::Innovations(const std::vector<Vector>& residuals, const NoiseModel& noise) const {
   double sum = 0;
-  for (std::size_t i = 0; i < blocks_.size(); ++i) {
-    const ChannelNoiseModel* model = NoiseOf(block(i), noise, problem_.layout());
-    if (model == nullptr) continue;
-    NoiseModel one;
-    one.channels = {*model};
-    one.channel_of = {0};
-    Matrix rows = residuals[i];
-    Whitening(one, {Stretches(block(i))}).Apply(0, rows);
-    sum += rows.squaredNorm();
-  }
+  for (std::size_t i = 0; i < blocks_.size(); ++i) sum += WhitenedBlock(i, residuals[i], noise).squaredNorm();
   return sum;
+}
+
+std::vector<double> HeldOut::InnovationsOfGroups(const std::vector<Vector>& residuals,
+                                                 const NoiseModel& noise) const {
+  std::map<std::pair<std::string, int>, double> sums;
+  for (std::size_t i = 0; i < blocks_.size(); ++i) {
+    if (block(i).group.empty()) continue;
+    const Vector white = WhitenedBlock(i, residuals[i], noise);
+    for (Eigen::Index k = 0; k < white.size(); ++k)
+      sums[{block(i).trial, block(i).group[static_cast<std::size_t>(k)]}] += white[k] * white[k];
+  }
+  std::vector<double> of_groups;
+  for (const auto& [group, sum] : sums) of_groups.push_back(sum);
+  return of_groups;
 }
 
 std::vector<Gain> HeldOut::Gains(const std::vector<Vector>& before, const std::vector<Vector>& after,
@@ -115,7 +158,7 @@ std::vector<Gain> HeldOut::Gains(const std::vector<Vector>& before, const std::v
       gain.unit = block(i).unit;
       sum_before += before[i].squaredNorm() / (weight * weight);
       sum_after += after[i].squaredNorm() / (weight * weight);
-      const double noise = NoiseFloorOf(block(i), floor, problem_.layout()) / weight;
+      const double noise = FloorOf(block(i), floor) / weight;
       sum_floor += static_cast<double>(before[i].size()) * noise * noise;
       count += static_cast<double>(before[i].size());
     }

@@ -31,9 +31,17 @@ class HeldOut {
     }
   }
 
+  /// Noise of the blocks that have one of their own, from the base model's residuals: what a cause does to
+  /// them is judged against it. Errors: those of EstimateNoiseModel.
+  [[nodiscard]] Status LearnOwnNoise(const std::vector<Vector>& base);
+
   /// Sum of squared innovations of such residuals in units of their variance, by a noise model that was
-  /// estimated on the training trials.
+  /// estimated on the training trials, or by their own.
   [[nodiscard]] double Innovations(const std::vector<Vector>& residuals, const NoiseModel& noise) const;
+
+  /// The same, of every group of samples (Block::group) in an order of their own; empty: there are none.
+  [[nodiscard]] std::vector<double> InnovationsOfGroups(const std::vector<Vector>& residuals,
+                                                        const NoiseModel& noise) const;
 
   /// Pooled per quantity, with an interval from a moving-block bootstrap (Kuensch 1989) of the samples.
   /// @param floor per channel: standard deviation of the noise, weighted units (NoiseModel::ProcessDeviation)
@@ -44,8 +52,14 @@ class HeldOut {
   [[nodiscard]] const Block& block(std::size_t i) const {
     return problem_.layout()[static_cast<std::size_t>(blocks_[i])];
   }
+  /// Of a block; null if nothing knows.
+  [[nodiscard]] const ChannelNoiseModel* NoiseOf(const Block& block, const NoiseModel& trained) const;
+  [[nodiscard]] Vector WhitenedBlock(std::size_t i, const Vector& residual, const NoiseModel& noise) const;
+  [[nodiscard]] double FloorOf(const Block& block, const NoiseModel& trained) const;
+
   const Problem& problem_;
   std::vector<int> blocks_;
+  NoiseModel own_;  // of channels
 };
 
 /// Standard deviation of the noise of a block, weighted: what the data state, else what the model says of its

@@ -55,22 +55,49 @@ class Withdrawal {
     return e_.Loss(before, selection_.model.noise) - e_.Loss(with, selection_.model.noise);
   }
 
-  [[nodiscard]] bool IsTelling(std::vector<Vector> moved, const std::vector<Vector>& with) const {
-    for (std::size_t b = 0; b < moved.size(); ++b) moved[b] -= with[b];
-    const double loss = e_.Loss(moved, selection_.model.noise);
-    return selection_.gross ? loss > kTellingShare * e_.Loss(with, selection_.model.noise) : loss > kTelling;
+  [[nodiscard]] bool IsTelling(const std::vector<Vector>& before, const std::vector<Vector>& with) const {
+    const double loss = e_.Loss(Moved(before, with), selection_.model.noise);
+    if (selection_.gross) return loss > kTellingShare * e_.Loss(with, selection_.model.noise);
+    if (loss <= kTelling) return false;
+    double sum = 0;
+    double squares = 0;
+    for (const double gain : GainsOfGroups(before, with)) {
+      sum += gain;
+      squares += gain * gain;
+    }
+    return squares == 0 || sum < kFarLess * std::sqrt(squares);
+  }
+
+  [[nodiscard]] static std::vector<Vector> Moved(std::vector<Vector> before,
+                                                 const std::vector<Vector>& with) {
+    for (std::size_t b = 0; b < before.size(); ++b) before[b] -= with[b];
+    return before;
+  }
+
+  // Where groups of samples share an error, noise says too little of what chance does: their gains do, which
+  // are independent.
+  [[nodiscard]] std::vector<double> GainsOfGroups(const std::vector<Vector>& before,
+                                                  const std::vector<Vector>& with) const {
+    std::vector<double> gains = e_.held_out.InnovationsOfGroups(before, selection_.model.noise);
+    const std::vector<double> left = e_.held_out.InnovationsOfGroups(with, selection_.model.noise);
+    for (std::size_t g = 0; g < gains.size(); ++g) gains[g] -= left[g];
+    return gains;
   }
 
   [[nodiscard]] bool StandsInForSomethingElse(const std::vector<Vector>& before,
                                               const std::vector<Vector>& with) const {
     if (selection_.gross) return false;
-    std::vector<Vector> moved = before;
-    for (std::size_t b = 0; b < moved.size(); ++b) moved[b] -= with[b];
+    const std::vector<Vector> moved = Moved(before, with);
     const double squared = e_.Loss(moved, selection_.model.noise);
     const double fitted = FittedChange();
     if (!(squared > 0 && fitted > 0)) return false;
-    const double deviation = std::sqrt(4 * (1 + squared / fitted) * squared);
-    return Gain(before, with) - squared < kFarLess * deviation;
+    double variance = 4 * (1 + squared / fitted) * squared;
+    const std::vector<double> expected = e_.held_out.InnovationsOfGroups(moved, selection_.model.noise);
+    const std::vector<double> gains = GainsOfGroups(before, with);
+    double of_groups = 0;
+    for (std::size_t g = 0; g < gains.size(); ++g) of_groups += std::pow(gains[g] - expected[g], 2);
+    variance = std::max(variance, of_groups);
+    return Gain(before, with) - squared < kFarLess * std::sqrt(variance);
   }
 
   // What the causes change in the fitted trials, in units of the noise's variance; 0 if that cannot be said.

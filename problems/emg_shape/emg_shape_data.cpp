@@ -268,6 +268,9 @@ class Preparation {
         }
       }
       block.role = block.measured.empty() ? BlockRole::kPredicted : trial.role;
+      if (settings_.cycle_scatter && block.role == BlockRole::kValidate) {
+        for (const int i : block.sample) block.group.push_back(trial.cycle[static_cast<std::size_t>(i)]);
+      }
       trial.scatter.push_back(FactorsOf(recording, trial.group, muscle));
       AddWindows(muscle, block, trial);
       out_.layout.push_back(std::move(block));
