@@ -42,10 +42,9 @@ int RowsWithPast(const std::vector<const LaggedBlock*>& blocks, int past) {
 }
 
 // x_t r^-t of a stationary autoregression has roots r times as large.
-std::vector<double> Shrunk(const std::vector<double>& partial, double root) {
-  std::vector<double> coefficients = CoefficientsFromPartial(partial);
+std::vector<double> WithRootsTimes(double factor, std::vector<double> coefficients) {
   double power = 1;
-  for (double& coefficient : coefficients) coefficient *= power *= root;
+  for (double& coefficient : coefficients) coefficient *= power *= factor;
   return PartialFromCoefficients(coefficients);
 }
 
@@ -54,7 +53,17 @@ AutoregressiveFilter FilterOf(const Vector& shape, double largest_root) {
   for (Eigen::Index i = 0; i < shape.size(); ++i) {
     partial.push_back(std::tanh(std::clamp(shape[i], -kLargestArgument, kLargestArgument)));
   }
-  return AutoregressiveFilter(largest_root < 1 ? Shrunk(partial, largest_root) : partial);
+  if (largest_root < 1) partial = WithRootsTimes(largest_root, CoefficientsFromPartial(partial));
+  return AutoregressiveFilter(partial);
+}
+
+// The way back.
+Vector ShapeOf(const std::vector<double>& coefficients, double largest_root) {
+  const std::vector<double> partial = WithRootsTimes(1 / largest_root, coefficients);
+  Vector shape(static_cast<Eigen::Index>(partial.size()));
+  for (std::size_t i = 0; i < partial.size(); ++i)
+    shape[static_cast<Eigen::Index>(i)] = std::atanh(std::clamp(partial[i], -kLargestBurg, kLargestBurg));
+  return shape;
 }
 
 struct Channel {
@@ -102,9 +111,10 @@ class Estimator {
   }
 
   NoiseModel Estimate() {
-    const int sweeps = channels_.size() > 1 ? kOrderSweeps : 1;
-    for (int sweep = 0; sweep < sweeps && !options_.white; ++sweep) {
-      for (std::size_t c = 0; c < channels_.size(); ++c) ChooseOrder(c);
+    if (options_.like != nullptr) {
+      KeepOrders(*options_.like);
+    } else if (!options_.white) {
+      ChooseOrders();
     }
     double last = std::numeric_limits<double>::infinity();
     for (int sweep = 0; sweep < kMaxSweeps; ++sweep) {
@@ -124,6 +134,33 @@ class Estimator {
   }
 
  private:
+  // The order of one channel depends on the others', and the last one knew them all.
+  void ChooseOrders() {
+    bool changed = true;
+    const int sweeps = channels_.size() > 1 ? kOrderSweeps : 1;
+    for (int sweep = 0; sweep < sweeps && changed; ++sweep) {
+      changed = sweep == 0;
+      for (std::size_t c = 0; c < channels_.size(); ++c) {
+        if (sweep > 0 && c + 1 == channels_.size() && !changed) break;
+        const Eigen::Index before = channels_[c].shape.size();
+        ChooseOrder(c);
+        changed = changed || channels_[c].shape.size() != before;
+      }
+    }
+  }
+
+  void KeepOrders(const NoiseModel& like) {
+    for (Channel& channel : channels_) {
+      for (const ChannelNoiseModel& known : like.channels) {
+        if (known.channel != channel.name || options_.white || channel.silent ||
+            static_cast<int>(known.coefficients.size()) > channel.largest_order)
+          continue;
+        channel.shape = ShapeOf(known.coefficients, channel.largest_root);
+        channel.log_variance = 2 * std::log(known.deviation);
+      }
+    }
+  }
+
   void Start(Channel& channel) const {
     std::vector<Vector> stretches;
     double power = 0;

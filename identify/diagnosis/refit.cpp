@@ -103,10 +103,11 @@ FitSetup Refitter::SetupWith(const std::vector<int>& released) const {
   return setup;
 }
 
-Status Refitter::EstimateNoise(LeastSquares& fit, bool white, Refit& refit) const {
+Status Refitter::EstimateNoise(LeastSquares& fit, bool white, const NoiseModel* like, Refit& refit) const {
   fit.set_transform(nullptr);
   NoiseModelOptions how;
   how.white = white;
+  how.like = like;
   SINEW_ASSIGN(const auto blocks, NoiseBlocks(fit, refit.x));
   SINEW_ASSIGN(refit.noise, EstimateNoiseModel(blocks, how));
   return {};
@@ -140,7 +141,7 @@ Refit Refitter::FitOrdinary(std::vector<int> released, const std::vector<Vector>
   refit.x = found.x;
   refit.cost = found.cost;
   refit.converged = found.converged;
-  Status status = EstimateNoise(fit, false, refit);
+  Status status = EstimateNoise(fit, false, nullptr, refit);
   if (status) status = Finish(fit, refit);
   if (!status) refit.failure = status.error().message;
   return refit;
@@ -161,7 +162,7 @@ Refit Refitter::Fit(std::vector<int> released, const std::vector<Vector>& starts
   if (status && (independent_ || refit.swallowed)) {
     refit.x = ordinary;
     refit.swallowed = true;
-    status = EstimateNoise(fit, true, refit);
+    status = EstimateNoise(fit, true, nullptr, refit);
   }
   if (status) status = Finish(fit, refit);
   if (!status) refit.failure = status.error().message;
@@ -172,7 +173,10 @@ Refit Refitter::Fit(std::vector<int> released, const std::vector<Vector>& starts
 Status Refitter::Generalise(LeastSquares& fit, Refit& refit) const {
   const auto stretches = TrainStretches(fit);
   for (int round = 0; round < kNoiseRounds; ++round) {
-    if (round > 0) SINEW_TRY(EstimateNoise(fit, false, refit));
+    if (round > 0) {
+      const NoiseModel before = refit.noise;
+      SINEW_TRY(EstimateNoise(fit, false, &before, refit));
+    }
     if (IsPlain(refit.noise) && fit.PriorVariables().empty()) break;
     const Whitening whitening(refit.noise, stretches);
     fit.set_transform(&whitening);

@@ -66,8 +66,9 @@ class Refitter {
   [[nodiscard]] Result<Matrix> Covariance(const Refit& refit) const;
 
  private:
-  /// Noise of the refit's residual; white if errors count as independent.
-  [[nodiscard]] Status EstimateNoise(LeastSquares& fit, bool white, Refit& refit) const;
+  /// Noise of the refit's residual; white if errors count as independent. @param like may be null
+  [[nodiscard]] Status EstimateNoise(LeastSquares& fit, bool white, const NoiseModel* like,
+                                     Refit& refit) const;
   [[nodiscard]] Status Generalise(LeastSquares& fit, Refit& refit) const;
   [[nodiscard]] Status Finish(const LeastSquares& fit, Refit& refit) const;
 

@@ -345,6 +345,21 @@ class Preparation {
     for (std::size_t w = 0; w + 1 < windows.size(); ++w) windows[w].end = ends[w + 1];
   }
 
+  // What another electrode hears of a muscle. Noise of its own is none of that, and would hide what is: apart
+  // from what gains and timings take up, muscles of like shape differ by little more than this noise.
+  [[nodiscard]] static std::vector<double> WithoutNoise(const Recording& recording,
+                                                        const std::string& muscle) {
+    std::vector<double> values = recording.recorded.at(muscle);
+    const auto known = recording.emg.find(muscle);
+    if (known == recording.emg.end()) return values;
+    const std::vector<double>& measured = recording.measured.at(muscle);
+    std::size_t at = 0;
+    for (std::size_t i = 0; i < values.size(); ++i) {
+      if (std::isfinite(measured[i])) values[i] = known->second[at++];
+    }
+    return values;
+  }
+
   void AddOthers(const Recording& recording, EmgShapeTrial& trial) const {
     trial.others.resize(out_.muscles.size());
     if (out_.muscles.size() < 2) return;
@@ -357,8 +372,13 @@ class Preparation {
       others.assign(trial.time.size(), 0);
       for (std::size_t o = 0; o < out_.muscles.size(); ++o) {
         if (o == m) continue;
-        const std::vector<double>& values = recording.recorded.at(out_.muscles[o].name);
-        for (std::size_t i = 0; i < others.size(); ++i) others[i] += share * values[i];
+        const EmgMuscle& other = out_.muscles[o];
+        const std::vector<double> values = WithoutNoise(recording, other.name);
+        for (std::size_t i = 0; i < others.size(); ++i) {
+          const double mean =
+              other.mean.empty() ? 0 : AtPhase(other.mean, trial.phase[i] - std::floor(trial.phase[i]));
+          others[i] += share * (values[i] - mean);
+        }
       }
     }
   }
