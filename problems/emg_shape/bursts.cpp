@@ -92,6 +92,10 @@ int BurstPattern::BurstAt(int cycle, double phase) const {
   return cycle * count() + static_cast<int>(past);
 }
 
+int BurstPattern::IndexOf(int burst) const {
+  return ((burst % count()) + count()) % count();
+}
+
 int BurstPattern::CycleOf(int burst) const {
   const int since = burst - main + count() - 1 - std::min(after, count() - 1);
   return since >= 0 ? since / count() : -((count() - 1 - since) / count());

@@ -33,6 +33,8 @@ struct BurstPattern {
   [[nodiscard]] int count() const { return cuts.empty() ? 1 : static_cast<int>(cuts.size()); }
   /// Which burst a sample is of: `count` numbers per cycle, increasing with time. @param phase [0..1)
   [[nodiscard]] int BurstAt(int cycle, double phase) const;
+  /// Which of a cycle's bursts that is [0..count).
+  [[nodiscard]] int IndexOf(int burst) const;
   /// The cycle with whose main burst a burst varies together.
   [[nodiscard]] int CycleOf(int burst) const;
 };

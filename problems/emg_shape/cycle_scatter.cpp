@@ -177,17 +177,19 @@ class Estimation {
     std::vector<Sums> sums(recordings_.size());
     for (const Told& burst : told_) {
       const auto r = static_cast<std::size_t>(burst.recording);
-      const int count = recordings_[r].pattern.count();
       sums[r].squares += burst.*value * burst.*value;
       sums[r].noise += burst.*noise;
       sums[r].told += 1;
-      sums[r].bursts.insert(((burst.number % count) + count) % count);
+      sums[r].bursts.insert(recordings_[r].pattern.IndexOf(burst.number));
     }
+    std::vector<std::size_t> telling;  // recordings
     std::vector<double> variances;
     std::vector<double> told;
-    for (const Sums& of : sums) {
+    for (std::size_t r = 0; r < sums.size(); ++r) {
+      const Sums& of = sums[r];
       const double freedom = of.told - static_cast<double>(of.bursts.size());
       if (freedom < 1) continue;
+      telling.push_back(r);
       variances.push_back(of.squares / freedom - correlated_ * variance_ * of.noise / of.told);
       told.push_back(freedom);
     }
@@ -202,12 +204,9 @@ class Estimation {
       freedom += told[i];
     }
     scatter.total = std::sqrt(std::max(sum / freedom, least * least));
-    std::size_t i = 0;
-    for (std::size_t r = 0; r < sums.size(); ++r) {
-      if (sums[r].told - static_cast<double>(sums[r].bursts.size()) < 1) continue;
+    for (std::size_t i = 0; i < telling.size(); ++i) {
       const double ratio = std::max(variances[i], 0.0) / (scatter.total * scatter.total);
-      scatter.factor[r] = std::sqrt((kUsual + told[i] * ratio) / (kUsual + told[i]));
-      ++i;
+      scatter.factor[telling[i]] = std::sqrt((kUsual + told[i] * ratio) / (kUsual + told[i]));
     }
   }
 

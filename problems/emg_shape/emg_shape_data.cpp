@@ -8,50 +8,14 @@
 #include "base/text.h"
 #include "models/emg/cycle_warp.h"
 #include "models/emg/shape_basis.h"
-#include "problems/emg_shape/bursts.h"
-#include "problems/emg_shape/cycle_scatter.h"
-#include "problems/emg_shape/recorded_trial.h"
+#include "problems/emg_shape/muscle_learning.h"
 
 namespace sinew {
 namespace {
 
-constexpr double kLeastNoise = 1e-4;  // of normalised EMG; made-up data without noise have a weight too
-constexpr int kPhases = 100;          // of a mean curve
-constexpr int kNoiseKnots = 24;       // at least, of curves that noise is measured about: valleys count
-// An envelope of 6 Hz is correlated over so many seconds.
-constexpr double kCorrelated_s = 0.08;
-// And its errors are forgotten in this time, those of a burst's shape among them. What lasts longer is a
-// floor.
+// Errors of an envelope (6 Hz) are forgotten in this time, those of a burst's shape among them. What lasts
+// longer is a floor.
 constexpr double kForgotten_s = 0.2;
-
-// What is learnt of one recording's muscles, beside it.
-struct Recording : RecordedTrial {
-  std::map<std::string, BurstPattern> bursts;
-  std::map<std::string, std::vector<double>> curves;  // mean over a cycle; [0] and the end are one
-  std::map<std::string, EmgScatterFactors> factors;
-  std::map<std::string, std::vector<double>> emg;  // CycleScatter::emg
-};
-
-Vector CurveOf(const ShapeBasis& basis, const Vector& shape) {
-  Vector curve(kPhases);
-  for (int i = 0; i < kPhases; ++i) curve[i] = basis.Value(static_cast<double>(i) / kPhases, shape.data());
-  return curve;
-}
-
-std::vector<double> Closed(const Vector& curve) {
-  std::vector<double> closed(curve.data(), curve.data() + curve.size());
-  closed.push_back(curve[0]);
-  return closed;
-}
-
-// Standard deviation of the noise where a muscle has so much EMG.
-double NoiseAt(const EmgMuscle& muscle, double emg) {
-  return std::max(kLeastNoise, muscle.modulated.At(emg));
-}
-
-int Remainder(int i, int n) {
-  return ((i % n) + n) % n;
-}
 
 class Preparation {
  public:
@@ -67,13 +31,13 @@ class Preparation {
     for (const auto& [name, trial] : data.trials) {
       auto read = ReadRecordedTrial(name, trial, settings_, out_.notes);
       if (!read) return Fail("trial '{}': {}", name, read.error().message);
-      if (*read) recordings_.push_back({std::move(**read), {}, {}, {}, {}});
+      if (*read) recordings_.push_back({std::move(**read), {}});
     }
     SINEW_TRY(ChooseMuscles());
     SINEW_TRY(GroupSpeeds());
     SINEW_TRY(ChooseReference());
-    SINEW_TRY(LearnMuscles());
-    for (Recording& recording : recordings_) Finish(recording);
+    SINEW_ASSIGN(out_.shared_timing, LearnMuscles(settings_, out_.reference, recordings_, out_.muscles));
+    for (const LearntRecording& recording : recordings_) Finish(recording);
     return std::move(out_);
   }
 
@@ -82,7 +46,7 @@ class Preparation {
     std::set<std::string> learnt;
     std::set<std::string> seen(settings_.muscles.begin(), settings_.muscles.end());
     bool any_training = false;
-    for (const Recording& recording : recordings_) {
+    for (const LearntRecording& recording : recordings_) {
       any_training = any_training || recording.trial.role == BlockRole::kTrain;
       for (const auto& [muscle, values] : recording.measured) {
         seen.insert(muscle);
@@ -115,7 +79,7 @@ class Preparation {
 
   Status GroupSpeeds() {
     std::vector<EmgShapeTrial*> order;
-    for (Recording& recording : recordings_) order.push_back(&recording.trial);
+    for (LearntRecording& recording : recordings_) order.push_back(&recording.trial);
     std::stable_sort(order.begin(), order.end(),
                      [](const EmgShapeTrial* a, const EmgShapeTrial* b) { return a->speed < b->speed; });
     std::set<std::string> labels;
@@ -142,7 +106,7 @@ class Preparation {
       if (out_.speeds[s].trained) trained.push_back(static_cast<int>(s));
     }
     const int middle = trained[trained.size() / 2];
-    for (const Recording& recording : recordings_) {
+    for (const LearntRecording& recording : recordings_) {
       const EmgShapeTrial& trial = recording.trial;
       if (trial.group != middle || trial.role != BlockRole::kTrain) continue;
       out_.reference = {trial.speed, trial.period};
@@ -151,251 +115,136 @@ class Preparation {
     return Fail("no training trial");
   }
 
-  [[nodiscard]] static CycleSamples SamplesOf(const Recording& recording, const std::vector<double>& values,
-                                              const BurstPattern& bursts) {
-    CycleSamples samples;
-    samples.pattern = bursts;
-    const EmgShapeTrial& trial = recording.trial;
-    for (std::size_t i = 0; i < values.size(); ++i) {
-      if (!std::isfinite(values[i])) continue;
-      samples.phase.push_back(trial.phase[i]);
-      samples.values.push_back(values[i]);
-      samples.burst.push_back(bursts.BurstAt(trial.cycle[i], trial.phase[i]));
-    }
-    return samples;
-  }
-
-  Status LearnMuscles() {
-    for (EmgMuscle& muscle : out_.muscles) {
-      const Status learnt = Learn(muscle);
-      if (!learnt) return Fail("{}: {}", muscle.name, learnt.error().message);
-    }
-    out_.shared_timing = SharedTiming(timings_);
-    return {};
-  }
-
-  // Where the shape begins to be fitted: the recordings at the reference speed, or all of them.
-  Status Learn(EmgMuscle& muscle) {
-    muscle.shape = Vector::Zero(settings_.knots);
-    const ShapeBasis plain(settings_.knots);
-    Vector mean = Vector::Zero(kPhases);
-    CycleSamples at_reference;
-    CycleSamples all;
-    std::vector<Recording*> with;
-    const auto append = [](const CycleSamples& from, CycleSamples& to) {
-      to.phase.insert(to.phase.end(), from.phase.begin(), from.phase.end());
-      to.values.insert(to.values.end(), from.values.begin(), from.values.end());
-    };
-    for (Recording& recording : recordings_) {
-      const auto found = recording.measured.find(muscle.name);
-      if (recording.trial.role != BlockRole::kTrain || found == recording.measured.end()) continue;
-      with.push_back(&recording);
-      const CycleSamples samples = SamplesOf(recording, found->second, {});
-      const auto shape = FitShape(samples.phase, samples.values, plain);
-      if (!shape) return Fail("trial '{}': {}", recording.trial.name, shape.error().message);
-      const Vector curve = CurveOf(plain, *shape);
-      mean += curve;
-      recording.curves[muscle.name] = Closed(curve);
-      recording.bursts[muscle.name] = FindBursts(curve);
-      append(samples, all);
-      if (recording.trial.speed == out_.reference.speed) append(samples, at_reference);
-    }
-    if (with.empty()) {
-      muscle.noise = 1;
-      const auto known = settings_.jitter.find(muscle.name);
-      if (known != settings_.jitter.end()) muscle.timing.total = known->second;
-      return {};
-    }
-    const CycleSamples& from = at_reference.phase.empty() ? all : at_reference;
-    SINEW_ASSIGN(muscle.shape, FitShape(from.phase, from.values, BasisOf(settings_, out_.reference.period)));
-    muscle.bursts = FindBursts(CurveOf(BasisOf(settings_, out_.reference.period), muscle.shape));
-    mean /= static_cast<double>(with.size());
-    muscle.mean = Closed(mean);
-    std::vector<CycleSamples> recordings;
-    double rate = 0;
-    for (const Recording* recording : with) {
-      recordings.push_back(
-          SamplesOf(*recording, recording->measured.at(muscle.name), recording->bursts.at(muscle.name)));
-      rate = 1 / (recording->trial.time[1] - recording->trial.time[0]);
-    }
-    std::size_t fewest = all.phase.size();
-    for (const CycleSamples& samples : recordings) fewest = std::min(fewest, samples.phase.size());
-    const int knots = std::max(settings_.knots, std::min(kNoiseKnots, static_cast<int>(fewest / 3)));
-    SINEW_ASSIGN(const CycleScatter scatter,
-                 EstimateCycleScatter(recordings, knots, std::max(1.0, kCorrelated_s * rate)));
-    muscle.noise = std::max(scatter.noise, kLeastNoise);
-    muscle.bursts.after = scatter.after;
-    muscle.modulated = scatter.modulated;
-    muscle.gain = scatter.gain;
-    muscle.timing = scatter.timing;
-    for (std::size_t i = 0; i < with.size(); ++i) {
-      with[i]->emg[muscle.name] = scatter.emg[i];
-      with[i]->factors[muscle.name] = {scatter.gain.factor[i], scatter.timing.factor[i]};
-    }
-    timings_.push_back(scatter.timings);
-    for (CycleTiming& timing : timings_.back())
-      timing.recording =
-          static_cast<int>(with[static_cast<std::size_t>(timing.recording)] - recordings_.data());
-    return {};
-  }
-
   // Windows, the other muscles' EMG, and a block per muscle.
-  void Finish(Recording& recording) {
-    EmgShapeTrial trial = std::move(recording.trial);
+  void Finish(const LearntRecording& recording) {
+    EmgShapeTrial trial = recording.trial;
     trial.first_block = static_cast<int>(out_.layout.size());
     for (const EmgMuscle& muscle : out_.muscles) {
-      Block block;
-      block.trial = trial.name;
-      block.channel = muscle.name;
-      block.unit = "1";
-      block.prediction_time = trial.time;
-      block.weight = 1 / muscle.noise;
-      block.noise_memory = kForgotten_s;
-      const auto found = recording.measured.find(muscle.name);
-      const std::vector<double>& curve = MeanOf(recording, trial.group, muscle);
-      const auto own = recording.emg.find(muscle.name);
-      std::size_t at = 0;
-      if (found != recording.measured.end()) {
-        for (std::size_t i = 0; i < found->second.size(); ++i) {
-          if (!std::isfinite(found->second[i])) continue;
-          block.sample.push_back(static_cast<int>(i));
-          block.measured.push_back(found->second[i]);
-          const double noise =
-              own != recording.emg.end() ? NoiseAt(muscle, own->second[at++])
-              : curve.empty()            ? muscle.noise
-                              : NoiseAt(muscle, AtPhase(curve, trial.phase[i] - std::floor(trial.phase[i])));
-          block.relative_weight.push_back(muscle.noise / noise);
-        }
-      }
-      block.role = block.measured.empty() ? BlockRole::kPredicted : trial.role;
-      if (settings_.cycle_scatter && block.role == BlockRole::kValidate) {
-        for (const int i : block.sample) block.group.push_back(trial.cycle[static_cast<std::size_t>(i)]);
-      }
-      trial.scatter.push_back(FactorsOf(recording, trial.group, muscle));
-      AddWindows(muscle, block, trial);
+      Block block = BlockOf(recording, muscle);
+      const bool apart = muscle.gain.own() > 0 || muscle.timing.own() > 0;
+      trial.scatter.push_back(FactorsOf(recording, muscle));
+      trial.windows.emplace_back();
+      if (block.role == BlockRole::kTrain)
+        trial.windows.back() = FindEmgWindows(muscle.bursts, apart, trial.cycle, trial.phase, block.sample);
       out_.layout.push_back(std::move(block));
     }
     AddOthers(recording, trial);
     out_.trials.push_back(std::move(trial));
   }
 
-  // The muscle's mean EMG in this recording, in a fitted one at the same speed, or at all speeds.
-  [[nodiscard]] const std::vector<double>& MeanOf(const Recording& recording, int group,
+  [[nodiscard]] Block BlockOf(const LearntRecording& recording, const EmgMuscle& muscle) const {
+    const EmgShapeTrial& trial = recording.trial;
+    Block block;
+    block.trial = trial.name;
+    block.channel = muscle.name;
+    block.unit = "1";
+    block.prediction_time = trial.time;
+    block.weight = 1 / muscle.noise;
+    block.noise_memory = kForgotten_s;
+    const auto measured = recording.measured.find(muscle.name);
+    for (std::size_t i = 0; measured != recording.measured.end() && i < measured->second.size(); ++i) {
+      if (!std::isfinite(measured->second[i])) continue;
+      block.sample.push_back(static_cast<int>(i));
+      block.measured.push_back(measured->second[i]);
+    }
+    block.role = block.measured.empty() ? BlockRole::kPredicted : trial.role;
+    for (const double emg : EmgAt(recording, muscle, block.sample)) {
+      block.relative_weight.push_back(muscle.noise / std::max(kLeastEnvelopeNoise, muscle.modulated.At(emg)));
+    }
+    if (settings_.cycle_scatter && block.role == BlockRole::kValidate) {
+      for (const int i : block.sample) block.group.push_back(trial.cycle[static_cast<std::size_t>(i)]);
+    }
+    return block;
+  }
+
+  // Without noise: of the recording's own bursts, else of the mean. Empty: nothing was learnt of the muscle.
+  [[nodiscard]] std::vector<double> EmgAt(const LearntRecording& recording, const EmgMuscle& muscle,
+                                          const std::vector<int>& samples) const {
+    const auto own = recording.learnt.find(muscle.name);
+    if (own != recording.learnt.end()) return own->second.emg;
+    std::vector<double> emg;
+    const std::vector<double>& curve = MeanOf(recording, muscle);
+    if (curve.empty()) return emg;
+    for (const int i : samples)
+      emg.push_back(OverCycles(curve, recording.trial.phase[static_cast<std::size_t>(i)]));
+    return emg;
+  }
+
+  // At a phase of any cycle.
+  [[nodiscard]] static double OverCycles(const std::vector<double>& curve, double phase) {
+    return AtPhase(curve, phase - std::floor(phase));
+  }
+
+  // The muscle's mean EMG in a fitted recording at the same speed, or at all speeds.
+  [[nodiscard]] const std::vector<double>& MeanOf(const LearntRecording& recording,
                                                   const EmgMuscle& muscle) const {
-    const auto own = recording.curves.find(muscle.name);
-    if (own != recording.curves.end()) return own->second;
-    for (const Recording& other : recordings_) {
-      const auto found = other.curves.find(muscle.name);
-      if (other.trial.group == group && found != other.curves.end()) return found->second;
+    for (const LearntRecording& other : recordings_) {
+      const auto found = other.learnt.find(muscle.name);
+      if (other.trial.group == recording.trial.group && found != other.learnt.end())
+        return found->second.curve;
     }
     return muscle.mean;
   }
 
   // Of the recording itself, else the mean of the fitted ones at the same speed.
-  [[nodiscard]] EmgScatterFactors FactorsOf(const Recording& recording, int group,
-                                            const EmgMuscle& muscle) const {
-    const auto own = recording.factors.find(muscle.name);
-    if (own != recording.factors.end()) return own->second;
+  [[nodiscard]] EmgScatterFactors FactorsOf(const LearntRecording& recording, const EmgMuscle& muscle) const {
+    const auto own = recording.learnt.find(muscle.name);
+    if (own != recording.learnt.end()) return own->second.factors;
     EmgScatterFactors sum{0, 0};
     double count = 0;
-    for (const Recording& other : recordings_) {
-      const auto found = other.factors.find(muscle.name);
-      if (other.trial.group != group || found == other.factors.end()) continue;
-      sum.gain += found->second.gain;
-      sum.timing += found->second.timing;
+    for (const LearntRecording& other : recordings_) {
+      const auto found = other.learnt.find(muscle.name);
+      if (other.trial.group != recording.trial.group || found == other.learnt.end()) continue;
+      sum.gain += found->second.factors.gain;
+      sum.timing += found->second.factors.timing;
       count += 1;
     }
     return count > 0 ? EmgScatterFactors{sum.gain / count, sum.timing / count} : EmgScatterFactors{};
   }
 
-  static void AddWindows(const EmgMuscle& muscle, const Block& block, EmgShapeTrial& trial) {
-    const BurstPattern& bursts = muscle.bursts;
-    trial.windows.emplace_back();
-    if (block.role != BlockRole::kTrain) return;
-    const bool apart = muscle.gain.own() > 0 || muscle.timing.own() > 0;
-    std::vector<EmgWindow>& windows = trial.windows.back();
-    std::vector<int> window_of(trial.time.size());
-    int last = 0;
-    for (std::size_t i = 0; i < trial.time.size(); ++i) {
-      const int burst = bursts.BurstAt(trial.cycle[i], trial.phase[i]);
-      const int cycle = bursts.CycleOf(burst);
-      if (windows.empty() || (apart ? burst != last : cycle != windows.back().cycle)) {
-        EmgWindow window;
-        window.first = static_cast<int>(i);
-        window.cycle = cycle;
-        if (!windows.empty() && !bursts.cuts.empty()) {
-          window.before = bursts.cuts[static_cast<std::size_t>(Remainder(burst - 1, bursts.count()))];
-          window.begin =
-              std::round(trial.cycle[i] + trial.phase[i] - window.before.phase) + window.before.phase;
-          windows.back().finish = window.begin;
-          windows.back().after = window.before;
-        }
-        windows.push_back(window);
-      }
-      windows.back().end = static_cast<int>(i) + 1;
-      window_of[i] = static_cast<int>(windows.size()) - 1;
-      last = burst;
-    }
-    for (const int i : block.sample)
-      windows[static_cast<std::size_t>(window_of[static_cast<std::size_t>(i)])].fitted = true;
-    // Timings move a burst into where its neighbours are.
-    std::vector<int> ends;
-    for (const EmgWindow& window : windows) ends.push_back(window.end);
-    for (std::size_t w = windows.size(); w-- > 1;) windows[w].first = windows[w - 1].first;
-    for (std::size_t w = 0; w + 1 < windows.size(); ++w) windows[w].end = ends[w + 1];
-  }
-
   // What another electrode hears of a muscle. Noise of its own is none of that, and would hide what is: apart
   // from what gains and timings take up, muscles of like shape differ by little more than this noise.
-  [[nodiscard]] static std::vector<double> WithoutNoise(const Recording& recording,
-                                                        const std::string& muscle) {
+  [[nodiscard]] static std::vector<double> Heard(const LearntRecording& recording,
+                                                 const std::string& muscle) {
     std::vector<double> values = recording.recorded.at(muscle);
-    const auto known = recording.emg.find(muscle);
-    if (known == recording.emg.end()) return values;
+    const auto own = recording.learnt.find(muscle);
+    if (own == recording.learnt.end()) return values;
     const std::vector<double>& measured = recording.measured.at(muscle);
     std::size_t at = 0;
     for (std::size_t i = 0; i < values.size(); ++i) {
-      if (std::isfinite(measured[i])) values[i] = known->second[at++];
+      if (std::isfinite(measured[i])) values[i] = own->second.emg[at++];
     }
     return values;
   }
 
-  void AddOthers(const Recording& recording, EmgShapeTrial& trial) const {
+  // The others' mean over all cycles is in the muscle's own shape, which is free. As part of the cross-talk
+  // it would only make that shape smaller, and the gains of its bursts, which have priors, larger.
+  void AddOthers(const LearntRecording& recording, EmgShapeTrial& trial) const {
     trial.others.resize(out_.muscles.size());
     if (out_.muscles.size() < 2) return;
+    std::vector<std::vector<double>> beyond_mean;
     for (const EmgMuscle& muscle : out_.muscles) {
       if (recording.recorded.count(muscle.name) == 0) return;
+      beyond_mean.push_back(Heard(recording, muscle.name));
+      for (std::size_t i = 0; i < trial.time.size() && !muscle.mean.empty(); ++i)
+        beyond_mean.back()[i] -= OverCycles(muscle.mean, trial.phase[i]);
     }
     const double share = 1 / static_cast<double>(out_.muscles.size() - 1);
     for (std::size_t m = 0; m < out_.muscles.size(); ++m) {
       std::vector<double>& others = trial.others[m];
       others.assign(trial.time.size(), 0);
       for (std::size_t o = 0; o < out_.muscles.size(); ++o) {
-        if (o == m) continue;
-        const EmgMuscle& other = out_.muscles[o];
-        const std::vector<double> values = WithoutNoise(recording, other.name);
-        for (std::size_t i = 0; i < others.size(); ++i) {
-          const double mean =
-              other.mean.empty() ? 0 : AtPhase(other.mean, trial.phase[i] - std::floor(trial.phase[i]));
-          others[i] += share * (values[i] - mean);
-        }
+        for (std::size_t i = 0; o != m && i < others.size(); ++i) others[i] += share * beyond_mean[o][i];
       }
     }
   }
 
   const EmgShapeSettings& settings_;
-  std::vector<Recording> recordings_;
+  std::vector<LearntRecording> recordings_;
   EmgShapeData out_;
-  std::vector<std::vector<CycleTiming>> timings_;  // [muscles] that were learnt
 };
 
 }  // namespace
-
-BurstCut::Share EmgWindow::ShareAt(double place) const {
-  const BurstCut::Share here = std::isfinite(begin) ? before.Later(place - begin) : BurstCut::Share{1, 0};
-  const BurstCut::Share gone = std::isfinite(finish) ? after.Later(place - finish) : BurstCut::Share{};
-  return {here.value * (1 - gone.value), here.slope * (1 - gone.value) - here.value * gone.slope};
-}
 
 ShapeBasis BasisOf(const EmgShapeSettings& settings, double period, double jitter) {
   return ShapeBasis(settings.knots, settings.low_pass * period, jitter);

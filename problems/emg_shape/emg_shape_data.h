@@ -2,7 +2,6 @@
 // are compared.
 #pragma once
 
-#include <limits>
 #include <string>
 #include <vector>
 
@@ -13,24 +12,9 @@
 #include "models/emg/shape_basis.h"
 #include "problems/emg_shape/cycle_scatter.h"
 #include "problems/emg_shape/emg_shape_settings.h"
+#include "problems/emg_shape/emg_windows.h"
 
 namespace sinew {
-
-/// A burst of one muscle in one recording, or all of a cycle that vary together. Places are phases of the
-/// muscle's shape, and count cycles from the beginning of the recording's first.
-struct EmgWindow {
-  int first = 0;  ///< samples of the prediction in which it may be seen, from here
-  int end = 0;    ///< to here, not included
-  int cycle = 0;  ///< with whose bursts it varies together
-  double begin = -std::numeric_limits<double>::infinity();  ///< place of `before`
-  double finish = std::numeric_limits<double>::infinity();  ///< place of `after`
-  BurstCut before;
-  BurstCut after;
-  bool fitted = false;  ///< compared samples are in it
-
-  /// Of the EMG at a place that is this burst's.
-  [[nodiscard]] BurstCut::Share ShareAt(double place) const;
-};
 
 /// By how much bursts of one muscle in one recording scatter more, or less, than is usual.
 struct EmgScatterFactors {
@@ -50,7 +34,8 @@ struct EmgShapeTrial {
                               ///< the first and after the last it runs on
   std::vector<int> cycle;     ///< [M] index of the cycle
   std::vector<double> angle;  ///< [M, rad]
-  std::vector<std::vector<double>> others;      ///< [muscles][M] mean EMG of the others; empty: not measured
+  std::vector<std::vector<double>> others;      ///< [muscles][M] mean EMG of the others beyond their
+                                                ///< mean over cycles; empty: not measured
   std::vector<std::vector<EmgWindow>> windows;  ///< [muscles]; all of a training trial, else none
   /// [muscles] 1 where nothing is known of the speed.
   std::vector<EmgScatterFactors> scatter;

@@ -8,8 +8,6 @@
 namespace sinew {
 namespace {
 
-constexpr double kCorrelated_s = 0.08;  // errors of an envelope
-
 class Band {
  public:
   Band(const EmgShapeProblem& problem, const Vector& parameters)
@@ -54,7 +52,7 @@ class Band {
       if (!train[b]) continue;
       const Block& block = layout[b];
       const double step = block.prediction_time[1] - block.prediction_time[0];
-      const double correlated = std::sqrt(std::max(1.0, kCorrelated_s / step));
+      const double correlated = std::sqrt(std::max(1.0, kEnvelopeCorrelated_s / step));
       const auto derivatives = prediction_.derivatives(static_cast<int>(b));
       std::vector<Eigen::Index> columns;
       std::vector<int> variables;
