@@ -37,7 +37,7 @@ enum class EmgAlong {
   kCycle,   ///< number of the cycle from the recording's middle
   kSine,    ///< of the phase
   kCosine,  ///< of the phase, less 1: nothing moves at the beginning
-  kOthers,  ///< mean EMG of the other muscles
+  kOthers,  ///< EmgShapeTrial::others
   kHat,     ///< a hat over time in the trial
   kWindow   ///< of gains and timings: they are those of one EmgWindow
 };

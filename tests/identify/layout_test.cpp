@@ -97,6 +97,15 @@ TEST(Layout, WeightAndNoiseMustBeAboveZero) {
             "block walk/force: its weight is inf");
   EXPECT_EQ(ErrorAfter([](Block& b) { b.sigma = 0; }),
             "block walk/force: its noise level is 0, expected above 0");
+  EXPECT_EQ(ErrorAfter([](Block& b) { b.noise_memory = 0; }),
+            "block walk/force: its noise is forgotten in 0 s, expected above 0");
+}
+
+TEST(Layout, EverySampleHasAGroupOrNoneHas) {
+  EXPECT_EQ(ErrorAfter([](Block& b) { b.group.assign(b.measured.size(), 3); }), "");
+  EXPECT_EQ(ErrorAfter([](Block& b) { b.group.assign(b.measured.size() + 1, 3); }),
+            fmt::format("block walk/force: {} groups of samples but {} measured values",
+                        GoodBlock().measured.size() + 1, GoodBlock().measured.size()));
 }
 
 TEST(Layout, ColumnsMustBeParametersInOrder) {

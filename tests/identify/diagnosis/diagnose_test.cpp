@@ -89,6 +89,40 @@ TEST(Diagnose, BlamesTheOneTrialThatStandsOut) {
   EXPECT_EQ(d.causes[0].effect, "offset@trial_3");
 }
 
+// The base model meets such a fault half way: the other trials seem to have its opposite.
+TEST(Diagnose, BlamesOneTrialWhoseFaultTheOthersShare) {
+  int blamed = 0;
+  for (std::uint64_t seed = 1; seed <= 20; ++seed) {
+    LinearLaws::Truth truth;
+    truth.free_offset = true;
+    truth.effects = {{"offset@trial_1_size", 0.04}};
+    const LinearLaws problem(truth, seed, 3);
+    const Diagnosis d = Examine(problem);
+    blamed += !d.causes.empty() && d.causes[0].effect == "offset@trial_1" ? 1 : 0;
+  }
+  std::printf("blamed in %d of 20\n", blamed);
+  EXPECT_GE(blamed, 17);
+}
+
+// Cycles that were never fitted scatter more than the noise of fitted ones says: what they deny by chance is
+// no denial, what all of them deny is.
+TEST(Diagnose, HeldOutCyclesDenyNoMoreThanTheirScatterAllows) {
+  int withdrawn = 0;
+  int denied = 0;
+  for (std::uint64_t seed = 1; seed <= 20; ++seed) {
+    LinearLaws::Truth truth;
+    truth.cycle_scatter = 0.5;
+    truth.effects = {{"quadratic_size", 0.06}};
+    withdrawn += Examine(LinearLaws(truth, seed)).withdrawn.empty() ? 0 : 1;
+    truth.effects = {{"quadratic_size", 0.6}};
+    truth.held_out_share = -1;
+    denied += Examine(LinearLaws(truth, seed)).withdrawn.empty() ? 0 : 1;
+  }
+  std::printf("withdrawn though true: %d, though denied by all: %d, of 20\n", withdrawn, denied);
+  EXPECT_LE(withdrawn, 1);
+  EXPECT_GE(denied, 17);
+}
+
 TEST(Diagnose, SaysThatTheCauseIsNotInTheLibrary) {
   LinearLaws::Truth truth;
   truth.unknown = 0.1;

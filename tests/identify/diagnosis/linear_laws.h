@@ -41,11 +41,15 @@ class LinearLaws final : public Problem {
     bool lopsided = false;
     double held_out_share = 1;  ///< of the effects, in held-out trials
     int knots = 8;              ///< of y(u) and y(time)
+    bool free_offset = false;   ///< the offset of all trials is a base parameter, no effect
+    /// Held-out trials: standard deviation of the gain of every 25 samples about what the law says; where >
+    /// 0, their blocks say so (Block::group).
+    double cycle_scatter = 0;
   };
 
   LinearLaws(const Truth& truth, std::uint64_t seed, int train = 4, int validate = 2, int samples = 250)
       : seed_(seed) {
-    AddParameters(train, samples, truth.knots);
+    AddParameters(train, samples, truth);
     if (truth.lopsided) {
       AddEffect("lopsided", -5, 5);
       Add("lopsided_left", -5, 5, 0, "lopsided");
@@ -126,13 +130,17 @@ class LinearLaws final : public Problem {
                         {static_cast<int>(parameters_.size()) - 1}});
   }
 
-  void AddParameters(int train, int samples, int knots) {
+  void AddParameters(int train, int samples, const Truth& truth) {
     Add("gain", -10, 10, 1, "");
     Add("rate", -10, 10, 0, "");
     AddEffect("quadratic", 0, 5);
     AddEffect("step", -5, 5);
     AddEffect("drift", -5, 5);
-    AddEffect("offset", -5, 5);
+    if (truth.free_offset) {
+      Add("offset_size", -5, 5, 0, "");
+    } else {
+      AddEffect("offset", -5, 5);
+    }
     AddEffect("twin", -5, 5);
     AddEffect("absent", -5, 5);
     AddEffect("stretch", -5, 5);
@@ -152,8 +160,8 @@ class LinearLaws final : public Problem {
     }
     const double duration = samples * kStep;
     ports_.push_back({"y", "1", "something adds to y", {}});
-    AddTerm("u", -2.5, 2.5, knots);
-    AddTerm("time", 0, duration, knots);
+    AddTerm("u", -2.5, 2.5, truth.knots);
+    AddTerm("time", 0, duration, truth.knots);
   }
   void AddStarts(int trials) {
     for (int t = 0; t < trials; ++t) {
@@ -233,9 +241,16 @@ class LinearLaws final : public Problem {
     const double phase = random.Uniform(0, 6.28);
     const double rate = random.Uniform(0.4, 0.8);
     const double end = layout_[b].prediction_time.back();
+    const bool scatters = truth.cycle_scatter > 0 && layout_[b].role == BlockRole::kValidate;
+    double gain = 0;
     for (std::size_t i = 0; i < layout_[b].measured.size(); ++i) {
       const double time = layout_[b].prediction_time[i];
       double& y = layout_[b].measured[i];
+      if (scatters) {
+        if (i % 25 == 0) gain = truth.cycle_scatter * random.Normal();
+        layout_[b].group.push_back(static_cast<int>(i) / 25);
+        y += gain * inputs_[b][i];
+      }
       y += truth.gain_change * (2 * time / end - 1) * inputs_[b][i];
       y += truth.hum * std::sin(2 * kPi * truth.hum_frequency * time + 1);
       y += truth.wander * std::sin(rate * time + phase);

@@ -16,7 +16,7 @@ namespace {
 const NoiseProcess kWhite;
 const NoiseProcess kFirstOrder = {{0.9}, {}, 0};
 // Finds the true order almost always, where there is one.
-const NoiseModelOptions kConsistent = {6, OrderCriterion::kBic, false};
+const NoiseModelOptions kConsistent = {6, OrderCriterion::kBic, false, nullptr};
 
 NoiseModel Estimated(const std::vector<NoiseBlock>& blocks, const NoiseModelOptions& options = {}) {
   auto model = EstimateNoiseModel(blocks, options);
@@ -393,6 +393,45 @@ TEST(NoiseModel, AWhiteBlockKeepsToItsStatedLevel) {
   EXPECT_TRUE(loud.channels[0].coefficients.empty());
   EXPECT_NEAR(loud.channels[0].deviation, 1 / std::sqrt(1 - 0.81), 0.7);
   EXPECT_EQ(loud.channels[0].least_deviation, 0.1);
+}
+
+TEST(NoiseModel, NoRootLastsLongerThanTheNoiseIsKnownTo) {
+  constexpr double kLargest = 0.7;
+  Random random(4);
+  std::vector<NoiseBlock> blocks = SmoothTrials(random, {{0.5}, {}, 0}, 4, 300, 3);
+  blocks[1].residual.array() += 3;  // a trial that lies higher
+  const NoiseModel free = Estimated(blocks);
+  EXPECT_GT(free.channels[0].LargestRoot(), 0.9) << "it is taken for noise that drifts";
+  for (NoiseBlock& block : blocks) block.largest_root = kLargest;
+  const NoiseModel held = Estimated(blocks);
+  EXPECT_LE(held.channels[0].LargestRoot(), kLargest + 1e-9);
+  EXPECT_GT(held.channels[0].LargestRoot(), 0.4);
+  // What stays below anyway stays as it is.
+  blocks[1].residual.array() -= 3;
+  const NoiseModel within = Estimated(blocks);
+  for (NoiseBlock& block : blocks) block.largest_root = 1;
+  EXPECT_NEAR(RestrictedDeviance(blocks, within), RestrictedDeviance(blocks, Estimated(blocks)), 1);
+}
+
+TEST(NoiseModel, OrdersOfALikeOneAreKept) {
+  for (const double largest : {1.0, 0.97}) {
+    Random random(5);
+    std::vector<NoiseBlock> blocks = SmoothTrials(random, {{1.2, -0.5}, {}, 0}, 3, 300, 3);
+    const std::vector<NoiseBlock> other = SmoothTrials(random, kFirstOrder, 3, 300, 3, "speed");
+    blocks.insert(blocks.end(), other.begin(), other.end());
+    for (NoiseBlock& block : blocks) block.largest_root = largest;
+    const NoiseModel chosen = Estimated(blocks);
+    NoiseModelOptions options;
+    options.like = &chosen;
+    for (NoiseBlock& block : blocks) block.residual *= 1.1;
+    const NoiseModel kept = Estimated(blocks, options);
+    for (std::size_t c = 0; c < 2; ++c) {
+      ASSERT_EQ(kept.channels[c].coefficients.size(), chosen.channels[c].coefficients.size());
+      EXPECT_NEAR(kept.channels[c].deviation, 1.1 * chosen.channels[c].deviation, 1e-3);
+      for (std::size_t i = 0; i < kept.channels[c].coefficients.size(); ++i)
+        EXPECT_NEAR(kept.channels[c].coefficients[i], chosen.channels[c].coefficients[i], 5e-3);
+    }
+  }
 }
 
 }  // namespace

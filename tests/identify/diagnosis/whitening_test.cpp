@@ -29,6 +29,17 @@ Matrix FirstOrderCovariance(double a, int n) {
   return covariance;
 }
 
+TEST(Whitening, RootsFollowFromHowFastNoiseIsForgotten) {
+  Block block;
+  for (int i = 0; i < 10; ++i) {
+    block.prediction_time.push_back(0.01 * i);
+    if (i % 2 == 0) block.sample.push_back(i);
+  }
+  EXPECT_EQ(LargestRoot(block), 1);
+  block.noise_memory = 0.1;
+  EXPECT_NEAR(LargestRoot(block), std::exp(-0.2), kRounding) << "by the samples that are compared";
+}
+
 TEST(Autoregression, PartialAndCoefficientsAreInverse) {
   const std::vector<double> partial = {0.9, -0.5, 0.3, 0.05, -0.7};
   const std::vector<double> back = PartialFromCoefficients(CoefficientsFromPartial(partial));
