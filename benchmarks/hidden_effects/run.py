@@ -169,11 +169,15 @@ def summarise_by_name(cases):
     """What became of every hidden effect, and up to five reasons why cases failed."""
     for kind in ("single", "outsider"):
         own = [c for c in cases if c["kind"] == kind and "failure" not in c]
-        print(f"\n{kind}, by name: cases, noticed, first, in the set" if own else "")
+        counts = ("noticed, first, in the set", ("detected", "first", "in_set"))
+        if kind == "outsider":
+            counts = ("noticed, put down to known effects", ("detected", "put_down"))
+            for case in own:
+                case["put_down"] = case["verdict"] in ("explained", "ambiguous")
+        print(f"\n{kind}, by name: cases, {counts[0]}" if own else "")
         for name in sorted({c["truth"]["effects"][0]["name"] for c in own}):
             of = [c for c in own if c["truth"]["effects"][0]["name"] == name]
-            print(f"  {name:38s} {len(of):3d} {sum(c['detected'] for c in of):3d} {sum(c['first'] for c in of):3d} "
-                  f"{sum(c['in_set'] for c in of):3d}")
+            print(f"  {name:38s} {len(of):3d} " + " ".join(f"{sum(c[key] for c in of):3d}" for key in counts[1]))
     for failure in sorted({c["failure"] for c in cases if "failure" in c})[:5]:
         print(f"failed: {failure}")
 
@@ -215,8 +219,8 @@ OF_ONE_SIGNAL = ("cubic_spring", "torque_bump", "dead_zone", "cubic_drag", "ecce
 
 
 def best_match(case):
-    """Largest |correlation| of an outsider's signature with an effect of the library."""
-    return max((abs(r) for r in case["truth"]["effects"][0]["correlations"].values()), default=0)
+    """Largest |correlation| of an outsider's signature with an effect of the library; 0 where no oracle says."""
+    return max((abs(r) for r in case["truth"]["effects"][0].get("correlations", {}).values()), default=0)
 
 
 def tally(kind, cases):

@@ -124,11 +124,11 @@ def main():
             people = sorted({100 + seed % PEOPLE for kind, _, seed in plan if kind == "single"})
             options.units = dict(zip(people, pool.map(lambda p: units_of(options, p), people)))
             cases = list(pool.map(lambda words: study(options, *words), plan))
+    if options.out:
+        options.out.write_text(json.dumps({"schema": "sinew.hidden_emg/1", "cases": cases}, indent=1))
     hidden_effects.summarise(cases)
     hidden_effects.summarise_by_name(cases)
     print(f"\n{len(cases)} cases" + ("" if options.merge else f" in {time.monotonic() - begin:.0f} s"))
-    if options.out:
-        options.out.write_text(json.dumps({"schema": "sinew.hidden_emg/1", "cases": cases}, indent=1))
 
 
 if __name__ == "__main__":
