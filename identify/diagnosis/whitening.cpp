@@ -4,6 +4,7 @@
 #include <utility>
 
 #include "base/assert.h"
+#include "base/median.h"
 #include "identify/diagnosis/noise_model.h"
 
 namespace sinew {
@@ -20,12 +21,6 @@ std::vector<double> Intervals(const Block& block) {
                         block.prediction_time[static_cast<std::size_t>(block.sample[i - 1])]);
   }
   return intervals;
-}
-
-double Median(std::vector<double> values) {
-  const auto middle = values.begin() + static_cast<std::ptrdiff_t>(values.size() / 2);
-  std::nth_element(values.begin(), middle, values.end());
-  return *middle;
 }
 
 }  // namespace
@@ -55,7 +50,7 @@ std::vector<int> Stretches(const Block& block) {
   const std::vector<double> intervals = Intervals(block);
   std::vector<int> starts = {0};
   if (intervals.empty()) return starts;
-  const double longest = kGap * Median(intervals);
+  const double longest = kGap * UpperMedian(intervals);
   for (std::size_t i = 0; i < intervals.size(); ++i) {
     if (intervals[i] > longest) starts.push_back(static_cast<int>(i) + 1);
   }
@@ -65,7 +60,7 @@ std::vector<int> Stretches(const Block& block) {
 double LargestRoot(const Block& block) {
   const std::vector<double> intervals = Intervals(block);
   if (!block.noise_memory || intervals.empty()) return 1;
-  return std::exp(-Median(intervals) / *block.noise_memory);
+  return std::exp(-UpperMedian(intervals) / *block.noise_memory);
 }
 
 }  // namespace sinew

@@ -4,6 +4,7 @@
 #include <cmath>
 #include <vector>
 
+#include "base/median.h"
 #include "base/random.h"
 #include "identify/solvers/objective.h"
 
@@ -24,12 +25,6 @@ constexpr long kMostProbes = 10;
 constexpr double kRelativeAgreement = 1e-6;
 constexpr double kAgreementOfFirstTemperature = 1e-12;
 
-double Median(std::vector<double> values) {
-  const auto middle = values.begin() + static_cast<std::ptrdiff_t>(values.size() / 2);
-  std::nth_element(values.begin(), middle, values.end());
-  return *middle;
-}
-
 // Median rise from the best to the other finite costs; 1 if they do not differ.
 double TemperatureFrom(const std::vector<double>& costs) {
   if (costs.size() < 2) return 1;
@@ -38,7 +33,7 @@ double TemperatureFrom(const std::vector<double>& costs) {
   for (const double cost : costs) {
     if (cost > best) rises.push_back(cost - best);
   }
-  return rises.empty() ? 1 : Median(rises);
+  return rises.empty() ? 1 : UpperMedian(rises);
 }
 
 }  // namespace

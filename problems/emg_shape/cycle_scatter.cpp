@@ -8,6 +8,7 @@
 #include <set>
 #include <utility>
 
+#include "base/median.h"
 #include "models/emg/shape_basis.h"
 
 namespace sinew {
@@ -52,12 +53,6 @@ struct Told {
   double gain_noise = 0;  // variances of the estimates, of unit noise
   double timing_noise = 0;
 };
-
-double Median(std::vector<double> values) {
-  const auto middle = values.begin() + static_cast<std::ptrdiff_t>(values.size() / 2);
-  std::nth_element(values.begin(), middle, values.end());
-  return *middle;
-}
 
 class Estimation {
  public:
@@ -196,7 +191,7 @@ class Estimation {
     scatter.total = least;
     scatter.factor.assign(recordings_.size(), 1);
     if (variances.empty()) return;
-    const double most = kUnusual * std::max(Median(variances), least * least);
+    const double most = kUnusual * std::max(UpperMedian(variances), least * least);
     double sum = 0;
     double freedom = 0;
     for (std::size_t i = 0; i < variances.size(); ++i) {

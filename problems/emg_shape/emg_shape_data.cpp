@@ -218,15 +218,16 @@ class Preparation {
   }
 
   // The others' mean over all cycles is in the muscle's own shape, which is free. As part of the cross-talk
-  // it would only make that shape smaller, and the gains of its bursts, which have priors, larger.
+  // it would only make that shape smaller, and the gains of its bursts, which have priors, larger. Where no
+  // mean is known nothing can be said beyond it.
   void AddOthers(const LearntRecording& recording, EmgShapeTrial& trial) const {
     trial.others.resize(out_.muscles.size());
     if (out_.muscles.size() < 2) return;
     std::vector<std::vector<double>> beyond_mean;
     for (const EmgMuscle& muscle : out_.muscles) {
-      if (recording.recorded.count(muscle.name) == 0) return;
+      if (recording.recorded.count(muscle.name) == 0 || muscle.mean.empty()) return;
       beyond_mean.push_back(Heard(recording, muscle.name));
-      for (std::size_t i = 0; i < trial.time.size() && !muscle.mean.empty(); ++i)
+      for (std::size_t i = 0; i < trial.time.size(); ++i)
         beyond_mean.back()[i] -= OverCycles(muscle.mean, trial.phase[i]);
     }
     const double share = 1 / static_cast<double>(out_.muscles.size() - 1);

@@ -35,7 +35,7 @@ struct EmgShapeTrial {
   std::vector<int> cycle;     ///< [M] index of the cycle
   std::vector<double> angle;  ///< [M, rad]
   std::vector<std::vector<double>> others;      ///< [muscles][M] mean EMG of the others beyond their
-                                                ///< mean over cycles; empty: not measured
+                                                ///< mean over cycles; empty: not known
   std::vector<std::vector<EmgWindow>> windows;  ///< [muscles]; all of a training trial, else none
   /// [muscles] 1 where nothing is known of the speed.
   std::vector<EmgScatterFactors> scatter;

@@ -64,9 +64,10 @@ void AddCrossTalk(EmgParameterList& to) {
   for (std::size_t m = 0; m < to.muscles(); ++m) {
     to.Name("cross_talk." + to.data.muscles[m].name, Level::kSensor,
             "the electrode of this muscle hears the others too", "a contraction of the other muscles alone");
-    const int index = to.Add(BaseParameter(to.made.effects.back().name, "1",
-                                           "share of the others' mean EMG in this muscle's", 0, 0.8, 0),
-                             to.made.effects.back().name);
+    const int index =
+        to.Add(BaseParameter(to.made.effects.back().name, "1",
+                             "share of the others' EMG, mean of them, in this muscle's", 0, 0.8, 0),
+               to.made.effects.back().name);
     for (std::size_t t = 0; t < to.data.trials.size(); ++t)
       to.Touch(t, m, {index, EmgTerm::kOffset, EmgAlong::kOthers, 0, 1});
   }

@@ -87,6 +87,34 @@ TEST(EmgShapeData, BurstsShareTheEmg) {
   }
 }
 
+// The others' mean is in the muscle's own shape: what cross-talk adds is none of it, and nothing where no
+// mean is known.
+TEST(EmgShapeData, CrossTalkIsHeardOfWhatDiffersFromTheMean) {
+  Dataset data = EmgStudy({{"subject", 3}, {"noisy", 0}, {"train", 12}});
+  const auto prepared = PrepareEmgShapeData(data, EmgSettings());
+  ASSERT_TRUE(prepared) << prepared.error().message;
+  for (std::size_t m = 0; m < prepared->muscles.size(); ++m) {
+    double sum = 0;
+    double count = 0;
+    for (const EmgShapeTrial& trial : prepared->trials) {
+      if (trial.role != BlockRole::kTrain) continue;
+      ASSERT_EQ(trial.others[m].size(), trial.time.size());
+      for (const double other : trial.others[m]) sum += other;
+      count += static_cast<double>(trial.time.size());
+    }
+    EXPECT_LT(std::abs(sum / count), 0.01) << "of an EMG whose mean is above 0.05";
+  }
+  EmgShapeSettings settings = EmgSettings();
+  settings.reference = prepared->reference;
+  for (const EmgMuscle& muscle : prepared->muscles) settings.muscles.push_back(muscle.name);
+  for (auto& [name, trial] : data.trials) trial.role = Role::kValidate;
+  const auto elsewhere = PrepareEmgShapeData(data, settings);
+  ASSERT_TRUE(elsewhere) << elsewhere.error().message;
+  for (const EmgShapeTrial& trial : elsewhere->trials) {
+    for (const auto& others : trial.others) EXPECT_TRUE(others.empty()) << trial.name;
+  }
+}
+
 TEST(EmgShapeData, AnAngleWithDropoutsLosesThoseCycles) {
   Dataset data = EmgStudy();
   Grid& motion = data.trials.at("train_075").grids.at("motion");
