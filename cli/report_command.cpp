@@ -2,6 +2,7 @@
 #include <sys/wait.h>
 #include <unistd.h>
 
+#include <csignal>
 #include <filesystem>
 
 #include "cli/command.h"
@@ -37,6 +38,11 @@ Result<int> RunReport(const std::vector<std::string>& files, const std::string& 
   for (std::string& word : words) arguments.push_back(word.data());
   arguments.push_back(nullptr);
 
+  // Ctrl-C goes to both: the child says what became of it, we wait for that.
+  sigset_t interrupt;
+  sigemptyset(&interrupt);
+  sigaddset(&interrupt, SIGINT);
+  sigprocmask(SIG_BLOCK, &interrupt, nullptr);
   const pid_t child = fork();
   if (child < 0) return Fail("cannot start {}", kPython);
   if (child == 0) {

@@ -1,11 +1,13 @@
 """From checked files to a folder of notebooks and pages, all or nothing."""
 import asyncio
+import contextlib
 import os
 import threading
-from concurrent.futures import ThreadPoolExecutor
+from concurrent.futures import ThreadPoolExecutor, wait
 
 import nbformat
 
+import interrupt
 import notebook
 import page
 import run_file
@@ -17,6 +19,7 @@ DIAGNOSIS_PARTS = (("traces", "diagnosis_residuals"), ("scores", "diagnosis_scor
                    ("unknown", "diagnosis_unknown"), ("gain", "diagnosis_gain"),
                    ("parameters", "diagnosis_parameters"))
 OVERVIEW = "index"
+LISTEN_SECONDS = 0.1
 
 
 class ReportFailed(Exception):
@@ -27,7 +30,8 @@ def publish(paths, out_dir):
     """Writes the report and returns the path of the page to open first.
 
     One file: index.ipynb and index.html. Several: a pair per file, named like it, and an index that compares them.
-    Raises run_file.BadInput before anything is written, ReportFailed after undoing what was written.
+    Raises run_file.BadInput before anything is written, ReportFailed and interrupt.Interrupted after undoing what was
+    written.
     """
     files = [run_file.read(path) for path in paths]
     seen = set()
@@ -64,6 +68,7 @@ def _publish_into(folder, out_dir, files):
         home = f"{OVERVIEW}.html" if len(files) > 1 and name != OVERVIEW else ""
         texts[f"{name}.ipynb"] = nbformat.writes(content) + "\n"
         texts[f"{name}.html"] = page.render(content, f"{name}.ipynb", home)
+    interrupt.stop_if_pressed()  # for the last time: what follows takes no time
     _write_all(folder, texts)
     return os.path.join(out_dir, f"{OVERVIEW}.html")
 
@@ -131,10 +136,7 @@ def _overview(files, names, folder):
 
 
 def _execute_apart(notebooks, folder):
-    """Executes all notebooks in a thread of its own, so that a Ctrl-C ends the kernels in order.
-
-    In the main thread the notebook client would catch the Ctrl-C itself and leave half of it to chance.
-    """
+    """Executes all notebooks in a thread of its own, so that a Ctrl-C ends the kernels in order."""
     begun = threading.Event()
     running = {}
 
@@ -145,12 +147,14 @@ def _execute_apart(notebooks, folder):
 
     with ThreadPoolExecutor(max_workers=1) as pool:
         outcome = pool.submit(lambda: asyncio.run(work()))
-        try:
-            outcome.result()
-        except KeyboardInterrupt:
-            begun.wait()
-            running["loop"].call_soon_threadsafe(running["task"].cancel)
-            raise
+        while not wait([outcome], timeout=LISTEN_SECONDS).done:
+            if interrupt.pressed():
+                begun.wait()
+                with contextlib.suppress(RuntimeError):  # closed: done in this very moment
+                    running["loop"].call_soon_threadsafe(running["task"].cancel)
+                wait([outcome])
+    interrupt.stop_if_pressed()
+    outcome.result()
 
 
 async def _execute_all(notebooks, folder):

@@ -12,6 +12,10 @@ import sys
 sys.dont_write_bytecode = True  # the folder may be installed read-only, or be a source tree
 sys.path.insert(0, os.path.dirname(os.path.realpath(__file__)))
 
+import interrupt
+
+interrupt.hold()
+
 DONE, FAILED, BAD_INPUT = 0, 1, 2
 
 
@@ -46,20 +50,14 @@ def make(options):
     except publish.ReportFailed as error:
         print(f"sinew: the report could not be made: {error}", file=sys.stderr)
         return FAILED
-    print(f"Report: {entry}")
-    return DONE
-
-
-def main(arguments=None):
-    options = parse(arguments)
-    try:
-        return make(options)
-    except KeyboardInterrupt:
+    except interrupt.Interrupted:
         print("sinew: the report was interrupted; nothing was written", file=sys.stderr)
         return FAILED
+    print(f"Report: {entry}")
+    return DONE
 
 
 if __name__ == "__main__":
     if not sys.flags.isolated:  # again, without PYTHONPATH and packages of the user
         os.execv(sys.executable, [sys.executable, "-I", os.path.realpath(__file__), *sys.argv[1:]])
-    sys.exit(main())
+    sys.exit(make(parse(sys.argv[1:])))

@@ -15,6 +15,7 @@ import tempfile
 import time
 import unittest
 from pathlib import Path
+from unittest import mock
 
 import h5py
 import nbformat
@@ -25,7 +26,9 @@ PROGRAM = HERE.parents[2] / "cli" / "report" / "sinew_report.py"
 sys.path[:0] = [str(HERE), str(PROGRAM.parent)]
 
 import fabricated_files  # noqa: E402
+import interrupt  # noqa: E402
 import notebook  # noqa: E402
+import publish  # noqa: E402
 import run_file  # noqa: E402
 
 
@@ -145,17 +148,51 @@ class OneRun(WithFolder):
         self.assertEqual(os.listdir(self.out), ["index.html"])
         self.assertEqual((self.out / "index.html").read_text(), "old")
 
-    def test_ctrl_c_ends_in_one_line_and_writes_nothing(self):
+    def begin(self, **how):
+        program = subprocess.Popen([sys.executable, str(PROGRAM), str(self.run_path), "--out-dir", str(self.out)],
+                                   stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True, **how)
+        self.addCleanup(program.kill)
+        return program
+
+    def check_interrupted(self, program):
+        said, complaint = program.communicate()
+        self.assertEqual((program.returncode, said), (1, ""), complaint)
+        self.assertEqual(complaint, "sinew: the report was interrupted; nothing was written\n")
+        self.assertFalse(self.out.parent.exists())
+
+    def test_ctrl_c_while_it_starts_ends_in_one_line_and_writes_nothing(self):
         fabricated_files.write_run(self.run_path)
-        for seconds in (0.5, 2.0):  # while it starts, while the notebook runs
-            with subprocess.Popen([sys.executable, str(PROGRAM), str(self.run_path), "--out-dir", str(self.out)],
-                                  stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True) as program:
-                time.sleep(seconds)
-                program.send_signal(signal.SIGINT)
-                said, complaint = program.communicate()
-            self.assertEqual((program.returncode, said), (1, ""))
-            self.assertEqual(complaint, "sinew: the report was interrupted; nothing was written\n")
-            self.assertFalse(self.out.parent.exists())
+        # As sinew starts it, with the signal held.
+        program = self.begin(preexec_fn=lambda: signal.pthread_sigmask(signal.SIG_BLOCK, {signal.SIGINT}))
+        program.send_signal(signal.SIGINT)
+        self.check_interrupted(program)
+
+    def test_ctrl_c_while_the_notebook_runs_ends_in_one_line_and_writes_nothing(self):
+        fabricated_files.write_run(self.run_path)
+        program = self.begin()
+        while not self.out.exists() and program.poll() is None:
+            time.sleep(0.01)
+        program.send_signal(signal.SIGINT)
+        program.send_signal(signal.SIGINT)
+        self.check_interrupted(program)
+
+    def test_ctrl_c_once_the_notebook_is_done_writes_nothing(self):
+        fabricated_files.write_run(self.run_path)
+        execute_all = publish._execute_all
+
+        async def press_at_the_end(*arguments):
+            await execute_all(*arguments)
+            os.kill(os.getpid(), signal.SIGINT)
+
+        held = signal.pthread_sigmask(signal.SIG_BLOCK, {signal.SIGINT})
+        try:
+            with mock.patch.object(publish, "_execute_all", press_at_the_end):
+                with self.assertRaises(interrupt.Interrupted):
+                    publish.publish([self.run_path], str(self.out))
+        finally:
+            signal.sigtimedwait({signal.SIGINT}, 0)
+            signal.pthread_sigmask(signal.SIG_SETMASK, held)
+        self.assertFalse(self.out.parent.exists())
 
 
 class WhatTheRunSays(WithFolder):
