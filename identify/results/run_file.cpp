@@ -82,17 +82,25 @@ std::uint64_t SeedOf(const Hdf5Node& run) {
   return integer == nullptr ? 1 : static_cast<std::uint64_t>(*integer);
 }
 
-// Runs of earlier versions may not say; then nothing is.
+// A nuisance value of a trial, or one with a prior, is what the data said beyond the model. One without is
+// part of the model, as a control point of a curve. Runs of earlier versions may not say; then nothing is.
 void FindIncidental(const Hdf5Node& root, const std::vector<std::string>& names,
                     std::set<std::string>& incidental) {
   const Hdf5Node* kinds = root.Find("parameters/kind");
+  const Hdf5Node* trials = root.Find("parameters/trial");
   const Hdf5Node* free = root.Find("parameters/free");
-  if (kinds == nullptr || free == nullptr || kinds->texts() == nullptr || free->array() == nullptr ||
-      kinds->texts()->size() != names.size() || free->array()->values.size() != names.size())
-    return;
+  const Hdf5Node* priors = root.Find("parameters/prior_deviation");
+  for (const Hdf5Node* texts : {kinds, trials}) {
+    if (texts == nullptr || texts->texts() == nullptr || texts->texts()->size() != names.size()) return;
+  }
+  for (const Hdf5Node* numbers : {free, priors}) {
+    if (numbers == nullptr || numbers->array() == nullptr || numbers->array()->values.size() != names.size())
+      return;
+  }
   for (std::size_t i = 0; i < names.size(); ++i) {
     const std::string& kind = (*kinds->texts())[i];
-    if (kind == "nuisance" || (kind == "effect" && free->array()->values[i] == 0))
+    const bool beyond = !(*trials->texts())[i].empty() || !std::isnan(priors->array()->values[i]);
+    if ((kind == "nuisance" && beyond) || (kind == "effect" && free->array()->values[i] == 0))
       incidental.insert(names[i]);
   }
 }

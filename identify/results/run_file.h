@@ -39,7 +39,8 @@ struct RecordedRun {
   std::vector<std::string> variables;  ///< names of the free parameters
   std::vector<TraceEntry> trace;
   std::vector<std::pair<std::string, double>> values;  ///< every parameter
-  /// Nuisance values, and effects that were not released: other data need not know them.
+  /// Nuisance values of trials or with a prior, and effects that were not released: other data need not know
+  /// them.
   std::set<std::string> incidental;
 };
 

@@ -29,7 +29,7 @@ void WriteProvenance(const Provenance& provenance, const std::string& solver, st
 
 void WriteParameters(const FitSetup& setup, const Vector& values, Hdf5Node& node) {
   std::vector<std::string> name, unit, meaning, source, kind, effect, trial, scale;
-  std::vector<double> lower, upper, start, value, free;
+  std::vector<double> lower, upper, start, value, free, mean, deviation;
   for (std::size_t i = 0; i < setup.parameters.size(); ++i) {
     const Parameter& p = setup.parameters[i];
     name.push_back(p.name);
@@ -47,13 +47,20 @@ void WriteParameters(const FitSetup& setup, const Vector& values, Hdf5Node& node
     start.push_back(p.start);
     value.push_back(values[static_cast<Eigen::Index>(i)]);
     free.push_back(setup.IsFree(static_cast<int>(i)) ? 1 : 0);
+    mean.push_back(p.prior ? p.prior->mean : std::nan(""));
+    deviation.push_back(p.prior ? p.prior->standard_deviation : std::nan(""));
   }
   const std::pair<const char*, std::vector<std::string>*> texts[] = {
       {"name", &name}, {"unit", &unit},     {"meaning", &meaning}, {"source", &source},
       {"kind", &kind}, {"effect", &effect}, {"trial", &trial},     {"scale", &scale}};
   for (const auto& [key, column] : texts) node.At(key).data = std::move(*column);
-  const std::pair<const char*, std::vector<double>*> numbers[] = {
-      {"lower", &lower}, {"upper", &upper}, {"start", &start}, {"value", &value}, {"free", &free}};
+  const std::pair<const char*, std::vector<double>*> numbers[] = {{"lower", &lower},
+                                                                  {"upper", &upper},
+                                                                  {"start", &start},
+                                                                  {"value", &value},
+                                                                  {"free", &free},
+                                                                  {"prior_mean", &mean},
+                                                                  {"prior_deviation", &deviation}};
   for (const auto& [key, column] : numbers) node.At(key).SetVector(std::move(*column));
 }
 

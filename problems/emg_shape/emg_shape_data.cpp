@@ -9,6 +9,7 @@
 #include "models/emg/cycle_warp.h"
 #include "models/emg/shape_basis.h"
 #include "problems/emg_shape/muscle_learning.h"
+#include "problems/emg_shape/shape_resolution.h"
 
 namespace sinew {
 namespace {
@@ -36,7 +37,9 @@ class Preparation {
     SINEW_TRY(ChooseMuscles());
     SINEW_TRY(GroupSpeeds());
     SINEW_TRY(ChooseReference());
-    SINEW_ASSIGN(out_.shared_timing, LearnMuscles(settings_, out_.reference, recordings_, out_.muscles));
+    FindKnots();
+    SINEW_ASSIGN(out_.shared_timing,
+                 LearnMuscles(settings_, out_.knots, out_.reference, recordings_, out_.muscles));
     for (const LearntRecording& recording : recordings_) Finish(recording);
     return std::move(out_);
   }
@@ -113,6 +116,12 @@ class Preparation {
       return {};
     }
     return Fail("no training trial");
+  }
+
+  void FindKnots() {
+    std::vector<const RecordedTrial*> recordings;
+    for (const LearntRecording& recording : recordings_) recordings.push_back(&recording);
+    out_.knots = settings_.knots ? *settings_.knots : ChooseKnots(recordings, out_.muscles);
   }
 
   // Windows, the other muscles' EMG, and a block per muscle.
@@ -247,8 +256,8 @@ class Preparation {
 
 }  // namespace
 
-ShapeBasis BasisOf(const EmgShapeSettings& settings, double period, double jitter) {
-  return ShapeBasis(settings.knots, settings.low_pass * period, jitter);
+ShapeBasis BasisOf(const EmgShapeSettings& settings, int knots, double period, double jitter) {
+  return ShapeBasis(knots, settings.low_pass * period, jitter);
 }
 
 int EmgShapeData::trained_speeds() const {

@@ -65,6 +65,7 @@ struct EmgShapeData {
   std::vector<EmgSpeed> speeds;  ///< increasing
   std::vector<EmgShapeTrial> trials;
   EmgReference reference;
+  int knots = 0;             ///< of shapes
   double shared_timing = 0;  ///< standard deviation of what all muscles have in common in a cycle [cycle]
   Layout layout;             ///< block of trial t and muscle m: trials[t].first_block + m
   std::vector<std::string> notes;
@@ -74,7 +75,8 @@ struct EmgShapeData {
 
 /// What shapes are made of, as the envelopes' filter shows them in cycles of this period [s]. @param jitter
 /// of the cycles whose mean it is [cycle]
-[[nodiscard]] ShapeBasis BasisOf(const EmgShapeSettings& settings, double period, double jitter = 0);
+[[nodiscard]] ShapeBasis BasisOf(const EmgShapeSettings& settings, int knots, double period,
+                                 double jitter = 0);
 
 [[nodiscard]] std::string DescribeEmgShapeChannels();
 

@@ -15,9 +15,9 @@ void AddShape(EmgParameterList& to, std::size_t m) {
   const EmgMuscle& muscle = to.data.muscles[m];
   // An envelope has no negative values, its spline may dip a little.
   const double most = std::max(2.0, 2 * muscle.shape.maxCoeff());
-  for (int j = 0; j < to.settings.knots; ++j) {
+  for (int j = 0; j < to.data.knots; ++j) {
     Parameter p =
-        BaseParameter(fmt::format("{}.shape_{:02}", muscle.name, j + 1), "1",
+        BaseParameter(fmt::format("{}.shape_{:02}_of_{}", muscle.name, j + 1, to.data.knots), "1",
                       "control point of the EMG's shape over a cycle", -most / 4, most, muscle.shape[j]);
     const int index = to.AddNuisance(std::move(p), 0);
     for (std::size_t t = 0; t < to.data.trials.size(); ++t)

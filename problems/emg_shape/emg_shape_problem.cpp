@@ -50,7 +50,7 @@ EmgShapeProblem::EmgShapeProblem(EmgShapeSettings settings, EmgShapeData data)
       const double scatter = data_.muscles[m].timing.total;
       const bool mean = settings_.cycle_scatter && trial.role != BlockRole::kTrain;
       const bool timings = mean && scatter > kLeastTimingScatter;
-      basis_.push_back(BasisOf(settings_, trial.period, timings ? scatter : 0));
+      basis_.push_back(BasisOf(settings_, data_.knots, trial.period, timings ? scatter : 0));
     }
   }
   for (std::size_t b = 0; b < data_.layout.size(); ++b) {
@@ -121,7 +121,7 @@ void EmgShapeProblem::AddUp(std::size_t t, std::size_t m, const Vector& paramete
   scratch.offset.assign(count, 0);
   scratch.window_gain.assign(std::max<std::size_t>(1, trial.windows[m].size()), 0);
   scratch.window_timing.assign(scratch.window_gain.size(), 0);
-  scratch.control = Vector::Zero(settings_.knots);
+  scratch.control = Vector::Zero(data_.knots);
   for (const EmgColumn& column : list_.columns[static_cast<std::size_t>(trial.first_block) + m]) {
     const double value = parameters[column.parameter];
     if (column.term == EmgTerm::kShape) scratch.control[column.which] = value;
@@ -149,12 +149,12 @@ void EmgShapeProblem::PredictBlock(std::size_t t, std::size_t m, const Query& qu
   values = Eigen::Map<const Vector>(scratch.offset.data(), count);
   if (query.derivatives) {
     scratch.by_gain = scratch.by_timing = Vector::Zero(count);
-    scratch.by_shape = Matrix::Zero(settings_.knots, count);
+    scratch.by_shape = Matrix::Zero(data_.knots, count);
     scratch.by_window_gain.resize(windows.size());
     scratch.by_window_timing.resize(windows.size());
   }
-  scratch.basis.resize(settings_.knots);
-  scratch.slopes.resize(settings_.knots);
+  scratch.basis.resize(data_.knots);
+  scratch.slopes.resize(data_.knots);
   for (std::size_t w = 0; w < windows.size(); ++w) {
     const EmgWindow& window = windows[w];
     if (query.derivatives)
@@ -247,8 +247,8 @@ std::vector<std::string> EmgShapeProblem::RemarksAt(const Vector& /*parameters*/
       jitters += fmt::format("{}{}: {:.4g}", jitters.empty() ? "" : ", ", muscle.name, muscle.timing.total);
     remarks.push_back(fmt::format(
         "to predict recordings without EMG, state in their settings: reference: {{speed: {:.9g}, period: "
-        "{:.9g}}}, jitter: {{{}}}",
-        data_.reference.speed, data_.reference.period, jitters));
+        "{:.9g}}}, knots: {}, jitter: {{{}}}",
+        data_.reference.speed, data_.reference.period, data_.knots, jitters));
   }
   double slowest = 0;
   double fastest = 0;

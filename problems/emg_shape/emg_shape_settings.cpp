@@ -79,12 +79,14 @@ Result<EmgShapeSettings> ReadEmgShapeSettings(const YamlReader& yaml) {
   SINEW_ASSIGN(settings.cycle_scatter,
                ReadChoice<bool>(yaml, "cycle_scatter", {{"true", true}, {"false", false}}));
   SINEW_ASSIGN(settings.low_pass, yaml.NumberOr("low_pass", settings.low_pass, 0, 1000));
-  SINEW_ASSIGN(const double knots, yaml.NumberOr("knots", settings.knots, kFewestKnots, 200));
-  if (knots != static_cast<int>(knots)) {
-    SINEW_ASSIGN(const YamlReader value, yaml.At("knots"));
-    return FailAt(value.file(), value.line(), "knots: {}, expected a whole number", knots);
+  if (yaml.Has("knots")) {
+    SINEW_ASSIGN(const double knots, yaml.NumberOr("knots", kFewestKnots, kFewestKnots, 200));
+    if (knots != static_cast<int>(knots)) {
+      SINEW_ASSIGN(const YamlReader value, yaml.At("knots"));
+      return FailAt(value.file(), value.line(), "knots: {}, expected a whole number", knots);
+    }
+    settings.knots = static_cast<int>(knots);
   }
-  settings.knots = static_cast<int>(knots);
   SINEW_ASSIGN(settings.rate, yaml.NumberOr("rate", settings.rate, 1, 1000));
   SINEW_ASSIGN(settings.same_speed, yaml.NumberOr("same_speed", settings.same_speed, 0, 0.5));
   if (yaml.Has("hold_out")) {

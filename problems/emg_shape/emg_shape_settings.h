@@ -14,7 +14,7 @@
 //     timing: per_muscle              # or shared: bursts of all muscles move together
 //     cycle_scatter: true             # gains and timings of single cycles are fitted too
 //     low_pass: 6                     # [Hz] of the envelopes' filter, order 4; 0: none
-//     knots: 14                       # control points of a shape
+//     knots: 14                       # control points of a shape; default: 14, 20 or 28, as the cycles need
 //     rate: 25                        # [Hz] of the samples that are compared
 //     same_speed: 0.03                # trials whose speeds differ by less than this share have one speed
 //     hold_out: [train_030]           # training trials that are predicted, not fitted
@@ -54,7 +54,7 @@ struct EmgShapeSettings {
   bool timing_per_muscle = true;
   bool cycle_scatter = true;
   double low_pass = 6;
-  int knots = 14;
+  std::optional<int> knots;  ///< none: as the cycles need
   double rate = 25;
   double same_speed = 0.03;
   std::vector<std::string> hold_out;

@@ -25,7 +25,7 @@ void DescribeTrial(const EmgShapeTrial& trial, Hdf5Node& node) {
 Status EmgShapeProblem::Describe(const Vector& parameters, Hdf5Node& details) const {
   std::vector<double> phases;
   for (int i = 0; i < kPhases; ++i) phases.push_back(static_cast<double>(i) / (kPhases - 1));
-  const ShapeBasis basis = BasisOf(settings_, data_.reference.period);
+  const ShapeBasis basis = BasisOf(settings_, data_.knots, data_.reference.period);
   for (std::size_t m = 0; m < data_.muscles.size(); ++m) {
     std::vector<double> control;
     for (std::size_t p = 0; p < list_.parameters.size(); ++p) {

@@ -45,12 +45,12 @@ void Append(const CycleSamples& from, CycleSamples& to) {
 
 class Learning {
  public:
-  Learning(const EmgShapeSettings& settings, const EmgReference& reference,
+  Learning(const EmgShapeSettings& settings, int knots, const EmgReference& reference,
            std::vector<LearntRecording>& recordings)
-      : settings_(settings), reference_(reference), recordings_(recordings) {}
+      : settings_(settings), knots_(knots), reference_(reference), recordings_(recordings) {}
 
   Status Learn(EmgMuscle& muscle) {
-    muscle.shape = Vector::Zero(settings_.knots);
+    muscle.shape = Vector::Zero(knots_);
     with_.clear();
     for (std::size_t r = 0; r < recordings_.size(); ++r) {
       if (recordings_[r].trial.role == BlockRole::kTrain && recordings_[r].measured.count(muscle.name) > 0)
@@ -72,7 +72,7 @@ class Learning {
   // Mean curves of all recordings, and where the shape begins to be fitted: those at the reference speed, or
   // all of them.
   Status FindShape(EmgMuscle& muscle) {
-    const ShapeBasis plain(settings_.knots);
+    const ShapeBasis plain(knots_);
     Vector mean = Vector::Zero(kPhases);
     CycleSamples at_reference;
     CycleSamples all;
@@ -90,7 +90,7 @@ class Learning {
     }
     muscle.mean = Closed(mean);
     const CycleSamples& from = at_reference.phase.empty() ? all : at_reference;
-    const ShapeBasis seen = BasisOf(settings_, reference_.period);
+    const ShapeBasis seen = BasisOf(settings_, knots_, reference_.period);
     SINEW_ASSIGN(muscle.shape, FitShape(from.phase, from.values, seen));
     muscle.bursts = FindBursts(CurveOf(seen, muscle.shape));
     return {};
@@ -106,7 +106,7 @@ class Learning {
       fewest = std::min(fewest, samples.back().phase.size());
       rate = 1 / (recording.trial.time[1] - recording.trial.time[0]);
     }
-    const int knots = std::max(settings_.knots, std::min(kNoiseKnots, static_cast<int>(fewest / 3)));
+    const int knots = std::max(knots_, std::min(kNoiseKnots, static_cast<int>(fewest / 3)));
     SINEW_ASSIGN(const CycleScatter scatter,
                  EstimateCycleScatter(samples, knots, std::max(1.0, kEnvelopeCorrelated_s * rate)));
     muscle.noise = std::max(scatter.noise, kLeastEnvelopeNoise);
@@ -126,6 +126,7 @@ class Learning {
   }
 
   const EmgShapeSettings& settings_;
+  int knots_;
   const EmgReference& reference_;
   std::vector<LearntRecording>& recordings_;
   std::vector<std::size_t> with_;                  // recordings that tell of the muscle
@@ -134,9 +135,9 @@ class Learning {
 
 }  // namespace
 
-Result<double> LearnMuscles(const EmgShapeSettings& settings, const EmgReference& reference,
+Result<double> LearnMuscles(const EmgShapeSettings& settings, int knots, const EmgReference& reference,
                             std::vector<LearntRecording>& recordings, std::vector<EmgMuscle>& muscles) {
-  Learning learning(settings, reference, recordings);
+  Learning learning(settings, knots, reference, recordings);
   for (EmgMuscle& muscle : muscles) {
     const Status learnt = learning.Learn(muscle);
     if (!learnt) return Fail("{}: {}", muscle.name, learnt.error().message);

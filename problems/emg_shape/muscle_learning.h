@@ -22,7 +22,7 @@ struct LearntRecording : RecordedTrial {
 
 /// Fills `recordings` and the muscles, which have their names. @return the timing that all muscles have in
 /// common in a cycle, standard deviation [cycle]. Errors: those of FitShape, with muscle and trial.
-Result<double> LearnMuscles(const EmgShapeSettings& settings, const EmgReference& reference,
+Result<double> LearnMuscles(const EmgShapeSettings& settings, int knots, const EmgReference& reference,
                             std::vector<LearntRecording>& recordings, std::vector<EmgMuscle>& muscles);
 
 }  // namespace sinew

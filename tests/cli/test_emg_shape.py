@@ -54,9 +54,9 @@ class EmgShapeTest(ProgramTest):
 
     def test_an_angle_alone_is_enough_at_home(self):
         said = " ".join(self.identify().split())
-        settings = re.search(r"state in their settings: (reference: \{.*?\}, jitter: \{.*?\}) ", said).group(1)
+        settings = re.search(r"state in their settings: (reference: \{.*?\}, knots: \d+, jitter: \{.*?\}) ", said).group(1)
         self.path("home.yaml").write_text("emg_shape:\n  angle: ankle_angle_r\n  muscles: [lat_gas_r, med_gas_r, per_long_r, soleus_r, "
-                                          "tib_ant_r]\n  " + settings.replace(", jitter", "\n  jitter") + "\n")
+                                          "tib_ant_r]\n  " + re.sub(", (knots|jitter)", r"\n  \1", settings) + "\n")
         with h5py.File(self.path("person.h5"), "r+") as file:
             for trial in list(file["trials"]):
                 if trial != "validate_120":

@@ -142,6 +142,27 @@ TEST_F(RunFileTest, ARunWithoutAnAnswerSaysWhy) {
   EXPECT_EQ(read->trace.size(), none.trace.size());
 }
 
+TEST_F(RunFileTest, WhatOtherDataNeedNotKnowIsSaid) {
+  std::vector<Parameter> parameters;
+  for (const char* name : {"slope", "control", "scatter", "initial"}) {
+    parameters.push_back(toy::MakeParameter(name, -1, 1, 0));
+    if (parameters.size() > 1) parameters.back().kind = ParameterKind::kNuisance;
+  }
+  parameters[0].prior = parameters[2].prior = GaussianPrior{0.25, 0.5};
+  parameters[3].trial = "train";
+  const toy::ToyProblem problem(
+      parameters, {toy::MakeBlock("train", "y", 8, 0)},
+      [](const Block&, double t, const Vector& p, Vector*) -> Result<double> { return p.sum() * t; });
+  const auto fit = Identify(problem, MakeFitSetup(problem, {}).value(), {}).value();
+  const Hdf5Node tree = RunTree(problem, fit, kProvenance).value();
+  EXPECT_EQ(tree.Find("parameters/prior_mean")->array()->values[2], 0.25);
+  EXPECT_EQ(tree.Find("parameters/prior_deviation")->array()->values[2], 0.5);
+  EXPECT_TRUE(std::isnan(tree.Find("parameters/prior_deviation")->array()->values[1]));
+  const auto read = Reread(tree);
+  ASSERT_TRUE(read) << read.error().message;
+  EXPECT_THAT(read->incidental, ElementsAre("initial", "scatter"));
+}
+
 TEST_F(RunFileTest, NothingFreeCanBeWrittenAndRead) {
   FitRequest request;
   request.fix = {{"offset", 1}, {"slope", 3}};
