@@ -30,7 +30,7 @@ std::array<int, 2> AddScatter(EmgParameterList& to, const std::string& of, const
   return added;
 }
 
-// @param added gain and timing; -1: none
+// @param added gain and timing of the muscle's own; -1: none
 void TouchWindow(EmgParameterList& to, std::size_t t, std::size_t m, std::size_t window,
                  const std::array<int, 2>& added) {
   const int which = static_cast<int>(window);
@@ -92,7 +92,7 @@ void AddSharedTimings(EmgParameterList& to, std::size_t t) {
         p.trial = trial.name;
         found->second = to.AddNuisance(std::move(p), factor * to.data.shared_timing);
       }
-      TouchWindow(to, t, m, w, {-1, found->second});
+      to.Touch(t, m, {found->second, EmgTerm::kTiming, EmgAlong::kAllMuscles, static_cast<int>(w), 1});
     }
   }
 }

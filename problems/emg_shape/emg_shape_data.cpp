@@ -40,6 +40,7 @@ class Preparation {
     FindKnots();
     SINEW_ASSIGN(out_.shared_timing,
                  LearnMuscles(settings_, out_.knots, out_.reference, recordings_, out_.muscles));
+    FindOthersShapes();
     for (const LearntRecording& recording : recordings_) Finish(recording);
     return std::move(out_);
   }
@@ -221,30 +222,39 @@ class Preparation {
     const std::vector<double>& measured = recording.measured.at(muscle);
     std::size_t at = 0;
     for (std::size_t i = 0; i < values.size(); ++i) {
-      if (std::isfinite(measured[i])) values[i] = own->second.emg[at++];
+      if (std::isfinite(measured[i])) values[i] = own->second.clean[at++];
     }
     return values;
   }
 
-  // The others' mean over all cycles is in the muscle's own shape, which is free. As part of the cross-talk
-  // it would only make that shape smaller, and the gains of its bursts, which have priors, larger. Where no
-  // mean is known nothing can be said beyond it.
+  void FindOthersShapes() {
+    if (out_.muscles.size() < 2) return;
+    for (const EmgMuscle& muscle : out_.muscles) {
+      if (muscle.mean_shape.size() == 0) return;
+    }
+    for (std::size_t m = 0; m < out_.muscles.size(); ++m) {
+      Vector shape = Vector::Zero(out_.knots);
+      for (std::size_t o = 0; o < out_.muscles.size(); ++o) {
+        if (o != m) shape += out_.muscles[o].mean_shape / static_cast<double>(out_.muscles.size() - 1);
+      }
+      out_.others_shape.push_back(std::move(shape));
+    }
+  }
+
   void AddOthers(const LearntRecording& recording, EmgShapeTrial& trial) const {
     trial.others.resize(out_.muscles.size());
-    if (out_.muscles.size() < 2) return;
-    std::vector<std::vector<double>> beyond_mean;
+    if (out_.others_shape.empty()) return;
+    std::vector<std::vector<double>> heard;
     for (const EmgMuscle& muscle : out_.muscles) {
-      if (recording.recorded.count(muscle.name) == 0 || muscle.mean.empty()) return;
-      beyond_mean.push_back(Heard(recording, muscle.name));
-      for (std::size_t i = 0; i < trial.time.size(); ++i)
-        beyond_mean.back()[i] -= OverCycles(muscle.mean, trial.phase[i]);
+      if (recording.recorded.count(muscle.name) == 0) return;
+      heard.push_back(Heard(recording, muscle.name));
     }
     const double share = 1 / static_cast<double>(out_.muscles.size() - 1);
     for (std::size_t m = 0; m < out_.muscles.size(); ++m) {
       std::vector<double>& others = trial.others[m];
       others.assign(trial.time.size(), 0);
       for (std::size_t o = 0; o < out_.muscles.size(); ++o) {
-        for (std::size_t i = 0; o != m && i < others.size(); ++i) others[i] += share * beyond_mean[o][i];
+        for (std::size_t i = 0; o != m && i < others.size(); ++i) others[i] += share * heard[o][i];
       }
     }
   }

@@ -34,8 +34,7 @@ struct EmgShapeTrial {
                               ///< the first and after the last it runs on
   std::vector<int> cycle;     ///< [M] index of the cycle
   std::vector<double> angle;  ///< [M, rad]
-  std::vector<std::vector<double>> others;      ///< [muscles][M] mean EMG of the others beyond their
-                                                ///< mean over cycles; empty: not known
+  std::vector<std::vector<double>> others;      ///< [muscles][M] mean EMG of the others; empty: not known
   std::vector<std::vector<EmgWindow>> windows;  ///< [muscles]; all of a training trial, else none
   /// [muscles] 1 where nothing is known of the speed.
   std::vector<EmgScatterFactors> scatter;
@@ -56,6 +55,7 @@ struct EmgMuscle {
   double noise = 0;          ///< standard deviation within cycles, at the compared samples
   ModulatedNoise modulated;  ///< and how it depends on the EMG's mean at that phase
   std::vector<double> mean;  ///< EMG over one cycle, mean of the training trials; [0] and the end are one
+  Vector mean_shape;         ///< [knots, of a plain ShapeBasis] the same; empty: not known
   Scatter gain;              ///< of bursts, of the logarithm
   Scatter timing;            ///< of bursts [cycle]
 };
@@ -65,7 +65,8 @@ struct EmgShapeData {
   std::vector<EmgSpeed> speeds;  ///< increasing
   std::vector<EmgShapeTrial> trials;
   EmgReference reference;
-  int knots = 0;             ///< of shapes
+  int knots = 0;                     ///< of shapes
+  std::vector<Vector> others_shape;  ///< [muscles] mean of the others' mean_shape; empty: not known
   double shared_timing = 0;  ///< standard deviation of what all muscles have in common in a cycle [cycle]
   Layout layout;             ///< block of trial t and muscle m: trials[t].first_block + m
   std::vector<std::string> notes;

@@ -69,7 +69,7 @@ void AddCrossTalk(EmgParameterList& to) {
                              "share of the others' EMG, mean of them, in this muscle's", 0, 0.8, 0),
                to.made.effects.back().name);
     for (std::size_t t = 0; t < to.data.trials.size(); ++t)
-      to.Touch(t, m, {index, EmgTerm::kOffset, EmgAlong::kOthers, 0, 1});
+      to.Touch(t, m, {index, EmgTerm::kCrossTalk, EmgAlong::kOne, 0, 1});
   }
 }
 

@@ -17,18 +17,39 @@ struct EmgShapeProblem::Scratch final : Problem::Workspace {
   std::vector<double> offset;
   Vector by_gain;  // derivatives
   Vector by_timing;
+  Vector by_cross_talk;
   Matrix by_shape;  // [knots x samples]
   // Window by window.
   std::vector<double> window_gain;
   std::vector<double> window_timing;
+  std::vector<double> shared_timing;   // not the muscle's own
   std::vector<Vector> by_window_gain;  // from the window's first sample on
   std::vector<Vector> by_window_timing;
   Vector control;  // [knots]
   Vector basis;    // [knots] at one sample
   Vector slopes;
+  Vector others;  // the same of the others' mean
+  Vector others_slopes;
+  double cross_talk = 0;
 };
 
 namespace {
+
+// How much of the others' mean there is in a burst, of the muscle's own.
+double HeardIn(const EmgWindow& window, const EmgShapeTrial& trial, const ShapeBasis& basis,
+               const Vector& own, const Vector& others) {
+  double products = 0;
+  double squares = 0;
+  for (int i = window.first; i < window.end; ++i) {
+    const auto at = static_cast<std::size_t>(i);
+    const double share = window.ShareAt(trial.cycle[at] + trial.phase[at]).value;
+    if (share == 0) continue;
+    const double emg = share * basis.Value(trial.phase[at], own.data());
+    products += emg * share * basis.Value(trial.phase[at], others.data());
+    squares += emg * emg;
+  }
+  return squares > 0 ? products / squares : 0;
+}
 
 // Where there are no windows, all is one.
 std::vector<EmgWindow> WindowsOf(const EmgShapeTrial& trial, std::size_t muscle) {
@@ -41,7 +62,7 @@ std::vector<EmgWindow> WindowsOf(const EmgShapeTrial& trial, std::size_t muscle)
 }  // namespace
 
 EmgShapeProblem::EmgShapeProblem(EmgShapeSettings settings, EmgShapeData data)
-    : settings_(std::move(settings)), data_(std::move(data)) {
+    : settings_(std::move(settings)), data_(std::move(data)), plain_(data_.knots) {
   list_ = ListEmgShapeParameters(settings_, data_);
   for (const EmgShapeTrial& trial : data_.trials) {
     for (std::size_t m = 0; m < data_.muscles.size(); ++m) {
@@ -51,6 +72,12 @@ EmgShapeProblem::EmgShapeProblem(EmgShapeSettings settings, EmgShapeData data)
       const bool mean = settings_.cycle_scatter && trial.role != BlockRole::kTrain;
       const bool timings = mean && scatter > kLeastTimingScatter;
       basis_.push_back(BasisOf(settings_, data_.knots, trial.period, timings ? scatter : 0));
+      heard_.emplace_back();
+      for (const EmgWindow& window : WindowsOf(trial, m)) {
+        const bool known = !trial.others[m].empty() && !trial.windows[m].empty();
+        heard_.back().push_back(
+            known ? HeardIn(window, trial, plain_, data_.muscles[m].mean_shape, data_.others_shape[m]) : 0);
+      }
     }
   }
   for (std::size_t b = 0; b < data_.layout.size(); ++b) {
@@ -78,11 +105,11 @@ std::unique_ptr<Problem::Workspace> EmgShapeProblem::NewWorkspace() const {
   return std::make_unique<Scratch>();
 }
 
-double EmgShapeProblem::Along(const EmgColumn& column, const EmgShapeTrial& trial, std::size_t muscle,
-                              std::size_t sample) const {
+double EmgShapeProblem::Along(const EmgColumn& column, const EmgShapeTrial& trial, std::size_t sample) const {
   switch (column.along) {
     case EmgAlong::kOne:
     case EmgAlong::kWindow:
+    case EmgAlong::kAllMuscles:
       return column.factor;
     case EmgAlong::kCycle:
       return column.factor * (trial.cycle[sample] - 0.5 * (static_cast<double>(trial.cycles.size()) - 1));
@@ -90,8 +117,6 @@ double EmgShapeProblem::Along(const EmgColumn& column, const EmgShapeTrial& tria
       return column.factor * std::sin(2 * kPi * trial.phase[sample]);
     case EmgAlong::kCosine:
       return column.factor * (std::cos(2 * kPi * trial.phase[sample]) - 1);
-    case EmgAlong::kOthers:
-      return trial.others[muscle].empty() ? 0 : column.factor * trial.others[muscle][sample];
     case EmgAlong::kHat: {
       const Hats hats = HatsAt(list_.hat_knots, trial.time[sample] - trial.time.front());
       if (column.which == hats.first) return column.factor * hats.left;
@@ -121,20 +146,27 @@ void EmgShapeProblem::AddUp(std::size_t t, std::size_t m, const Vector& paramete
   scratch.offset.assign(count, 0);
   scratch.window_gain.assign(std::max<std::size_t>(1, trial.windows[m].size()), 0);
   scratch.window_timing.assign(scratch.window_gain.size(), 0);
+  scratch.shared_timing.assign(scratch.window_gain.size(), 0);
   scratch.control = Vector::Zero(data_.knots);
+  scratch.cross_talk = 0;
   for (const EmgColumn& column : list_.columns[static_cast<std::size_t>(trial.first_block) + m]) {
     const double value = parameters[column.parameter];
     if (column.term == EmgTerm::kShape) scratch.control[column.which] = value;
-    if (column.term == EmgTerm::kShape || value == 0) continue;
+    if (column.term == EmgTerm::kCrossTalk && !trial.others[m].empty()) scratch.cross_talk = value;
+    if (column.term == EmgTerm::kShape || column.term == EmgTerm::kCrossTalk || value == 0) continue;
     if (column.along == EmgAlong::kWindow) {
       auto& sums = column.term == EmgTerm::kGain ? scratch.window_gain : scratch.window_timing;
       sums[static_cast<std::size_t>(column.which)] += value * column.factor;
       continue;
     }
+    if (column.along == EmgAlong::kAllMuscles) {
+      scratch.shared_timing[static_cast<std::size_t>(column.which)] += value * column.factor;
+      continue;
+    }
     std::vector<double>& sum = column.term == EmgTerm::kGain     ? scratch.gain
                                : column.term == EmgTerm::kTiming ? scratch.timing
                                                                  : scratch.offset;
-    for (std::size_t i = 0; i < count; ++i) sum[i] += value * Along(column, trial, m, i);
+    for (std::size_t i = 0; i < count; ++i) sum[i] += value * Along(column, trial, i);
   }
 }
 
@@ -145,40 +177,66 @@ void EmgShapeProblem::PredictBlock(std::size_t t, std::size_t m, const Query& qu
   AddUp(t, m, query.parameters, scratch);
   const auto count = static_cast<Eigen::Index>(trial.time.size());
   const std::vector<EmgWindow> windows = WindowsOf(trial, m);
+  const std::vector<double>& heard = heard_[static_cast<std::size_t>(b)];
   auto values = prediction.values(b);
   values = Eigen::Map<const Vector>(scratch.offset.data(), count);
   if (query.derivatives) {
-    scratch.by_gain = scratch.by_timing = Vector::Zero(count);
+    scratch.by_gain = scratch.by_timing = scratch.by_cross_talk = Vector::Zero(count);
     scratch.by_shape = Matrix::Zero(data_.knots, count);
     scratch.by_window_gain.resize(windows.size());
     scratch.by_window_timing.resize(windows.size());
   }
   scratch.basis.resize(data_.knots);
   scratch.slopes.resize(data_.knots);
+  scratch.others.resize(data_.knots);
+  scratch.others_slopes.resize(data_.knots);
+  const double cross_talk = scratch.cross_talk;
+  const bool hears = !trial.others[m].empty() && (cross_talk != 0 || query.derivatives);
   for (std::size_t w = 0; w < windows.size(); ++w) {
     const EmgWindow& window = windows[w];
+    const double scattering = 1 + cross_talk * heard[w];
     if (query.derivatives)
       scratch.by_window_gain[w] = scratch.by_window_timing[w] = Vector::Zero(window.end - window.first);
     for (int i = window.first; i < window.end; ++i) {
       const auto at = static_cast<std::size_t>(i);
-      const double early = scratch.window_timing[w];
+      const double early = scratch.shared_timing[w] + scattering * scratch.window_timing[w];
       const BurstCut::Share share =
           window.ShareAt(trial.cycle[at] + trial.phase[at] + scratch.timing[at] + early);
       if (share.value == 0) continue;
       basis_[static_cast<std::size_t>(b)].At(trial.phase[at] + scratch.timing[at] + early,
                                              scratch.basis.data(),
                                              query.derivatives ? scratch.slopes.data() : nullptr);
-      const double gain = std::exp(scratch.gain[at] + scratch.window_gain[w]);
-      const double emg = gain * scratch.basis.dot(scratch.control);
+      const double gain = std::exp(scratch.gain[at] + scattering * scratch.window_gain[w]);
+      double shape = scratch.basis.dot(scratch.control);
+      double others = 0;
+      double others_slope = 0;
+      if (hears) {
+        plain_.At(trial.phase[at] + scratch.timing[at] + early, scratch.others.data(),
+                  scratch.others_slopes.data());
+        others = scratch.others.dot(data_.others_shape[m]);
+        others_slope = scratch.others_slopes.dot(data_.others_shape[m]);
+        shape -= cross_talk * others;
+      }
+      const double emg = gain * shape;
       values[i] += share.value * emg;
       if (!query.derivatives) continue;
-      const double slope = share.value * gain * scratch.slopes.dot(scratch.control);
+      const double slope =
+          share.value * gain * (scratch.slopes.dot(scratch.control) - cross_talk * others_slope);
+      const double by_timing = slope + share.slope * emg;
+      scratch.by_cross_talk[i] +=
+          heard[w] * (scratch.window_gain[w] * share.value * emg + scratch.window_timing[w] * by_timing) -
+          share.value * gain * others;
       scratch.by_gain[i] += share.value * emg;
       scratch.by_shape.col(i) += share.value * gain * scratch.basis;
       scratch.by_window_gain[w][i - window.first] = share.value * emg;
-      scratch.by_window_timing[w][i - window.first] = slope + share.slope * emg;
-      scratch.by_timing[i] += slope + share.slope * emg;
+      scratch.by_window_timing[w][i - window.first] = by_timing;
+      scratch.by_timing[i] += by_timing;
     }
+  }
+  if (hears) {
+    const Eigen::Map<const Vector> heard_now(trial.others[m].data(), count);
+    if (cross_talk != 0) values += cross_talk * heard_now;
+    if (query.derivatives) scratch.by_cross_talk += heard_now;
   }
   if (query.derivatives) Differentiate(t, m, query, windows, scratch, prediction);
 }
@@ -199,11 +257,14 @@ void EmgShapeProblem::Differentiate(std::size_t t, std::size_t m, const Query& q
     }
     if (!wanted) continue;
     auto slopes = derivatives.col(at);
-    if (column.along == EmgAlong::kWindow) {
+    if (column.along == EmgAlong::kWindow || column.along == EmgAlong::kAllMuscles) {
       const auto w = static_cast<std::size_t>(column.which);
-      const Vector& by =
-          column.term == EmgTerm::kGain ? scratch.by_window_gain[w] : scratch.by_window_timing[w];
-      slopes.segment(windows[w].first, by.size()) += column.factor * by;
+      const bool gain = column.term == EmgTerm::kGain;
+      const Vector& by = gain ? scratch.by_window_gain[w] : scratch.by_window_timing[w];
+      // The gain and the timing of the muscle's own part scatter more than those of what is measured.
+      const bool own = column.along == EmgAlong::kWindow;
+      const double scattering = own ? 1 + scratch.cross_talk * heard_[static_cast<std::size_t>(b)][w] : 1;
+      slopes.segment(windows[w].first, by.size()) += column.factor * scattering * by;
       continue;
     }
     if (column.term == EmgTerm::kShape) {
@@ -211,10 +272,11 @@ void EmgShapeProblem::Differentiate(std::size_t t, std::size_t m, const Query& q
       continue;
     }
     for (Eigen::Index i = 0; i < slopes.size(); ++i) {
-      const double by = column.term == EmgTerm::kGain     ? scratch.by_gain[i]
-                        : column.term == EmgTerm::kTiming ? scratch.by_timing[i]
-                                                          : 1;
-      slopes[i] += by * Along(column, trial, m, static_cast<std::size_t>(i));
+      const double by = column.term == EmgTerm::kGain        ? scratch.by_gain[i]
+                        : column.term == EmgTerm::kTiming    ? scratch.by_timing[i]
+                        : column.term == EmgTerm::kCrossTalk ? scratch.by_cross_talk[i]
+                                                             : 1;
+      slopes[i] += by * Along(column, trial, static_cast<std::size_t>(i));
     }
   }
 }

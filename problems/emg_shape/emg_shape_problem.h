@@ -39,8 +39,7 @@ class EmgShapeProblem final : public Problem {
   struct Scratch;
 
   EmgShapeProblem(EmgShapeSettings settings, EmgShapeData data);
-  [[nodiscard]] double Along(const EmgColumn& column, const EmgShapeTrial& trial, std::size_t muscle,
-                             std::size_t sample) const;
+  [[nodiscard]] double Along(const EmgColumn& column, const EmgShapeTrial& trial, std::size_t sample) const;
   void AddUp(std::size_t t, std::size_t m, const Vector& parameters, Scratch& scratch) const;
   void PredictBlock(std::size_t t, std::size_t m, const Query& query, Scratch& scratch,
                     Prediction& prediction) const;
@@ -50,7 +49,9 @@ class EmgShapeProblem final : public Problem {
   EmgShapeSettings settings_;
   EmgShapeData data_;
   EmgShapeParameters list_;
-  std::vector<ShapeBasis> basis_;  // [blocks]
+  std::vector<ShapeBasis> basis_;           // [blocks]
+  ShapeBasis plain_;                        // of EmgShapeData::others_shape
+  std::vector<std::vector<double>> heard_;  // [blocks][windows] r_b of emg_shape_parameters.h
 };
 
 /// The parameters of the made-up study, without data.

@@ -4,6 +4,7 @@
 #include <cmath>
 
 #include "models/emg/shape_basis.h"
+#include "problems/emg_shape/clean_emg.h"
 
 namespace sinew {
 namespace {
@@ -74,6 +75,7 @@ class Learning {
   Status FindShape(EmgMuscle& muscle) {
     const ShapeBasis plain(knots_);
     Vector mean = Vector::Zero(kPhases);
+    muscle.mean_shape = Vector::Zero(knots_);
     CycleSamples at_reference;
     CycleSamples all;
     for (const std::size_t r : with_) {
@@ -83,6 +85,7 @@ class Learning {
       if (!shape) return Fail("trial '{}': {}", recording.trial.name, shape.error().message);
       const Vector curve = CurveOf(plain, *shape);
       mean += curve / static_cast<double>(with_.size());
+      muscle.mean_shape += *shape / static_cast<double>(with_.size());
       recording.learnt[muscle.name].curve = Closed(curve);
       recording.learnt[muscle.name].bursts = FindBursts(curve);
       Append(samples, all);
@@ -98,17 +101,20 @@ class Learning {
 
   Status FindScatter(EmgMuscle& muscle) {
     std::vector<CycleSamples> samples;
+    std::vector<ShapeBasis> bases;
     std::size_t fewest = std::numeric_limits<std::size_t>::max();
     double rate = 0;
     for (const std::size_t r : with_) {
       const LearntRecording& recording = recordings_[r];
       samples.push_back(SamplesOf(recording, muscle.name, recording.learnt.at(muscle.name).bursts));
+      bases.push_back(BasisOf(settings_, knots_, recording.trial.period));
       fewest = std::min(fewest, samples.back().phase.size());
       rate = 1 / (recording.trial.time[1] - recording.trial.time[0]);
     }
     const int knots = std::max(knots_, std::min(kNoiseKnots, static_cast<int>(fewest / 3)));
-    SINEW_ASSIGN(const CycleScatter scatter,
-                 EstimateCycleScatter(samples, knots, std::max(1.0, kEnvelopeCorrelated_s * rate)));
+    const double correlated = std::max(1.0, kEnvelopeCorrelated_s * rate);
+    SINEW_ASSIGN(const CycleScatter scatter, EstimateCycleScatter(samples, knots, correlated));
+    SINEW_ASSIGN(const auto clean, CleanEmg(samples, bases, scatter, correlated));
     muscle.noise = std::max(scatter.noise, kLeastEnvelopeNoise);
     muscle.bursts.after = scatter.after;
     muscle.modulated = scatter.modulated;
@@ -117,6 +123,7 @@ class Learning {
     for (std::size_t i = 0; i < with_.size(); ++i) {
       LearntRecording::Muscle& learnt = recordings_[with_[i]].learnt.at(muscle.name);
       learnt.emg = scatter.emg[i];
+      learnt.clean = clean[i];
       learnt.factors = {scatter.gain.factor[i], scatter.timing.factor[i]};
     }
     timings_.push_back(scatter.timings);

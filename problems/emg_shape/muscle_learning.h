@@ -15,7 +15,8 @@ struct LearntRecording : RecordedTrial {
     BurstPattern bursts;
     std::vector<double> curve;  ///< mean EMG over a cycle; [0] and the end are one
     EmgScatterFactors factors;
-    std::vector<double> emg;  ///< CycleScatter::emg, of the finite values of `measured`
+    std::vector<double> emg;    ///< CycleScatter::emg, of the finite values of `measured`
+    std::vector<double> clean;  ///< the same without noise, as another electrode hears it
   };
   std::map<std::string, Muscle> learnt;
 };

@@ -22,11 +22,13 @@ std::unique_ptr<EmgShapeProblem> Bound(const Dataset& data, const std::string& m
   return problem ? std::move(*problem) : nullptr;
 }
 
-Identification Fitted(const Problem& problem) {
+Identification Fitted(const Problem& problem, const std::vector<std::string>& released = {}) {
   IdentificationOptions options;
   options.solver = "lm";
   options.profiles = false;
-  auto setup = MakeFitSetup(problem, {});
+  FitRequest request;
+  request.release = released;
+  auto setup = MakeFitSetup(problem, request);
   EXPECT_TRUE(setup);
   auto fit = Identify(problem, std::move(*setup), std::move(options));
   EXPECT_TRUE(fit) << fit.error().message;
@@ -70,6 +72,22 @@ TEST(EmgShapeProblem, LawsPredictASpeedThatWasNotMeasured) {
   EXPECT_THAT(
       with->RemarksAt(RestPoint(*with)),
       Contains(HasSubstr("trial 'train_120' moves at 2.09 rad/s, outside of the measured 0.524 .. 1.57")));
+}
+
+// Bursts of both muscles come early and late together, so what is heard moves as the muscle's own EMG does.
+TEST(EmgShapeProblem, CrossTalkIsFoundWhereMusclesVaryTogether) {
+  for (const double share : {0.1, 0.3, 0.6}) {
+    SynthesisRequest request;
+    request.seed = 107;
+    request.set = {{"speeds", 4},   {"muscles", 2}, {"raw", 0},   {"moments", 0},  {"train", 6},
+                   {"validate", 2}, {"laws", 0},    {"noisy", 0}, {"subject", 107}};
+    request.effects = {{"cross_talk.lat_gas_r", {{"cross_talk.lat_gas_r", share}}}};
+    const auto data = SynthesizeEmgShape(request);
+    ASSERT_TRUE(data) << data.error().message;
+    const auto problem = Bound(*data, ", laws: [], low_pass: 0");
+    const Identification fit = Fitted(*problem, {"cross_talk.lat_gas_r"});
+    EXPECT_NEAR(ValueOf(*problem, fit.parameters, "cross_talk.lat_gas_r"), share, 0.1 * share);
+  }
 }
 
 TEST(EmgShapeProblem, OneSpeedHasNoLaws) {
