@@ -7,6 +7,7 @@
 #include <vector>
 
 #include "identify/problem.h"
+#include "problems/emg_shape/emg_block.h"
 #include "problems/emg_shape/emg_shape_data.h"
 #include "problems/emg_shape/emg_shape_parameters.h"
 
@@ -36,22 +37,12 @@ class EmgShapeProblem final : public Problem {
   [[nodiscard]] const EmgShapeSettings& settings() const { return settings_; }
 
  private:
-  struct Scratch;
-
   EmgShapeProblem(EmgShapeSettings settings, EmgShapeData data);
-  [[nodiscard]] double Along(const EmgColumn& column, const EmgShapeTrial& trial, std::size_t sample) const;
-  void AddUp(std::size_t t, std::size_t m, const Vector& parameters, Scratch& scratch) const;
-  void PredictBlock(std::size_t t, std::size_t m, const Query& query, Scratch& scratch,
-                    Prediction& prediction) const;
-  void Differentiate(std::size_t t, std::size_t m, const Query& query, const std::vector<EmgWindow>& windows,
-                     const Scratch& scratch, Prediction& prediction) const;
 
   EmgShapeSettings settings_;
   EmgShapeData data_;
   EmgShapeParameters list_;
-  std::vector<ShapeBasis> basis_;           // [blocks]
-  ShapeBasis plain_;                        // of EmgShapeData::others_shape
-  std::vector<std::vector<double>> heard_;  // [blocks][windows] r_b of emg_shape_parameters.h
+  std::vector<EmgBlock> blocks_;  // of the layout
 };
 
 /// The parameters of the made-up study, without data.
