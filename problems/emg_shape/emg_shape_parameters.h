@@ -12,7 +12,8 @@
 //
 // share_b: how much of S_m is burst b's (EmgWindow); bursts overlap, and each has its gain and timing.
 // O_m: mean of the others over a cycle; r_b: its ratio to m's own mean in the burst. gain_b scatters as the
-// burst does that was measured, which hears the others, and whose own part scatters more.
+// burst does that was measured, which hears the others, and whose own part scatters more; so does the
+// muscle's own timing_b, and not what all muscles of a cycle have in common.
 // s speed, T period of a cycle; s0, T0 those of the reference. docs/decisions/emg_shape_model.md.
 #pragma once
 
