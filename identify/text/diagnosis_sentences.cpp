@@ -81,8 +81,8 @@ Sentence AlternativeSentence(const Cause& cause, const Alternative& other) {
     text += " It contains the cause as a special case and is not needed.";
     return sentence;
   }
-  text += other.same_class ? std::string(" The two change the data in nearly the same way")
-                           : fmt::format(" Their changes of the data correlate {:.2f}", other.correlation);
+  text += other.same_class ? std::string(" The two have nearly the same effect on the data")
+                           : fmt::format(" Their effects on the data correlate {:.2f}", other.correlation);
   if (std::isfinite(other.separating_size) && cause.size > 0 && other.separating_size > cause.size) {
     text += fmt::format("; such data would separate them from {} times this size on",
                         Readable(other.separating_size / cause.size, 2));
@@ -130,8 +130,8 @@ void AddChange(const Diagnosis& d, const DiagnosedParameter& base, const Diagnos
   } else {
     const double share = base.value / now.value - 1;
     if (std::abs(share) < 0.005) return;
-    text += fmt::format("the base model {}estimated it by {}.", share > 0 ? "over" : "under",
-                        Percent(std::abs(share)));
+    text += fmt::format("the base model {}estimated {} by {}.", share > 0 ? "over" : "under",
+                        now.value < 0 ? "its size" : "it", Percent(std::abs(share)));
   }
   sentences.push_back({SentenceKind::kParameterChange, std::move(text), {now.name}});
 }

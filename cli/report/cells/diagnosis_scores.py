@@ -117,7 +117,7 @@ for cause in causes:
             continue
         apart = f"fits worse by ΔLR {number(other['delta_lr'], 2)}" if other["delta_lr"] >= 0 else \
             f"fits better by ΔLR {number(-other['delta_lr'], 2)}"
-        apart += f"; changes of the data correlate {other['correlation']:.3f}".replace("-", "−")
+        apart += f"; effects on the data correlate {other['correlation']:.3f}".replace("-", "−")
         if other.get("contains_cause"):
             apart += "<br>a more general law that contains the cause and is not needed"
         if other["separated_by"]:

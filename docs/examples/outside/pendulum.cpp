@@ -84,7 +84,8 @@ int main() {
     std::fprintf(stderr, "%s\n", result.error().message.c_str());
     return 1;
   }
-  for (const std::string& finding : result->findings) std::printf("%s\n", finding.c_str());
+  for (const sinew::text::Sentence& finding : sinew::text::Findings(*result))
+    std::printf("%s\n", finding.text.c_str());
   const double length = result->parameters[0];
   return result->result.stop.converged() && std::abs(length - 1) < 0.01 ? 0 : 1;
 }

@@ -287,7 +287,7 @@ TEST(Diagnose, TheAnswerDoesNotDependOnThreads) {
   options.threads = 3;
   const auto three = Diagnose(problem, *setup, options);
   ASSERT_TRUE(one && three);
-  EXPECT_EQ(one->sentences, three->sentences);
+  EXPECT_EQ(text::TextsOf(text::Sentences(*one)), text::TextsOf(text::Sentences(*three)));
   EXPECT_EQ(one->extended_point, three->extended_point);
 }
 

@@ -210,11 +210,14 @@ Lines OtherDiagnoses() {
   });
   add("chosen by cross-validation", [](Diagnosis& d) { d.causes[0].left_out = 0.6; });
   add("same class", [](Diagnosis& d) { d.alternatives[0].same_class = true; });
-  add("never separated", [](Diagnosis& d) { d.alternatives[0].separating_size = INFINITY; });
   add("more general law", [](Diagnosis& d) { d.alternatives[0].contains_cause = true; });
   add("separated by a larger effect", [](Diagnosis& d) { d.alternatives[0].separating_size = 9; });
   add("overestimated", [](Diagnosis& d) { d.base_parameters[0].value = 1.404; });
   add("underestimated", [](Diagnosis& d) { d.base_parameters[0].value = 0.6; });
+  add("negative", [](Diagnosis& d) {
+    d.base_parameters[0].value = -0.127;
+    d.extended_parameters[0].value = -0.983;
+  });
   add("other sign", [](Diagnosis& d) { d.base_parameters[0].value = -1; });
   add("at bound", [](Diagnosis& d) { d.base_parameters[0].at_bound = "upper"; });
   add("all of the error", [](Diagnosis& d) { d.gain[0].gap_closed = 1; });
@@ -268,7 +271,7 @@ INSTANTIATE_TEST_SUITE_P(Text, Golden,
                                          Case{"warnings", EveryWarning}, Case{"shapes", EveryShape},
                                          Case{"diagnosis", TheWholeDiagnosis},
                                          Case{"other_diagnoses", OtherDiagnoses}),
-                         [](const auto& info) { return std::string(info.param.name); });
+                         [](const auto& of) { return std::string(of.param.name); });
 
 }  // namespace
 }  // namespace sinew::text
