@@ -118,5 +118,15 @@ TEST_F(Hdf5Tree, AFailedWriteLeavesTheOldFileAndNothingElse) {
   EXPECT_EQ(std::distance(std::filesystem::directory_iterator(folder_), {}), 1);
 }
 
+TEST_F(Hdf5Tree, TheSameTreeGivesTheSameBytes) {
+  ASSERT_TRUE(WriteHdf5(Path("a.h5"), Example()));
+  ASSERT_TRUE(WriteHdf5(Path("b.h5"), Example()));
+  const auto bytes = [&](const std::string& name) {
+    std::ifstream file(Path(name), std::ios::binary);
+    return std::string{std::istreambuf_iterator<char>(file), {}};
+  };
+  EXPECT_EQ(bytes("a.h5"), bytes("b.h5"));
+}
+
 }  // namespace
 }  // namespace sinew
