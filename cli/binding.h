@@ -11,8 +11,8 @@
 
 #include "cli/command.h"
 #include "cli/work_options.h"
+#include "identify/files/run_file.h"
 #include "identify/fit_setup.h"
-#include "identify/results/run_file.h"
 #include "identify/solvers/solver.h"
 #include "problems/registry.h"
 

@@ -8,7 +8,7 @@
 #include "cli/command.h"
 #include "cli/command_files.h"
 #include "cli/terminal.h"
-#include "identify/results/study_file.h"
+#include "identify/files/study_file.h"
 
 namespace sinew {
 namespace {
