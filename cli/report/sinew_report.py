@@ -32,7 +32,10 @@ def parse(arguments):
     parser.add_argument("files", nargs="+", metavar="FILE.h5", help="what sinew identify, diagnose or compare wrote")
     parser.add_argument("--out-dir", required=True, metavar="DIR", help="the folder for notebooks and pages")
     parser.add_argument("--threads", type=int, default=os.cpu_count() or 1, metavar="N", help="notebooks executed at once")
-    return parser.parse_args(arguments)
+    options = parser.parse_args(arguments)
+    if options.threads < 1:
+        parser.error(f"--threads {options.threads}: expected at least 1")
+    return options
 
 
 def make(options):

@@ -6,7 +6,7 @@
 namespace sinew {
 namespace {
 
-constexpr double kNaN = std::numeric_limits<double>::quiet_NaN();
+constexpr double kMissing = std::numeric_limits<double>::quiet_NaN();
 
 const Parameter& ParameterAt(const Problem& problem, int index) {
   return problem.parameters()[static_cast<std::size_t>(index)];
@@ -43,7 +43,7 @@ void WriteRuns(const Study& study, Hdf5Node& node) {
     seconds.push_back(run.seconds);
     seconds_to_target.push_back(effort.seconds);
     for (const int index : study.free)
-      values.push_back(run.parameters.size() > 0 ? run.parameters[index] : kNaN);
+      values.push_back(run.parameters.size() > 0 ? run.parameters[index] : kMissing);
   }
   node.At("solver").data = solver;
   node.At("stop_reason").data = stop;

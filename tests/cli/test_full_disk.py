@@ -61,11 +61,13 @@ class FullDisk(ProgramTest):
         self.assertEqual((done.returncode, done.stderr),
                          (2, "sinew: error: run.json: cannot be written: File too large\n"))
         self.assertEqual(self.path("run.json").read_text(), "{}")
-        with open("/dev/full", "w", encoding="utf-8") as full:
-            done = subprocess.run([PROGRAM, "mbs", "A01", "--json", "-"], stdout=full, stderr=subprocess.PIPE, text=True,
-                                  timeout=LONGEST, check=False)
-        self.assertEqual((done.returncode, done.stderr),
-                         (2, "sinew: error: standard output cannot be written: No space left on device\n"))
+
+    def test_standard_output(self):
+        for words, end in ((("mbs", "A01", "--json", "-"), ": No space left on device"), (("list", "solvers"), " (disk full?)")):
+            with open("/dev/full", "w", encoding="utf-8") as full:
+                done = subprocess.run([PROGRAM, *words], stdout=full, stderr=subprocess.PIPE, text=True, timeout=LONGEST,
+                                      check=False)
+            self.assertEqual((done.returncode, done.stderr), (2, f"sinew: error: standard output cannot be written{end}\n"))
 
     def test_a_checkpoint_alone(self):
         """The search goes on, says so, and ends as if nothing had been: by its own status, not by a signal."""
