@@ -83,7 +83,7 @@ int main(int argc, char** argv) {
   try {
     const int status = Run(argc, argv);
     // What was printed may have been waiting until now.
-    if (std::fflush(stdout) == 0 && std::ferror(stdout) == 0) return status;
+    if (status != sinew::kDone || (std::fflush(stdout) == 0 && std::ferror(stdout) == 0)) return status;
     return Fail("standard output cannot be written (disk full?)");
   } catch (const std::exception& exception) {
     std::fprintf(stderr, "sinew: error: unexpected: %s\n", exception.what());
