@@ -14,7 +14,7 @@ using Json = nlohmann::ordered_json;
 std::string ProblemsJson() {
   Json json{{"problems", Json::array()}};
   for (const ProblemEntry& entry : ProblemRegistry())
-    json["problems"].push_back({{"name", entry.name}, {"description", entry.says}});
+    json["problems"].push_back({{"name", entry.name}, {"description", entry.description}});
   return ToText(json);
 }
 
@@ -33,7 +33,7 @@ std::string SolversJson() {
 std::string IntegratorsJson() {
   Json json{{"integrators", Json::array()}};
   for (const IntegratorEntry& entry : IntegratorRegistry())
-    json["integrators"].push_back({{"name", entry.name}, {"description", entry.says}});
+    json["integrators"].push_back({{"name", entry.name}, {"description", entry.description}});
   return ToText(json);
 }
 
@@ -64,7 +64,7 @@ std::string ParametersJson(const ProblemEntry& entry) {
 }
 
 std::string EffectsJson(const ProblemEntry& entry, const Problem& problem) {
-  Json json{{"problem", entry.name}, {"effects", Json::array()}, {"unknown_terms", Json::array()}};
+  Json json{{"problem", entry.name}, {"effects", Json::array()}, {"discrepancy_terms", Json::array()}};
   for (const Effect& effect : problem.effects()) {
     Json parameters = Json::array();
     for (const int index : effect.parameters) {
@@ -74,12 +74,12 @@ std::string EffectsJson(const ProblemEntry& entry, const Problem& problem) {
     json["effects"].push_back({{"name", effect.name},
                                {"level", ToString(effect.level)},
                                {"trial", effect.trial},
-                               {"description", effect.says},
-                               {"exposed_by", effect.exposed_by},
+                               {"description", effect.description},
+                               {"revealing_experiment", effect.revealing_experiment},
                                {"parameters", parameters}});
   }
-  for (const Port& port : problem.ports()) {
-    for (const UnknownTerm& term : port.terms) json["unknown_terms"].push_back(term.name);
+  for (const DiscrepancyPort& port : problem.ports()) {
+    for (const DiscrepancyTerm& term : port.terms) json["discrepancy_terms"].push_back(term.name);
   }
   return ToText(json);
 }
