@@ -28,7 +28,8 @@ class SolverStudy : public testing::Test {
   }
 
   const toy::ToyProblem problem_ = toy::LineProblem();
-  const LeastSquares fit_{problem_, MakeFitSetup(problem_, {}).value()};
+  const FitSetup setup_ = MakeFitSetup(problem_, {}).value();
+  const LeastSquares fit_{problem_, setup_};
 };
 
 StudyRun MadeUp(const std::string& solver, std::vector<double> costs, double parameter) {
