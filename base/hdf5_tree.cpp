@@ -445,6 +445,8 @@ Result<Hdf5Node> ReadHdf5(const std::string& path) {
   std::error_code code;
   if (!std::filesystem::exists(path, code)) return Fail("{}: no such file", path);
   if (std::filesystem::is_directory(path, code)) return Fail("{}: is a folder, expected an HDF5 file", path);
+  if (!std::filesystem::is_regular_file(path, code))
+    return Fail("{}: is a device, a pipe or a socket, expected an HDF5 file", path);
   const std::lock_guard lock(hdf5_mutex);
   H5Eset_auto2(H5E_DEFAULT, nullptr, nullptr);  // its errors become ours, not a stack trace on stderr
   if (H5Fis_hdf5(path.c_str()) <= 0) return Fail("{}: is not an HDF5 file", path);

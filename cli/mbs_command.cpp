@@ -165,9 +165,9 @@ Result<int> RunMbs(const MbsWords& words) {
   for (const Mechanism& mechanism : mechanisms) {
     // The test set's start has its own answer, whatever the folder holds.
     if (words.which == "all" && mechanism.name == "A03-IVP" && !words.reference.empty()) continue;
+    line.Show(done++, static_cast<int>(mechanisms.size()));
     SINEW_ASSIGN(Outcome outcome, Examine(mechanism, words));
     outcomes.push_back(std::move(outcome));
-    line.Show(++done, static_cast<int>(mechanisms.size()));
   }
   line.Clear();
   if (!words.json.empty()) {

@@ -1,4 +1,4 @@
-#include "identify/solvers/study.h"
+#include "identify/files/study_file.h"
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
@@ -6,7 +6,7 @@
 #include <cmath>
 #include <nlohmann/json.hpp>
 
-#include "identify/files/study_file.h"
+#include "identify/solvers/study.h"
 #include "tests/identify/support/error_of.h"
 #include "tests/identify/support/line_fit.h"
 
