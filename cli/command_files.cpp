@@ -11,6 +11,9 @@ namespace {
 
 namespace fs = std::filesystem;
 
+// File systems take 255; beside the file it is written under a longer name first (ReplaceFile).
+constexpr std::size_t kMaxNameBytes = 235;
+
 bool IsSameFile(const std::string& a, const std::string& b) {
   std::error_code code;
   if (fs::equivalent(a, b, code)) return true;
@@ -24,6 +27,8 @@ bool IsSameFile(const std::string& a, const std::string& b) {
 
 Status CheckWritable(const std::string& path) {
   SINEW_TRY(CheckReplaceable(path));
+  if (fs::path(path).filename().string().size() > kMaxNameBytes)
+    return Fail("{}: its name is too long, expected at most {} bytes", path, kMaxNameBytes);
   std::error_code code;
   const fs::path target = fs::canonical(path, code);  // what a link leads to is replaced where it is
   const fs::path parent = (code ? fs::path(path) : target).parent_path();

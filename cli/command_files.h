@@ -18,7 +18,8 @@ struct CommandFiles {
 /// link and another way to write the same path are the same file, also where it does not exist yet.
 ///
 /// Errors: a written file is one that is read, or is written twice; its name is empty or "-"; it is a folder,
-/// a device, a pipe or a socket; its folder does not exist or may not be written to.
+/// a device, a pipe or a socket; its folder does not exist or may not be
+/// written to; its name is too long.
 Status CheckFiles(const CommandFiles& files);
 
 /// CheckFiles for a data set that is changed in place unless another one is named.

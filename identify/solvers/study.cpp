@@ -93,7 +93,11 @@ StudyRun::Effort StudyRun::ToTarget(double target) const {
 }
 
 Result<Study> CompareSolvers(const LeastSquares& problem, const StudyOptions& options) {
-  for (const std::string& name : options.solvers) SINEW_TRY(MakeSolver(name, options.solver_options));
+  for (const std::string& name : options.solvers) {
+    SINEW_TRY(MakeSolver(name, options.solver_options));
+    if (std::count(options.solvers.begin(), options.solvers.end(), name) > 1)
+      return Fail("solver '{}' is named twice", name);
+  }
   Study study;
   study.free = problem.setup().free;
   const int all = static_cast<int>(options.solvers.size()) * options.repeats;

@@ -52,7 +52,8 @@ struct Study {
 };
 
 /// The first repeat starts where the problem says, each further one at a random point of the box, the same
-/// for every solver. Interrupted, it holds the runs so far. Errors: a solver that does not exist.
+/// for every solver. Interrupted, it holds the runs so far. Errors: a solver that does not exist, or is named
+/// twice.
 Result<Study> CompareSolvers(const LeastSquares& problem, const StudyOptions& options);
 
 /// All runs of one solver. Medians are over the runs for which the number exists; NaN if there is none.

@@ -98,6 +98,12 @@ class CommandFiles(ProgramTest):
         self.assertFalse(self.path("-").exists())
 
 
+    def test_a_name_that_no_file_can_have_is_known_before_the_work(self):
+        name = "a" * 240 + ".h5"
+        for words, _ in self.each():
+            self.fails(f"{name}: its name is too long, expected at most 235 bytes", *words, name)
+
+
 class NamedByInputs(ProgramTest):
     def test_storages_of_a_simulation(self):
         """Their names are made of --out, trial and grid."""

@@ -77,11 +77,13 @@ TEST_F(SolverStudy, AnInterruptedOneHoldsTheRunsSoFar) {
   EXPECT_EQ(study->runs.size(), 2U);
 }
 
-TEST_F(SolverStudy, AnUnknownSolverIsKnownBeforeAnyRun) {
+TEST_F(SolverStudy, AWrongNameIsKnownBeforeAnyRun) {
   StudyOptions options;
   options.solvers = {"lm", "cerez"};
   options.progress = [](int, int) { FAIL() << "ran"; };
   EXPECT_THAT(ErrorOf(CompareSolvers(fit_, options)), HasSubstr("'cerez' does not exist"));
+  options.solvers = {"lm", "ceres", "lm"};
+  EXPECT_EQ(ErrorOf(CompareSolvers(fit_, options)), "solver 'lm' is named twice");
 }
 
 TEST(SolverSummaries, AreMediansOverTheRunsThatHaveTheNumber) {
