@@ -4,6 +4,7 @@
 #include <cmath>
 #include <limits>
 
+#include "base/constants.h"
 #include "base/text.h"
 #include "identify/files/run_groups.h"
 #include "identify/text/findings.h"
@@ -12,8 +13,6 @@
 
 namespace sinew {
 namespace {
-
-constexpr double kNaN = std::numeric_limits<double>::quiet_NaN();
 
 std::vector<std::string> FreeNames(const FitSetup& setup) {
   std::vector<std::string> names;

@@ -1,15 +1,13 @@
 #include "identify/uncertainty/profile.h"
 
-#include <tbb/enumerable_thread_specific.h>
-#include <tbb/info.h>
-#include <tbb/parallel_for.h>
-#include <tbb/task_arena.h>
-
 #include <algorithm>
 #include <cmath>
 #include <limits>
+#include <optional>
 #include <utility>
 
+#include "base/constants.h"
+#include "identify/execution/executor.h"
 #include "identify/solvers/local_fit.h"
 
 namespace sinew {
@@ -22,7 +20,6 @@ constexpr double kEndTolerance = 2e-3;
 constexpr double kRefitTolerance = 1e-3;
 constexpr int kMaxPoints = 30;
 constexpr long kMaxRefitEvaluations = 60;
-constexpr double kInfinity = std::numeric_limits<double>::infinity();
 
 /// A point on the profile: distance from the minimum, and root of the rise of the cost over the one allowed.
 struct Point {
@@ -154,18 +151,16 @@ std::vector<Profile> ProfileIntervals(const LeastSquares& problem, const Vector&
   const long part = std::max(1L, options.max_evaluations / static_cast<long>(ends));
   std::vector<double> lowest(ends);
   std::vector<long> used(ends);
-  // More threads than the machine has only make TBB complain.
-  tbb::task_arena arena(std::clamp(options.threads, 1, tbb::info::default_concurrency()));
-  arena.execute([&] {
-    tbb::enumerable_thread_specific<LocalFit> fits([&] { return LocalFit(problem, options.penalty); });
-    tbb::parallel_for(std::size_t{0}, ends, [&](std::size_t i) {
-      LocalFit& fit = fits.local();
-      const long before = fit.evaluations();
-      EndSearch search(fit, minimum, cost, requests[i / 2], i % 2 == 0 ? -1 : 1, part, options.interrupt);
-      (i % 2 == 0 ? profiles[i / 2].lower : profiles[i / 2].upper) = search.Run();
-      lowest[i] = search.lowest();
-      used[i] = fit.evaluations() - before;
-    });
+  const auto executor = MakeExecutor(options.threads);
+  std::vector<std::optional<LocalFit>> fits(executor->workers());
+  executor->ForEach(ends, [&](std::size_t i, std::size_t worker) {
+    if (!fits[worker]) fits[worker].emplace(problem, options.penalty);
+    LocalFit& fit = *fits[worker];
+    const long before = fit.evaluations();
+    EndSearch search(fit, minimum, cost, requests[i / 2], i % 2 == 0 ? -1 : 1, part, options.interrupt);
+    (i % 2 == 0 ? profiles[i / 2].lower : profiles[i / 2].upper) = search.Run();
+    lowest[i] = search.lowest();
+    used[i] = fit.evaluations() - before;
   });
   for (std::size_t i = 0; i < ends; ++i) evaluations += used[i];
   for (std::size_t i = 0; i < requests.size(); ++i) {

@@ -5,6 +5,7 @@
 #include <limits>
 #include <optional>
 
+#include "base/constants.h"
 #include "base/decompositions.h"
 #include "identify/uncertainty/interval.h"
 #include "identify/uncertainty/verdict.h"
@@ -12,7 +13,6 @@
 namespace sinew {
 namespace {
 
-constexpr double kInfinity = std::numeric_limits<double>::infinity();
 // Above this many additions, pairs of them cost more than they are worth.
 constexpr std::size_t kMaxForPairs = 12;
 // More than three ways to determine one parameter help nobody.

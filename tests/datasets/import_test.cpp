@@ -2,6 +2,7 @@
 
 #include <cmath>
 
+#include "base/constants.h"
 #include "tests/datasets/support.h"
 
 namespace sinew {
@@ -9,8 +10,6 @@ namespace {
 
 using testing::ElementsAre;
 using testing::HasSubstr;
-
-constexpr double kPi = 3.14159265358979323846;
 
 const char* const kForces =
     "grf\nendheader\n"

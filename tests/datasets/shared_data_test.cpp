@@ -1,6 +1,7 @@
 // The readers on files that laboratories and other programs wrote.
 #include <cmath>
 
+#include "base/constants.h"
 #include "datasets/cut.h"
 #include "datasets/dataset_hash.h"
 #include "datasets/io/dataset_file.h"
@@ -13,7 +14,6 @@ namespace {
 
 using testing::HasSubstr;
 
-constexpr double kPi = 3.14159265358979323846;
 constexpr double kTime = 1e-12;  // s; decimal fractions in binary
 
 std::string Shared(const std::string& path) {

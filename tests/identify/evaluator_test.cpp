@@ -5,6 +5,7 @@
 #include <cmath>
 #include <limits>
 
+#include "base/constants.h"
 #include "base/random.h"
 #include "tests/identify/support/toy_problem.h"
 
@@ -18,8 +19,6 @@ using toy::ToyProblem;
 using toy::Values;
 using Outcome = Evaluator::Outcome;
 using StopCause = Evaluator::StopCause;
-
-constexpr double kInfinity = std::numeric_limits<double>::infinity();
 
 // A line through (0, 1) and (1, 3) measured without noise; counts its predictions, and has none where a < -1.
 class EvaluatorTest : public testing::Test {

@@ -4,12 +4,12 @@
 
 #include <limits>
 
+#include "base/constants.h"
 #include "tests/identify/support/error_of.h"
 
 namespace sinew {
 namespace {
 
-constexpr double kNaN = std::numeric_limits<double>::quiet_NaN();
 constexpr int kParameters = 4;
 
 Block GoodBlock() {

@@ -1,8 +1,5 @@
 #include "identify/diagnosis/select/cross_validated_search.h"
 
-#include <tbb/parallel_for.h>
-#include <tbb/task_arena.h>
-
 #include <algorithm>
 #include <cmath>
 #include <limits>
@@ -10,6 +7,7 @@
 
 #include "base/random.h"
 #include "identify/diagnosis/held_out_gain.h"
+#include "identify/execution/executor.h"
 #include "identify/role_view.h"
 
 namespace sinew::diagnosis {
@@ -27,18 +25,8 @@ constexpr double kFewTrials = 6;
 constexpr std::size_t kMaxSearched = 20;  // two in each fold
 constexpr double kSpread = 0.8;
 constexpr std::size_t kBeam = 2;  // by each of the two errors
-constexpr std::size_t kMaxCauses = 5;
+constexpr std::size_t kMaxSearchedCauses = 5;
 constexpr double kWorthIt = 0.97;  // error of left-out trials with a cause, as a share of that without
-
-template <class F>
-void InParallel(int threads, std::size_t count, F&& one) {
-  if (threads > 1) {
-    tbb::task_arena arena(threads);
-    arena.execute([&] { tbb::parallel_for(std::size_t{0}, count, one); });
-  } else {
-    for (std::size_t i = 0; i < count; ++i) one(i);
-  }
-}
 
 template <class T>
 bool ByLeftOut(const T& a, const T& b) {
@@ -136,7 +124,7 @@ std::vector<int> CrossValidatedSearch::Promising(const ScoredModel& scored, cons
 
 void CrossValidatedSearch::FitAll(std::vector<Trial>& trials,
                                   const std::vector<std::vector<Vector>>& starts) const {
-  InParallel(options_.threads, trials.size(), [&](std::size_t i) {
+  MakeExecutor(options_.threads)->ForEach(trials.size(), [&](std::size_t i, std::size_t) {
     Trial& trial = trials[i];
     trial.fitted_error = std::numeric_limits<double>::infinity();
     trial.left_out_error = std::numeric_limits<double>::infinity();
@@ -206,7 +194,7 @@ void CrossValidatedSearch::Polish(const ScoredModel& base, std::vector<Trial>& s
 }
 
 void CrossValidatedSearch::LeaveOut(std::vector<Trial>& sets) const {
-  InParallel(options_.threads, sets.size(), [&](std::size_t i) {
+  MakeExecutor(options_.threads)->ForEach(sets.size(), [&](std::size_t i, std::size_t) {
     if (std::isfinite(sets[i].fitted_error))
       sets[i].left_out_error = LeftOutError(sets[i].released, sets[i].point);
   });
@@ -262,7 +250,7 @@ Result<CrossValidatedSearch::Outcome> CrossValidatedSearch::Run(const ScoredMode
   Trial best = nothing;
   std::vector<Trial> beam{nothing};
   std::size_t without_gain = 0;
-  for (std::size_t size = 1; size <= kMaxCauses && without_gain < 2; ++size) {
+  for (std::size_t size = 1; size <= kMaxSearchedCauses && without_gain < 2; ++size) {
     std::vector<Trial> made;
     for (const Trial& from : beam) {
       if (from.released.empty()) {

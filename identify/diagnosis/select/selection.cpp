@@ -1,8 +1,5 @@
 #include "identify/diagnosis/select/selection.h"
 
-#include <tbb/parallel_for.h>
-#include <tbb/task_arena.h>
-
 #include <algorithm>
 #include <cmath>
 #include <iterator>
@@ -12,6 +9,7 @@
 
 #include "identify/diagnosis/score/shortlist.h"
 #include "identify/diagnosis/select/cross_validated_search.h"
+#include "identify/execution/executor.h"
 #include "identify/statistics/chi_squared.h"
 
 namespace sinew::diagnosis {
@@ -163,13 +161,9 @@ class Selector {
       if (cache_.count(released) == 0) work.emplace_back(released, starts);
     }
     std::vector<Refit> made(work.size());
-    const auto one = [&](std::size_t i) { made[i] = refitter_.Fit(work[i].first, work[i].second); };
-    if (options_.threads > 1) {
-      tbb::task_arena arena(options_.threads);
-      arena.execute([&] { tbb::parallel_for(std::size_t{0}, work.size(), one); });
-    } else {
-      for (std::size_t i = 0; i < work.size(); ++i) one(i);
-    }
+    MakeExecutor(options_.threads)->ForEach(work.size(), [&](std::size_t i, std::size_t) {
+      made[i] = refitter_.Fit(work[i].first, work[i].second);
+    });
     for (std::size_t i = 0; i < work.size(); ++i) cache_[work[i].first] = std::move(made[i]);
   }
 

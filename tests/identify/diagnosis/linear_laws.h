@@ -9,6 +9,7 @@
 #include <utility>
 #include <vector>
 
+#include "base/constants.h"
 #include "base/random.h"
 #include "identify/problem.h"
 
@@ -237,7 +238,6 @@ class LinearLaws final : public Problem {
   // Random numbers of its own, so that a seed means the same trials with and without.
   void AddWhatNoEffectIs(const Truth& truth, int t, std::size_t b) {
     Random random(Random::StreamSeed(seed_, static_cast<std::uint64_t>(t)));
-    constexpr double kPi = 3.14159265358979323846;
     const double phase = random.Uniform(0, 6.28);
     const double rate = random.Uniform(0.4, 0.8);
     const double end = layout_[b].prediction_time.back();

@@ -10,6 +10,7 @@
 #include <iterator>
 #include <string>
 
+#include "base/constants.h"
 #include "identify/diagnosis/diagnosis.h"
 #include "tests/identify/diagnosis/linear_laws.h"
 #include "tests/identify/noise/noise_cases.h"
@@ -17,7 +18,6 @@
 namespace sinew::noise {
 namespace {
 
-constexpr double kPi = 3.14159265358979323846;
 constexpr double kStep = 0.01;
 
 /// Trials of which only the times matter.

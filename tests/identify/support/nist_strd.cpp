@@ -6,6 +6,7 @@
 #include <map>
 #include <unsupported/Eigen/AutoDiff>
 
+#include "base/constants.h"
 #include "base/text.h"
 
 namespace sinew {
@@ -13,8 +14,6 @@ namespace {
 
 using Dual = Eigen::AutoDiffScalar<Vector>;
 using Model = std::function<Dual(const std::vector<Dual>& b, double x)>;
-
-constexpr double kPi = 3.141592653589793238462643383279;
 
 Dual ArcTangent(const Dual& u) {
   return {std::atan(u.value()), u.derivatives() / (1 + u.value() * u.value())};
