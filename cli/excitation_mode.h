@@ -9,7 +9,7 @@
 
 #include "cli/binding.h"
 #include "cli/command.h"
-#include "problems/nms/excitation_search.h"
+#include "problems/nms/excitation/search.h"
 
 namespace sinew {
 

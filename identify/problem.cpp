@@ -1,7 +1,5 @@
 #include "identify/problem.h"
 
-#include <algorithm>
-
 namespace sinew {
 
 const char* ToString(Level level) {
@@ -16,22 +14,6 @@ const char* ToString(Level level) {
       return "sensor";
   }
   return "?";
-}
-
-Hats HatsAt(const std::vector<double>& knots, double x) {
-  Hats hats;
-  if (x <= knots.front()) return hats;
-  if (x >= knots.back()) {
-    hats.first = static_cast<int>(knots.size()) - 1;
-    return hats;
-  }
-  const auto after = std::upper_bound(knots.begin(), knots.end(), x);
-  const double width = *after - *(after - 1);
-  hats.first = static_cast<int>(after - knots.begin()) - 1;
-  hats.right = (x - *(after - 1)) / width;
-  hats.left = 1 - hats.right;
-  hats.left_slope = -1 / width;
-  return hats;
 }
 
 const std::vector<Effect>& Problem::effects() const {

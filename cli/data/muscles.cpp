@@ -5,7 +5,7 @@
 #include "cli/data/data_commands.h"
 #include "cli/terminal.h"
 #include "datasets/io/dataset_file.h"
-#include "problems/nms/muscle_grids.h"
+#include "problems/nms/muscle/muscle_grids.h"
 
 namespace sinew {
 namespace {

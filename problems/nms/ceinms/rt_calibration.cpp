@@ -6,7 +6,7 @@
 
 #include "base/text.h"
 #include "base/xml_document.h"
-#include "problems/nms/nms_settings.h"
+#include "problems/nms/settings.h"
 
 namespace sinew {
 namespace {
