@@ -4,6 +4,7 @@
 
 #include "problems/ankle_study/emg_recording.h"
 #include "problems/emg_shape/problem.h"
+#include "problems/kit/bind.h"
 #include "problems/kit/experiment_settings.h"
 #include "problems/kit/hidden_effects.h"
 
@@ -76,10 +77,10 @@ nms:
 )";
 
 // What no effect of the problem is, to see what the diagnosis makes of it. Each has one number of its name.
-constexpr const char* kOutsiders[] = {
-    "lost_bursts",      // every third cycle of the first muscle loses this share [1]
-    "loose_electrode",  // the second muscle loses this share half-way through every recording [1]
-    "hum",              // 1.7 Hz on the first muscle [1]
+constexpr Outsider kOutsiders[] = {
+    {"lost_bursts", "1", "every third cycle of the first muscle loses this share"},
+    {"loose_electrode", "1", "the second muscle loses this share half-way through every recording"},
+    {"hum", "1", "1.7 Hz on the first muscle"},
 };
 
 Dataset Begin(const EmgStudyTruth& truth) {
@@ -100,8 +101,7 @@ Dataset Begin(const EmgStudyTruth& truth) {
 }
 
 Result<EmgShapeSettings> SettingsOf(const Dataset& data) {
-  SINEW_ASSIGN(const YamlReader yaml, YamlReader::Parse(data.files.at("emg_shape.yaml"), "emg_shape.yaml"));
-  SINEW_ASSIGN(const YamlReader section, yaml.At("emg_shape"));
+  SINEW_ASSIGN(const YamlReader section, SettingsSection(data, "emg_shape"));
   return ReadEmgShapeSettings(section);
 }
 
@@ -148,9 +148,8 @@ Status ReadEffects(const SynthesisRequest& request, EmgStudyTruth& truth) {
   SINEW_ASSIGN(const Dataset data, Record(plain, request.seed));
   SINEW_ASSIGN(EmgShapeSettings settings, SettingsOf(data));
   SINEW_ASSIGN(const auto problem, EmgShapeProblem::Make(data, std::move(settings)));
-  const std::vector<std::string> outsiders(std::begin(kOutsiders), std::end(kOutsiders));
   SINEW_ASSIGN(truth.effects,
-               ReadHiddenEffects(request, problem->effects(), problem->parameters(), outsiders));
+               ReadHiddenEffects(request.effects, EffectsOf(*problem), ListOutsiders(kOutsiders)));
   const auto names = EmgStudyMuscleNames();
   for (std::size_t m = 0; m < names.size(); ++m)
     truth.subject.muscles[m].exponent += truth.Effect(names[m] + ".amplitude_exponent");

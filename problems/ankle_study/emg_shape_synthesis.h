@@ -7,7 +7,8 @@
 #include <vector>
 
 #include "datasets/dataset.h"
-#include "problems/registry.h"
+#include "identify/parameter.h"
+#include "problems/synthesis_request.h"
 
 namespace sinew {
 
@@ -21,5 +22,8 @@ Result<Dataset> SynthesizeEmgShape(const SynthesisRequest& request);
 
 /// Name and default of everything that `--set` takes.
 [[nodiscard]] std::vector<std::pair<std::string, std::string>> EmgShapeExperiment();
+
+/// The parameters of the made-up study, without data.
+[[nodiscard]] std::vector<Parameter> DefaultEmgShapeParameters();
 
 }  // namespace sinew

@@ -3,6 +3,7 @@
 #include <algorithm>
 
 #include "problems/ankle_study/recording.h"
+#include "problems/kit/bind.h"
 #include "problems/kit/experiment_settings.h"
 #include "problems/kit/hidden_effects.h"
 #include "problems/nms/problem.h"
@@ -65,12 +66,12 @@ nms:
 )";
 
 // What no effect of the problem is, to see what the diagnosis makes of it. Each has one number of its name.
-constexpr const char* kOutsiders[] = {
-    "ripple",           // moment that is a sine of the angle [N m]
-    "tension_curve",    // moment that grows with the third power of the angle [N m/rad3]
-    "tremor",           // moment that is a sine of time, 5 Hz [N m]
-    "soleus_fades",     // the EMG of one muscle alone loses this share per second [1/s]
-    "loose_electrode",  // the EMG of one muscle alone loses this share half-way [1]
+constexpr Outsider kOutsiders[] = {
+    {"ripple", "N*m", "moment that is a sine of the angle"},
+    {"tension_curve", "N*m/rad3", "moment that grows with the third power of the angle"},
+    {"tremor", "N*m", "moment that is a sine of time, 5 Hz"},
+    {"soleus_fades", "1/s", "the EMG of one muscle alone loses this share per second"},
+    {"loose_electrode", "1", "the EMG of one muscle alone loses this share half-way"},
 };
 
 // Effects of the problem that the study can contain; those of a trial alone are left out, but for the
@@ -106,7 +107,13 @@ bool IsSimulated(const std::string& name) {
     return std::find(std::begin(names), std::end(names), name) != std::end(names);
   };
   return name.rfind("emg_gain@", 0) == 0 || name.rfind("emg_offset@", 0) == 0 || among(kSimulated) ||
-         among(kOutsiders);
+         std::any_of(std::begin(kOutsiders), std::end(kOutsiders),
+                     [&](const Outsider& outsider) { return name == outsider.name; });
+}
+
+Result<NmsSettings> SettingsOf(const Dataset& data) {
+  SINEW_ASSIGN(const YamlReader section, SettingsSection(data, "nms"));
+  return ReadNmsSettings(section, data.files);
 }
 
 Result<Dataset> Record(const StudyTruth& truth, std::uint64_t seed) {
@@ -135,12 +142,12 @@ Status ReadEffects(const SynthesisRequest& request, StudyTruth& truth) {
   StudyTruth plain = truth;
   plain.settings["exact"] = 1;
   SINEW_ASSIGN(const Dataset data, Record(plain, request.seed));
-  SINEW_ASSIGN(const ProblemEntry* entry, FindProblem("nms"));
-  SINEW_ASSIGN(const YamlReader yaml, YamlReader::Parse(kSettingsText, "nms.yaml"));
-  SINEW_ASSIGN(const BoundProblem bound, entry->bind(data, yaml, true));
-  const auto& parameters = bound.problem->parameters();
-  const std::vector<std::string> outsiders(std::begin(kOutsiders), std::end(kOutsiders));
-  SINEW_ASSIGN(truth.effects, ReadHiddenEffects(request, bound.problem->effects(), parameters, outsiders));
+  SINEW_ASSIGN(NmsSettings settings, SettingsOf(data));
+  SINEW_ASSIGN(auto bare, NmsProblem::Make(data, std::move(settings)));
+  const SensorEffects problem(std::move(bare));
+  const auto& parameters = problem.parameters();
+  SINEW_ASSIGN(truth.effects,
+               ReadHiddenEffects(request.effects, EffectsOf(problem), ListOutsiders(kOutsiders)));
   for (const auto& [name, numbers] : request.effects) {
     if (!IsSimulated(name)) return Fail("--effect {}: the ankle study cannot contain it", name);
   }
@@ -172,8 +179,7 @@ std::vector<Parameter> DefaultNmsParameters() {
   request.set = {{"exact", 1}, {"cycles", 1}};
   const auto data = SynthesizeNms(request);
   if (!data) return {};
-  const auto yaml = YamlReader::Parse(kSettingsText, "nms.yaml");
-  auto settings = ReadNmsSettings(yaml->At("nms").value(), data->files);
+  auto settings = SettingsOf(*data);
   if (!settings) return {};
   const auto problem = NmsProblem::Make(*data, std::move(*settings));
   return problem ? (*problem)->parameters() : std::vector<Parameter>();

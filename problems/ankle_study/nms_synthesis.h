@@ -6,7 +6,8 @@
 #include <vector>
 
 #include "datasets/dataset.h"
-#include "problems/registry.h"
+#include "identify/parameter.h"
+#include "problems/synthesis_request.h"
 
 namespace sinew {
 
@@ -22,5 +23,8 @@ Result<Dataset> SynthesizeNms(const SynthesisRequest& request);
 
 /// Name and default of everything that `--set` takes.
 [[nodiscard]] std::vector<std::pair<std::string, std::string>> NmsExperiment();
+
+/// The parameters of the ankle study with their default ranges, without data.
+[[nodiscard]] std::vector<Parameter> DefaultNmsParameters();
 
 }  // namespace sinew

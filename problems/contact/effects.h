@@ -7,8 +7,7 @@
 #include <string>
 #include <vector>
 
-#include "identify/effect.h"
-#include "identify/parameter.h"
+#include "problems/kit/parameter_list.h"
 
 namespace sinew {
 
@@ -40,9 +39,8 @@ class ContactEffectList {
   /// @param first index of the first effect parameter; @param plates their names.
   ContactEffectList(int first, std::vector<std::string> plates);
 
-  [[nodiscard]] int size() const;
-  [[nodiscard]] std::vector<Parameter> MakeParameters() const;
-  [[nodiscard]] std::vector<Effect> MakeEffects() const;
+  /// Appends the effects with their parameters, in the order above.
+  void Declare(ParameterListBuilder& add) const;
 
   /// Columns of a block of this plate, increasing: one per ContactEffect, then the plate's own height offset
   /// if plates have one.

@@ -56,7 +56,8 @@ struct PlateChannels {
   bool presses_ = false;
 };
 
-std::vector<Parameter> MakeParameters(const ContactSettings& settings) {
+// The parameters of the groups, then those of the effects.
+ParameterList List(const ContactSettings& settings, const ContactEffectList& effects) {
   struct Kind {
     const char* name;
     const char* unit;
@@ -73,7 +74,8 @@ std::vector<Parameter> MakeParameters(const ContactSettings& settings) {
       {"viscous_friction", "s/m", "growth of the friction with slip speed", Scale::kLinear,
        "Hollars; thesis eq 5.2"},
   }};
-  std::vector<Parameter> parameters;
+  ParameterList list;
+  ParameterListBuilder add(list);
   const auto groups = settings.Groups();
   for (const std::string& group : groups) {
     for (const Kind& kind : kKinds) {
@@ -87,10 +89,11 @@ std::vector<Parameter> MakeParameters(const ContactSettings& settings) {
       p.start = range.start;
       p.scale = kind.scale == Scale::kLog && range.lower > 0 ? Scale::kLog : Scale::kLinear;
       p.source = kind.source;
-      parameters.push_back(std::move(p));
+      add.Add(std::move(p));
     }
   }
-  return parameters;
+  effects.Declare(add);
+  return list;
 }
 
 }  // namespace
@@ -99,10 +102,7 @@ std::vector<Parameter> DefaultContactParameters() {
   ContactSettings settings;
   settings.parameters = DefaultContactRanges();
   settings.regions.emplace_back();
-  auto parameters = MakeParameters(settings);
-  const ContactEffectList effects(static_cast<int>(parameters.size()), {});
-  for (Parameter& p : effects.MakeParameters()) parameters.push_back(std::move(p));
-  return parameters;
+  return List(settings, ContactEffectList(kParametersPerGroup, {})).parameters;
 }
 
 // Scratch of one thread and one stance.
@@ -122,19 +122,14 @@ struct ContactProblem::ContactWorkspace final : Problem::Workspace {
 };
 
 ContactProblem::ContactProblem(ContactSettings settings, ContactData data)
-    : settings_(std::move(settings)),
-      data_(std::move(data)),
-      parameters_(MakeParameters(settings_)),
-      effects_(data_.effects.MakeEffects()) {
-  for (Parameter& p : data_.effects.MakeParameters()) parameters_.push_back(std::move(p));
-}
+    : settings_(std::move(settings)), data_(std::move(data)), list_(List(settings_, data_.effects)) {}
 
 Result<std::unique_ptr<ContactProblem>> ContactProblem::Make(const Dataset& data, ContactSettings settings,
                                                              double margin) {
   SINEW_ASSIGN(auto prepared, PrepareContactData(data, settings, margin));
   std::unique_ptr<ContactProblem> problem(new ContactProblem(std::move(settings), std::move(prepared)));
-  SINEW_TRY(CheckParameters(problem->parameters_));
-  SINEW_TRY(CheckLayout(problem->layout(), static_cast<int>(problem->parameters_.size())));
+  SINEW_TRY(CheckParameterList(problem->list_));
+  SINEW_TRY(CheckLayout(problem->layout(), static_cast<int>(problem->parameters().size())));
   return problem;
 }
 

@@ -28,9 +28,9 @@ class ContactProblem final : public Problem {
   static Result<std::unique_ptr<ContactProblem>> Make(const Dataset& data, ContactSettings settings,
                                                       double margin = 0);
 
-  [[nodiscard]] const std::vector<Parameter>& parameters() const override { return parameters_; }
+  [[nodiscard]] const std::vector<Parameter>& parameters() const override { return list_.parameters; }
   [[nodiscard]] const Layout& layout() const override { return data_.layout; }
-  [[nodiscard]] const std::vector<Effect>& effects() const override { return effects_; }
+  [[nodiscard]] const std::vector<Effect>& effects() const override { return list_.effects; }
   [[nodiscard]] std::unique_ptr<Workspace> NewWorkspace() const override;
   Status Predict(const Query& query, Workspace& workspace, Prediction& prediction) const override;
   [[nodiscard]] std::string objective() const override;
@@ -59,8 +59,7 @@ class ContactProblem final : public Problem {
 
   ContactSettings settings_;
   ContactData data_;
-  std::vector<Parameter> parameters_;
-  std::vector<Effect> effects_;
+  ParameterList list_;
 };
 
 /// The parameters of one group with their default ranges, without data; then those of the contact effects.

@@ -2,13 +2,10 @@
 #pragma once
 
 #include <array>
-#include <map>
-#include <string>
-#include <utility>
-#include <vector>
 
 #include "base/error.h"
 #include "problems/contact/effects.h"
+#include "problems/synthesis_request.h"
 
 namespace sinew {
 
@@ -32,9 +29,7 @@ struct ContactTruth {
 /// Effects of the contact by the names that the problem gives them (height_offset, right.height_offset,
 /// tilted_floor, ...), those of plates as CHANNEL.offset, .drift, .gain, .time_offset with CHANNEL such as
 /// right_force_y; without right_ or left_ both plates do it.
-/// @param effects name, and its parameters by name, or `value` if there is but one.
-/// Errors: unknown names (with a suggestion), no parameter, values out of range.
-Result<ContactTruth> ReadContactTruth(
-    const std::vector<std::pair<std::string, std::map<std::string, double>>>& effects);
+/// Errors: those of ReadHiddenEffects.
+Result<ContactTruth> ReadContactTruth(const RequestedEffects& effects);
 
 }  // namespace sinew

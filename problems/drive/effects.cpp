@@ -25,9 +25,10 @@ Units UnitsOf(bool rotary) {
   return {"m", "m/s", "N", "kg", "N*s/m", "N*s2/m2", "N/m", "m/N", "1/N", "s/m", "N/A"};
 }
 
-class Builder {
+// Also notes where a slot rests that has no parameter.
+class Builder : public ParameterListBuilder {
  public:
-  explicit Builder(DriveParameterList& list) : list_(list) { list_.index.fill(-1); }
+  explicit Builder(DriveParameterList& list) : ParameterListBuilder(list, kDriveSlots), list_(list) {}
 
   void Base(DriveSlot slot, const char* name, const std::string& unit, const char* meaning, double lower,
             double upper, double start, Scale scale, const std::optional<double>& known) {
@@ -36,67 +37,20 @@ class Builder {
     Parameter p = BaseParameter(name, unit, meaning, lower, upper, std::clamp(start, lower, upper));
     p.scale = scale;
     p.source = "equation of motion, drive.h";
-    Add(slot, std::move(p));
+    Add(std::move(p), slot);
   }
 
-  /// The parameters that follow belong to it.
-  Builder& Name(const std::string& name, Level level, const std::string& says, const std::string& exposed_by,
-                const char* source = "") {
-    list_.effects.push_back({name, level, says, exposed_by, {}});
-    source_ = source;
-    return *this;
-  }
-  Builder& Number(DriveSlot slot, const std::string& name, const std::string& unit,
-                  const std::string& meaning, double lower, double upper, double null = 0) {
-    Parameter p = EffectParameter(name, unit, meaning, lower, upper, null, list_.effects.back().name);
-    p.source = source_;
-    list_.resting[slot] = null;
-    list_.effects.back().parameters.push_back(Add(slot, std::move(p)));
-    return *this;
-  }
-  Builder& Positive(DriveSlot slot, const std::string& name, const std::string& unit,
-                    const std::string& meaning, double upper) {
-    return Number(slot, name, unit, meaning, 0, upper);
-  }
-  Builder& TwoSided(DriveSlot slot, const std::string& name, const std::string& unit,
-                    const std::string& meaning, double reach) {
-    return Number(slot, name, unit, meaning, -reach, reach);
-  }
-  void Probes(std::vector<double> probes) { list_.parameters.back().probes = std::move(probes); }
-  void NullStep(double step) { list_.parameters.back().null_step = step; }
-
-  /// One unknown term of the port.
-  void Term(Port& port, int term, const std::string& signal, const std::string& unit, double from, double to,
+  void Term(int term, const std::string& signal, const std::string& unit, double from, double to,
             double reach) {
-    UnknownTerm unknown;
-    unknown.name = port.name + "(" + signal + ")";
-    unknown.signal = signal;
-    unknown.signal_unit = unit;
-    const int knots = kTermKnots[static_cast<std::size_t>(term)];
-    for (int k = 0; k < knots; ++k) {
-      unknown.knots.push_back(from + (to - from) * k / (knots - 1));
-      Parameter p;
-      p.name = unknown.name + "[" + std::to_string(k) + "]";
-      p.unit = port.unit;
-      p.meaning = "unknown " + port.name + " where " + signal + " is knot " + std::to_string(k);
-      p.lower = -reach;
-      p.upper = reach;
-      p.kind = ParameterKind::kEffect;
-      p.effect = unknown.name;
-      unknown.parameters.push_back(
-          Add(static_cast<DriveSlot>(kTermSlots[static_cast<std::size_t>(term)] + k), std::move(p)));
-    }
-    port.terms.push_back(std::move(unknown));
+    std::vector<double> knots;
+    const int count = kTermKnots[static_cast<std::size_t>(term)];
+    for (int k = 0; k < count; ++k) knots.push_back(from + (to - from) * k / (count - 1));
+    ParameterListBuilder::Term(signal, unit, knots, reach, "unknown " + list_.ports.back().name,
+                               kTermSlots[static_cast<std::size_t>(term)]);
   }
 
  private:
-  int Add(DriveSlot slot, Parameter p) {
-    list_.index[slot] = static_cast<int>(list_.parameters.size());
-    list_.parameters.push_back(std::move(p));
-    return list_.index[slot];
-  }
   DriveParameterList& list_;
-  std::string source_;
 };
 
 void AddBase(const DriveTraits& is, const DriveScales& s, const DriveStarts& start, const Units& unit,
@@ -136,47 +90,49 @@ void AddDryFriction(const DriveScales& s, const Units& unit, Builder& add) {
   const char* const kArmstrong = "Armstrong-Helouvry et al. 1994";
   const std::vector<double> velocities{kSlowest * s.speed, 0.04 * s.speed, 0.1 * s.speed, 0.3 * s.speed,
                                        s.speed};
-  add.Name("coulomb_friction", Level::kRobot, "dry friction, alike in both directions, holds the joint back",
-           "slow reversals under small torques, where the joint sticks", kArmstrong)
+  add.BeginEffect("coulomb_friction", Level::kRobot,
+                  "dry friction, alike in both directions, holds the joint back",
+                  "slow reversals under small torques, where the joint sticks", kArmstrong)
       .Positive(kCoulombTorque, "coulomb_torque", unit.torque, "dry friction", s.torque);
-  add.Name("asymmetric_friction", Level::kRobot, "dry friction differs between the directions of motion",
-           "the same slow motion forwards and backwards", kArmstrong)
+  add.BeginEffect("asymmetric_friction", Level::kRobot,
+                  "dry friction differs between the directions of motion",
+                  "the same slow motion forwards and backwards", kArmstrong)
       .Positive(kForwardFriction, "forward_friction", unit.torque, "dry friction of forward motion", s.torque)
       .Positive(kBackwardFriction, "backward_friction", unit.torque, "dry friction of backward motion",
                 s.torque);
-  add.Name("stribeck_friction", Level::kRobot, "dry friction is larger near standstill (Stribeck)",
-           "creeping at several constant, very low speeds", kArmstrong)
+  add.BeginEffect("stribeck_friction", Level::kRobot, "dry friction is larger near standstill (Stribeck)",
+                  "creeping at several constant, very low speeds", kArmstrong)
       .Positive(kStribeckTorque, "stribeck_torque", unit.torque, "dry friction that motion takes away",
                 s.torque)
       .Number(kStribeckVelocity, "stribeck_velocity", unit.speed, "speed at which 1/e of it is left",
               kSlowest * s.speed, 2 * s.speed, 0.1 * s.speed)
       .Probes(velocities);
-  add.Name("load_friction", Level::kRobot, "dry friction grows with the torque through the gear",
-           "the same slow motion with and without a weight, or swings over a wider range", kBam)
+  add.BeginEffect("load_friction", Level::kRobot, "dry friction grows with the torque through the gear",
+                  "the same slow motion with and without a weight, or swings over a wider range", kBam)
       .Positive(kLoadFriction, "load_friction_coefficient", "1", "dry friction per load of the gear", 1);
-  add.Name("directional_friction", Level::kRobot,
-           "friction of the gear depends on whether motor or load drives it",
-           "lifting and lowering the same weight slowly, or swings over a wider range", kBam)
+  add.BeginEffect("directional_friction", Level::kRobot,
+                  "friction of the gear depends on whether motor or load drives it",
+                  "lifting and lowering the same weight slowly, or swings over a wider range", kBam)
       .Positive(kMotorLoadFriction, "motor_load_friction", "1", "dry friction per drive torque", 1)
       .Positive(kExternalLoadFriction, "external_load_friction", "1", "dry friction per gravity torque", 1);
-  add.Name("stribeck_load_friction", Level::kRobot,
-           "near standstill, dry friction grows with the torque through the gear",
-           "breaking away slowly under several weights, or swings over a wider range", kBam)
+  add.BeginEffect("stribeck_load_friction", Level::kRobot,
+                  "near standstill, dry friction grows with the torque through the gear",
+                  "breaking away slowly under several weights, or swings over a wider range", kBam)
       .Positive(kStribeckLoad, "stribeck_load_coefficient", "1",
                 "dry friction per load of the gear that motion takes away", 1)
       .Number(kStribeckLoadVelocity, "stribeck_load_velocity", unit.speed, "speed at which 1/e of it is left",
               kSlowest * s.speed, 2 * s.speed, 0.1 * s.speed)
       .Probes(velocities);
-  add.Name("quadratic_load_friction", Level::kRobot,
-           "dry friction grows with the square of the torque through the gear",
-           "the same slow motion under several weights, or swings over a wider range", kBam)
+  add.BeginEffect("quadratic_load_friction", Level::kRobot,
+                  "dry friction grows with the square of the torque through the gear",
+                  "the same slow motion under several weights, or swings over a wider range", kBam)
       .Positive(kQuadraticLoad, "quadratic_load_coefficient", unit.per_torque,
                 "dry friction per squared load of the gear", 2 / s.torque);
 }
 
 void AddOtherTorques(const DriveTraits& is, const DriveScales& s, const Units& unit, Builder& add) {
-  add.Name("quadratic_drag", Level::kRobot, "friction grows with the square of the speed",
-           "constant speeds up to the highest")
+  add.BeginEffect("quadratic_drag", Level::kRobot, "friction grows with the square of the speed",
+                  "constant speeds up to the highest")
       .Positive(kDrag, "drag_coefficient", unit.drag, "friction per squared speed",
                 4 * s.torque / (s.speed * s.speed));
   // One turn of a rotary joint; the range of a linear axis.
@@ -188,8 +144,8 @@ void AddOtherTorques(const DriveTraits& is, const DriveScales& s, const Units& u
     periods.push_back(*is.pole_period);
     shortest = std::min(shortest, 0.5 * *is.pole_period);
   }
-  add.Name("cogging", Level::kRobot, "the drive's torque ripples with position",
-           "holding many positions over the whole range at rest")
+  add.BeginEffect("cogging", Level::kRobot, "the drive's torque ripples with position",
+                  "holding many positions over the whole range at rest")
       .TwoSided(kCoggingCos, "cogging_cos", unit.torque, "ripple, in phase with the position's cosine",
                 s.torque)
       .TwoSided(kCoggingSin, "cogging_sin", unit.torque, "ripple, in phase with the position's sine",
@@ -198,72 +154,75 @@ void AddOtherTorques(const DriveTraits& is, const DriveScales& s, const Units& u
               turn, turn / 6)
       .Probes(periods);
   if (is.rotary) {
-    add.Name("gravity_imbalance", Level::kRobot, "the load does not hang straight down at position 0",
-             "holding several positions at rest, one of them an angle that is known by other means")
+    add.BeginEffect("gravity_imbalance", Level::kRobot, "the load does not hang straight down at position 0",
+                    "holding several positions at rest, one of them an angle that is known by other means")
         .TwoSided(kImbalance, "imbalance_torque", unit.torque, "gravity torque at position 0", s.torque);
   }
   if (is.fixed[kInertia]) {
-    add.Name("inertia_error", Level::kRobot, "the moving inertia is not what was stated",
-             "fast accelerations with a known torque")
+    add.BeginEffect("inertia_error", Level::kRobot, "the moving inertia is not what was stated",
+                    "fast accelerations with a known torque")
         .TwoSided(kInertiaError, "inertia_error", unit.inertia, "inertia beyond the stated one",
                   0.9 * *is.fixed[kInertia]);
   }
-  add.Name("parallel_spring", Level::kRobot, "something elastic pulls the joint back to position 0",
-           "motion over a wider range of positions")
+  add.BeginEffect("parallel_spring", Level::kRobot, "something elastic pulls the joint back to position 0",
+                  "motion over a wider range of positions")
       .Positive(kSpring, "spring_stiffness", unit.stiffness, "torque per position",
                 4 * s.torque / s.position);
-  add.Name("torque_offset", Level::kRobot, "a constant torque acts besides the drive's",
-           "holding several positions at rest, and a rest with the drive switched off")
+  add.BeginEffect("torque_offset", Level::kRobot, "a constant torque acts besides the drive's",
+                  "holding several positions at rest, and a rest with the drive switched off")
       .TwoSided(kOffsetTorque, "offset_torque", unit.torque, "constant torque", s.torque);
 }
 
 void AddDrive(const DriveTraits& is, const DriveScales& s, const Units& unit, Builder& add) {
-  add.Name("torque_saturation", Level::kRobot, "the drive's torque is limited",
-           "large commands against a fixed stop")
+  add.BeginEffect("torque_saturation", Level::kRobot, "the drive's torque is limited",
+                  "large commands against a fixed stop")
       .Positive(kInverseTorqueLimit, "inverse_torque_limit", unit.per_torque, "1 / largest torque",
                 5 / s.torque)
       .Probes({1 / (0.95 * s.torque), 1 / (0.85 * s.torque), 1 / (0.7 * s.torque), 1 / (0.5 * s.torque)});
-  add.Name("speed_saturation", Level::kRobot, "the drive loses its torque near a highest speed",
-           "large commands without a load")
+  add.BeginEffect("speed_saturation", Level::kRobot, "the drive loses its torque near a highest speed",
+                  "large commands without a load")
       .Positive(kInverseSpeedLimit, "inverse_speed_limit", unit.per_speed, "1 / highest speed", 2.5 / s.speed)
       .Probes({1 / (0.95 * s.speed), 1 / (0.85 * s.speed), 1 / (0.7 * s.speed), 1 / (0.5 * s.speed)});
   if (is.compressible) {
-    add.Name("gain_compression", Level::kRobot, "the drive gives less per command when the command is large",
-             "commands of several sizes at rest against a torque sensor")
+    add.BeginEffect("gain_compression", Level::kRobot,
+                    "the drive gives less per command when the command is large",
+                    "commands of several sizes at rest against a torque sensor")
         .Positive(kCompression, "compression", "1", "share lost at the largest command", 0.9);
   }
-  add.Name("supply_sag", Level::kRobot, "the drive gets weaker with time (supply sags, motor heats)",
-           "the same motion at the begin and at the end of a long trial")
+  add.BeginEffect("supply_sag", Level::kRobot, "the drive gets weaker with time (supply sags, motor heats)",
+                  "the same motion at the begin and at the end of a long trial")
       .Positive(kThermalRate, "thermal_rate", "1/s", "share of the gain lost per second", 0.9 / s.duration);
-  add.Name("command_delay", Level::kRobot, "the drive acts late on its command",
-           "a trigger that all instruments record, then one sharp command, at a high sampling rate")
+  add.BeginEffect("command_delay", Level::kRobot, "the drive acts late on its command",
+                  "a trigger that all instruments record, then one sharp command, at a high sampling rate")
       .Positive(kCommandDelay, "command_delay", "s", "age of the command that acts",
                 std::min(kLongestDelay, 0.25 * s.shortest));
   if (is.controller != DriveControllerKind::kNone) {
-    add.Name("sensing_delay", Level::kRobot, "the controller's feedback is old",
-             "a step of the reference with a stiff controller, near its stability limit")
+    add.BeginEffect("sensing_delay", Level::kRobot, "the controller's feedback is old",
+                    "a step of the reference with a stiff controller, near its stability limit")
         .Positive(kSensingDelay, "sensing_delay", "s", "age of the feedback", kLongestSensingDelay);
   }
   if (!is.held) {
-    add.Name("hold", Level::kRobot, "the command is held between its samples, not straight between them",
-             "fast commands recorded much faster than they are sent")
+    add.BeginEffect("hold", Level::kRobot,
+                    "the command is held between its samples, not straight between them",
+                    "fast commands recorded much faster than they are sent")
         .Positive(kHoldFraction, "hold_fraction", "1", "0: straight, 1: held", 1);
   }
-  add.Name("backlash", Level::kRobot, "the position reading has play against the joint",
-           "slow reversals with sensors on both sides of the gear", "Tao & Kokotovic 1996")
+  add.BeginEffect("backlash", Level::kRobot, "the position reading has play against the joint",
+                  "slow reversals with sensors on both sides of the gear", "Tao & Kokotovic 1996")
       .Positive(kBacklash, "backlash_width", unit.position, "total gap", 0.25 * s.position)
       .NullStep(2 * s.noise);
-  add.Name("compliance", Level::kRobot, "the transmission winds up under torque, seen on the motor's side",
-           "torque against a fixed stop")
+  add.BeginEffect("compliance", Level::kRobot,
+                  "the transmission winds up under torque, seen on the motor's side",
+                  "torque against a fixed stop")
       .Positive(kCompliance, "transmission_compliance", unit.compliance, "wind-up per torque",
                 0.5 * s.position / s.torque);
 }
 
 void AddInputSensor(const DriveTraits& is, const DriveScales& s, Builder& add) {
   const std::string& channel = is.input_channel;
-  const auto name = [&](const char* kind, const std::string& says,
-                        const std::string& exposed_by) -> Builder& {
-    return add.Name(channel + "." + kind, Level::kSensor, channel + ": " + says, exposed_by);
+  const auto name = [&](const char* kind, const std::string& description,
+                        const std::string& experiment) -> ParameterListBuilder& {
+    return add.BeginEffect(channel + "." + kind, Level::kSensor, channel + ": " + description, experiment);
   };
   name("offset", "the recorded input is too large by a constant",
        "holding several positions at rest, one of them with an input that is known by other means")
@@ -290,23 +249,20 @@ DriveParameterList ListDriveParameters(const DriveTraits& is, const DriveScales&
   DriveParameterList list;
   const Units unit = UnitsOf(is.rotary);
   Builder add(list);
-  // Numbers that must not be zero where their effect does not exist.
-  list.resting[kInputGain] = 1;
-  list.resting[kCoggingPeriod] = 1;
   AddBase(is, s, starts, unit, add);
   AddDryFriction(s, unit, add);
   AddOtherTorques(is, s, unit, add);
   AddDrive(is, s, unit, add);
   AddInputSensor(is, s, add);
-  Port port;
-  port.name = is.rotary ? "torque" : "force";
-  port.unit = unit.torque;
-  port.meaning = "an unknown " + port.name + " acts on the joint";
-  add.Term(port, 0, "position", unit.position, s.lowest, s.highest, s.torque);
-  add.Term(port, 1, "velocity", unit.speed, -s.speed, s.speed, s.torque);
-  add.Term(port, 2, "command", is.input_unit, s.lowest_command, s.highest_command, s.torque);
-  add.Term(port, 3, "time", "s", 0, s.duration, s.torque);
-  list.ports.push_back(std::move(port));
+  const std::string push = is.rotary ? "torque" : "force";
+  add.BeginPort(push, unit.torque, "an unknown " + push + " acts on the joint");
+  add.Term(0, "position", unit.position, s.lowest, s.highest, s.torque);
+  add.Term(1, "velocity", unit.speed, -s.speed, s.speed, s.torque);
+  add.Term(2, "command", is.input_unit, s.lowest_command, s.highest_command, s.torque);
+  add.Term(3, "time", "s", 0, s.duration, s.torque);
+  // Numbers that must not be zero where their effect does not exist.
+  list.resting[kInputGain] = 1;
+  list.resting[kCoggingPeriod] = 1;
   return list;
 }
 

@@ -8,9 +8,8 @@
 #include <string>
 #include <vector>
 
-#include "identify/effect.h"
-#include "identify/parameter.h"
 #include "models/drive/drive.h"
+#include "problems/kit/parameter_list.h"
 
 namespace sinew {
 
@@ -47,13 +46,9 @@ struct DriveTraits {
 /// Starts of the base parameters, by slot.
 using DriveStarts = std::array<double, kCoulombTorque>;
 
-/// The list, and where each number of the joint comes from.
-struct DriveParameterList {
-  std::vector<Parameter> parameters;          ///< shared ones; nuisance values follow them
-  std::array<int, kDriveSlots> index{};       ///< of a slot's parameter; -1 if it has none
-  std::array<double, kDriveSlots> resting{};  ///< number of a slot that has none
-  std::vector<Effect> effects;
-  std::vector<Port> ports;
+/// Shared parameters by DriveSlot; nuisance values follow them.
+struct DriveParameterList : ParameterList {
+  std::array<double, kDriveSlots> resting{};  ///< number of a slot that has no parameter
 };
 
 [[nodiscard]] DriveParameterList ListDriveParameters(const DriveTraits& traits, const DriveScales& scales,

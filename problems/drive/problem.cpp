@@ -4,83 +4,9 @@
 #include <cmath>
 
 #include "models/drive/integrator.h"
+#include "models/drive/uses.h"
 
 namespace sinew {
-namespace {
-
-using Slots = std::array<double, kDriveSlots>;
-
-// Dry friction, in the order of its slots.
-constexpr std::array<int, 8> kFrictionLevels{kCoulombTorque,        kForwardFriction, kBackwardFriction,
-                                             kStribeckTorque,       kLoadFriction,    kMotorLoadFriction,
-                                             kExternalLoadFriction, kStribeckLoad};
-
-bool AnyFrictionAboveZero(const Slots& numbers) {
-  return numbers[kQuadraticLoad] > 0 ||
-         std::any_of(kFrictionLevels.begin(), kFrictionLevels.end(),
-                     [&](int slot) { return numbers[static_cast<std::size_t>(slot)] > 0; });
-}
-
-// An effect is evaluated where a number is not at rest or has a lane.
-DriveUses UsesOf(const Slots& numbers, const std::vector<std::pair<int, int>>& lanes, std::size_t first,
-                 std::size_t count, const DriveJoint& joint) {
-  DriveUses uses;
-  for (int slot = 0; slot < kDriveSlots; ++slot) {
-    const double null = slot == kInputGain ? 1 : 0;
-    uses.slot[static_cast<std::size_t>(slot)] = numbers[static_cast<std::size_t>(slot)] != null;
-  }
-  for (std::size_t i = first; i < first + count; ++i)
-    uses.slot[static_cast<std::size_t>(lanes[i].first)] = true;
-  for (int term = 0; term < kTerms; ++term) {
-    if (joint.knots[static_cast<std::size_t>(term)].empty()) continue;
-    const auto t = static_cast<std::size_t>(term);
-    uses.term[t] = std::any_of(uses.slot.data() + kTermSlots[t], uses.slot.data() + kTermSlots[t + 1],
-                               [](bool b) { return b; });
-  }
-  uses.dry_friction = uses[kQuadraticLoad] || std::any_of(kFrictionLevels.begin(), kFrictionLevels.end(),
-                                                          [&](int slot) { return uses[slot]; });
-  uses.input_sensor = uses[kInputOffset] || uses[kInputGain] || uses[kInputDrift] || uses[kInputLowPass];
-  return uses;
-}
-
-// The fastest rate at which the joint can change at speeds as they were measured [1/s]: what bounds the step.
-double FastestRate(const Slots& p, const DriveJoint& joint, const DriveCommand& command,
-                   const DriveRun& run) {
-  const double mass = p[kInertia] + joint.load_inertia + p[kInertiaError];
-  double damping = p[kViscousFriction];
-  double stiffness = std::abs(p[kGravityTorque]) + joint.load_gravity + std::abs(p[kImbalance]) +
-                     std::abs(p[kSpring]) +
-                     (std::abs(p[kCoggingCos]) + std::abs(p[kCoggingSin])) * 6.3 / p[kCoggingPeriod];
-  double volts = 1;
-  if (joint.electric) {
-    volts = joint.gear_ratio * p[kTorqueConstant] / p[kResistance];
-    damping += volts * joint.gear_ratio * p[kTorqueConstant];
-  }
-  if (command.controller == DriveControllerKind::kServo) {
-    const double supply = *std::max_element(run.supply.begin(), run.supply.end());
-    const double gain = volts * supply * run.gains.servo_error_gain * run.gains.kp / p[kInputGain];
-    stiffness += gain;
-    damping += gain * p[kSensingDelay];
-  }
-  // Falling dry friction, and the fading torque near the highest speed.
-  if (p[kStribeckTorque] > 0) damping += p[kStribeckTorque] / p[kStribeckVelocity];
-  const double load = std::abs(p[kGravityTorque]) + joint.load_gravity;
-  if (p[kStribeckLoad] > 0) damping += p[kStribeckLoad] * load / p[kStribeckLoadVelocity];
-  damping += 2 * p[kDrag] * joint.largest_speed;
-  damping += joint.largest_torque * p[kInverseSpeedLimit] / DriveDynamics<double>::kSpeedFade;
-  for (std::size_t term = 0; term < 2; ++term) {
-    const auto& knots = joint.knots[term];
-    for (std::size_t k = 0; k + 1 < knots.size(); ++k) {
-      const auto slot = static_cast<std::size_t>(kTermSlots[term]) + k;
-      const double slope = std::abs(p[slot + 1] - p[slot]) / (knots[k + 1] - knots[k]);
-      if (term == 0) stiffness = std::max(stiffness, slope);
-      if (term == 1) damping = std::max(damping, slope);
-    }
-  }
-  return damping / mass + std::sqrt(stiffness / mass);
-}
-
-}  // namespace
 
 struct DriveProblem::Scratch final : Problem::Workspace {
   std::vector<std::pair<int, int>> lanes;  // slot, column
@@ -141,7 +67,7 @@ Result<std::unique_ptr<DriveProblem>> DriveProblem::Make(const Dataset& data, co
                                                          double margin) {
   SINEW_ASSIGN(auto prepared, PrepareDriveData(data, settings, margin));
   std::unique_ptr<DriveProblem> problem(new DriveProblem(std::move(prepared)));
-  SINEW_TRY(CheckParameters(problem->parameters()));
+  SINEW_TRY(CheckParameterList(problem->list_));
   SINEW_TRY(CheckLayout(problem->layout(), static_cast<int>(problem->parameters().size())));
   if (!settings.step) SINEW_TRY(problem->ChooseStep());
   return problem;
@@ -239,7 +165,7 @@ Status DriveProblem::Pass(std::size_t run_index, const Query& query, std::size_t
                           std::size_t lanes, Scratch& scratch, std::vector<T>& history,
                           Prediction& prediction) const {
   const DriveRun& run = data_.runs[run_index];
-  Slots numbers;
+  DriveNumbers numbers;
   std::array<T, kDriveSlots> variables;
   for (int slot = 0; slot < kDriveSlots; ++slot) {
     const auto at = static_cast<std::size_t>(slot);
@@ -247,7 +173,10 @@ Status DriveProblem::Pass(std::size_t run_index, const Query& query, std::size_t
     numbers[at] = index < 0 ? list_.resting[at] : query.parameters[index];
     variables[at] = T(numbers[at]);
   }
-  const DriveUses uses = UsesOf(numbers, scratch.lanes, first_lane, lanes, data_.joint);
+  std::array<bool, kDriveSlots> differentiated{};
+  for (std::size_t i = 0; i < lanes; ++i)
+    differentiated[static_cast<std::size_t>(scratch.lanes[first_lane + i].first)] = true;
+  const DriveUses uses = UsesOf(numbers, differentiated, data_.joint);
   bool shift_moves = false;
   if constexpr (!std::is_same_v<T, double>) {
     for (std::size_t i = 0; i < lanes; ++i) {

@@ -9,17 +9,16 @@ namespace {
 constexpr int kHats = 9;
 
 void AddWarp(EmgParameterList& to) {
-  to.Name("warp_with_speed", Level::kHuman,
-          "at higher speeds parts of the cycle take longer and others shorter, as seen by the muscles",
-          "the same movement at more speeds");
+  to.list.BeginEffect(
+      "warp_with_speed", Level::kHuman,
+      "at higher speeds parts of the cycle take longer and others shorter, as seen by the muscles",
+      "the same movement at more speeds");
   // Both at their bounds and four times the reference speed: still one phase after the other.
   constexpr double kMost = 0.05;
   for (const auto& [name, along] :
        {std::pair{"warp_sine", EmgAlong::kSine}, std::pair{"warp_cosine", EmgAlong::kCosine}}) {
-    const int index =
-        to.Add(BaseParameter(name, "1", "amplitude of the phase's warp, per logarithm of the speed", -kMost,
-                             kMost, 0),
-               to.made.effects.back().name);
+    const int index = to.AddNumber(BaseParameter(
+        name, "1", "amplitude of the phase's warp, per logarithm of the speed", -kMost, kMost, 0));
     for (std::size_t t = 0; t < to.data.trials.size(); ++t) {
       for (std::size_t m = 0; m < to.muscles(); ++m)
         to.Touch(t, m, {index, EmgTerm::kTiming, along, 0, to.LogSpeed(to.data.trials[t])});
@@ -28,12 +27,12 @@ void AddWarp(EmgParameterList& to) {
 }
 
 void AddFatigue(EmgParameterList& to) {
-  to.Name("fatigue", Level::kHuman, "the EMG grows or fades from cycle to cycle",
-          "a longer recording, or one after a rest");
+  to.list.BeginEffect("fatigue", Level::kHuman, "the EMG grows or fades from cycle to cycle",
+                      "a longer recording, or one after a rest");
   for (std::size_t m = 0; m < to.muscles(); ++m) {
-    const int index = to.Add(BaseParameter(to.data.muscles[m].name + ".fatigue", "1",
-                                           "growth of the logarithm of the EMG per cycle", -0.2, 0.2, 0),
-                             to.made.effects.back().name);
+    const int index =
+        to.AddNumber(BaseParameter(to.data.muscles[m].name + ".fatigue", "1",
+                                   "growth of the logarithm of the EMG per cycle", -0.2, 0.2, 0));
     for (std::size_t t = 0; t < to.data.trials.size(); ++t)
       to.Touch(t, m, {index, EmgTerm::kGain, EmgAlong::kCycle, 0, 1});
   }
@@ -47,14 +46,13 @@ void AddTrialFloors(EmgParameterList& to) {
   if (fitted.size() < 2) return;
   for (const std::size_t t : fitted) {
     const std::string& trial = to.data.trials[t].name;
-    to.Name("noise_floor@" + trial, Level::kSensor, "the EMG of one trial lies on another noise floor",
-            "a rest phase in every trial");
-    to.made.effects.back().trial = trial;
+    to.list.BeginEffect("noise_floor@" + trial, Level::kSensor,
+                        "the EMG of one trial lies on another noise floor", "a rest phase in every trial", "",
+                        trial);
     for (std::size_t m = 0; m < to.muscles(); ++m) {
       Parameter p = BaseParameter(to.data.muscles[m].name + ".floor@" + trial, "1",
                                   "floor of the trial beyond that of all", -0.3, 0.3, 0);
-      p.trial = trial;
-      const int index = to.Add(std::move(p), to.made.effects.back().name);
+      const int index = to.AddNumber(std::move(p));
       to.Touch(t, m, {index, EmgTerm::kOffset, EmgAlong::kOne, 0, 1});
     }
   }
@@ -62,12 +60,12 @@ void AddTrialFloors(EmgParameterList& to) {
 
 void AddCrossTalk(EmgParameterList& to) {
   for (std::size_t m = 0; m < to.muscles(); ++m) {
-    to.Name("cross_talk." + to.data.muscles[m].name, Level::kSensor,
-            "the electrode of this muscle hears the others too", "a contraction of the other muscles alone");
+    to.list.BeginEffect("cross_talk." + to.data.muscles[m].name, Level::kSensor,
+                        "the electrode of this muscle hears the others too",
+                        "a contraction of the other muscles alone");
     const int index =
-        to.Add(BaseParameter(to.made.effects.back().name, "1",
-                             "share of the others' EMG, mean of them, in this muscle's", 0, 0.8, 0),
-               to.made.effects.back().name);
+        to.AddNumber(BaseParameter(to.made.effects.back().name, "1",
+                                   "share of the others' EMG, mean of them, in this muscle's", 0, 0.8, 0));
     for (std::size_t t = 0; t < to.data.trials.size(); ++t)
       to.Touch(t, m, {index, EmgTerm::kCrossTalk, EmgAlong::kOne, 0, 1});
   }
@@ -79,22 +77,15 @@ void AddPorts(EmgParameterList& to) {
     longest = std::max(longest, trial.time.back() - trial.time.front());
   for (int k = 0; k < kHats; ++k) to.made.hat_knots.push_back(longest * k / (kHats - 1));
   for (std::size_t m = 0; m < to.muscles(); ++m) {
-    Port port{to.data.muscles[m].name, "1", "EMG that no model of the muscle makes", {}};
-    UnknownTerm term;
-    term.name = port.name + "(time)";
-    term.signal = "time";
-    term.signal_unit = "s";
-    term.knots = to.made.hat_knots;
+    const std::string& muscle = to.data.muscles[m].name;
+    to.list.BeginPort(muscle, "1", "EMG that no model of the muscle makes");
+    to.list.BeginTerm("time", "s", to.made.hat_knots);
     for (int k = 0; k < kHats; ++k) {
-      Parameter p =
-          BaseParameter(fmt::format("{}.{}", term.name, k + 1), "1", "EMG of an unknown source", -1, 1, 0);
-      const int index = to.Add(std::move(p), term.name);
-      term.parameters.push_back(index);
+      const int index = to.AddKnot(BaseParameter(fmt::format("{}(time).{}", muscle, k + 1), "1",
+                                                 "EMG of an unknown source", -1, 1, 0));
       for (std::size_t t = 0; t < to.data.trials.size(); ++t)
         to.Touch(t, m, {index, EmgTerm::kOffset, EmgAlong::kHat, k, 1});
     }
-    port.terms.push_back(std::move(term));
-    to.made.ports.push_back(std::move(port));
   }
 }
 
@@ -102,14 +93,16 @@ void AddPorts(EmgParameterList& to) {
 
 void AddEffects(EmgParameterList& to) {
   if (to.Laws() && !to.settings.amplitude_law) {
-    to.Name("amplitude_with_speed", Level::kHuman, "muscles are more or less active at higher speeds",
-            "the same movement at more speeds");
-    for (std::size_t m = 0; m < to.muscles(); ++m) AddExponent(to, m, to.made.effects.back().name);
+    to.list.BeginEffect("amplitude_with_speed", Level::kHuman,
+                        "muscles are more or less active at higher speeds",
+                        "the same movement at more speeds");
+    for (std::size_t m = 0; m < to.muscles(); ++m) AddExponent(to, m, true);
   }
   if (to.Laws() && !to.settings.lead_law) {
-    to.Name("phase_shift_with_speed", Level::kHuman,
-            "bursts come earlier or later in the cycle at higher speeds", "the same movement at more speeds");
-    AddLead(to, to.made.effects.back().name);
+    to.list.BeginEffect("phase_shift_with_speed", Level::kHuman,
+                        "bursts come earlier or later in the cycle at higher speeds",
+                        "the same movement at more speeds");
+    AddLead(to, true);
   }
   if (to.Laws()) AddWarp(to);
   AddFatigue(to);

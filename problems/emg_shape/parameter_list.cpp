@@ -4,6 +4,11 @@
 #include <utility>
 
 namespace sinew {
+namespace {
+
+constexpr const char* kSource = "thesis ch. 6; docs/decisions/emg_shape_model.md";
+
+}  // namespace
 
 double EmgParameterList::LogSpeed(const EmgShapeTrial& trial) const {
   return std::log(trial.speed / data.reference.speed);
@@ -13,30 +18,25 @@ double EmgParameterList::Rhythm(const EmgShapeTrial& trial) const {
   return 1 / trial.period - 1 / data.reference.period;
 }
 
-void EmgParameterList::Name(const std::string& name, Level level, const std::string& says,
-                            const std::string& exposed_by) {
-  made.effects.push_back({name, level, says, exposed_by, {}});
+int EmgParameterList::Add(Parameter p) {
+  p.source = kSource;
+  return list.Add(std::move(p));
 }
 
-int EmgParameterList::Add(Parameter p, const std::string& effect) {
-  p.source = "thesis ch. 6; docs/decisions/emg_shape_model.md";
-  const int index = static_cast<int>(made.parameters.size());
-  if (!effect.empty()) {
-    p.kind = ParameterKind::kEffect;
-    p.effect = effect;
-    p.null_value = p.start;
-    p.prior.reset();
-    if (!made.effects.empty() && made.effects.back().name == effect)
-      made.effects.back().parameters.push_back(index);
-  }
-  made.parameters.push_back(std::move(p));
-  return index;
+int EmgParameterList::AddNumber(Parameter p) {
+  p.source = kSource;
+  return list.AddNumber(std::move(p));
+}
+
+int EmgParameterList::AddKnot(Parameter p) {
+  p.source = kSource;
+  return list.AddKnot(std::move(p));
 }
 
 int EmgParameterList::AddNuisance(Parameter p, double deviation) {
   p.kind = ParameterKind::kNuisance;
   if (deviation > 0) p.prior = GaussianPrior{p.start, deviation};
-  return Add(std::move(p), "");
+  return Add(std::move(p));
 }
 
 void EmgParameterList::Touch(std::size_t trial, std::size_t muscle, EmgColumn column) {

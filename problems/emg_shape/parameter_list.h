@@ -2,6 +2,7 @@
 #pragma once
 
 #include <string>
+#include <utility>
 
 #include "problems/emg_shape/parameters.h"
 
@@ -18,7 +19,8 @@ class EmgParameterList {
 
   const EmgShapeSettings& settings;
   const EmgShapeData& data;
-  EmgShapeParameters made;  ///< columns not in order yet
+  EmgShapeParameters made;          ///< columns not in order yet
+  ParameterListBuilder list{made};  ///< for effects and ports; parameters are added by the functions below
 
   [[nodiscard]] std::size_t muscles() const { return data.muscles.size(); }
   /// With one speed there is nothing that changes with it; a model that was fitted elsewhere has its laws.
@@ -26,19 +28,23 @@ class EmgParameterList {
   [[nodiscard]] double LogSpeed(const EmgShapeTrial& trial) const;
   [[nodiscard]] double Rhythm(const EmgShapeTrial& trial) const;
 
-  /// Begins an effect.
-  void Name(const std::string& name, Level level, const std::string& says, const std::string& exposed_by);
-  /// @param effect empty: of the model @return its index
-  int Add(Parameter p, const std::string& effect);
+  /// Of the model. @return its index
+  int Add(Parameter p);
+  /// Of the effect that was begun last. @return its index
+  int AddNumber(Parameter p);
+  /// Of the model, or of that effect. @return its index
+  int AddOf(bool effect, Parameter p) { return effect ? AddNumber(std::move(p)) : Add(std::move(p)); }
+  /// Of the term that was begun last. @return its index
+  int AddKnot(Parameter p);
   /// @param deviation of its prior; 0: none
   int AddNuisance(Parameter p, double deviation);
   /// Touches all samples of a muscle's block in a trial.
   void Touch(std::size_t trial, std::size_t muscle, EmgColumn column);
 };
 
-// Laws of speed, of the model or as effects. @param effect its name; empty: of the model
-void AddExponent(EmgParameterList& to, std::size_t m, const std::string& effect);
-void AddLead(EmgParameterList& to, const std::string& effect);
+// Laws of speed, of the model or of the effect that was begun last.
+void AddExponent(EmgParameterList& to, std::size_t m, bool effect);
+void AddLead(EmgParameterList& to, bool effect);
 
 /// Gains and timings of single bursts, of what the bursts of a cycle have in common, and of all muscles.
 void AddCycles(EmgParameterList& to);

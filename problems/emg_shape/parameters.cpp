@@ -29,7 +29,7 @@ void AddFloor(EmgParameterList& to, std::size_t m) {
   Parameter p = BaseParameter(to.data.muscles[m].name + ".floor", "1",
                               "of the EMG, that no gain of a cycle or a speed changes", -0.1, 0.4, 0);
   p.prior = GaussianPrior{0, kFloor};
-  const int index = to.Add(std::move(p), "");
+  const int index = to.Add(std::move(p));
   for (std::size_t t = 0; t < to.data.trials.size(); ++t)
     to.Touch(t, m, {index, EmgTerm::kOffset, EmgAlong::kOne, 0, 1});
 }
@@ -87,9 +87,9 @@ void AddSpeeds(EmgParameterList& to) {
 void AddModel(EmgParameterList& to) {
   for (std::size_t m = 0; m < to.muscles(); ++m) AddShape(to, m);
   if (to.Laws() && to.settings.amplitude_law) {
-    for (std::size_t m = 0; m < to.muscles(); ++m) AddExponent(to, m, "");
+    for (std::size_t m = 0; m < to.muscles(); ++m) AddExponent(to, m, false);
   }
-  if (to.Laws() && to.settings.lead_law) AddLead(to, "");
+  if (to.Laws() && to.settings.lead_law) AddLead(to, false);
   if (to.settings.cycle_scatter) {
     for (std::size_t m = 0; m < to.muscles(); ++m) AddFloor(to, m);
   }
@@ -99,33 +99,31 @@ void AddModel(EmgParameterList& to) {
 
 }  // namespace
 
-void AddExponent(EmgParameterList& to, std::size_t m, const std::string& effect) {
-  const int index =
-      to.Add(BaseParameter(to.data.muscles[m].name + ".amplitude_exponent", "1",
-                           "exponent of the speed to which the EMG's size is proportional", -4, 6, 0),
-             effect);
+void AddExponent(EmgParameterList& to, std::size_t m, bool effect) {
+  const int index = to.AddOf(
+      effect, BaseParameter(to.data.muscles[m].name + ".amplitude_exponent", "1",
+                            "exponent of the speed to which the EMG's size is proportional", -4, 6, 0));
   for (std::size_t t = 0; t < to.data.trials.size(); ++t)
     to.Touch(t, m, {index, EmgTerm::kGain, EmgAlong::kOne, 0, to.LogSpeed(to.data.trials[t])});
 }
 
-void AddLead(EmgParameterList& to, const std::string& effect) {
-  const int shared =
-      to.Add(BaseParameter("lead", "s", "by which bursts come before the movement, mean of all muscles", -0.5,
-                           0.5, 0),
-             effect);
+void AddLead(EmgParameterList& to, bool effect) {
+  const int shared = to.AddOf(
+      effect, BaseParameter("lead", "s", "by which bursts come before the movement, mean of all muscles",
+                            -0.5, 0.5, 0));
   const auto touch = [&](std::size_t m, int index, double factor) {
     for (std::size_t t = 0; t < to.data.trials.size(); ++t)
       to.Touch(t, m, {index, EmgTerm::kTiming, EmgAlong::kOne, 0, factor * to.Rhythm(to.data.trials[t])});
   };
   for (std::size_t m = 0; m < to.muscles(); ++m) touch(m, shared, 1);
-  if (!to.settings.timing_per_muscle || !effect.empty()) return;
+  if (!to.settings.timing_per_muscle || effect) return;
   // Their sum is 0, or they and the shared one could not be told apart: the last one makes up for the
   // others.
   for (std::size_t m = 0; m + 1 < to.muscles(); ++m) {
     Parameter p = BaseParameter(to.data.muscles[m].name + ".lead", "s", "lead beyond the mean of all muscles",
                                 -0.2, 0.2, 0);
     p.prior = GaussianPrior{0, kMuscleLead};
-    const int own = to.Add(std::move(p), "");
+    const int own = to.Add(std::move(p));
     touch(m, own, 1);
     touch(to.muscles() - 1, own, -1);
   }

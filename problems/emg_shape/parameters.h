@@ -19,9 +19,8 @@
 
 #include <vector>
 
-#include "identify/effect.h"
-#include "identify/parameter.h"
 #include "problems/emg_shape/data.h"
+#include "problems/kit/parameter_list.h"
 
 namespace sinew {
 
@@ -59,10 +58,7 @@ struct EmgColumn {
   double factor = 1;
 };
 
-struct EmgShapeParameters {
-  std::vector<Parameter> parameters;
-  std::vector<Effect> effects;
-  std::vector<Port> ports;
+struct EmgShapeParameters : ParameterList {
   std::vector<double> hat_knots;                ///< [s] in the trial, of EmgAlong::kHat
   std::vector<std::vector<EmgColumn>> columns;  ///< [blocks of the layout], parameters increasing
 };

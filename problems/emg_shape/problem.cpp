@@ -26,7 +26,7 @@ Result<std::unique_ptr<EmgShapeProblem>> EmgShapeProblem::Make(const Dataset& da
         "cycles");
   }
   std::unique_ptr<EmgShapeProblem> problem(new EmgShapeProblem(std::move(settings), std::move(prepared)));
-  SINEW_TRY(CheckParameters(problem->parameters()));
+  SINEW_TRY(CheckParameterList(problem->list_));
   SINEW_TRY(CheckLayout(problem->layout(), static_cast<int>(problem->parameters().size())));
   return problem;
 }

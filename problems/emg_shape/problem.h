@@ -45,7 +45,4 @@ class EmgShapeProblem final : public Problem {
   std::vector<EmgBlock> blocks_;  // of the layout
 };
 
-/// The parameters of the made-up study, without data.
-[[nodiscard]] std::vector<Parameter> DefaultEmgShapeParameters();
-
 }  // namespace sinew

@@ -1,24 +1,14 @@
 // What may be wrong with the model of a thrown body, and its parameters with their ranges.
 #pragma once
 
-#include <array>
-#include <vector>
-
-#include "identify/effect.h"
-#include "identify/parameter.h"
 #include "problems/free_body/free_body.h"
+#include "problems/kit/parameter_list.h"
 
 namespace sinew {
 
-struct FreeBodyParameterList {
-  std::vector<Parameter> parameters;
-  std::vector<Effect> effects;
-  std::vector<Port> ports;
-  std::array<int, kFreeBodySlots> index{};  ///< of the parameter of a slot, or -1
-};
-
+/// By FreeBodySlot.
 /// @param speed highest of the tosses [m/s]: an impact at it, a tenth of the body's size deep, is where
 /// the stiffness starts
-[[nodiscard]] FreeBodyParameterList ListFreeBodyParameters(const FreeBody& body, double speed);
+[[nodiscard]] ParameterList ListFreeBodyParameters(const FreeBody& body, double speed);
 
 }  // namespace sinew

@@ -23,7 +23,7 @@ struct FreeBodyProblem::Scratch final : Problem::Workspace {
   std::vector<Status> status;
 };
 
-FreeBodyProblem::FreeBodyProblem(FreeBodyData data, FreeBodyParameterList list)
+FreeBodyProblem::FreeBodyProblem(FreeBodyData data, ParameterList list)
     : data_(std::move(data)), list_(std::move(list)) {
   std::vector<int> all;
   for (std::size_t i = 0; i < list_.parameters.size(); ++i) all.push_back(static_cast<int>(i));
@@ -35,7 +35,7 @@ Result<std::unique_ptr<FreeBodyProblem>> FreeBodyProblem::Make(const Dataset& da
   SINEW_ASSIGN(auto prepared, PrepareFreeBodyData(data, settings));
   auto list = ListFreeBodyParameters(prepared.body, prepared.speed);
   std::unique_ptr<FreeBodyProblem> problem(new FreeBodyProblem(std::move(prepared), std::move(list)));
-  SINEW_TRY(CheckParameters(problem->parameters()));
+  SINEW_TRY(CheckParameterList(problem->list_));
   SINEW_TRY(CheckLayout(problem->layout(), static_cast<int>(problem->parameters().size())));
   return problem;
 }

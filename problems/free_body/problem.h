@@ -44,12 +44,12 @@ class FreeBodyProblem final : public Problem {
 
  private:
   struct Scratch;
-  FreeBodyProblem(FreeBodyData data, FreeBodyParameterList list);
+  FreeBodyProblem(FreeBodyData data, ParameterList list);
   Status PredictWindow(std::size_t window, const Query& query, const FreeBodyNumbers& numbers,
                        const std::vector<int>& slots, Scratch& scratch, Prediction& prediction) const;
 
   FreeBodyData data_;
-  FreeBodyParameterList list_;
+  ParameterList list_;
 };
 
 /// Poses [N] of a toss from the state that fits the frames before its first touch. Errors: the model's own.

@@ -48,9 +48,8 @@ std::string SettingsText(const Values& values) {
       values.at("horizon"), values.at("window"));
 }
 
-Status HideEffects(const SynthesisRequest& request, const FreeBodyParameterList& list,
-                   FreeBodyNumbers& truth) {
-  SINEW_ASSIGN(const auto hidden, ReadHiddenEffects(request, list.effects, list.parameters));
+Status HideEffects(const RequestedEffects& requested, const ParameterList& list, FreeBodyNumbers& truth) {
+  SINEW_ASSIGN(const auto hidden, ReadHiddenEffects(requested, list));
   for (const auto& [parameter, value] : hidden) {
     SINEW_ASSIGN(const int index, FindParameter(list.parameters, parameter));
     for (std::size_t slot = 0; slot < truth.value.size(); ++slot) {
@@ -122,7 +121,8 @@ Result<Dataset> SynthesizeFreeBody(const SynthesisRequest& request) {
   truth.value[kStiffness] = values.at("stiffness");
   truth.value[kDissipation] = values.at("dissipation");
   truth.value[kFriction] = values.at("friction");
-  SINEW_TRY(HideEffects(request, ListFreeBodyParameters(body, std::max(values.at("speed"), 0.1)), truth));
+  SINEW_TRY(
+      HideEffects(request.effects, ListFreeBodyParameters(body, std::max(values.at("speed"), 0.1)), truth));
 
   Dataset data;
   data.title = "tosses of a cube, made up";

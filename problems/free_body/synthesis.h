@@ -7,7 +7,7 @@
 
 #include "base/error.h"
 #include "datasets/dataset.h"
-#include "problems/registry.h"
+#include "problems/synthesis_request.h"
 
 namespace sinew {
 

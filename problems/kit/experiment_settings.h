@@ -14,7 +14,7 @@
 #include "base/error.h"
 #include "base/numbers.h"
 #include "base/text.h"
-#include "problems/registry.h"
+#include "problems/synthesis_request.h"
 
 namespace sinew {
 

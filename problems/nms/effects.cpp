@@ -45,84 +45,89 @@ class Builder {
       if (setting.relative) made.meaning += ", as a factor on the subject's";
       if (setting.prior) made.prior = GaussianPrior{start, *setting.prior};
       made.source = name->source;
-      list_.parameters.push_back(std::move(made));
+      add_.Add(std::move(made));
     }
   }
 
   void AddExcitation() {
-    Name("emg_drift", Level::kSensor, "the EMG grows or fades with time, as with fatigue",
-         "the same contraction at the begin and at the end of the trial");
-    OfAllMuscles(Number("emg_drift", "1/s", "share by which the excitation is larger per second", -0.05, 0.05,
-                        "Merletti, Knaflitz, De Luca 1990"),
-                 kEmgDrift, NmsPlace::kAdds);
-    Name("co_contraction", Level::kHuman, "all muscles are more active than measured by a constant",
-         "a rest phase, and EMG normalised after its floor is taken off");
-    OfAllMuscles(Number("co_contraction", "1", "excitation beyond the measured one", -0.1, 0.2, kThesis),
+    add_.BeginEffect("emg_drift", Level::kSensor, "the EMG grows or fades with time, as with fatigue",
+                     "the same contraction at the begin and at the end of the trial",
+                     "Merletti, Knaflitz, De Luca 1990");
+    OfAllMuscles(
+        add_.AddNumber("emg_drift", "1/s", "share by which the excitation is larger per second", -0.05, 0.05),
+        kEmgDrift, NmsPlace::kAdds);
+    add_.BeginEffect("co_contraction", Level::kHuman,
+                     "all muscles are more active than measured by a constant",
+                     "a rest phase, and EMG normalised after its floor is taken off", kThesis);
+    OfAllMuscles(add_.AddNumber("co_contraction", "1", "excitation beyond the measured one", -0.1, 0.2),
                  kCoContraction, NmsPlace::kAdds);
     if (data_.muscles.size() > 2) {
-      Name("cross_talk", Level::kSensor, "electrodes see the other muscles too",
-           "contractions of one muscle at a time");
-      OfAllMuscles(Number("cross_talk", "1", "share of the others' mean excitation in the measured one", -0.1,
-                          0.5, "De Luca, Merletti 1988"),
+      add_.BeginEffect("cross_talk", Level::kSensor, "electrodes see the other muscles too",
+                       "contractions of one muscle at a time", "De Luca, Merletti 1988");
+      OfAllMuscles(add_.AddNumber("cross_talk", "1",
+                                  "share of the others' mean excitation in the measured one", -0.1, 0.5),
                    kCrossTalk, NmsPlace::kAdds);
     }
     if (!settings_.model.as_ceinms && !IsBase(kDelay)) {
-      Name("longer_delay", Level::kHuman, "force follows the EMG later than the subject's delay says",
-           "sudden contractions at a fixed angle");
-      OfAllMuscles(Number("longer_delay", "s", "electromechanical delay beyond the subject's", -0.1, 0.15,
-                          "Cavanagh, Komi 1979"),
-                   kDelay, NmsPlace::kAdds);
+      add_.BeginEffect("longer_delay", Level::kHuman,
+                       "force follows the EMG later than the subject's delay says",
+                       "sudden contractions at a fixed angle", "Cavanagh, Komi 1979");
+      OfAllMuscles(
+          add_.AddNumber("longer_delay", "s", "electromechanical delay beyond the subject's", -0.1, 0.15),
+          kDelay, NmsPlace::kAdds);
     }
     if (!settings_.model.as_ceinms && !IsBase(kFilterMean)) {
-      Name("slower_activation", Level::kHuman, "activation follows excitation at another speed",
-           "sudden contractions at a fixed angle");
-      OfAllMuscles(Number("slower_activation", "1",
-                          "time of the activation filter beyond the subject's, as a share", -0.8, 3, kThesis),
+      add_.BeginEffect("slower_activation", Level::kHuman, "activation follows excitation at another speed",
+                       "sudden contractions at a fixed angle", kThesis);
+      OfAllMuscles(add_.AddNumber("slower_activation", "1",
+                                  "time of the activation filter beyond the subject's, as a share", -0.8, 3),
                    kFilterMean, NmsPlace::kScales);
     }
     AddTrials();
   }
 
   void AddMuscle() {
-    Name("force_enhancement", Level::kHuman, "muscles pull harder after a stretch",
-         "stretches of active muscles, held at their end");
-    OfAllMuscles(Number("force_enhancement", "1", "share of the force gained per optimal length of stretch",
-                        0, 3, "Edman, Elzinga, Noble 1978"),
+    add_.BeginEffect("force_enhancement", Level::kHuman, "muscles pull harder after a stretch",
+                     "stretches of active muscles, held at their end", "Edman, Elzinga, Noble 1978");
+    OfAllMuscles(add_.AddNumber("force_enhancement", "1",
+                                "share of the force gained per optimal length of stretch", 0, 3),
                  kEnhancement, NmsPlace::kAdds);
-    Name("force_depression", Level::kHuman, "muscles pull less after shortening",
-         "active shortening, held at its end");
-    OfAllMuscles(Number("force_depression", "1", "share of the force lost per optimal length of shortening",
-                        0, 2, "Marechal, Plaghki 1979"),
+    add_.BeginEffect("force_depression", Level::kHuman, "muscles pull less after shortening",
+                     "active shortening, held at its end", "Marechal, Plaghki 1979");
+    OfAllMuscles(add_.AddNumber("force_depression", "1",
+                                "share of the force lost per optimal length of shortening", 0, 2),
                  kDepression, NmsPlace::kAdds);
     if (settings_.model.tendon == TendonMode::kRigid) {
-      Name("compliant_tendon", Level::kHuman, "tendons give way",
-           "quick changes of activation at a fixed angle, or ultrasound of the fibres");
-      OfAllMuscles(Number("compliant_tendon", "1", "strain of tendons beside that of the subject's curve", 0,
-                          3, "thesis eq 4.4"),
+      add_.BeginEffect("compliant_tendon", Level::kHuman, "tendons give way",
+                       "quick changes of activation at a fixed angle, or ultrasound of the fibres",
+                       "thesis eq 4.4");
+      OfAllMuscles(add_.AddNumber("compliant_tendon", "1",
+                                  "strain of tendons beside that of the subject's curve", 0, 3),
                    kTendonCompliance, NmsPlace::kAdds);
     }
     if (!IsBase(kLargestVelocity)) {
-      Name("contraction_velocity", Level::kHuman, "muscles lose their force at another speed than assumed",
-           "trials over a wider range of speeds");
-      OfAllMuscles(
-          Number("contraction_velocity", "1", "largest shortening velocity beyond the subject's, as a share",
-                 -0.7, 2, "Buchanan et al. 2004"),
-          kLargestVelocity, NmsPlace::kScales);
+      add_.BeginEffect("contraction_velocity", Level::kHuman,
+                       "muscles lose their force at another speed than assumed",
+                       "trials over a wider range of speeds", "Buchanan et al. 2004");
+      OfAllMuscles(add_.AddNumber("contraction_velocity", "1",
+                                  "largest shortening velocity beyond the subject's, as a share", -0.7, 2),
+                   kLargestVelocity, NmsPlace::kScales);
     }
     if (!IsBase(kLengthChange)) {
-      Name("length_by_activation", Level::kHuman, "the optimal length changes otherwise with activation",
-           "weak and strong contractions at several angles");
-      OfAllMuscles(Number("length_by_activation", "1",
-                          "optimal length gained without activation, beyond the "
-                          "subject's",
-                          -0.2, 0.3, "thesis eq 4.2"),
+      add_.BeginEffect("length_by_activation", Level::kHuman,
+                       "the optimal length changes otherwise with activation",
+                       "weak and strong contractions at several angles", "thesis eq 4.2");
+      OfAllMuscles(add_.AddNumber("length_by_activation", "1",
+                                  "optimal length gained without activation, beyond the "
+                                  "subject's",
+                                  -0.2, 0.3),
                    kLengthChange, NmsPlace::kAdds);
     }
     if (!IsBase(kOptimalLength)) {
-      Name("fibre_length", Level::kHuman, "fibres are longer or shorter than assumed",
-           "contractions over a wider range of angles");
-      OfAllMuscles(Number("fibre_length", "1", "optimal fibre length beyond the subject's, as a share", -0.3,
-                          0.5, "thesis eq 4.2"),
+      add_.BeginEffect("fibre_length", Level::kHuman, "fibres are longer or shorter than assumed",
+                       "contractions over a wider range of angles", "thesis eq 4.2");
+      OfAllMuscles(add_.AddNumber("fibre_length", "1",
+                                  "optimal fibre length beyond the subject's, as a share", -0.3, 0.5),
                    kOptimalLength, NmsPlace::kScales);
     }
   }
@@ -131,15 +136,15 @@ class Builder {
     const std::string& joint = settings_.joints[j];
     const double most = LargestMoment(j);
     if (!(most > 0)) return;
-    Name("arm_offset." + joint, Level::kBoundary, "the joint's axis is not where the moment arms have it",
-         "the joint moved slowly without activity, in the machine and by hand");
-    list_.arm_offset[j] =
-        Number("arm_offset." + joint, "m", "moment arms of all muscles beyond the stated ones", -0.03, 0.03,
-               "Delp et al. 2007");
-    Name("angle_offset." + joint, Level::kSensor, "the joint's angle was recorded with an offset",
-         "a posture whose angle is known by other means");
+    add_.BeginEffect(
+        "arm_offset." + joint, Level::kBoundary, "the joint's axis is not where the moment arms have it",
+        "the joint moved slowly without activity, in the machine and by hand", "Delp et al. 2007");
+    list_.arm_offset[j] = add_.AddNumber("arm_offset." + joint, "m",
+                                         "moment arms of all muscles beyond the stated ones", -0.03, 0.03);
+    add_.BeginEffect("angle_offset." + joint, Level::kSensor, "the joint's angle was recorded with an offset",
+                     "a posture whose angle is known by other means");
     const int offset =
-        Number("angle_offset." + joint, "rad", "true angle beyond the recorded one", -0.3, 0.3, "");
+        add_.AddNumber("angle_offset." + joint, "rad", "true angle beyond the recorded one", -0.3, 0.3);
     for (std::size_t m = 0; m < data_.muscles.size(); ++m) {
       const auto& crosses = data_.muscle_joints[m];
       const auto at = std::find(crosses.begin(), crosses.end(), static_cast<int>(j));
@@ -171,19 +176,6 @@ class Builder {
     return most;
   }
 
-  void Name(const std::string& name, Level level, const std::string& says, const std::string& exposed_by) {
-    list_.effects.push_back({name, level, says, exposed_by, {}});
-  }
-  int Number(const std::string& name, const char* unit, const char* meaning, double lower, double upper,
-             const char* source) {
-    Effect& effect = list_.effects.back();
-    Parameter p = EffectParameter(name, unit, meaning, lower, upper, 0, effect.name);
-    p.source = source;
-    p.trial = effect.trial;
-    effect.parameters.push_back(static_cast<int>(list_.parameters.size()));
-    list_.parameters.push_back(std::move(p));
-    return effect.parameters.back();
-  }
   void OfAllMuscles(int parameter, MuscleSlot slot, NmsPlace::Way way, int trial = -1) {
     for (std::size_t m = 0; m < data_.muscles.size(); ++m)
       list_.places.push_back({parameter, static_cast<int>(m), slot, way, 1, trial});
@@ -202,17 +194,17 @@ class Builder {
     if (fitted.size() < 2) return;
     for (const std::size_t t : fitted) {
       const std::string& trial = data_.trials[t].name;
-      Name("emg_gain@" + trial, Level::kSensor, "the EMG of one trial is too large or too small by a factor",
-           "a contraction of known moment in every trial");
-      list_.effects.back().trial = trial;
-      OfAllMuscles(Number("emg_gain@" + trial, "1",
-                          "excitation of the trial beyond the measured one, as a share", -0.5, 1, kThesis),
+      add_.BeginEffect("emg_gain@" + trial, Level::kSensor,
+                       "the EMG of one trial is too large or too small by a factor",
+                       "a contraction of known moment in every trial", kThesis, trial);
+      OfAllMuscles(add_.AddNumber("emg_gain@" + trial, "1",
+                                  "excitation of the trial beyond the measured one, as a share", -0.5, 1),
                    kEmgGain, NmsPlace::kAdds, static_cast<int>(t));
-      Name("emg_offset@" + trial, Level::kSensor,
-           "the EMG of one trial is too large or too small by a constant", "a rest phase in every trial");
-      list_.effects.back().trial = trial;
-      OfAllMuscles(Number("emg_offset@" + trial, "1", "excitation of the trial beyond the measured one", -0.1,
-                          0.1, kThesis),
+      add_.BeginEffect("emg_offset@" + trial, Level::kSensor,
+                       "the EMG of one trial is too large or too small by a constant",
+                       "a rest phase in every trial", kThesis, trial);
+      OfAllMuscles(add_.AddNumber("emg_offset@" + trial, "1",
+                                  "excitation of the trial beyond the measured one", -0.1, 0.1),
                    kCoContraction, NmsPlace::kAdds, static_cast<int>(t));
     }
   }
@@ -230,12 +222,12 @@ class Builder {
       if (!any) continue;
       const std::string name =
           std::string("missing_muscle") + (plus ? "_plus." : "_minus.") + settings_.joints[j];
-      Name(name, Level::kHuman,
-           std::string("a muscle without electrode helps those that pull the joint towards ") +
-               (plus ? "larger" : "smaller") + " angles",
-           "electrodes on the muscles that have none");
-      AddMoment(Number(name, "N*m", "its moment when those that are measured are fully active", 0, 3 * most,
-                       kThesis),
+      add_.BeginEffect(name, Level::kHuman,
+                       std::string("a muscle without electrode helps those that pull the joint towards ") +
+                           (plus ? "larger" : "smaller") + " angles",
+                       "electrodes on the muscles that have none", kThesis);
+      AddMoment(add_.AddNumber(name, "N*m", "its moment when those that are measured are fully active", 0,
+                               3 * most),
                 j, std::move(by_trial));
     }
   }
@@ -262,37 +254,36 @@ class Builder {
       AddMoment(parameter, j, std::move(by_trial));
     };
     const double stiff = 2 * most / (high - low);
-    Name("passive_stiffness." + joint, Level::kHuman, "the joint itself is elastic",
-         "the joint moved slowly without activity");
-    add(Number("passive_stiffness." + joint, "N*m/rad",
-               "passive moment per angle from the middle of the range", 0, stiff, "Riener, Edrich 1999"),
+    add_.BeginEffect("passive_stiffness." + joint, Level::kHuman, "the joint itself is elastic",
+                     "the joint moved slowly without activity", "Riener, Edrich 1999");
+    add(add_.AddNumber("passive_stiffness." + joint, "N*m/rad",
+                       "passive moment per angle from the middle of the range", 0, stiff),
         [&](const NmsMotion& m) { return Vector(middle - m.angle.array()); });
-    Name("joint_damping." + joint, Level::kHuman, "the joint itself is damped",
-         "the joint moved without activity at several speeds");
-    add(Number("joint_damping." + joint, "N*m*s/rad", "passive moment per speed", 0, most / fastest,
-               "Weiss, Kearney, Hunter 1986"),
+    add_.BeginEffect("joint_damping." + joint, Level::kHuman, "the joint itself is damped",
+                     "the joint moved without activity at several speeds", "Weiss, Kearney, Hunter 1986");
+    add(add_.AddNumber("joint_damping." + joint, "N*m*s/rad", "passive moment per speed", 0, most / fastest),
         [&](const NmsMotion& m) { return Vector(-m.velocity); });
-    Name("inertial_moment." + joint, Level::kBoundary,
-         "moments of inertia of segment or machine are left in the measured moment",
-         "the same motion without activity, or without a person in the machine");
-    add(Number("inertial_moment." + joint, "kg*m2", "measured moment per acceleration", -most / hardest,
-               most / hardest, "thesis ch. 6"),
+    add_.BeginEffect("inertial_moment." + joint, Level::kBoundary,
+                     "moments of inertia of segment or machine are left in the measured moment",
+                     "the same motion without activity, or without a person in the machine", "thesis ch. 6");
+    add(add_.AddNumber("inertial_moment." + joint, "kg*m2", "measured moment per acceleration",
+                       -most / hardest, most / hardest),
         [&](const NmsMotion& m) { return Vector(m.acceleration); });
-    Name("segment_weight." + joint, Level::kBoundary,
-         "the weight of the segment is left in the measured moment",
-         "the joint held still without activity at several angles");
-    add(Number("weight_sine." + joint, "N*m", "measured moment per sine of the angle", -most, most,
-               "thesis ch. 6"),
+    add_.BeginEffect("segment_weight." + joint, Level::kBoundary,
+                     "the weight of the segment is left in the measured moment",
+                     "the joint held still without activity at several angles", "thesis ch. 6");
+    add(add_.AddNumber("weight_sine." + joint, "N*m", "measured moment per sine of the angle", -most, most),
         [&](const NmsMotion& m) { return Vector(m.angle.array().sin()); });
-    add(Number("weight_cosine." + joint, "N*m", "measured moment per cosine of the angle", -most, most,
-               "thesis ch. 6"),
+    add(add_.AddNumber("weight_cosine." + joint, "N*m", "measured moment per cosine of the angle", -most,
+                       most),
         [&](const NmsMotion& m) { return Vector(m.angle.array().cos()); });
-    Name("machine_friction." + joint, Level::kRobot, "the machine's friction is left in the measured moment",
-         "the same motion without a person in the machine");
+    add_.BeginEffect("machine_friction." + joint, Level::kRobot,
+                     "the machine's friction is left in the measured moment",
+                     "the same motion without a person in the machine", "thesis ch. 6");
     // Smooth within a few hundredths of the highest speed.
     const double slow = 0.03 * fastest;
-    add(Number("machine_friction." + joint, "N*m", "measured moment against the motion", 0, 0.5 * most,
-               "thesis ch. 6"),
+    add(add_.AddNumber("machine_friction." + joint, "N*m", "measured moment against the motion", 0,
+                       0.5 * most),
         [&](const NmsMotion& m) { return Vector(-(m.velocity.array() / slow).tanh()); });
   }
 
@@ -300,6 +291,7 @@ class Builder {
   const NmsData& data_;
   const std::vector<std::array<double, kMuscleSlots>>& rest_;
   NmsParameterList list_;
+  ParameterListBuilder add_{list_};
 };
 
 }  // namespace

@@ -4,8 +4,7 @@
 #include <array>
 #include <vector>
 
-#include "identify/effect.h"
-#include "identify/parameter.h"
+#include "problems/kit/parameter_list.h"
 #include "problems/nms/data.h"
 
 namespace sinew {
@@ -32,9 +31,7 @@ struct NmsMoment {
   std::vector<Vector> by_trial;  ///< [trials] [N, N m per unit of the parameter]
 };
 
-struct NmsParameterList {
-  std::vector<Parameter> parameters;
-  std::vector<Effect> effects;
+struct NmsParameterList : ParameterList {
   std::vector<NmsPlace>
       places;  ///< those that set come before those that scale, and these before those that add
   std::vector<NmsMoment> moments;

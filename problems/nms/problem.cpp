@@ -39,7 +39,7 @@ Result<std::unique_ptr<NmsProblem>> NmsProblem::Make(const Dataset& data, NmsSet
   SINEW_ASSIGN(MuscleCurves curves, CurvesOf(settings.subject, settings.model.as_ceinms));
   std::unique_ptr<NmsProblem> problem(
       new NmsProblem(std::move(settings), std::move(prepared), std::move(curves)));
-  SINEW_TRY(CheckParameters(problem->parameters()));
+  SINEW_TRY(CheckParameterList(problem->list_));
   SINEW_TRY(CheckLayout(problem->layout(), static_cast<int>(problem->parameters().size())));
   return problem;
 }

@@ -93,7 +93,4 @@ class NmsProblem final : public Problem {
   std::vector<FitStep> steps_;
 };
 
-/// The parameters of the ankle study with their default ranges, without data.
-[[nodiscard]] std::vector<Parameter> DefaultNmsParameters();
-
 }  // namespace sinew

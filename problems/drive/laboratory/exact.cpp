@@ -1,8 +1,8 @@
 #include "problems/drive/laboratory/exact.h"
 
-#include "base/yaml_reader.h"
 #include "identify/observation/sensor_effects.h"
 #include "problems/drive/problem.h"
+#include "problems/kit/bind.h"
 
 namespace sinew {
 namespace {
@@ -16,16 +16,15 @@ Status Set(const std::string& name, double value, const Problem& problem, Vector
 }  // namespace
 
 Status MakeExact(const DriveTruth& truth, const std::map<std::string, double>& starts, Dataset& data) {
-  SINEW_ASSIGN(const YamlReader settings, YamlReader::Parse(data.files.at("drive.yaml"), "drive.yaml"));
-  SINEW_ASSIGN(const YamlReader section, settings.At("drive"));
+  SINEW_ASSIGN(const YamlReader section, SettingsSection(data, "drive"));
   SINEW_ASSIGN(const DriveSettings drive, ReadDriveSettings(section));
   SINEW_ASSIGN(auto bare, DriveProblem::Make(data, drive));
   const SensorEffects problem(std::move(bare));
 
   Vector parameters = RestPoint(problem);
-  SINEW_TRY(Set("inertia", truth.inertia, problem, parameters));
-  SINEW_TRY(Set("viscous_friction", truth.viscous_friction, problem, parameters));
-  SINEW_TRY(Set("gravity_torque", truth.gravity_torque, problem, parameters));
+  SINEW_TRY(Set("inertia", truth[kInertia], problem, parameters));
+  SINEW_TRY(Set("viscous_friction", truth[kViscousFriction], problem, parameters));
+  SINEW_TRY(Set("gravity_torque", truth[kGravityTorque], problem, parameters));
   for (const auto& [name, trial] : data.trials) {
     for (const char* state : {"initial_position@", "initial_speed@"}) {
       const auto start = starts.find(state + name);
@@ -34,8 +33,8 @@ Status MakeExact(const DriveTruth& truth, const std::map<std::string, double>& s
   }
   const bool reference = data.trials.begin()->second.Find("reference").channel != nullptr;
   for (const DriveTruthEntry& entry : DriveTruthEntries(reference ? "reference" : "torque")) {
-    if (truth.*entry.value == DriveTruth{}.*entry.value) continue;
-    SINEW_TRY(Set(entry.parameter, truth.*entry.value, problem, parameters));
+    if (truth[entry.slot] == DriveTruth()[entry.slot]) continue;
+    SINEW_TRY(Set(entry.parameter, truth[entry.slot], problem, parameters));
   }
 
   const Layout& layout = problem.layout();

@@ -20,7 +20,7 @@ std::size_t Samples(double duration, double rate) {
 // The swing grows about with the torque; a few corrections meet the angle within a tenth.
 Status ScaleToSwing(const DriveTruth& nominal, double wanted, const std::vector<double>& shape,
                     DriveTrial& trial) {
-  double factor = 0.2 * nominal.gravity_torque + 0.1;
+  double factor = 0.2 * nominal[kGravityTorque] + 0.1;
   for (int round = 0; round < 12; ++round) {
     trial.command = shape;
     for (double& value : trial.command) value *= factor;
@@ -65,8 +65,8 @@ DriveTrial Tracked(const DriveTruth& nominal, double rate) {
   trial.rate = rate;
   trial.control = DriveControl::kTracking;
   const double bandwidth = 12;  // [rad/s]
-  trial.controller.kp = nominal.inertia * bandwidth * bandwidth;
-  trial.controller.kd = 1.6 * nominal.inertia * bandwidth;
+  trial.controller.kp = nominal[kInertia] * bandwidth * bandwidth;
+  trial.controller.kd = 1.6 * nominal[kInertia] * bandwidth;
   trial.controller.ki = 2 * trial.controller.kp;
   return trial;
 }

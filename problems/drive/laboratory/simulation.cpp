@@ -78,36 +78,37 @@ class Bench {
         v_(trial.initial_speed),
         v_before_(v_),
         play_(q_),
-        speeds_(static_cast<std::size_t>(std::floor(truth.sensing_delay / h)) + 2, v_),
-        has_friction_(truth.coulomb_torque > 0 || truth.forward_friction > 0 || truth.backward_friction > 0 ||
-                      truth.stribeck_torque > 0 || truth.wear_rate > 0 || truth.tight_spot_torque > 0),
-        has_load_friction_(truth.load_friction_coefficient > 0 || truth.motor_load_friction > 0 ||
-                           truth.external_load_friction > 0 || truth.stribeck_load_coefficient > 0 ||
-                           truth.quadratic_load_coefficient > 0),
-        has_further_(truth.spring_stiffness != 0 || truth.imbalance_torque != 0 || truth.cogging_cos != 0 ||
-                     truth.cogging_sin != 0 || truth.cubic_stiffness != 0 || truth.hum_torque != 0 ||
-                     truth.bump_torque != 0) {}
+        speeds_(static_cast<std::size_t>(std::floor(truth[kSensingDelay] / h)) + 2, v_),
+        has_friction_(truth[kCoulombTorque] > 0 || truth[kForwardFriction] > 0 ||
+                      truth[kBackwardFriction] > 0 || truth[kStribeckTorque] > 0 || truth[kWearRate] > 0 ||
+                      truth[kTightSpotTorque] > 0),
+        has_load_friction_(truth[kLoadFriction] > 0 || truth[kMotorLoadFriction] > 0 ||
+                           truth[kExternalLoadFriction] > 0 || truth[kStribeckLoad] > 0 ||
+                           truth[kQuadraticLoad] > 0),
+        has_further_(truth[kSpring] != 0 || truth[kImbalance] != 0 || truth[kCoggingCos] != 0 ||
+                     truth[kCoggingSin] != 0 || truth[kCubicStiffness] != 0 || truth[kHumTorque] != 0 ||
+                     truth[kBumpTorque] != 0) {}
 
   // One step from t under a command u (before the drive's own faults).
   void Step(double t, double u) {
     const double middle = t + 0.5 * h_;
     const double q = q_ + 0.5 * h_ * v_;
     const double speed = v_ + 0.5 * (v_ - v_before_);  // about the middle of the step
-    const double left = p_.lost_load > 0 && middle > p_.lost_time ? 1 - p_.lost_load : 1;
-    const double gravity = (p_.gravity_torque * left + p_.shift_rate * middle) * std::sin(q);
+    const double left = p_[kLostLoad] > 0 && middle > p_[kLostTime] ? 1 - p_[kLostLoad] : 1;
+    const double gravity = (p_[kGravityTorque] * left + p_[kShiftRate] * middle) * std::sin(q);
     torque_ = Actuate(u, speed, middle);
-    double force = torque_ - gravity + p_.offset_torque;
+    double force = torque_ - gravity + p_[kOffsetTorque];
     if (has_further_) force += Further(q, middle);
-    if (p_.hysteresis_torque > 0) force -= Hysteresis();
-    const double damping = p_.viscous_friction + p_.damping_rate * std::max(0.0, middle) +
-                           p_.drag_coefficient * std::abs(speed) + p_.cubic_drag * speed * speed;
-    const double mass = p_.inertia * left;
+    if (p_[kHysteresisTorque] > 0) force -= Hysteresis();
+    const double damping = p_[kViscousFriction] + p_[kDampingRate] * std::max(0.0, middle) +
+                           p_[kDrag] * std::abs(speed) + p_[kCubicDrag] * speed * speed;
+    const double mass = p_[kInertia] * left;
     const double inverse = 1 / (mass + 0.5 * h_ * damping);
     double next = ((mass - 0.5 * h_ * damping) * v_ + h_ * force) * inverse;
     if (has_friction_ || has_load_friction_) {
       const double dry = DryFriction(q, speed, gravity);
-      const double forward = h_ * (dry + p_.forward_friction) * inverse;
-      const double backward = h_ * (dry + p_.backward_friction) * inverse;
+      const double forward = h_ * (dry + p_[kForwardFriction]) * inverse;
+      const double backward = h_ * (dry + p_[kBackwardFriction]) * inverse;
       next = next > forward ? next - forward : next < -backward ? next + backward : 0;
     }
     v_before_ = v_;
@@ -120,19 +121,19 @@ class Bench {
   // What the position sensor faces.
   double Reading() {
     double seen = q_;
-    if (p_.backlash_width > 0) {
-      play_ = std::clamp(play_, q_ - 0.5 * p_.backlash_width, q_ + 0.5 * p_.backlash_width);
+    if (p_[kBacklash] > 0) {
+      play_ = std::clamp(play_, q_ - 0.5 * p_[kBacklash], q_ + 0.5 * p_[kBacklash]);
       seen = play_;
     }
-    seen += p_.transmission_compliance * torque_;
-    if (p_.eccentricity > 0) seen += p_.eccentricity * std::sin(2 * q_ + p_.eccentricity_phase);
+    seen += p_[kCompliance] * torque_;
+    if (p_[kEccentricity] > 0) seen += p_[kEccentricity] * std::sin(2 * q_ + p_[kEccentricityPhase]);
     return seen;
   }
 
   // The known controller's output at a tick.
   double PidSpeed(double reference) {
     const DriveController& c = trial_.controller;
-    const double error = reference - SpeedAgo(p_.sensing_delay);
+    const double error = reference - SpeedAgo(p_[kSensingDelay]);
     const double slope = ticked_ ? (error - error_) / c.control_period : 0;
     ticked_ = true;
     error_ = error;
@@ -157,53 +158,53 @@ class Bench {
  private:
   double Actuate(double u, double speed, double t) const {
     double torque = u;
-    if (p_.dead_torque > 0) torque = std::copysign(std::max(0.0, std::abs(u) - p_.dead_torque), u);
-    if (p_.compression > 0) torque *= 1 - p_.compression * std::abs(u) / trial_.command_scale;
-    if (p_.thermal_rate > 0) torque *= 1 - p_.thermal_rate * std::max(0.0, t);
-    if (p_.inverse_torque_limit > 0) {
-      torque = std::clamp(torque, -1 / p_.inverse_torque_limit, 1 / p_.inverse_torque_limit);
+    if (p_[kDeadTorque] > 0) torque = std::copysign(std::max(0.0, std::abs(u) - p_[kDeadTorque]), u);
+    if (p_[kCompression] > 0) torque *= 1 - p_[kCompression] * std::abs(u) / trial_.command_scale;
+    if (p_[kThermalRate] > 0) torque *= 1 - p_[kThermalRate] * std::max(0.0, t);
+    if (p_[kInverseTorqueLimit] > 0) {
+      torque = std::clamp(torque, -1 / p_[kInverseTorqueLimit], 1 / p_[kInverseTorqueLimit]);
     }
-    if (p_.inverse_speed_limit > 0 && torque * speed > 0) {
-      torque *= std::clamp((1 - std::abs(speed) * p_.inverse_speed_limit) / 0.1, 0.0, 1.0);
+    if (p_[kInverseSpeedLimit] > 0 && torque * speed > 0) {
+      torque *= std::clamp((1 - std::abs(speed) * p_[kInverseSpeedLimit]) / 0.1, 0.0, 1.0);
     }
     return torque;
   }
 
   double Further(double q, double t) const {
-    double force =
-        -p_.spring_stiffness * q - p_.imbalance_torque * std::cos(q) - p_.cubic_stiffness * q * q * q;
-    if (p_.cogging_cos != 0 || p_.cogging_sin != 0) {
-      const double angle = 2 * kPi * q / p_.cogging_period;
-      force += p_.cogging_cos * std::cos(angle) + p_.cogging_sin * std::sin(angle);
+    double force = -p_[kSpring] * q - p_[kImbalance] * std::cos(q) - p_[kCubicStiffness] * q * q * q;
+    if (p_[kCoggingCos] != 0 || p_[kCoggingSin] != 0) {
+      const double angle = 2 * kPi * q / p_[kCoggingPeriod];
+      force += p_[kCoggingCos] * std::cos(angle) + p_[kCoggingSin] * std::sin(angle);
     }
-    if (p_.hum_torque != 0) force += p_.hum_torque * std::sin(2 * kPi * p_.hum_frequency * t + p_.hum_phase);
-    if (p_.bump_torque != 0) force += p_.bump_torque * Bell(q - p_.bump_position, p_.bump_width);
+    if (p_[kHumTorque] != 0)
+      force += p_[kHumTorque] * std::sin(2 * kPi * p_[kHumFrequency] * t + p_[kHumPhase]);
+    if (p_[kBumpTorque] != 0) force += p_[kBumpTorque] * Bell(q - p_[kBumpPosition], p_[kBumpWidth]);
     return force;
   }
 
   // Dahl 1968: ds/dq = (1 - s sign v) / width, torque = hysteresis_torque s; exact for constant speed.
   double Hysteresis() {
-    const double travel = std::abs(v_) * h_ / p_.hysteresis_width;
+    const double travel = std::abs(v_) * h_ / p_[kHysteresisWidth];
     const double end = v_ > 0 ? 1 : -1;
     dahl_ = end + (dahl_ - end) * std::exp(-travel);
-    return p_.hysteresis_torque * dahl_;
+    return p_[kHysteresisTorque] * dahl_;
   }
 
   double DryFriction(double q, double speed, double gravity) const {
-    double level = p_.coulomb_torque;
-    if (p_.stribeck_torque > 0) level += p_.stribeck_torque * Bell(speed, p_.stribeck_velocity);
-    if (p_.wear_rate > 0) level += p_.wear_rate * travelled_;
-    if (p_.tight_spot_torque > 0) {
-      level += p_.tight_spot_torque * Bell(q - p_.tight_spot_position, p_.tight_spot_width);
+    double level = p_[kCoulombTorque];
+    if (p_[kStribeckTorque] > 0) level += p_[kStribeckTorque] * Bell(speed, p_[kStribeckVelocity]);
+    if (p_[kWearRate] > 0) level += p_[kWearRate] * travelled_;
+    if (p_[kTightSpotTorque] > 0) {
+      level += p_[kTightSpotTorque] * Bell(q - p_[kTightSpotPosition], p_[kTightSpotWidth]);
     }
     if (has_load_friction_) {
       const double load = 0.5 * std::abs(torque_ + gravity);
-      double factor = p_.load_friction_coefficient + p_.quadratic_load_coefficient * load;
-      if (p_.stribeck_load_coefficient > 0) {
-        factor += p_.stribeck_load_coefficient * Bell(speed, p_.stribeck_load_velocity);
+      double factor = p_[kLoadFriction] + p_[kQuadraticLoad] * load;
+      if (p_[kStribeckLoad] > 0) {
+        factor += p_[kStribeckLoad] * Bell(speed, p_[kStribeckLoadVelocity]);
       }
-      level += factor * load + p_.motor_load_friction * std::abs(torque_) +
-               p_.external_load_friction * std::abs(gravity);
+      level += factor * load + p_[kMotorLoadFriction] * std::abs(torque_) +
+               p_[kExternalLoadFriction] * std::abs(gravity);
     }
     return level;
   }
@@ -275,9 +276,9 @@ Result<DriveRecord> SimulateDrive(const DriveTruth& truth, const DriveTrial& tri
         record.torque[k] = bench.torque();
       }
     }
-    const double at = (pid ? t : t + 0.5 * h) - truth.command_delay;
+    const double at = (pid ? t : t + 0.5 * h) - truth[kCommandDelay];
     double u = command.At(at);
-    if (truth.hold_fraction > 0) u += truth.hold_fraction * (command.Held(at) - u);
+    if (truth[kHoldFraction] > 0) u += truth[kHoldFraction] * (command.Held(at) - u);
     if (pid) {
       if (i % ticks == 0) pid_torque = bench.PidSpeed(u);
       u = pid_torque;
@@ -285,19 +286,19 @@ Result<DriveRecord> SimulateDrive(const DriveTruth& truth, const DriveTrial& tri
     bench.Step(t, u);
     seen[i + 1] = bench.Reading();
   }
-  record.position = Record(seen, t0, h, count, trial.rate, truth.position_time_offset, truth.clock_rate,
-                           truth.position_low_pass);
-  Distort(truth.position_gain, truth.position_offset, truth.position_drift, trial.rate, record.position);
+  record.position = Record(seen, t0, h, count, trial.rate, truth[kPositionTimeOffset], truth[kClockRate],
+                           truth[kPositionLowPass]);
+  Distort(truth[kPositionGain], truth[kPositionOffset], truth[kPositionDrift], trial.rate, record.position);
 
-  const bool plain_input = truth.input_time_offset == 0 && truth.input_low_pass == 0;
+  const bool plain_input = truth[kInputTimeOffset] == 0 && truth[kInputLowPass] == 0;
   if (plain_input) {
     record.input = Eigen::Map<const Vector>(command.values().data(), count);
   } else {
     std::vector<double> fine(steps + 1);
     for (std::size_t i = 0; i <= steps; ++i) fine[i] = command.At(t0 + static_cast<double>(i) * h);
-    record.input = Record(fine, t0, h, count, trial.rate, truth.input_time_offset, 0, truth.input_low_pass);
+    record.input = Record(fine, t0, h, count, trial.rate, truth[kInputTimeOffset], 0, truth[kInputLowPass]);
   }
-  Distort(truth.input_gain, truth.input_offset, truth.input_drift, trial.rate, record.input);
+  Distort(truth[kInputGain], truth[kInputOffset], truth[kInputDrift], trial.rate, record.input);
   if (!record.position.allFinite() || !record.input.allFinite()) {
     return Fail("the simulated drive does not stay finite with these parameters");
   }
@@ -305,12 +306,12 @@ Result<DriveRecord> SimulateDrive(const DriveTruth& truth, const DriveTrial& tri
 }
 
 void ReadPosition(const DriveTruth& truth, Vector& position) {
-  if (truth.position_saturation > 0) {
-    const double limit = 1 / truth.position_saturation;
+  if (truth[kPositionSaturation] > 0) {
+    const double limit = 1 / truth[kPositionSaturation];
     position = position.cwiseMax(-limit).cwiseMin(limit);
   }
-  if (truth.position_quantisation > 0) {
-    const double step = truth.position_quantisation;
+  if (truth[kPositionQuantisation] > 0) {
+    const double step = truth[kPositionQuantisation];
     position = (position / step).array().round() * step;
   }
 }

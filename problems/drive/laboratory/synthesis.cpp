@@ -147,9 +147,9 @@ Result<DrivePlan> PlanDrive(const SynthesisRequest& request) {
   const auto is = [&](const char* name) { return values.at(name) != 0; };
   DrivePlan plan;
   plan.seed = request.seed;
-  plan.truth.inertia = values.at("inertia");
-  plan.truth.viscous_friction = values.at("viscous_friction");
-  plan.truth.gravity_torque = values.at("gravity_torque");
+  plan.truth[kInertia] = values.at("inertia");
+  plan.truth[kViscousFriction] = values.at("viscous_friction");
+  plan.truth[kGravityTorque] = values.at("gravity_torque");
   plan.position_noise = {values.at("position_noise"), values.at("noise_slow"), values.at("noise_rho")};
   plan.speed_noise = values.at("speed_noise");
   plan.speed = is("speed");
@@ -164,8 +164,8 @@ Result<DrivePlan> PlanDrive(const SynthesisRequest& request) {
   plan.train = static_cast<std::size_t>(values.at("train"));
   if (is("hidden")) {
     if (!plan.orthosis) return Fail("--set hidden=1: expected together with mafo=1; else use --effect");
-    plan.truth.command_delay = 0.18;
-    plan.truth.coulomb_torque = 1.5;
+    plan.truth[kCommandDelay] = 0.18;
+    plan.truth[kCoulombTorque] = 1.5;
   }
   SINEW_TRY(HideEffects(request.effects, plan.orthosis ? "reference" : "torque", plan.truth));
   if (plan.orthosis) {
@@ -191,9 +191,9 @@ Result<DrivePlan> PlanDrive(const SynthesisRequest& request) {
 
 DriveTruth WithoutEffects(const DriveTruth& joint) {
   DriveTruth bare;
-  bare.inertia = joint.inertia;
-  bare.viscous_friction = joint.viscous_friction;
-  bare.gravity_torque = joint.gravity_torque;
+  bare[kInertia] = joint[kInertia];
+  bare[kViscousFriction] = joint[kViscousFriction];
+  bare[kGravityTorque] = joint[kGravityTorque];
   return bare;
 }
 

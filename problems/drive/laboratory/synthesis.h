@@ -11,7 +11,7 @@
 #include "datasets/dataset.h"
 #include "problems/drive/laboratory/noise.h"
 #include "problems/drive/laboratory/simulation.h"
-#include "problems/registry.h"
+#include "problems/synthesis_request.h"
 
 namespace sinew {
 

@@ -1,113 +1,167 @@
 #include "problems/drive/laboratory/truth.h"
 
 #include <algorithm>
+#include <utility>
 
-#include "base/numbers.h"
-#include "base/text.h"
+#include "identify/observation/sensor_parameters.h"
+#include "problems/drive/effects.h"
+#include "problems/kit/hidden_effects.h"
 
 namespace sinew {
+namespace {
+
+struct OutsiderNumber {
+  const char* effect;
+  const char* parameter;
+  const char* unit;
+  DriveTruthSlot slot;
+  double lower;
+  double upper;
+  double null;
+  const char* depends_on;
+};
+
+// Those of one effect are neighbours.
+constexpr OutsiderNumber kOutsiders[] = {
+    {"wear", "wear_rate", "N*m/rad", kWearRate, 0, 1e3, 0, "history"},
+    {"tight_spot", "tight_spot_torque", "N*m", kTightSpotTorque, 0, 1e3, 0, "two signals"},
+    {"tight_spot", "tight_spot_position", "rad", kTightSpotPosition, -10, 10, 0, "two signals"},
+    {"tight_spot", "tight_spot_width", "rad", kTightSpotWidth, 1e-3, 10, 0.2, "two signals"},
+    {"shifting_mass", "shift_rate", "N*m/s", kShiftRate, -1e3, 1e3, 0, "two signals"},
+    {"hysteretic_spring", "hysteresis_torque", "N*m", kHysteresisTorque, 0, 1e3, 0, "history"},
+    {"hysteretic_spring", "hysteresis_width", "rad", kHysteresisWidth, 1e-3, 10, 0.2, "history"},
+    {"slow_clock", "clock_rate", "1", kClockRate, -0.01, 0.01, 0, "two signals"},
+    {"drifting_damping", "damping_rate", "N*m/rad", kDampingRate, 0, 1e3, 0, "two signals"},
+    {"cubic_spring", "cubic_stiffness", "N*m/rad3", kCubicStiffness, 0, 1e4, 0, "position"},
+    {"hum", "hum_torque", "N*m", kHumTorque, 0, 1e3, 0, "periodic in time"},
+    {"hum", "hum_frequency", "Hz", kHumFrequency, 0, 1e3, 1, "periodic in time"},
+    {"hum", "hum_phase", "rad", kHumPhase, -10, 10, 0, "periodic in time"},
+    {"torque_bump", "bump_torque", "N*m", kBumpTorque, -1e3, 1e3, 0, "position"},
+    {"torque_bump", "bump_position", "rad", kBumpPosition, -10, 10, 0, "position"},
+    {"torque_bump", "bump_width", "rad", kBumpWidth, 1e-3, 10, 0.15, "position"},
+    {"dead_zone", "dead_torque", "N*m", kDeadTorque, 0, 1e3, 0, "command"},
+    {"lost_load", "lost_load", "1", kLostLoad, 0, 0.9, 0, "two signals"},
+    {"lost_load", "lost_time", "s", kLostTime, 0, 1e6, 5, "two signals"},
+    {"cubic_drag", "cubic_drag", "N*m*s3/rad3", kCubicDrag, 0, 1e3, 0, "velocity"},
+    {"eccentric_encoder", "eccentricity", "rad", kEccentricity, 0, 1, 0, "position"},
+    {"eccentric_encoder", "eccentricity_phase", "rad", kEccentricityPhase, -10, 10, 0, "position"},
+};
+
+ParameterList Outsiders() {
+  ParameterList list;
+  ParameterListBuilder add(list, kDriveTruthSlots);
+  for (const OutsiderNumber& outsider : kOutsiders) {
+    if (list.effects.empty() || list.effects.back().name != outsider.effect)
+      add.BeginEffect(outsider.effect, Level::kRobot, "what no effect of the library is", "");
+    add.Number(outsider.slot, outsider.parameter, outsider.unit, "", outsider.lower, outsider.upper,
+               outsider.null);
+  }
+  return list;
+}
+
+// Ranges of effects are multiples of these: of a joint, from the smallest to the largest that is fitted.
+DriveScales ScalesOf(double torque, double speed, double position, double duration) {
+  DriveScales scales;
+  scales.torque = scales.command = torque;
+  scales.speed = speed;
+  scales.position = position;
+  scales.duration = scales.shortest = duration;
+  return scales;
+}
+
+// What a fitted model of such a joint has, its sensor of position included.
+ParameterList Library(const std::string& input, const DriveScales& scales) {
+  DriveTraits traits;
+  traits.input_channel = input;
+  if (input == "reference") {
+    traits.input = DriveInput::kReference;
+    traits.controller = DriveControllerKind::kPidSpeed;
+    traits.input_unit = "rad/s";
+  }
+  DriveStarts starts;
+  starts.fill(1);
+  ParameterList list = ListDriveParameters(traits, scales, starts);
+  ChannelSummary position;
+  position.channel = "position";
+  position.unit = "rad";
+  position.magnitude = scales.position;
+  position.duration = scales.duration;
+  std::vector<Parameter> parameters;
+  std::vector<Effect> effects;
+  AddSensorEffects(position, parameters, effects);
+  list.index.resize(kDriveTruthSlots, -1);
+  ParameterListBuilder add(list);
+  for (std::size_t i = 0; i < effects.size(); ++i)
+    add.Copy(effects[i], parameters, kPositionOffset + static_cast<int>(i));
+  return list;
+}
+
+// Ranges from the smallest joint's to the largest's.
+ParameterList Library(const std::string& input) {
+  ParameterList list = Library(input, ScalesOf(1e-3, 1e-3, 1e-3, 0.5));
+  const ParameterList large = Library(input, ScalesOf(1e3, 1e3, 10, 1e3));
+  const ParameterList brief = Library(input, ScalesOf(1e3, 1e3, 10, 0.5));
+  for (std::size_t i = 0; i < list.parameters.size(); ++i) {
+    Parameter& p = list.parameters[i];
+    for (const ParameterList* other : {&large, &brief}) {
+      p.lower = std::min(p.lower, other->parameters[i].lower);
+      p.upper = std::max(p.upper, other->parameters[i].upper);
+    }
+  }
+  return list;
+}
+
+// The slot of each parameter.
+std::vector<int> SlotsOf(const ParameterList& list) {
+  std::vector<int> slots(list.parameters.size(), 0);
+  for (std::size_t slot = 0; slot < list.index.size(); ++slot) {
+    if (list.index[slot] >= 0) slots[static_cast<std::size_t>(list.index[slot])] = static_cast<int>(slot);
+  }
+  return slots;
+}
+
+std::string DependsOn(const std::string& effect) {
+  for (const OutsiderNumber& outsider : kOutsiders) {
+    if (outsider.effect == effect) return outsider.depends_on;
+  }
+  return "";
+}
+
+}  // namespace
+
+DriveTruth::DriveTruth() {
+  DriveTruth& truth = *this;
+  truth[kInertia] = 0.04;
+  truth[kViscousFriction] = 0.05;
+  truth[kGravityTorque] = 0.6;
+  truth[kInputGain] = 1;
+  truth[kPositionGain] = 1;
+  truth[kStribeckVelocity] = 0.1;
+  truth[kStribeckLoadVelocity] = 0.1;
+  truth[kCoggingPeriod] = 1;
+  for (const OutsiderNumber& outsider : kOutsiders) truth[outsider.slot] = outsider.null;
+}
 
 std::vector<DriveTruthEntry> DriveTruthEntries(const std::string& input) {
-  using T = DriveTruth;
-  const std::string of_input = input == "reference" ? "rad/s" : "N*m";
-  std::vector<DriveTruthEntry> entries{
-      {"coulomb_friction", "coulomb_torque", "N*m", &T::coulomb_torque, 0, 1e3},
-      {"asymmetric_friction", "forward_friction", "N*m", &T::forward_friction, 0, 1e3},
-      {"asymmetric_friction", "backward_friction", "N*m", &T::backward_friction, 0, 1e3},
-      {"stribeck_friction", "stribeck_torque", "N*m", &T::stribeck_torque, 0, 1e3},
-      {"stribeck_friction", "stribeck_velocity", "rad/s", &T::stribeck_velocity, 1e-4, 1e3},
-      {"load_friction", "load_friction_coefficient", "1", &T::load_friction_coefficient, 0, 10},
-      {"directional_friction", "motor_load_friction", "1", &T::motor_load_friction, 0, 10},
-      {"directional_friction", "external_load_friction", "1", &T::external_load_friction, 0, 10},
-      {"stribeck_load_friction", "stribeck_load_coefficient", "1", &T::stribeck_load_coefficient, 0, 10},
-      {"stribeck_load_friction", "stribeck_load_velocity", "rad/s", &T::stribeck_load_velocity, 1e-4, 1e3},
-      {"quadratic_load_friction", "quadratic_load_coefficient", "1/(N*m)", &T::quadratic_load_coefficient, 0,
-       1e3},
-      {"quadratic_drag", "drag_coefficient", "N*m*s2/rad2", &T::drag_coefficient, 0, 1e3},
-      {"backlash", "backlash_width", "rad", &T::backlash_width, 0, 1},
-      {"compliance", "transmission_compliance", "rad/(N*m)", &T::transmission_compliance, 0, 1},
-      {"command_delay", "command_delay", "s", &T::command_delay, 0, 1},
-      {"sensing_delay", "sensing_delay", "s", &T::sensing_delay, 0, 1},
-      {"torque_saturation", "inverse_torque_limit", "1/(N*m)", &T::inverse_torque_limit, 0, 1e6},
-      {"speed_saturation", "inverse_speed_limit", "s/rad", &T::inverse_speed_limit, 0, 1e6},
-      {"cogging", "cogging_cos", "N*m", &T::cogging_cos, -1e3, 1e3},
-      {"cogging", "cogging_sin", "N*m", &T::cogging_sin, -1e3, 1e3},
-      {"cogging", "cogging_period", "rad", &T::cogging_period, 1e-3, 1e3},
-      {"gravity_imbalance", "imbalance_torque", "N*m", &T::imbalance_torque, -1e3, 1e3},
-      {"parallel_spring", "spring_stiffness", "N*m/rad", &T::spring_stiffness, 0, 1e4},
-      {"torque_offset", "offset_torque", "N*m", &T::offset_torque, -1e3, 1e3},
-      {"gain_compression", "compression", "1", &T::compression, 0, 1},
-      {"supply_sag", "thermal_rate", "1/s", &T::thermal_rate, 0, 1},
-      {"hold", "hold_fraction", "1", &T::hold_fraction, 0, 1},
-      {input + ".offset", input + ".offset", of_input, &T::input_offset, -1e3, 1e3},
-      {input + ".drift", input + ".drift", of_input + "/s", &T::input_drift, -1e3, 1e3},
-      {input + ".gain", input + ".gain", "1", &T::input_gain, 0.01, 100},
-      {input + ".time_offset", input + ".time_offset", "s", &T::input_time_offset, -0.2, 0.2},
-      {input + ".low_pass", input + ".low_pass", "s", &T::input_low_pass, 0, 1},
-      {"position.offset", "position.offset", "rad", &T::position_offset, -10, 10},
-      {"position.drift", "position.drift", "rad/s", &T::position_drift, -10, 10},
-      {"position.gain", "position.gain", "1", &T::position_gain, 0.01, 100},
-      {"position.time_offset", "position.time_offset", "s", &T::position_time_offset, -0.15, 0.15},
-      {"position.low_pass", "position.low_pass", "s", &T::position_low_pass, 0, 1},
-      {"position.saturation", "position.saturation", "1/rad", &T::position_saturation, 0, 1e6},
-      {"position.quantisation", "position.quantisation", "rad", &T::position_quantisation, 0, 10},
-      {"wear", "wear_rate", "N*m/rad", &T::wear_rate, 0, 1e3, "history"},
-      {"tight_spot", "tight_spot_torque", "N*m", &T::tight_spot_torque, 0, 1e3, "two signals"},
-      {"tight_spot", "tight_spot_position", "rad", &T::tight_spot_position, -10, 10, "two signals"},
-      {"tight_spot", "tight_spot_width", "rad", &T::tight_spot_width, 1e-3, 10, "two signals"},
-      {"shifting_mass", "shift_rate", "N*m/s", &T::shift_rate, -1e3, 1e3, "two signals"},
-      {"hysteretic_spring", "hysteresis_torque", "N*m", &T::hysteresis_torque, 0, 1e3, "history"},
-      {"hysteretic_spring", "hysteresis_width", "rad", &T::hysteresis_width, 1e-3, 10, "history"},
-      {"slow_clock", "clock_rate", "1", &T::clock_rate, -0.01, 0.01, "two signals"},
-      {"drifting_damping", "damping_rate", "N*m/rad", &T::damping_rate, 0, 1e3, "two signals"},
-      {"cubic_spring", "cubic_stiffness", "N*m/rad3", &T::cubic_stiffness, 0, 1e4, "position"},
-      {"hum", "hum_torque", "N*m", &T::hum_torque, 0, 1e3, "periodic in time"},
-      {"hum", "hum_frequency", "Hz", &T::hum_frequency, 0, 1e3, "periodic in time"},
-      {"hum", "hum_phase", "rad", &T::hum_phase, -10, 10, "periodic in time"},
-      {"torque_bump", "bump_torque", "N*m", &T::bump_torque, -1e3, 1e3, "position"},
-      {"torque_bump", "bump_position", "rad", &T::bump_position, -10, 10, "position"},
-      {"torque_bump", "bump_width", "rad", &T::bump_width, 1e-3, 10, "position"},
-      {"dead_zone", "dead_torque", "N*m", &T::dead_torque, 0, 1e3, "command"},
-      {"lost_load", "lost_load", "1", &T::lost_load, 0, 0.9, "two signals"},
-      {"lost_load", "lost_time", "s", &T::lost_time, 0, 1e6, "two signals"},
-      {"cubic_drag", "cubic_drag", "N*m*s3/rad3", &T::cubic_drag, 0, 1e3, "velocity"},
-      {"eccentric_encoder", "eccentricity", "rad", &T::eccentricity, 0, 1, "position"},
-      {"eccentric_encoder", "eccentricity_phase", "rad", &T::eccentricity_phase, -10, 10, "position"},
-  };
+  std::vector<DriveTruthEntry> entries;
+  for (const ParameterList& list : {Library(input), Outsiders()}) {
+    const std::vector<int> slots = SlotsOf(list);
+    for (const Effect& effect : list.effects) {
+      for (const int index : effect.parameters) {
+        const Parameter& p = list.parameters[static_cast<std::size_t>(index)];
+        entries.push_back({effect.name, p.name, p.unit, slots[static_cast<std::size_t>(index)], p.lower,
+                           p.upper, DependsOn(effect.name)});
+      }
+    }
+  }
   return entries;
 }
 
-Status HideEffects(const std::vector<std::pair<std::string, std::map<std::string, double>>>& effects,
-                   const std::string& input, DriveTruth& truth) {
-  const std::vector<DriveTruthEntry> entries = DriveTruthEntries(input);
-  for (const auto& [effect, parameters] : effects) {
-    std::vector<const DriveTruthEntry*> own;
-    std::vector<std::string> names;
-    for (const DriveTruthEntry& entry : entries) {
-      if (entry.effect == effect) own.push_back(&entry);
-      if (names.empty() || names.back() != entry.effect) names.push_back(entry.effect);
-    }
-    if (own.empty()) return Fail("--effect: '{}' does not exist{}", effect, Suggestion(effect, names));
-    if (parameters.empty()) {
-      return Fail("--effect {}: expected {}:{}=NUMBER", effect, effect, own.front()->parameter);
-    }
-    for (const auto& [parameter, value] : parameters) {
-      const auto found = std::find_if(own.begin(), own.end(), [&, &name = parameter](const auto* entry) {
-        return entry->parameter == name || (name == "value" && own.size() == 1);
-      });
-      if (found == own.end()) {
-        std::vector<std::string> known;
-        known.reserve(own.size());
-        for (const auto* entry : own) known.push_back(entry->parameter);
-        return Fail("--effect {}: '{}' does not exist{}", effect, parameter, Suggestion(parameter, known));
-      }
-      const DriveTruthEntry& entry = **found;
-      if (!(value >= entry.lower && value <= entry.upper)) {
-        return Fail("--effect {}:{}={}: expected {} to {} {}", effect, parameter, value,
-                    Readable(entry.lower), Readable(entry.upper), entry.unit);
-      }
-      truth.*entry.value = value;
-    }
+Status HideEffects(const RequestedEffects& effects, const std::string& input, DriveTruth& truth) {
+  SINEW_ASSIGN(const auto hidden, ReadHiddenEffects(effects, Library(input), Outsiders()));
+  for (const DriveTruthEntry& entry : DriveTruthEntries(input)) {
+    const auto found = hidden.find(entry.parameter);
+    if (found != hidden.end()) truth[entry.slot] = found->second;
   }
   return {};
 }

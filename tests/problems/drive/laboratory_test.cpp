@@ -36,18 +36,18 @@ DriveRecord Simulate(const DriveTruth& truth, const DriveTrial& trial, double st
 
 DriveTruth Bare(double inertia, double viscous, double gravity) {
   DriveTruth truth;
-  truth.inertia = inertia;
-  truth.viscous_friction = viscous;
-  truth.gravity_torque = gravity;
+  truth[kInertia] = inertia;
+  truth[kViscousFriction] = viscous;
+  truth[kGravityTorque] = gravity;
   return truth;
 }
 
 TEST(DriveLaboratory, SpringSwingsAsTheClosedFormSays) {
   DriveTruth truth = Bare(0.04, 0.05, 0);
-  truth.spring_stiffness = 1.3;
+  truth[kSpring] = 1.3;
   const DriveRecord record = Simulate(truth, Free(0.4, 0));
-  const double decay = truth.viscous_friction / (2 * truth.inertia);
-  const double omega = std::sqrt(truth.spring_stiffness / truth.inertia - decay * decay);
+  const double decay = truth[kViscousFriction] / (2 * truth[kInertia]);
+  const double omega = std::sqrt(truth[kSpring] / truth[kInertia] - decay * decay);
   // (omega h)^2 / 24 of phase per radian: 6e-8 x 8 rad x 0.4 rad.
   constexpr double kTolerance = 5e-7;
   for (Eigen::Index k = 0; k < record.position.size(); ++k) {
@@ -60,9 +60,9 @@ TEST(DriveLaboratory, SpringSwingsAsTheClosedFormSays) {
 
 TEST(DriveLaboratory, HasSecondOrderWhileItSlides) {
   DriveTruth truth = Bare(0.03, 0.04, 0.2);
-  truth.drag_coefficient = 0.01;
-  truth.coulomb_torque = 0.005;
-  truth.load_friction_coefficient = 0.05;
+  truth[kDrag] = 0.01;
+  truth[kCoulombTorque] = 0.005;
+  truth[kLoadFriction] = 0.05;
   const DriveTrial trial = Free(0.2, 5, 0.1);  // no reversal before 0.4 s
   const double finest = Simulate(truth, trial, 1e-5).position[10];
   const double coarse = std::abs(Simulate(truth, trial, 2e-3).position[10] - finest);
@@ -72,10 +72,10 @@ TEST(DriveLaboratory, HasSecondOrderWhileItSlides) {
 
 TEST(DriveLaboratory, CoulombFrictionStopsItWhereEnergyIsSpentAndHoldsItThere) {
   DriveTruth truth = Bare(0.04, 0, 0);
-  truth.coulomb_torque = 0.02;
+  truth[kCoulombTorque] = 0.02;
   const double speed = 0.3;
   const DriveRecord record = Simulate(truth, Free(0.1, speed));
-  const double way = truth.inertia * speed * speed / (2 * truth.coulomb_torque);
+  const double way = truth[kInertia] * speed * speed / (2 * truth[kCoulombTorque]);
   constexpr double kTolerance = 1e-8;  // the step in which it stops: deceleration h^2 / 8
   EXPECT_NEAR(record.position[100], 0.1 + way, kTolerance);
   EXPECT_EQ(record.speed[100], 0);
@@ -84,8 +84,8 @@ TEST(DriveLaboratory, CoulombFrictionStopsItWhereEnergyIsSpentAndHoldsItThere) {
 
 TEST(DriveLaboratory, SticksUntilTheBreakAwayTorque) {
   DriveTruth truth = Bare(0.04, 0.05, 0);
-  truth.coulomb_torque = 0.02;
-  truth.stribeck_torque = 0.01;
+  truth[kCoulombTorque] = 0.02;
+  truth[kStribeckTorque] = 0.01;
   DriveTrial trial = Free(0.2, 0);
   for (double& torque : trial.command) torque = 0.0299;
   EXPECT_EQ(Simulate(truth, trial).position[100], 0.2);
@@ -95,8 +95,8 @@ TEST(DriveLaboratory, SticksUntilTheBreakAwayTorque) {
 
 TEST(DriveLaboratory, AsymmetricFrictionHasItsSides) {
   DriveTruth truth = Bare(0.04, 0, 0);
-  truth.forward_friction = 0.02;
-  truth.backward_friction = 0.04;
+  truth[kForwardFriction] = 0.02;
+  truth[kBackwardFriction] = 0.04;
   const double way = 0.04 * 0.09 / 2;
   EXPECT_NEAR(Simulate(truth, Free(0, 0.3)).position[100], way / 0.02, 1e-8);
   EXPECT_NEAR(Simulate(truth, Free(0, -0.3)).position[100], -way / 0.04, 1e-8);
@@ -106,7 +106,7 @@ TEST(DriveLaboratory, PlayLagsByHalfItsWidth) {
   DriveTruth truth = Bare(0.04, 0.05, 0);
   DriveTrial trial = Free(0, 1);
   const Vector without = Simulate(truth, trial).position;
-  truth.backlash_width = 0.02;
+  truth[kBacklash] = 0.02;
   const Vector with = Simulate(truth, trial).position;
   EXPECT_NEAR(with[50], without[50] - 0.01, 1e-12);  // pure subtraction
 }
@@ -118,9 +118,9 @@ TEST(DriveLaboratory, DelaysShift) {
   ASSERT_TRUE(trial);
   const DriveRecord now = Simulate(truth, *trial);
   DriveTruth late = truth;
-  late.position_time_offset = 0.03;
+  late[kPositionTimeOffset] = 0.03;
   DriveTruth input_late = truth;
-  input_late.input_time_offset = 0.02;
+  input_late[kInputTimeOffset] = 0.02;
   const DriveRecord of_late = Simulate(late, *trial);
   const DriveRecord of_input = Simulate(input_late, *trial);
   for (Eigen::Index k = 10; k < 400; ++k) {
@@ -130,7 +130,7 @@ TEST(DriveLaboratory, DelaysShift) {
   }
   // A late command and a late sensor of position agree once the release is forgotten: M / b = 0.8 s.
   DriveTruth command = truth;
-  command.command_delay = 0.03;
+  command[kCommandDelay] = 0.03;
   DriveTrial from_rest = *trial;
   from_rest.initial_position = 0;
   EXPECT_LT(
@@ -152,7 +152,7 @@ TEST(DriveLaboratory, EveryHiddenThingShowsInARecordingAndItsNullDoesNot) {
   for (const DriveTruthEntry& entry : DriveTruthEntries("torque")) {
     DriveTruth hidden = truth;
     EXPECT_EQ(shows(hidden), 0);
-    const double null = hidden.*entry.value;
+    const double null = hidden[entry.slot];
     EXPECT_GE(null, entry.lower) << entry.parameter;
     EXPECT_LE(null, entry.upper) << entry.parameter;
     // What only shapes another parameter of its effect (a period, a velocity) does nothing alone; and
@@ -165,10 +165,10 @@ TEST(DriveLaboratory, EveryHiddenThingShowsInARecordingAndItsNullDoesNot) {
     }
     double value = null + 0.02;
     if (entry.parameter == "clock_rate") value = 0.001;
-    if (entry.parameter == "lost_load") hidden.lost_time = 2;
+    if (entry.parameter == "lost_load") hidden[kLostTime] = 2;
     if (entry.unit.rfind("1/", 0) == 0 || entry.unit == "s/rad") value = 5;  // inverse limits
     if (entry.parameter == "quadratic_load_coefficient" || entry.parameter == "thermal_rate") value = 0.02;
-    hidden.*entry.value = value;
+    hidden[entry.slot] = value;
     EXPECT_GT(shows(hidden), 1e-4) << entry.parameter;
   }
 }
