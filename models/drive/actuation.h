@@ -64,18 +64,20 @@ class DriveActuation {
     return u / dynamics[kInputGain];
   }
 
+  /// @param piece of the input: where to look first
   template <class Time>
-  [[nodiscard]] Time SupplyAt(int piece, const Time& t) const {
-    const auto& time = run_.supply_time;
-    if (time.empty()) return Time(run_.supply.front());
-    if (Value(t) <= time.front()) return Time(run_.supply.front());
-    if (Value(t) >= time.back()) return Time(run_.supply.back());
+  [[nodiscard]] Time SignalAt(DriveSignal signal, int piece, const Time& t) const {
+    const DriveSeries& series = run_.signals[signal];
+    const auto& time = series.time;
+    if (time.empty()) return Time(series.values.front());
+    if (Value(t) <= time.front()) return Time(series.values.front());
+    if (Value(t) >= time.back()) return Time(series.values.back());
     auto i = static_cast<std::size_t>(std::max(piece, 0));  // right if both were recorded together
     if (i + 1 >= time.size() || !(time[i] <= Value(t) && Value(t) < time[i + 1])) {
       i = static_cast<std::size_t>(std::upper_bound(time.begin(), time.end(), Value(t)) - time.begin()) - 1;
     }
-    const double slope = (run_.supply[i + 1] - run_.supply[i]) / (time[i + 1] - time[i]);
-    return run_.supply[i] + slope * (t - time[i]);
+    const double slope = (series.values[i + 1] - series.values[i]) / (time[i + 1] - time[i]);
+    return series.values[i] + slope * (t - time[i]);
   }
 
   template <class S, class Time>
@@ -88,7 +90,7 @@ class DriveActuation {
       case DriveInput::kVoltage:
         return {dynamics.Weakened(input, t), input};
       case DriveInput::kDuty:
-        return {dynamics.Weakened(input, t) * SupplyAt(held.piece, t), input};
+        return {dynamics.Weakened(input, t) * SignalAt(kSupplyVoltage, held.piece, t), input};
       case DriveInput::kReference:
         break;
     }
@@ -98,7 +100,7 @@ class DriveActuation {
     S duty = (run_.gains.servo_error_gain * run_.gains.kp) * error;
     if (Value(duty) > 1) duty = S(1);
     if (Value(duty) < -1) duty = S(-1);
-    return {dynamics.Weakened(duty, t) * SupplyAt(held.piece, t), input};
+    return {dynamics.Weakened(duty, t) * SignalAt(kSupplyVoltage, held.piece, t), input};
   }
 
   template <class S, class Time>
@@ -106,7 +108,8 @@ class DriveActuation {
                                                          const DriveHeld<S>& held, const Time& t, const S& q,
                                                          const S& v) const {
     const Motor<S> motor = MotorAt(dynamics, held, t, q, v);
-    return dynamics.LoadsAt(motor.command, motor.signal, t, q, v);
+    const auto recorded = [&](DriveSignal signal) { return SignalAt(signal, held.piece, t); };
+    return dynamics.LoadsAt(motor.command, motor.signal, recorded, t, q, v);
   }
 
   /// Applied torque minus what holds it, at rest: above 0 it moves.

@@ -105,6 +105,12 @@ inline constexpr std::array<int, kTerms + 1> kTermSlots{kFirstTerm, kFirstTerm +
 /// What the command is.
 enum class DriveInput { kTorque, kVoltage, kDuty, kReference };
 
+/// What is recorded of a trial besides its input, and enters the motion.
+enum DriveSignal : int {
+  kSupplyVoltage,  ///< [V] of duty and servo
+  kDriveSignals
+};
+
 /// Who turns a reference into a command.
 enum class DriveControllerKind { kNone, kPidSpeed, kPidPosition, kServo };
 

@@ -109,9 +109,10 @@ class DriveDynamics {
   }
 
   /// @param t since the trial's begin [s]. @param signal the command as the port sees it.
-  template <class Time>
-  [[nodiscard]] Loads LoadsAt(const T& command, const T& signal, const Time& t, const T& q,
-                              const T& v) const {
+  /// @param recorded gives the value of a DriveSignal at t; asked only for those that an effect in use needs
+  template <class Time, class Recorded>
+  [[nodiscard]] Loads LoadsAt(const T& command, const T& signal, const Recorded& /*recorded*/, const Time& t,
+                              const T& q, const T& v) const {
     Loads loads;
     loads.drive = DriveTorque(command, v);
     loads.gravity = Gravity(q);

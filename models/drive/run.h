@@ -9,6 +9,12 @@
 
 namespace sinew {
 
+/// A signal through a trial: straight between its samples, constant beyond them.
+struct DriveSeries {
+  std::vector<double> time;    ///< [L, s, increasing] empty: one number, or nothing
+  std::vector<double> values;  ///< [L], or [1] if it is a number that is constant, or empty: not recorded
+};
+
 /// Numbers of a controller in one trial.
 struct DriveControllerGains {
   double kp = 0;
@@ -30,8 +36,7 @@ struct DriveRun {
   bool held = false;
   double middle = 0;  ///< [s] where the input sensor's drift is zero
 
-  std::vector<double> supply_time;  ///< [L, s] empty: `supply` holds one number
-  std::vector<double> supply{1};    ///< [V] of duty and servo
+  std::array<DriveSeries, kDriveSignals> signals;  ///< by DriveSignal; those that are needed are not empty
   DriveControllerGains gains;
 
   double initial_position = 0;  ///< starts of the nuisance values

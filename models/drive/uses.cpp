@@ -51,7 +51,8 @@ double FastestRate(const DriveNumbers& p, const DriveJoint& joint, const DriveCo
     damping += volts * joint.gear_ratio * p[kTorqueConstant];
   }
   if (command.controller == DriveControllerKind::kServo) {
-    const double supply = *std::max_element(run.supply.begin(), run.supply.end());
+    const auto& voltage = run.signals[kSupplyVoltage].values;
+    const double supply = *std::max_element(voltage.begin(), voltage.end());
     const double gain = volts * supply * run.gains.servo_error_gain * run.gains.kp / p[kInputGain];
     stiffness += gain;
     damping += gain * p[kSensingDelay];

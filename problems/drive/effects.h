@@ -39,6 +39,7 @@ struct DriveTraits {
   bool compressible = true;  ///< the largest command of the drive is known
   std::string input_channel = "torque";
   std::string input_unit = "N*m";
+  std::array<bool, kDriveSignals> signals{};             ///< by DriveSignal: the model has a use for it
   std::optional<double> pole_period;                     ///< [rad] of the joint per pole of the motor
   std::array<std::optional<double>, kDriveSlots> fixed;  ///< base parameters that are known
 };

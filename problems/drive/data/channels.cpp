@@ -29,6 +29,11 @@ const Channel* InputIn(const Trial& trial, const std::string& name, const Grid**
   return ChannelIn(trial, name, ChannelKind::kInput, grid);
 }
 
+const std::vector<DriveSignalChannel>& DriveSignalChannels() {
+  static const std::vector<DriveSignalChannel> kChannels{{kSupplyVoltage, "supply_voltage", "V"}};
+  return kChannels;
+}
+
 Result<std::string> InputName(const Trial& trial) {
   std::vector<std::string> found;
   const Grid* grid = nullptr;

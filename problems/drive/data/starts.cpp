@@ -113,7 +113,8 @@ double LocalSlope(const std::vector<double>& time, const std::vector<double>& va
 
 std::vector<double> ReplayCommand(const DriveCommand& command, const DriveMotion& motion) {
   const DriveRun& run = *motion.run;
-  const auto supply = [&](double t) { return Interpolate(run.supply_time, run.supply, t); };
+  const DriveSeries& voltage = run.signals[kSupplyVoltage];
+  const auto supply = [&](double t) { return Interpolate(voltage.time, voltage.values, t); };
   const auto recorded = [&](double t) {
     if (!run.held) return Interpolate(run.input_time, run.input, t);
     const auto after = std::upper_bound(run.input_time.begin(), run.input_time.end(), t);

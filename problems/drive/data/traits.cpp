@@ -80,6 +80,7 @@ Status FindInput(const DriveSettings& settings, DriveTraits& traits) {
   traits.electric = traits.input == DriveInput::kVoltage || traits.input == DriveInput::kDuty ||
                     kind == DriveControllerKind::kServo || (closed && settings.controller.gives_voltage);
   traits.held = settings.hold;
+  traits.signals[kSupplyVoltage] = traits.input == DriveInput::kDuty || kind == DriveControllerKind::kServo;
   return {};
 }
 
@@ -96,6 +97,26 @@ Status FindFixed(const Dataset& data, DriveTraits& traits) {
     }
   }
   return {};
+}
+
+// Signals that only effects need.
+void FindOptionalSignals(const Dataset& data, DriveData& out) {
+  for (const DriveSignalChannel& signal : DriveSignalChannels()) {
+    if (!signal.optional) continue;
+    const Grid* grid = nullptr;
+    bool somewhere = false;
+    std::string without;
+    for (const auto& [name, trial] : data.trials) {
+      const bool input = InputIn(trial, signal.name, &grid) != nullptr;
+      somewhere = somewhere || input || MeasuredIn(trial, signal.name, &grid) != nullptr;
+      if (!input && without.empty()) without = name;
+    }
+    out.traits.signals[signal.signal] = without.empty();
+    if (somewhere && !without.empty()) {
+      out.notes.push_back(fmt::format(
+          "'{}' is not used: trial '{}' has no channel of kind input of that name", signal.name, without));
+    }
+  }
 }
 
 // Constants of the joint that are never fitted.
@@ -129,6 +150,7 @@ Status FindTraits(const Dataset& data, const DriveSettings& settings, DriveData&
   DriveTraits& traits = out.traits;
   SINEW_TRY(FindUnits(data, traits));
   SINEW_TRY(FindInput(settings, traits));
+  FindOptionalSignals(data, out);
   SINEW_TRY(FindFixed(data, traits));
   SINEW_TRY(FindJoint(data, traits, out.joint));
   out.command.input = traits.input;

@@ -52,8 +52,8 @@ Status ReadGains(const Dataset& data, const DriveSettings& settings, const Trial
   return {};
 }
 
-Status ReadInput(const Dataset& data, const DriveSettings& settings, const DriveTraits& traits,
-                 const Trial& trial, DriveRun& run) {
+Status ReadInput(const DriveSettings& settings, const DriveTraits& traits, const Trial& trial,
+                 DriveRun& run) {
   const Grid* grid = nullptr;
   const Channel* channel = InputIn(trial, traits.input_channel, &grid);
   SINEW_TRY(NoGaps(*channel, *grid, traits.input_channel));
@@ -64,20 +64,27 @@ Status ReadInput(const Dataset& data, const DriveSettings& settings, const Drive
   for (std::size_t i = 0; !run.held && i + 1 < run.input.size(); ++i) {
     run.slope[i] = (run.input[i + 1] - run.input[i]) / (run.input_time[i + 1] - run.input_time[i]);
   }
-  const bool needs_supply =
-      traits.input == DriveInput::kDuty || traits.controller == DriveControllerKind::kServo;
-  if (needs_supply) {
-    if (const Channel* supply = InputIn(trial, "supply_voltage", &grid)) {
-      SINEW_TRY(NoGaps(*supply, *grid, "supply_voltage"));
-      run.supply_time = grid->time;
-      run.supply = supply->values;
-    } else if (const auto constant = NumberOf(data, trial, "supply_voltage")) {
-      run.supply = {*constant};
+  return {};
+}
+
+// What is recorded besides the input, where the model has a use for it.
+Status ReadSignals(const Dataset& data, const DriveTraits& traits, const Trial& trial, DriveRun& run) {
+  for (const DriveSignalChannel& signal : DriveSignalChannels()) {
+    if (!traits.signals[signal.signal]) continue;
+    DriveSeries& series = run.signals[signal.signal];
+    const Grid* grid = nullptr;
+    if (const Channel* channel = InputIn(trial, signal.name, &grid)) {
+      if (channel->unit != signal.unit)
+        return Fail("{} has unit '{}', expected {}", signal.name, channel->unit, signal.unit);
+      SINEW_TRY(NoGaps(*channel, *grid, signal.name));
+      series = {grid->time, channel->values};
+    } else if (const auto constant = NumberOf(data, trial, signal.name)) {
+      series.values = {*constant};
     } else {
-      return Fail("needs supply_voltage: a constant, a condition of the trial, or a channel of kind input");
+      return Fail("needs {}: a constant, a condition of the trial, or a channel of kind input", signal.name);
     }
   }
-  return ReadGains(data, settings, trial, run);
+  return {};
 }
 
 // Where to predict, in absolute times: the measured samples within the input, and samples of the input
@@ -122,7 +129,9 @@ Result<DriveRun> ReadDriveRun(const Dataset& data, const DriveSettings& settings
                               const std::string& name, const Trial& trial) {
   DriveRun run;
   run.trial = name;
-  const Status read = ReadInput(data, settings, traits, trial, run);
+  Status read = ReadInput(settings, traits, trial, run);
+  if (read) read = ReadSignals(data, traits, trial, run);
+  if (read) read = ReadGains(data, settings, trial, run);
   if (!read) return Fail("trial '{}': {}", name, read.error().message);
   const std::string torque = traits.rotary ? "torque" : "force";
   std::set<double> sampled;
@@ -141,7 +150,9 @@ Result<DriveRun> ReadDriveRun(const Dataset& data, const DriveSettings& settings
   }
   run.stops = StopsOf({sampled.begin(), sampled.end()}, run.input_time);
   run.begin = run.stops.front();
-  for (auto* times : {&run.stops, &run.input_time, &run.supply_time}) {
+  std::vector<std::vector<double>*> all_times{&run.stops, &run.input_time};
+  for (DriveSeries& series : run.signals) all_times.push_back(&series.time);
+  for (auto* times : all_times) {
     for (double& t : *times) t -= run.begin;
   }
   run.middle = 0.5 * run.stops.back();

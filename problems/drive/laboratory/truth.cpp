@@ -72,6 +72,7 @@ DriveScales ScalesOf(double torque, double speed, double position, double durati
 // What a fitted model of such a joint has, its sensor of position included.
 ParameterList Library(const std::string& input, const DriveScales& scales) {
   DriveTraits traits;
+  traits.signals.fill(true);
   traits.input_channel = input;
   if (input == "reference") {
     traits.input = DriveInput::kReference;
