@@ -64,6 +64,7 @@ enum DriveSlot : int {
   kStribeckLoadVelocity,
   kQuadraticLoad,
   // Other torques.
+  kFrictionTemperature,
   kDrag,
   kCoggingCos,
   kCoggingSin,
@@ -108,8 +109,12 @@ enum class DriveInput { kTorque, kVoltage, kDuty, kReference };
 /// What is recorded of a trial besides its input, and enters the motion.
 enum DriveSignal : int {
   kSupplyVoltage,  ///< [V] of duty and servo
+  kTemperature,    ///< [K] of the joint
   kDriveSignals
 };
+
+/// Of the joint [K], at which viscous friction is `viscous_friction`.
+inline constexpr double kReferenceTemperature = 293.15;
 
 /// Who turns a reference into a command.
 enum class DriveControllerKind { kNone, kPidSpeed, kPidPosition, kServo };

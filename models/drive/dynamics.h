@@ -111,13 +111,18 @@ class DriveDynamics {
   /// @param t since the trial's begin [s]. @param signal the command as the port sees it.
   /// @param recorded gives the value of a DriveSignal at t; asked only for those that an effect in use needs
   template <class Time, class Recorded>
-  [[nodiscard]] Loads LoadsAt(const T& command, const T& signal, const Recorded& /*recorded*/, const Time& t,
+  [[nodiscard]] Loads LoadsAt(const T& command, const T& signal, const Recorded& recorded, const Time& t,
                               const T& q, const T& v) const {
     Loads loads;
     loads.drive = DriveTorque(command, v);
     loads.gravity = Gravity(q);
     T& sum = loads.applied;
-    sum = loads.drive - loads.gravity - numbers_[kViscousFriction] * v;
+    T viscous = numbers_[kViscousFriction];
+    if (uses_[kFrictionTemperature]) {
+      viscous =
+          viscous * Exp(numbers_[kFrictionTemperature] * (recorded(kTemperature) - kReferenceTemperature));
+    }
+    sum = loads.drive - loads.gravity - viscous * v;
     if (uses_[kDrag]) sum -= numbers_[kDrag] * (v * Abs(v));
     if (uses_[kCoggingCos] || uses_[kCoggingSin]) {
       const T angle = q * (2 * kPi) / numbers_[kCoggingPeriod];

@@ -42,6 +42,12 @@ double FastestRate(const DriveNumbers& p, const DriveJoint& joint, const DriveCo
                    const DriveRun& run) {
   const double mass = p[kInertia] + joint.load_inertia + p[kInertiaError];
   double damping = p[kViscousFriction];
+  if (p[kFrictionTemperature] != 0) {
+    double most = 0;
+    for (const double kelvin : run.signals[kTemperature].values)
+      most = std::max(most, p[kFrictionTemperature] * (kelvin - kReferenceTemperature));
+    damping *= std::exp(most);
+  }
   double stiffness = std::abs(p[kGravityTorque]) + joint.load_gravity + std::abs(p[kImbalance]) +
                      std::abs(p[kSpring]) +
                      (std::abs(p[kCoggingCos]) + std::abs(p[kCoggingSin])) * 6.3 / p[kCoggingPeriod];

@@ -131,6 +131,14 @@ void AddDryFriction(const DriveScales& s, const Units& unit, Builder& add) {
 }
 
 void AddOtherTorques(const DriveTraits& is, const DriveScales& s, const Units& unit, Builder& add) {
+  if (is.signals[kTemperature]) {
+    add.BeginEffect("friction_with_temperature", Level::kRobot,
+                    "viscous friction changes with the joint's temperature",
+                    "the same motion with a cold joint and after an hour of work",
+                    "Reynolds 1886; Bittencourt, Gunnarsson 2012")
+        .TwoSided(kFrictionTemperature, "friction_temperature_coefficient", "1/K",
+                  "c of viscous friction = viscous_friction exp(c (temperature - 293.15 K))", 0.1);
+  }
   add.BeginEffect("quadratic_drag", Level::kRobot, "friction grows with the square of the speed",
                   "constant speeds up to the highest")
       .Positive(kDrag, "drag_coefficient", unit.drag, "friction per squared speed",

@@ -30,7 +30,8 @@ const Channel* InputIn(const Trial& trial, const std::string& name, const Grid**
 }
 
 const std::vector<DriveSignalChannel>& DriveSignalChannels() {
-  static const std::vector<DriveSignalChannel> kChannels{{kSupplyVoltage, "supply_voltage", "V"}};
+  static const std::vector<DriveSignalChannel> kChannels{{kSupplyVoltage, "supply_voltage", "V"},
+                                                         {kTemperature, "temperature", "K", true}};
   return kChannels;
 }
 
@@ -70,6 +71,8 @@ std::string DescribeDriveChannels() {
          "  voltage                V             at the motor\n"
          "  duty                   1             share of supply_voltage at the motor\n"
          "  reference              rad, rad/s (linear: m, m/s)   of the known controller, see drive.yaml\n"
+         "input besides it (kind: input), optional, in every trial, without gaps:\n"
+         "  temperature            K (or degC)   of the joint: effect friction_with_temperature\n"
          "measured, any sampling, gaps are left out; position or speed is needed:\n"
          "  position               rad or m      tells whether the joint is rotary or linear\n"
          "  speed                  rad/s or m/s\n"

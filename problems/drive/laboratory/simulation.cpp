@@ -7,7 +7,8 @@ namespace sinew {
 namespace {
 
 constexpr double kPi = 3.14159265358979323846;
-constexpr double kTail = 0.2;  // [s] the motion goes on after the last sample
+constexpr double kTail = 0.2;     // [s] the motion goes on after the last sample
+constexpr double kRoom = 293.15;  // [K]
 
 double Bell(double x, double width) {
   const double z = x / width;
@@ -100,8 +101,11 @@ class Bench {
     double force = torque_ - gravity + p_[kOffsetTorque];
     if (has_further_) force += Further(q, middle);
     if (p_[kHysteresisTorque] > 0) force -= Hysteresis();
-    const double damping = p_[kViscousFriction] + p_[kDampingRate] * std::max(0.0, middle) +
-                           p_[kDrag] * std::abs(speed) + p_[kCubicDrag] * speed * speed;
+    double viscous = p_[kViscousFriction];
+    if (p_[kFrictionTemperature] != 0)
+      viscous *= std::exp(p_[kFrictionTemperature] * (trial_.warming.At(middle) - kRoom));
+    const double damping = viscous + p_[kDampingRate] * std::max(0.0, middle) + p_[kDrag] * std::abs(speed) +
+                           p_[kCubicDrag] * speed * speed;
     const double mass = p_[kInertia] * left;
     const double inverse = 1 / (mass + 0.5 * h_ * damping);
     double next = ((mass - 0.5 * h_ * damping) * v_ + h_ * force) * inverse;
@@ -240,6 +244,10 @@ class Bench {
 
 }  // namespace
 
+double DriveWarming::At(double t) const {
+  return kRoom + rise * (1 - std::exp(-(worked + t) / time_constant));
+}
+
 Result<DriveRecord> SimulateDrive(const DriveTruth& truth, const DriveTrial& trial, double step) {
   const auto count = static_cast<Eigen::Index>(trial.command.size());
   if (count < 2) return Fail("the laboratory needs at least two samples per trial, got {}", count);
@@ -262,7 +270,9 @@ Result<DriveRecord> SimulateDrive(const DriveTruth& truth, const DriveTrial& tri
 
   std::vector<double> seen(steps + 1);
   seen[0] = bench.Reading();
-  DriveRecord record{Vector(count), Vector(count), Vector(count), Vector(count)};
+  DriveRecord record{Vector(count), Vector(count), Vector(count), Vector(count), Vector(count)};
+  for (Eigen::Index k = 0; k < count; ++k)
+    record.temperature[k] = trial.warming.At(static_cast<double>(k) / trial.rate);
   for (std::size_t i = 0; i < steps; ++i) {
     const double t = t0 + static_cast<double>(i) * h;
     if (i % static_cast<std::size_t>(per_sample) == 0) {

@@ -33,6 +33,16 @@ struct DriveController {
   double output_limit = 0;       ///< [N*m], of kPidSpeed
 };
 
+/// How the joint warms up while it works; its own temperature is that of the room.
+struct DriveWarming {
+  double rise = 0;           ///< [K] after a long time
+  double time_constant = 1;  ///< [s]
+  double worked = 0;         ///< [s] before the trial's first sample
+
+  /// @param t since the trial's first sample [s] @return [K]
+  [[nodiscard]] double At(double t) const;
+};
+
 /// One trial: the command is straight between samples and constant beyond them.
 struct DriveTrial {
   std::vector<double> command;  ///< [N] at k / rate
@@ -42,6 +52,7 @@ struct DriveTrial {
   double initial_position = 0;  ///< [rad], kDriveLead before the first sample
   double initial_speed = 0;     ///< [rad/s]
   double command_scale = 1;     ///< [N*m] largest magnitude of the commands of all trials, for compression
+  DriveWarming warming;
 };
 
 /// [s] The joint moves before the recording begins (and a little after its end).
@@ -52,16 +63,18 @@ inline constexpr double kSignatureStep = 1e-3;
 
 /// What the instruments would show without noise, before the position reading is clipped or rounded.
 struct DriveRecord {
-  Vector input;     ///< [N] the recorded input (torque or reference), with the effects of its sensor
-  Vector position;  ///< [N, rad] with the effects of its sensor
-  Vector speed;     ///< [N, rad/s] of the joint
-  Vector torque;    ///< [N, N*m] of the drive
+  Vector input;        ///< [N] the recorded input (torque or reference), with the effects of its sensor
+  Vector position;     ///< [N, rad] with the effects of its sensor
+  Vector speed;        ///< [N, rad/s] of the joint
+  Vector torque;       ///< [N, N*m] of the drive
+  Vector temperature;  ///< [N, K] of the joint
 };
 
 /// Simulates a trial.
 ///
 ///   M dv/dt = tau - gravity sin q - viscous v - dry friction - further terms,   dq/dt = v
 ///
+/// Viscous friction changes by the factor exp(friction_temperature_coefficient (temperature - 293.15 K)).
 /// Dry friction F(q, v, load) sign v, load = |tau + gravity sin q| / 2, is the sum of coulomb, forward or
 /// backward, stribeck exp(-(v / vs)^2), load and directional parts. tau is the command late by command_delay,
 /// blended towards its last sample by hold_fraction, times (1 - compression |u| / command_scale)(1 -

@@ -41,6 +41,8 @@ constexpr Setting kSettings[] = {
     {"mafo", 0, 1, 0, 1, "1: the five trials of the motorised ankle-foot orthosis"},
     {"hidden", 0, 0, 0, 1,
      "1, with mafo: command_delay 0.18 s and coulomb_torque 1.5 N m are hidden in the truth"},
+    {"warming", 0, 0, 0, 100,
+     "rise of the joint's temperature over all trials [K], which is recorded; 0: neither"},
     {"exact", 0, 0, 0, 1,
      "1: position and speed are those of the fitted model itself, without noise, and start at "
      "initial_position@TRIAL, initial_speed@TRIAL (0)"},
@@ -98,6 +100,13 @@ std::string SettingsText(const DrivePlan& plan) {
   return text;
 }
 
+// One trial after the other; 95 % of the rise are reached at the end of the last.
+void WarmUp(double rise, double duration, std::vector<DriveTrial>& trials) {
+  const double session = duration * static_cast<double>(trials.size());
+  for (std::size_t i = 0; i < trials.size(); ++i)
+    trials[i].warming = {rise, session / 3, duration * static_cast<double>(i)};
+}
+
 Channel NewChannel(const std::string& unit, ChannelKind kind, const Vector& values) {
   Channel channel;
   channel.unit = unit;
@@ -123,6 +132,8 @@ Result<Trial> RecordTrial(const DrivePlan& plan, std::size_t index) {
   const bool pid = trial.control == DriveControl::kPidSpeed;
   grid.channels[pid ? "reference" : "torque"] =
       NewChannel(pid ? "rad/s" : "N*m", ChannelKind::kInput, record.input);
+  if (trial.warming.rise > 0)
+    grid.channels["temperature"] = NewChannel("K", ChannelKind::kInput, record.temperature);
   if (plan.speed) {
     Random random(Random::StreamSeed(plan.seed, 2000 + index));
     for (double& value : record.speed) value += plan.speed_noise * random.Normal();
@@ -184,6 +195,9 @@ Result<DrivePlan> PlanDrive(const SynthesisRequest& request) {
       plan.trials.push_back(std::move(trial));
     }
   }
+  if (plan.truth[kFrictionTemperature] != 0 && !is("warming"))
+    return Fail("--effect friction_with_temperature: expected together with --set warming=KELVIN");
+  WarmUp(values.at("warming"), values.at("duration"), plan.trials);
   SINEW_ASSIGN(const double scale, CommandScale(WithoutEffects(plan.truth), plan.trials));
   for (DriveTrial& trial : plan.trials) trial.command_scale = scale;
   return plan;

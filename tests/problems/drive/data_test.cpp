@@ -1,6 +1,7 @@
 // What a drive asks of data, and what it says when it does not get it.
 #include "problems/drive/data/data.h"
 
+#include <algorithm>
 #include <limits>
 
 #include "identify/fit_setup.h"
@@ -47,6 +48,50 @@ TEST(DriveData, NamesWhatIsMissing) {
   Joint(data).channels.erase("position");
   EXPECT_EQ(ErrorOf(data),
             "no trial has a measured position [rad or m] or speed [rad/s or m/s]: nothing to fit");
+}
+
+bool HasEffect(const Problem& problem, const std::string& name) {
+  return std::any_of(problem.effects().begin(), problem.effects().end(),
+                     [&](const Effect& effect) { return effect.name == name; });
+}
+
+// The same swing twice, cold and warm.
+Dataset TwoSwings() {
+  Dataset data = BenchData(Swing());
+  const std::size_t count = Joint(data).time.size();
+  Joint(data).channels["temperature"] = {"K", ChannelKind::kInput, {}, std::vector<double>(count, 293.15)};
+  data.trials["warm"] = data.trials["swing"];
+  data.trials["warm"].grids["joint"].channels["temperature"].values.assign(count, 303.15);
+  return data;
+}
+
+TEST(DriveData, FrictionDependsOnTemperatureOnlyIfEveryTrialHasOne) {
+  EXPECT_FALSE(HasEffect(*BindBench(Swing()), "friction_with_temperature"));
+  Dataset data = TwoSwings();
+  auto problem = BindDriveData(data);
+  ASSERT_TRUE(problem) << problem.error().message;
+  EXPECT_TRUE(HasEffect(**problem, "friction_with_temperature"));
+  EXPECT_TRUE((*problem)->data().notes.empty());
+
+  Joint(data).channels["temperature"].kind = ChannelKind::kMeasured;
+  problem = BindDriveData(data);
+  ASSERT_TRUE(problem) << problem.error().message;
+  EXPECT_FALSE(HasEffect(**problem, "friction_with_temperature"));
+  EXPECT_EQ((*problem)->data().notes,
+            std::vector<std::string>{
+                "'temperature' is not used: trial 'swing' has no channel of kind input of that name"});
+}
+
+TEST(DriveData, ATemperatureThatIsNotDeterminedIsAnError) {
+  Dataset data = TwoSwings();
+  Joint(data).channels["temperature"].values[3] = kNaN;
+  EXPECT_EQ(
+      ErrorOf(data),
+      "trial 'swing': input 'temperature' has a gap at t = 0.03 s; the motion after it is not determined: "
+      "cut the trial");
+  data = TwoSwings();
+  Joint(data).channels["temperature"].unit = "1";
+  EXPECT_EQ(ErrorOf(data), "trial 'swing': temperature has unit '1', expected K");
 }
 
 TEST(DriveData, RejectsUnitsThatMeanNothingHere) {

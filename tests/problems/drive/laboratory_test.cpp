@@ -141,8 +141,9 @@ TEST(DriveLaboratory, DelaysShift) {
 TEST(DriveLaboratory, EveryHiddenThingShowsInARecordingAndItsNullDoesNot) {
   Random random(5);
   const DriveTruth truth = Bare(0.04, 0.05, 0.6);
-  const auto drawn = DrawMultiSine(truth, 4, 100, random);
+  auto drawn = DrawMultiSine(truth, 4, 100, random);
   ASSERT_TRUE(drawn);
+  drawn->warming.rise = 20;
   const DriveRecord bare = Simulate(truth, *drawn, 1e-3);
   const auto shows = [&](const DriveTruth& hidden) {
     DriveRecord record = Simulate(hidden, *drawn, 1e-3);
@@ -360,6 +361,51 @@ TEST(DriveSynthesis, AgreesWithTheFittedModelFarBelowTheNoise) {
         DistanceToModel({{"cogging_cos", 0.03}, {"cogging_sin", 0.02}, {"cogging_period", 0.7}}, request),
         0.1 * kNoise);
   }
+}
+
+TEST(DriveLaboratory, AWarmJointHasTheFrictionOfItsTemperature) {
+  DriveTruth truth = Bare(0.04, 0.05, 0);
+  DriveTrial trial;
+  trial.command.assign(201, 0.0);
+  trial.initial_speed = 2;
+  DriveTruth of_warm = truth;
+  of_warm[kViscousFriction] *= std::exp(-0.02 * 15);
+  const DriveRecord expected = Simulate(of_warm, trial);
+  truth[kFrictionTemperature] = -0.02;
+  trial.warming = {15, 1e-3, 10};  // as warm as it gets long before the trial
+  const DriveRecord warm = Simulate(truth, trial);
+  EXPECT_LT((warm.position - expected.position).cwiseAbs().maxCoeff(), 1e-12);
+  EXPECT_LT((warm.temperature.array() - 308.15).abs().maxCoeff(), 1e-9);
+}
+
+TEST(DriveSynthesis, AWarmingJointAgreesWithTheFittedModelFarBelowTheNoise) {
+  constexpr double kNoise = 0.003;
+  SynthesisRequest request;
+  request.set["warming"] = 20;
+  request.effects = {{"friction_with_temperature", {{"value", -0.02}}}};
+  EXPECT_LT(DistanceToModel({{"friction_temperature_coefficient", -0.02}}, request), 1e-3 * kNoise);
+  EXPECT_GT(DistanceToModel({}, request), kNoise);
+}
+
+TEST(DriveSynthesis, AnEffectOfTemperatureNeedsAJointThatWarmsUp) {
+  SynthesisRequest request;
+  request.effects = {{"friction_with_temperature", {{"value", -0.02}}}};
+  EXPECT_THAT(ErrorOf(request), HasSubstr("--set warming=KELVIN"));
+}
+
+TEST(DriveSynthesis, ATemperatureIsRecordedOnlyIfTheJointWarmsUp) {
+  SynthesisRequest request;
+  EXPECT_EQ(SynthesizeDrive(request)->trials.at("train_1").grids.at("joint").channels.count("temperature"),
+            0U);
+  request.set["warming"] = 20;
+  const auto data = SynthesizeDrive(request);
+  ASSERT_TRUE(data);
+  const Channel& first = data->trials.at("train_1").grids.at("joint").channels.at("temperature");
+  const Channel& last = data->trials.at("validate_2").grids.at("joint").channels.at("temperature");
+  EXPECT_EQ(first.kind, ChannelKind::kInput);
+  EXPECT_EQ(first.unit, "K");
+  EXPECT_EQ(first.values.front(), 293.15);
+  EXPECT_NEAR(last.values.back(), 293.15 + 20, 0.05 * 20);
 }
 
 TEST(DriveSynthesis, RefusesWhatItDoesNotKnow) {
