@@ -4,20 +4,20 @@
 
 namespace sinew {
 
-Hats HatsAt(const std::vector<double>& knots, double x) {
-  Hats hats;
-  if (x <= knots.front()) return hats;
+LinearBasis LinearBasisAt(const std::vector<double>& knots, double x) {
+  LinearBasis basis;
+  if (x <= knots.front()) return basis;
   if (x >= knots.back()) {
-    hats.first = static_cast<int>(knots.size()) - 1;
-    return hats;
+    basis.first = static_cast<int>(knots.size()) - 1;
+    return basis;
   }
   const auto after = std::upper_bound(knots.begin(), knots.end(), x);
   const double width = *after - *(after - 1);
-  hats.first = static_cast<int>(after - knots.begin()) - 1;
-  hats.right = (x - *(after - 1)) / width;
-  hats.left = 1 - hats.right;
-  hats.left_slope = -1 / width;
-  return hats;
+  basis.first = static_cast<int>(after - knots.begin()) - 1;
+  basis.right = (x - *(after - 1)) / width;
+  basis.left = 1 - basis.right;
+  basis.left_slope = -1 / width;
+  return basis;
 }
 
 }  // namespace sinew

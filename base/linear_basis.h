@@ -6,7 +6,7 @@
 namespace sinew {
 
 /// Values of the linear basis functions over `knots` at x: at most two are not zero.
-struct Hats {
+struct LinearBasis {
   int first = 0;          ///< index of the left one
   double left = 1;        ///< value of the basis function `first`
   double right = 0;       ///< value of the basis function `first` + 1
@@ -14,6 +14,6 @@ struct Hats {
 };
 
 /// @param knots [K >= 1, increasing]. Beyond the outer knots the functions are constant.
-[[nodiscard]] Hats HatsAt(const std::vector<double>& knots, double x);
+[[nodiscard]] LinearBasis LinearBasisAt(const std::vector<double>& knots, double x);
 
 }  // namespace sinew

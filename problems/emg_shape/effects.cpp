@@ -6,7 +6,7 @@
 namespace sinew {
 namespace {
 
-constexpr int kHats = 9;
+constexpr int kBasis = 9;
 
 void AddWarp(EmgParameterList& to) {
   to.list.BeginEffect(
@@ -14,11 +14,11 @@ void AddWarp(EmgParameterList& to) {
       "at higher speeds parts of the cycle take longer and others shorter, as seen by the muscles",
       "the same movement at more speeds");
   // Both at their bounds and four times the reference speed: still one phase after the other.
-  constexpr double kMost = 0.05;
+  constexpr double kMaximum = 0.05;
   for (const auto& [name, along] :
        {std::pair{"warp_sine", EmgAlong::kSine}, std::pair{"warp_cosine", EmgAlong::kCosine}}) {
     const int index = to.AddNumber(BaseParameter(
-        name, "1", "amplitude of the phase's warp, per logarithm of the speed", -kMost, kMost, 0));
+        name, "1", "amplitude of the phase's warp, per logarithm of the speed", -kMaximum, kMaximum, 0));
     for (std::size_t t = 0; t < to.data.trials.size(); ++t) {
       for (std::size_t m = 0; m < to.muscles(); ++m)
         to.Touch(t, m, {index, EmgTerm::kTiming, along, 0, to.LogSpeed(to.data.trials[t])});
@@ -75,12 +75,12 @@ void AddPorts(EmgParameterList& to) {
   double longest = 0;
   for (const EmgShapeTrial& trial : to.data.trials)
     longest = std::max(longest, trial.time.back() - trial.time.front());
-  for (int k = 0; k < kHats; ++k) to.made.hat_knots.push_back(longest * k / (kHats - 1));
+  for (int k = 0; k < kBasis; ++k) to.made.hat_knots.push_back(longest * k / (kBasis - 1));
   for (std::size_t m = 0; m < to.muscles(); ++m) {
     const std::string& muscle = to.data.muscles[m].name;
     to.list.BeginPort(muscle, "1", "EMG that no model of the muscle makes");
     to.list.BeginTerm("time", "s", to.made.hat_knots);
-    for (int k = 0; k < kHats; ++k) {
+    for (int k = 0; k < kBasis; ++k) {
       const int index = to.AddKnot(BaseParameter(fmt::format("{}(time).{}", muscle, k + 1), "1",
                                                  "EMG of an unknown source", -1, 1, 0));
       for (std::size_t t = 0; t < to.data.trials.size(); ++t)

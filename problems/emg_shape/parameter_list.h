@@ -8,8 +8,8 @@
 
 namespace sinew {
 
-constexpr double kMostTiming = 0.25;  ///< [cycle]; further would be another burst
-constexpr double kMostGain = 2;       ///< of the logarithm
+constexpr double kMaxTiming = 0.25;  ///< [cycle]; further would be another burst
+constexpr double kMaxGain = 2;       ///< of the logarithm
 
 class EmgParameterList {
  public:

@@ -86,12 +86,12 @@ void ParameterListBuilder::BeginPort(const std::string& name, const std::string&
 
 void ParameterListBuilder::BeginTerm(const std::string& signal, const std::string& signal_unit,
                                      std::vector<double> knots) {
-  Port& port = list_.ports.back();
+  DiscrepancyPort& port = list_.ports.back();
   port.terms.push_back({port.name + "(" + signal + ")", signal, signal_unit, std::move(knots), {}});
 }
 
 int ParameterListBuilder::AddKnot(Parameter p, int slot) {
-  UnknownTerm& term = list_.ports.back().terms.back();
+  DiscrepancyTerm& term = list_.ports.back().terms.back();
   p.kind = ParameterKind::kEffect;
   p.effect = term.name;
   p.null_value = p.start;
@@ -132,8 +132,8 @@ Status CheckParameterList(const ParameterList& list) {
     if (!names.insert(effect.name).second) return Fail("effect '{}' is declared twice", effect.name);
     SINEW_TRY(own(effect.name, effect.parameters));
   }
-  for (const Port& port : list.ports) {
-    for (const UnknownTerm& term : port.terms) SINEW_TRY(own(term.name, term.parameters));
+  for (const DiscrepancyPort& port : list.ports) {
+    for (const DiscrepancyTerm& term : port.terms) SINEW_TRY(own(term.name, term.parameters));
   }
   for (std::size_t i = 0; i < list.parameters.size(); ++i) {
     const Parameter& p = list.parameters[i];

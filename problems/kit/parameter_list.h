@@ -13,7 +13,7 @@ namespace sinew {
 struct ParameterList {
   std::vector<Parameter> parameters;
   std::vector<Effect> effects;
-  std::vector<Port> ports;
+  std::vector<DiscrepancyPort> ports;
   /// [slots of the problem's law] index of a slot's parameter; -1: it has none. Empty if the problem has no
   /// slots.
   std::vector<int> index;

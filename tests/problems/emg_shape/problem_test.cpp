@@ -70,7 +70,7 @@ TEST(EmgShapeProblem, LawsPredictASpeedThatWasNotMeasured) {
     EXPECT_LT(lawful, 0.8 * lawless) << muscle << ", person 2 shifts phase with speed";
   }
   EXPECT_THAT(
-      with->RemarksAt(RestPoint(*with)),
+      with->WarningsAt(RestPoint(*with)),
       Contains(HasSubstr("trial 'train_120' moves at 2.09 rad/s, outside of the measured 0.524 .. 1.57")));
 }
 

@@ -78,7 +78,7 @@ TEST(ParameterListBuilder, ATermHasAParameterPerKnot) {
   add.BeginPort("force", "N", "an unknown force acts");
   add.Term("speed", "m/s", {-1, 1}, 7, "unknown force", kDrag);
   EXPECT_EQ(ErrorOf(list), "");
-  const UnknownTerm& term = list.ports.at(0).terms.at(0);
+  const DiscrepancyTerm& term = list.ports.at(0).terms.at(0);
   EXPECT_EQ(term.name, "force(speed)");
   EXPECT_THAT(term.knots, ElementsAre(-1, 1));
   EXPECT_THAT(term.parameters, ElementsAre(0, 1));

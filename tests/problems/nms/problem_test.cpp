@@ -212,7 +212,7 @@ TEST_F(NmsProblemTest, FibresStayInTheirRange) {
         }
       }
     }
-    return std::tuple(least, most, (*problem)->RemarksAt(parameters));
+    return std::tuple(least, most, (*problem)->WarningsAt(parameters));
   };
   const auto [least, most, remarks] = fit("", "lm");
   ASSERT_LT(least, 0.62);
