@@ -21,8 +21,8 @@ const std::vector<Effect>& Problem::effects() const {
   return kNone;
 }
 
-const std::vector<Port>& Problem::ports() const {
-  static const std::vector<Port> kNone;
+const std::vector<DiscrepancyPort>& Problem::ports() const {
+  static const std::vector<DiscrepancyPort> kNone;
   return kNone;
 }
 
@@ -36,15 +36,15 @@ const std::vector<FitStep>& Problem::steps() const {
   return kNone;
 }
 
-std::vector<std::string> Problem::RemarksAt(const Vector& /*parameters*/) const {
+std::vector<std::string> Problem::WarningsAt(const Vector& /*parameters*/) const {
   return {};
 }
 
-Status Problem::Describe(const Vector& /*parameters*/, Hdf5Node& /*details*/) const {
+Status Problem::WriteDetails(const Vector& /*parameters*/, Hdf5Node& /*details*/) const {
   return {};
 }
 
-std::vector<Problem::Signal> Problem::SignalsOf(int /*block*/) const {
+std::vector<Problem::Signal> Problem::ResidualCovariates(int /*block*/) const {
   return {};
 }
 

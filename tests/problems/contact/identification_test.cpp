@@ -1,5 +1,5 @@
 // What the data of a stepping robot can say about its soles, from synthesis to verdict.
-#include "identify/results/identification.h"
+#include "identify/identification/identification.h"
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>

@@ -8,7 +8,7 @@
 #include <functional>
 
 #include "datasets/dataset_hash.h"
-#include "identify/results/fit_quality.h"
+#include "identify/fit_quality.h"
 #include "tests/problems/support/stepping_data.h"
 
 namespace sinew {

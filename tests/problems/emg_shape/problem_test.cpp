@@ -6,7 +6,7 @@
 #include <cmath>
 
 #include "identify/fit_setup.h"
-#include "identify/results/identification.h"
+#include "identify/identification/identification.h"
 #include "problems/emg_shape/prediction/band.h"
 #include "tests/problems/emg_shape/emg_shape_study.h"
 

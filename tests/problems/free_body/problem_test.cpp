@@ -10,7 +10,7 @@
 #include "base/constants.h"
 #include "base/random.h"
 #include "identify/fit_setup.h"
-#include "identify/uncertainty/local_fit.h"
+#include "identify/solvers/local_fit.h"
 #include "problems/free_body/settings.h"
 #include "problems/free_body/synthesis.h"
 
