@@ -13,25 +13,13 @@
 namespace sinew {
 namespace {
 
-constexpr double kRate = 100;          // [Hz] of angle and moment
 constexpr double kEnvelopeRate = 200;  // [Hz]
-constexpr double kFineRate = 1000;     // [Hz] of the true muscles
 constexpr double kExactRate = 25;      // [Hz] of envelopes without noise
 constexpr double kAngleNoise = 1e-3;   // [rad]
 constexpr double kReference = 75 * kPi / 180;
 constexpr double kMachineInertia = 0.25;  // [kg m2] left in the moment
 constexpr double kPushWidth = 0.1;  // [s], standard deviation of the machine's push at the highest angle
 constexpr std::array<int, 2> kWithoutElectrode{5, 6};  // of StudyMuscles()
-
-Channel Input(const char* unit, std::vector<double> values) {
-  return {unit, ChannelKind::kInput, {}, std::move(values)};
-}
-
-std::vector<double> Times(double first, double rate, std::size_t count) {
-  std::vector<double> times;
-  for (std::size_t i = 0; i < count; ++i) times.push_back(first + static_cast<double>(i) / rate);
-  return times;
-}
 
 // One recording.
 struct Run {
@@ -162,8 +150,8 @@ class Study {
     trial.task = "ankle up and down";
     trial.conditions["speed_rad_per_s"] = run.motion.speed;
     SINEW_TRY(RecordEmg(run, random, trial));
-    const auto frames = static_cast<std::size_t>((run.last - run.first) * kRate) + 1;
-    const auto times = Times(run.first, kRate, frames);
+    const auto frames = static_cast<std::size_t>((run.last - run.first) * kStudyRate) + 1;
+    const auto times = StudyTimes(run.first, kStudyRate, frames);
     RecordMotion(run, times, random, trial);
     if (truth_.Set("moments") != 0) {
       RecordGeometry(run, times, trial);
@@ -179,7 +167,7 @@ class Study {
     const bool noisy = rate_ == kStudyEmgRate;
     for (std::size_t m = 0; m < muscles(); ++m) {
       std::vector<double> values = seen[m];
-      std::vector<double> times = Times(run.first, rate_, values.size());
+      std::vector<double> times = StudyTimes(run.first, rate_, values.size());
       if (noisy) {
         std::vector<double> above = seen[m];
         for (double& e : above) e *= largest_[m];
@@ -190,7 +178,7 @@ class Study {
         if (truth_.Set("raw") != 0) {
           Grid& emg = trial.grids["emg"];
           emg.time = times;
-          emg.channels[names[m]] = Input("V", std::move(raw));
+          emg.channels[names[m]] = StudyInput("V", std::move(raw));
         }
         times = std::move(sampled.time);
         values = std::move(sampled.values);
@@ -207,7 +195,7 @@ class Study {
     const double noise = truth_.Set("exact") != 0 ? 0 : kAngleNoise;
     std::vector<double> angle;
     for (const double t : times) angle.push_back(run.motion.Get(t).angle + noise * random.Normal());
-    motion.channels[kStudyJoint] = Input("rad", std::move(angle));
+    motion.channels[kStudyJoint] = StudyInput("rad", std::move(angle));
   }
 
   static void RecordGeometry(const Run& run, const std::vector<double>& times, Trial& trial) {
@@ -224,8 +212,8 @@ class Study {
         length.push_back(UnitLength(muscle, run.motion.Get(t).angle));
         arm.push_back(MomentArm(muscle, run.motion.Get(t).angle));
       }
-      lengths.channels[name] = Input("m", std::move(length));
-      arms.channels[name] = Input("m", std::move(arm));
+      lengths.channels[name] = StudyInput("m", std::move(length));
+      arms.channels[name] = StudyInput("m", std::move(arm));
     }
   }
 
@@ -240,20 +228,20 @@ class Study {
     of.tendon_slack_length = muscle.slack_length * (muscle.arm[0] > 0 ? 0.985 : 1.01);
     of.maximal_isometric_force = muscle.isometric_force;
     of.strength_coefficient = truth_.subject.strength;
-    return SlotsOf(of, false, kRate);
+    return SlotsOf(of, false, kStudyRate);
   }
 
   Status RecordMoment(const Run& run, const std::vector<double>& times, Random& random, Trial& trial) const {
     SINEW_ASSIGN(const CeinmsSubject generic, ReadCeinmsSubject(StudySubjectXml(), "subject.xml"));
     SINEW_ASSIGN(const MuscleCurves curves, CurvesOf(generic.subject, false));
-    const auto step = static_cast<std::size_t>(kFineRate / kRate);
-    const auto fine = Times(run.first, kFineRate, (times.size() - 1) * step + 1);
+    const auto step = static_cast<std::size_t>(kStudyFineRate / kStudyRate);
+    const auto fine = StudyTimes(run.first, kStudyFineRate, (times.size() - 1) * step + 1);
     std::vector<StudyMotion::At> motion;
     for (const double t : fine) motion.push_back(run.motion.Get(t));
     std::vector<double> moment(fine.size(), 0);
     const auto add = [&](const StudyMuscle& muscle, const std::vector<double>& excitation) -> Status {
       MuscleSignals signals;
-      signals.excitation_time = Times(run.first, rate_, excitation.size());
+      signals.excitation_time = StudyTimes(run.first, rate_, excitation.size());
       for (const double e : excitation) signals.excitation.push_back(std::min(e, 1.0));
       signals.time = fine;
       for (const auto& at : motion) signals.unit_length.push_back(UnitLength(muscle, at.angle));

@@ -13,7 +13,7 @@ namespace {
 
 constexpr double kOwn = -1;  // the person's
 
-constexpr ExperimentSetting kSettings[] = {
+constexpr ExperimentSetting kEmgSettings[] = {
     {"subject", 0, 0, 1e6,
      "which person: 0 to 4 are the study's (0, 2, 4 shift phase with speed, 0 and 1 fail at 30 deg/s), "
      "others are "
@@ -77,7 +77,7 @@ nms:
 )";
 
 // What no effect of the problem is, to see what the diagnosis makes of it. Each has one number of its name.
-constexpr Outsider kOutsiders[] = {
+constexpr Outsider kEmgOutsiders[] = {
     {"lost_bursts", "1", "every third cycle of the first muscle loses this share"},
     {"loose_electrode", "1", "the second muscle loses this share half-way through every recording"},
     {"hum", "1", "1.7 Hz on the first muscle"},
@@ -100,14 +100,14 @@ Dataset Begin(const EmgStudyTruth& truth) {
   return data;
 }
 
-Result<EmgShapeSettings> SettingsOf(const Dataset& data) {
+Result<EmgShapeSettings> EmgSettingsOf(const Dataset& data) {
   SINEW_ASSIGN(const YamlReader section, SettingsSection(data, "emg_shape"));
   return ReadEmgShapeSettings(section);
 }
 
 // Replaces the envelopes by what the fitted model makes of the truth; shapes are those that it starts from.
 Status MakeExact(const EmgStudyTruth& truth, Dataset& data) {
-  SINEW_ASSIGN(EmgShapeSettings settings, SettingsOf(data));
+  SINEW_ASSIGN(EmgShapeSettings settings, EmgSettingsOf(data));
   settings.rate = 1000;  // every sample
   SINEW_ASSIGN(const auto problem, EmgShapeProblem::Make(data, settings));
   Vector point = RestPoint(*problem);
@@ -146,10 +146,10 @@ Status ReadEffects(const SynthesisRequest& request, EmgStudyTruth& truth) {
   EmgStudyTruth plain = truth;
   plain.settings["noisy"] = plain.settings["raw"] = plain.settings["moments"] = 0;
   SINEW_ASSIGN(const Dataset data, Record(plain, request.seed));
-  SINEW_ASSIGN(EmgShapeSettings settings, SettingsOf(data));
+  SINEW_ASSIGN(EmgShapeSettings settings, EmgSettingsOf(data));
   SINEW_ASSIGN(const auto problem, EmgShapeProblem::Make(data, std::move(settings)));
   SINEW_ASSIGN(truth.effects,
-               ReadHiddenEffects(request.effects, EffectsOf(*problem), ListOutsiders(kOutsiders)));
+               ReadHiddenEffects(request.effects, EffectsOf(*problem), ListOutsiders(kEmgOutsiders)));
   const auto names = EmgStudyMuscleNames();
   for (std::size_t m = 0; m < names.size(); ++m)
     truth.subject.muscles[m].exponent += truth.Effect(names[m] + ".amplitude_exponent");
@@ -189,7 +189,7 @@ void ReadPerson(EmgStudyTruth& truth) {
 
 Result<Dataset> SynthesizeEmgShape(const SynthesisRequest& request) {
   EmgStudyTruth truth;
-  SINEW_ASSIGN(truth.settings, ReadExperiment(kSettings, {"moment_noise"}, request));
+  SINEW_ASSIGN(truth.settings, ReadExperiment(kEmgSettings, {"moment_noise"}, request));
   if (truth.Set("raw") != 0) truth.settings["noisy"] = 1;
   if (request.noise && *request.noise == 0) truth.settings["noisy"] = truth.settings["raw"] = 0;
   ReadPerson(truth);
@@ -198,7 +198,7 @@ Result<Dataset> SynthesizeEmgShape(const SynthesisRequest& request) {
 }
 
 std::vector<std::pair<std::string, std::string>> EmgShapeExperiment() {
-  return DescribeSettings(kSettings);
+  return DescribeSettings(kEmgSettings);
 }
 
 std::vector<Parameter> DefaultEmgShapeParameters() {
@@ -206,7 +206,7 @@ std::vector<Parameter> DefaultEmgShapeParameters() {
   request.set = {{"exact", 1}, {"train", 2}, {"validate", 0}, {"moments", 0}};
   const auto data = SynthesizeEmgShape(request);
   if (!data) return {};
-  auto settings = SettingsOf(*data);
+  auto settings = EmgSettingsOf(*data);
   if (!settings) return {};
   const auto problem = EmgShapeProblem::Make(*data, std::move(*settings));
   return problem ? (*problem)->parameters() : std::vector<Parameter>();

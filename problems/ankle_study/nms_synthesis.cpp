@@ -11,7 +11,7 @@
 namespace sinew {
 namespace {
 
-constexpr ExperimentSetting kSettings[] = {
+constexpr ExperimentSetting kNmsSettings[] = {
     {"triceps.strength", 0.8, 0.5, 1.5, "true factor on the force of gastrocnemii and soleus"},
     {"peronei.strength", 1.2, 0.5, 1.5, "true factor on the force of peroneus longus and brevis"},
     {"dorsiflexors.strength", 1.1, 0.5, 1.5,
@@ -66,7 +66,7 @@ nms:
 )";
 
 // What no effect of the problem is, to see what the diagnosis makes of it. Each has one number of its name.
-constexpr Outsider kOutsiders[] = {
+constexpr Outsider kNmsOutsiders[] = {
     {"ripple", "N*m", "moment that is a sine of the angle"},
     {"tension_curve", "N*m/rad3", "moment that grows with the third power of the angle"},
     {"tremor", "N*m", "moment that is a sine of time, 5 Hz"},
@@ -107,11 +107,11 @@ bool IsSimulated(const std::string& name) {
     return std::find(std::begin(names), std::end(names), name) != std::end(names);
   };
   return name.rfind("emg_gain@", 0) == 0 || name.rfind("emg_offset@", 0) == 0 || among(kSimulated) ||
-         std::any_of(std::begin(kOutsiders), std::end(kOutsiders),
+         std::any_of(std::begin(kNmsOutsiders), std::end(kNmsOutsiders),
                      [&](const Outsider& outsider) { return name == outsider.name; });
 }
 
-Result<NmsSettings> SettingsOf(const Dataset& data) {
+Result<NmsSettings> NmsSettingsOf(const Dataset& data) {
   SINEW_ASSIGN(const YamlReader section, SettingsSection(data, "nms"));
   return ReadNmsSettings(section, data.files);
 }
@@ -142,12 +142,12 @@ Status ReadEffects(const SynthesisRequest& request, StudyTruth& truth) {
   StudyTruth plain = truth;
   plain.settings["exact"] = 1;
   SINEW_ASSIGN(const Dataset data, Record(plain, request.seed));
-  SINEW_ASSIGN(NmsSettings settings, SettingsOf(data));
+  SINEW_ASSIGN(NmsSettings settings, NmsSettingsOf(data));
   SINEW_ASSIGN(auto bare, NmsProblem::Make(data, std::move(settings)));
   const SensorEffects problem(std::move(bare));
   const auto& parameters = problem.parameters();
   SINEW_ASSIGN(truth.effects,
-               ReadHiddenEffects(request.effects, EffectsOf(problem), ListOutsiders(kOutsiders)));
+               ReadHiddenEffects(request.effects, EffectsOf(problem), ListOutsiders(kNmsOutsiders)));
   for (const auto& [name, numbers] : request.effects) {
     if (!IsSimulated(name)) return Fail("--effect {}: the ankle study cannot contain it", name);
   }
@@ -163,7 +163,7 @@ Status ReadEffects(const SynthesisRequest& request, StudyTruth& truth) {
 
 Result<Dataset> SynthesizeNms(const SynthesisRequest& request) {
   StudyTruth truth;
-  SINEW_ASSIGN(truth.settings, ReadExperiment(kSettings, {"moment_noise"}, request));
+  SINEW_ASSIGN(truth.settings, ReadExperiment(kNmsSettings, {"moment_noise"}, request));
   if (request.noise)
     truth.settings["electrodes"] *= *request.noise > 0 ? 1 / (*request.noise * *request.noise) : 0;
   SINEW_TRY(ReadEffects(request, truth));
@@ -171,7 +171,7 @@ Result<Dataset> SynthesizeNms(const SynthesisRequest& request) {
 }
 
 std::vector<std::pair<std::string, std::string>> NmsExperiment() {
-  return DescribeSettings(kSettings);
+  return DescribeSettings(kNmsSettings);
 }
 
 std::vector<Parameter> DefaultNmsParameters() {
@@ -179,7 +179,7 @@ std::vector<Parameter> DefaultNmsParameters() {
   request.set = {{"exact", 1}, {"cycles", 1}};
   const auto data = SynthesizeNms(request);
   if (!data) return {};
-  auto settings = SettingsOf(*data);
+  auto settings = NmsSettingsOf(*data);
   if (!settings) return {};
   const auto problem = NmsProblem::Make(*data, std::move(*settings));
   return problem ? (*problem)->parameters() : std::vector<Parameter>();

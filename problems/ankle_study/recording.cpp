@@ -14,16 +14,8 @@ namespace {
 using Values = std::map<std::string, double>;
 
 constexpr double kMargin = 0.5;          // [s] of EMG before and after the moments
-constexpr double kFineRate = 1000;       // [Hz] of the truth
-constexpr double kRate = 100;            // [Hz] of the recorded moments
 constexpr double kExcitationRate = 200;  // [Hz]
 constexpr std::size_t kFine = 10;        // fine frames per recorded one
-
-std::vector<double> Times(double first, double rate, std::size_t count) {
-  std::vector<double> times;
-  for (std::size_t i = 0; i < count; ++i) times.push_back(first + static_cast<double>(i) / rate);
-  return times;
-}
 
 double At(const std::vector<double>& values, double first, double rate, double time) {
   const double place = std::clamp((time - first) * rate, 0.0, static_cast<double>(values.size() - 1));
@@ -32,17 +24,13 @@ double At(const std::vector<double>& values, double first, double rate, double t
   return values[k] + share * (values[k + 1] - values[k]);
 }
 
-Channel Input(const char* unit, std::vector<double> values) {
-  return {unit, ChannelKind::kInput, {}, std::move(values)};
-}
-
 class Recording {
  public:
   Recording(const StudyTruth& truth, const StudyTrial& trial, std::uint64_t seed)
       : truth_(truth), name_(trial.name), random_(seed) {
     motion_.speed = trial.degrees_per_second * kPi / 180;
     const double duration = truth.settings.at("cycles") * motion_.cycle();
-    frames_ = static_cast<std::size_t>(duration * kRate) + 1;
+    frames_ = static_cast<std::size_t>(duration * kStudyRate) + 1;
     fine_ = (frames_ - 1) * kFine + 1;
     samples_ = static_cast<std::size_t>((duration + 2 * kMargin) * kStudyEmgRate) + 1;
     out_.role = trial.role;
@@ -91,7 +79,7 @@ class Recording {
     Grid& grid = out_.grids["excitations"];
     const auto count =
         static_cast<std::size_t>(static_cast<double>(samples_ - 1) / kStudyEmgRate * kExcitationRate) + 1;
-    grid.time = Times(-kMargin, kExcitationRate, count);
+    grid.time = StudyTimes(-kMargin, kExcitationRate, count);
     for (std::size_t m = 0; m < seen.size(); ++m) {
       std::vector<double> recorded = seen[m];
       if (share > 0) {
@@ -102,20 +90,20 @@ class Recording {
           recorded[k] += share * (envelope.values[k] / kStudyFullEmg - recorded[k]);
         if (truth_.settings.at("raw") != 0) {
           Grid& emg = out_.grids["emg"];
-          if (emg.time.empty()) emg.time = Times(-kMargin, kStudyEmgRate, samples_);
-          emg.channels[StudyMuscles()[m].name] = Input("V", std::move(raw));
+          if (emg.time.empty()) emg.time = StudyTimes(-kMargin, kStudyEmgRate, samples_);
+          emg.channels[StudyMuscles()[m].name] = StudyInput("V", std::move(raw));
         }
       }
       std::vector<double> values;
       for (const double t : grid.time)
         values.push_back(std::clamp(At(recorded, -kMargin, kStudyEmgRate, t), 0.0, 1.0));
-      grid.channels[StudyMuscles()[m].name] = Input("1", std::move(values));
+      grid.channels[StudyMuscles()[m].name] = StudyInput("1", std::move(values));
     }
     return {};
   }
 
   void RecordMotion() {
-    const auto times = Times(0, kRate, frames_);
+    const auto times = StudyTimes(0, kStudyRate, frames_);
     std::vector<double> angle;
     for (const double t : times) angle.push_back(motion_.Get(t).angle);
     Grid& lengths = out_.grids["lengths"];
@@ -128,12 +116,12 @@ class Recording {
         length.push_back(UnitLength(muscle, q));
         arm.push_back(MomentArm(muscle, q));
       }
-      lengths.channels[muscle.name] = Input("m", std::move(length));
-      arms.channels[muscle.name] = Input("m", std::move(arm));
+      lengths.channels[muscle.name] = StudyInput("m", std::move(length));
+      arms.channels[muscle.name] = StudyInput("m", std::move(arm));
     }
     Grid& motion = out_.grids["motion"];
     motion.time = times;
-    motion.channels[kStudyJoint] = Input("rad", std::move(angle));
+    motion.channels[kStudyJoint] = StudyInput("rad", std::move(angle));
   }
 
   // Numbers of a muscle as they truly are.
@@ -153,7 +141,7 @@ class Recording {
         muscle.slack_length * (peroneus ? 1 : set.at(group + ".tendon_slack_length"));
     subject.maximal_isometric_force = muscle.isometric_force;
     subject.strength_coefficient = set.at(group + ".strength");
-    auto slots = SlotsOf(subject, false, kRate);
+    auto slots = SlotsOf(subject, false, kStudyRate);
     slots[kDelay] += truth_.Effect("longer_delay");
     slots[kFilterMean] *= 1 + truth_.Effect("slower_activation");
     slots[kLargestVelocity] *= 1 + truth_.Effect("contraction_velocity");
@@ -171,7 +159,7 @@ class Recording {
     const bool exact = truth_.settings.at("exact") != 0;
     const std::size_t step = exact ? kFine : 1;
     const std::size_t frames = exact ? frames_ : fine_;
-    const auto times = Times(0, exact ? kRate : kFineRate, frames);
+    const auto times = StudyTimes(0, exact ? kStudyRate : kStudyFineRate, frames);
     std::vector<StudyMotion::At> motion;
     for (const double t : times) {
       motion.push_back(motion_.Get(t));
@@ -188,7 +176,7 @@ class Recording {
         signals.excitation_time = grid.time;
         signals.excitation = grid.channels.at(muscle.name).values;
       } else {
-        signals.excitation_time = Times(-kMargin, kStudyEmgRate, samples_);
+        signals.excitation_time = StudyTimes(-kMargin, kStudyEmgRate, samples_);
         signals.excitation = pulling_[m];
       }
       signals.time = times;
@@ -204,7 +192,7 @@ class Recording {
     }
     AddMoments(times, motion, pull_plus, pull_minus, moment);
     Grid& grid = out_.grids["moments"];
-    grid.time = Times(0, kRate, frames_);
+    grid.time = StudyTimes(0, kStudyRate, frames_);
     Channel channel{"N*m", ChannelKind::kMeasured, {}, {}};
     const double noise = exact ? 0 : truth_.settings.at("moment_noise");
     ApplySensor(times, moment);

@@ -131,6 +131,16 @@ std::vector<double> DrawRawEmg(const std::vector<double>& excitation, Random& ra
   return raw;
 }
 
+std::vector<double> StudyTimes(double first, double rate, std::size_t count) {
+  std::vector<double> times;
+  for (std::size_t i = 0; i < count; ++i) times.push_back(first + static_cast<double>(i) / rate);
+  return times;
+}
+
+Channel StudyInput(const char* unit, std::vector<double> values) {
+  return {unit, ChannelKind::kInput, {}, std::move(values)};
+}
+
 std::string StudySubjectXml(const std::vector<std::string>& muscles) {
   const auto list = [](const std::vector<double>& values) {
     return fmt::format("{}", fmt::join(values, " "));

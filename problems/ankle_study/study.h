@@ -9,6 +9,7 @@
 
 #include "base/error.h"
 #include "base/random.h"
+#include "datasets/dataset.h"
 #include "models/muscle/hill_muscle.h"
 #include "problems/nms/muscle/muscle_force.h"
 
@@ -61,6 +62,13 @@ struct StudyMotion {
 [[nodiscard]] std::vector<double> DrawRawEmg(const std::vector<double>& excitation, Random& random);
 constexpr double kStudyEmgRate = 2048;  // [Hz]
 constexpr double kStudyFullEmg = 1e-3;  // [V]
+
+constexpr double kStudyFineRate = 1000;  ///< [Hz] of the true muscles
+constexpr double kStudyRate = 100;       ///< [Hz] of what is recorded of motion and moment
+
+/// first, first + 1 / rate, ...
+[[nodiscard]] std::vector<double> StudyTimes(double first, double rate, std::size_t count);
+[[nodiscard]] Channel StudyInput(const char* unit, std::vector<double> values);
 
 /// The generic subject as CEINMS writes it. @param muscles names, in the order of StudyMuscles; empty: all
 [[nodiscard]] std::string StudySubjectXml(const std::vector<std::string>& muscles = {});

@@ -14,8 +14,6 @@
 namespace sinew {
 namespace {
 
-constexpr int kParametersPerGroup = 5;
-
 // Columns of kContactChannels that depend on stiffness and dissipation alone: the others feel friction too.
 bool FeelsFriction(const std::string& channel) {
   return channel != "force_y" && channel != "cop_x" && channel != "cop_z";
@@ -185,8 +183,8 @@ Status AddBlocks(const Trial& trial, const ContactSettings& settings, Stance& st
   std::vector<int> all_columns;
   std::vector<int> normal_columns;
   for (const Stance::Part& part : stance.parts) {
-    const int first = part.group * kParametersPerGroup;
-    for (int k = 0; k < kParametersPerGroup; ++k) all_columns.push_back(first + k);
+    const int first = part.group * kContactParametersPerGroup;
+    for (int k = 0; k < kContactParametersPerGroup; ++k) all_columns.push_back(first + k);
     for (int k = 0; k < 2; ++k) normal_columns.push_back(first + k);
   }
   const std::vector<int> effect_columns = out.effects.ColumnsOf(stance.plate);
@@ -256,8 +254,8 @@ Status AddTrial(const std::string& name, const Trial& trial, const Model& model,
 Result<ContactData> PrepareContactData(const Dataset& data, const ContactSettings& settings, double margin) {
   SINEW_ASSIGN(const Model model, LoadModel(data, settings));
   ContactData out;
-  out.effects =
-      ContactEffectList(static_cast<int>(settings.Groups().size()) * kParametersPerGroup, settings.Plates());
+  out.effects = ContactEffectList(static_cast<int>(settings.Groups().size()) * kContactParametersPerGroup,
+                                  settings.Plates());
   for (const auto& [name, trial] : data.trials) {
     const Status status = AddTrial(name, trial, model, settings, margin, out);
     if (!status) return Fail("trial '{}': {}", name, status.error().message);

@@ -8,11 +8,10 @@
 namespace sinew {
 namespace {
 
-constexpr int kParametersPerGroup = 5;
 constexpr std::size_t kChannels = ContactProblem::kChannels;
 
 // Order of kContactChannels.
-enum Channel { kFx, kFy, kFz, kCopX, kCopZ, kFreeMoment };
+enum PlateChannel { kFx, kFy, kFz, kCopX, kCopZ, kFreeMoment };
 // Parameters of a group that each channel depends on: normal forces know stiffness and dissipation only.
 constexpr std::array<Eigen::Index, kChannels> kColumnsPerGroup{5, 2, 5, 2, 2, 5};
 
@@ -65,7 +64,7 @@ ParameterList List(const ContactSettings& settings, const ContactEffectList& eff
     Scale scale;
     const char* source;
   };
-  constexpr std::array<Kind, kParametersPerGroup> kKinds{{
+  constexpr std::array<Kind, kContactParametersPerGroup> kKinds{{
       {"stiffness", "N/m3", "pressure per depth of the sole's bed of springs", Scale::kLog, "thesis eq 5.1"},
       {"dissipation", "s/m", "growth of the pressure with the depth rate", Scale::kLinear, "thesis eq 5.1"},
       {"static_friction", "1", "friction at the transition velocity", Scale::kLinear,
@@ -102,7 +101,7 @@ std::vector<Parameter> DefaultContactParameters() {
   ContactSettings settings;
   settings.parameters = DefaultContactRanges();
   settings.regions.emplace_back();
-  return List(settings, ContactEffectList(kParametersPerGroup, {})).parameters;
+  return List(settings, ContactEffectList(kContactParametersPerGroup, {})).parameters;
 }
 
 // Scratch of one thread and one stance.
@@ -146,7 +145,7 @@ std::unique_ptr<Problem::Workspace> ContactProblem::NewWorkspace() const {
 }
 
 ElasticFoundation ContactProblem::Foundation(const Vector& parameters, int group) {
-  const Eigen::Index first = group * kParametersPerGroup;
+  const Eigen::Index first = group * kContactParametersPerGroup;
   return {parameters[first], parameters[first + 1], parameters[first + 2], parameters[first + 3],
           parameters[first + 4]};
 }
@@ -214,7 +213,7 @@ void ContactProblem::PredictInstant(const Stance& stance, int t, const std::arra
 
   const auto& by_part = scratch.at_null ? scratch.by_part : scratch.with_effects.by_part;
   for (std::size_t p = 0; p < stance.parts.size(); ++p) {
-    for (Eigen::Index k = 0; k < kParametersPerGroup; ++k) {
+    for (Eigen::Index k = 0; k < kContactParametersPerGroup; ++k) {
       const auto slope = channels.Derivative(by_part[p].col(k));
       for (std::size_t c = 0; c < kChannels; ++c) {
         const Eigen::Index columns = kColumnsPerGroup[c];

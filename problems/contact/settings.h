@@ -53,6 +53,9 @@ struct ContactSettings {
   [[nodiscard]] std::vector<std::string> Plates() const;
 };
 
+/// Of a group, see ContactSettings::parameters.
+constexpr int kContactParametersPerGroup = 5;
+
 /// The channels of a plate that this problem predicts, without the plate's prefix.
 extern const std::vector<std::string> kContactChannels;
 

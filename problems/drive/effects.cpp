@@ -3,10 +3,11 @@
 #include <algorithm>
 #include <cmath>
 
+#include "base/constants.h"
+
 namespace sinew {
 namespace {
 
-constexpr double kPi = 3.14159265358979323846;
 constexpr double kSlowest = 0.02;             // of the highest speed: the narrowest Stribeck peak
 constexpr double kLongestDelay = 0.3;         // [s]
 constexpr double kLongestSensingDelay = 0.1;  // [s]

@@ -6,7 +6,7 @@
 namespace sinew {
 namespace {
 
-constexpr const char* kSource = "thesis ch. 6; docs/decisions/emg_shape_model.md";
+constexpr const char* kParameterSource = "thesis ch. 6; docs/decisions/emg_shape_model.md";
 
 }  // namespace
 
@@ -19,17 +19,17 @@ double EmgParameterList::Rhythm(const EmgShapeTrial& trial) const {
 }
 
 int EmgParameterList::Add(Parameter p) {
-  p.source = kSource;
+  p.source = kParameterSource;
   return list.Add(std::move(p));
 }
 
 int EmgParameterList::AddNumber(Parameter p) {
-  p.source = kSource;
+  p.source = kParameterSource;
   return list.AddNumber(std::move(p));
 }
 
 int EmgParameterList::AddKnot(Parameter p) {
-  p.source = kSource;
+  p.source = kParameterSource;
   return list.AddKnot(std::move(p));
 }
 

@@ -12,6 +12,9 @@
 
 namespace sinew {
 
+/// Frames that tell a state well.
+constexpr int kMinInFlight = 4;
+
 /// Consecutive frames of a toss that are simulated from a state of their own.
 struct TossWindow {
   int toss = 0;

@@ -10,7 +10,6 @@
 namespace sinew {
 namespace {
 
-constexpr int kMinInFlight = 4;  // frames that tell a state
 // Of ten made-up and ten recorded tosses: 1.1e-5 at 1e-8, 1.2e-4 at 1e-7, 5e-4 at 1e-6, of the made-up ones'
 // cost, and a hundredth of that of the recorded ones', whose residuals are not noise.
 constexpr double kCostNoisePerAccuracy = 1e3;

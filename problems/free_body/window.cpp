@@ -16,7 +16,6 @@ constexpr double kNothing = 1e-18;  // cost per residual: rounding
 constexpr double kFirstDamping = 1e-6;  // of columns of unit length
 constexpr double kMaxDamping = 1e6;
 constexpr double kRank = 1e-7;
-constexpr int kMinInFlight = 4;  // frames that tell a state well
 // A step may be at most so long: place as a share of the size, turn [rad], velocity [m/s], spin [rad/s].
 constexpr double kLongestPlace = 0.2;
 constexpr double kLongestTurn = 0.2;

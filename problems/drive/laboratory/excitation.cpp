@@ -3,11 +3,11 @@
 #include <algorithm>
 #include <cmath>
 
+#include "base/constants.h"
+
 namespace sinew {
 namespace {
 
-constexpr double kPi = 3.14159265358979323846;
-constexpr double kDegree = kPi / 180;
 constexpr int kSines = 6;
 constexpr double kSlowest = 0.1;  // [Hz]
 constexpr double kFastest = 3;

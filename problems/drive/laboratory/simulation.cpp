@@ -3,10 +3,11 @@
 #include <algorithm>
 #include <cmath>
 
+#include "base/constants.h"
+
 namespace sinew {
 namespace {
 
-constexpr double kPi = 3.14159265358979323846;
 constexpr double kTail = 0.2;     // [s] the motion goes on after the last sample
 constexpr double kRoom = 293.15;  // [K]
 

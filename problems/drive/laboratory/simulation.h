@@ -12,6 +12,7 @@
 #include <optional>
 #include <vector>
 
+#include "base/constants.h"
 #include "base/error.h"
 #include "base/linear_algebra.h"
 #include "problems/drive/laboratory/truth.h"
@@ -55,6 +56,7 @@ struct DriveTrial {
   DriveWarming warming;
 };
 
+inline constexpr double kDegree = kPi / 180;
 /// [s] The joint moves before the recording begins (and a little after its end).
 inline constexpr double kDriveLead = 0.3;
 /// [s] A step that is far finer than anything that happens, and one for signatures.

@@ -12,8 +12,6 @@
 namespace sinew {
 namespace {
 
-constexpr double kDegree = 3.14159265358979323846 / 180;
-
 // Everything that --set takes, with its default and range; the second default is that of the orthosis.
 struct Setting {
   const char* name;

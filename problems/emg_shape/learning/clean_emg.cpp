@@ -15,7 +15,7 @@ constexpr double kMaxGain = 0.5;     // of one step, of the logarithm
 constexpr double kMaxTiming = 0.03;  // of one step [cycle]
 constexpr double kSmoothing = 1e-9;  // decides only where no sample does
 
-struct Sample {
+struct WindowSample {
   int recording = 0;
   double phase = 0;
   double value = 0;
@@ -55,7 +55,7 @@ class Cleaning {
 
   [[nodiscard]] std::vector<std::vector<double>> Emg() const {
     std::vector<std::vector<double>> emg(recordings_.size());
-    for (const Sample& sample : samples_)
+    for (const WindowSample& sample : samples_)
       emg[static_cast<std::size_t>(sample.recording)].push_back(sample.emg);
     return emg;
   }
@@ -84,7 +84,7 @@ class Cleaning {
   Status Begin() {
     std::vector<double> phase;
     std::vector<double> values;
-    for (const Sample& sample : samples_) {
+    for (const WindowSample& sample : samples_) {
       phase.push_back(sample.phase);
       values.push_back(sample.value);
     }
@@ -111,7 +111,7 @@ class Cleaning {
     return basis_[static_cast<std::size_t>(samples_[i].recording)];
   }
 
-  [[nodiscard]] double WeightOf(const Sample& sample) const {
+  [[nodiscard]] double WeightOf(const WindowSample& sample) const {
     const double noise = std::max(scatter_.modulated.At(sample.emg), kMinEnvelopeNoise);
     return 1 / (correlated_ * noise * noise);
   }
@@ -181,7 +181,7 @@ class Cleaning {
   const std::vector<ShapeBasis>& basis_;
   const CycleScatter& scatter_;
   double correlated_;
-  std::vector<Sample> samples_;
+  std::vector<WindowSample> samples_;
   std::vector<std::size_t> burst_of_;  // [samples]
   std::vector<Shift> recordings_;
   std::vector<Shift> bursts_;

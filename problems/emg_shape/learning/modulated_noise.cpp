@@ -6,7 +6,7 @@
 namespace sinew {
 namespace {
 
-constexpr int kSweeps = 30;
+constexpr int kVarianceSweeps = 30;
 constexpr double kMinQuiet = 1e-4;  // share of the mean square
 
 }  // namespace
@@ -20,7 +20,7 @@ ModulatedNoise FitModulatedNoise(const std::vector<double>& squares, const std::
   for (const double square : squares) mean += square / static_cast<double>(squares.size());
   double quiet = mean;
   double growth = 0;
-  for (int sweep = 0; sweep < kSweeps && mean > 0; ++sweep) {
+  for (int sweep = 0; sweep < kVarianceSweeps && mean > 0; ++sweep) {
     double w = 0;
     double e = 0;
     double ee = 0;

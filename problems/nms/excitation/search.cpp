@@ -15,7 +15,7 @@ constexpr double kNone = std::numeric_limits<double>::quiet_NaN();
 constexpr double kHalfway = 0.5;
 constexpr double kNoForce = 1e-6;  // of the greatest isometric force
 
-bool Contains(const std::vector<std::string>& names, const std::string& name) {
+bool IsAmong(const std::vector<std::string>& names, const std::string& name) {
   return std::find(names.begin(), names.end(), name) != names.end();
 }
 
@@ -41,8 +41,8 @@ class TrialSearch {
         parts_(problem.PartsAt(parameters, trial)),
         count_(data_.muscles.size()) {
     for (const std::string& muscle : data_.muscles) {
-      synthesised_.push_back(Contains(free.synthesised, muscle));
-      free_.push_back(synthesised_.back() || Contains(free.adjusted, muscle));
+      synthesised_.push_back(IsAmong(free.synthesised, muscle));
+      free_.push_back(synthesised_.back() || IsAmong(free.adjusted, muscle));
     }
   }
 
@@ -95,7 +95,7 @@ class TrialSearch {
       const Block& block = data_.layout[static_cast<std::size_t>(trial_.first_block) + j];
       Vector moment = Vector::Constant(static_cast<Eigen::Index>(trial_.time.size()), kNone);
       const std::string& joint = problem_.settings().joints[j];
-      const bool asked = Contains(mode_.joints, joint);
+      const bool asked = IsAmong(mode_.joints, joint);
       if (asked && block.measured.empty()) return Fail("the moment of '{}' is not measured", joint);
       if (mode_.joints.empty() || asked) {
         for (std::size_t k = 0; k < block.measured.size(); ++k) moment[block.sample[k]] = block.measured[k];
