@@ -7,8 +7,6 @@
 namespace sinew {
 namespace {
 
-constexpr double kPi = 3.14159265358979323846;
-
 using Member = int;  // a slot of DriveTruth
 
 // Effects that are one number with a null: name, member, guess, most, two-sided.

@@ -1,12 +1,11 @@
 #include "problems/contact/stance.h"
 
 #include <algorithm>
-#include <limits>
+
+#include "base/constants.h"
 
 namespace sinew {
 namespace {
-
-constexpr double kInfinity = std::numeric_limits<double>::infinity();
 
 EffectRegion Prepare(const ContactRegion& region, int part, const std::vector<BodyMotion>& motion,
                      const Floor& floor) {

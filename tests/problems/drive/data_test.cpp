@@ -2,16 +2,14 @@
 #include "problems/drive/data/data.h"
 
 #include <algorithm>
-#include <limits>
 
+#include "base/constants.h"
 #include "identify/fit_setup.h"
 #include "identify/least_squares.h"
 #include "tests/problems/support/drive_bench.h"
 
 namespace sinew {
 namespace {
-
-constexpr double kNaN = std::numeric_limits<double>::quiet_NaN();
 
 Bench Swing() {
   Bench bench;

@@ -17,8 +17,6 @@ namespace {
 
 using testing::HasSubstr;
 
-constexpr double kPi = 3.14159265358979323846;
-
 // A second of nothing but what the joint does by itself, from a state at the lead's begin.
 DriveTrial Free(double position, double speed, double seconds = 1) {
   DriveTrial trial;
