@@ -6,7 +6,7 @@
 #include <cmath>
 
 #include "identify/fit_setup.h"
-#include "problems/nms/excitation_search.h"
+#include "problems/nms/excitation/search.h"
 
 namespace sinew {
 namespace {

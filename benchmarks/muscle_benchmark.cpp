@@ -4,7 +4,7 @@
 
 #include <cmath>
 
-#include "problems/nms/muscle_force.h"
+#include "problems/nms/muscle/muscle_force.h"
 
 namespace sinew {
 namespace {

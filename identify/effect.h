@@ -7,6 +7,7 @@
 #include <vector>
 
 #include "base/linear_algebra.h"
+#include "base/linear_basis.h"
 
 namespace sinew {
 
@@ -44,15 +45,6 @@ struct DiscrepancyPort {
   std::string meaning;
   std::vector<DiscrepancyTerm> terms;  ///< one per signal
 };
-
-/// Values of the hats over `knots` at x: at most two are not zero.
-struct LinearBasis {
-  int first = 0;          ///< index of the left one
-  double left = 1;        ///< value of hat `first`
-  double right = 0;       ///< value of hat `first` + 1
-  double left_slope = 0;  ///< d/dx of `left`; that of `right` is its negative
-};
-[[nodiscard]] LinearBasis LinearBasisAt(const std::vector<double>& knots, double x);
 
 /// g(theta) = offset + coefficients * theta <= 0, linear in the parameters.
 struct Constraint {

@@ -4,7 +4,7 @@
 #include <string>
 #include <vector>
 
-#include "problems/drive/drive_synthesis.h"
+#include "problems/drive/laboratory/synthesis.h"
 
 namespace sinew {
 

@@ -156,7 +156,7 @@ Result<std::vector<Hidden>> Hide(const Options& options, const Oracle& oracle, c
 nlohmann::json ParametersOf(const std::string& effect, const DriveTruth& truth) {
   nlohmann::json parameters = nlohmann::json::object();
   for (const DriveTruthEntry& entry : DriveTruthEntries("torque")) {
-    if (entry.effect == effect) parameters[entry.parameter] = truth.*entry.value;
+    if (entry.effect == effect) parameters[entry.parameter] = truth[entry.slot];
   }
   return parameters;
 }
@@ -189,7 +189,7 @@ Status Generate(const Options& options) {
   const DriveTruth joint = plan.truth;
   for (const Hidden& one : hidden) {
     for (const DriveTruthEntry& entry : DriveTruthEntries("torque")) {
-      if (entry.effect == one.name) plan.truth.*entry.value = one.alone.*entry.value;
+      if (entry.effect == one.name) plan.truth[entry.slot] = one.alone[entry.slot];
     }
   }
   further.truth = plan.truth;
@@ -205,9 +205,9 @@ Status Generate(const Options& options) {
   truth["size"] = options.size;
   if (!options.also.empty()) truth["also"] = options.also;
   truth["unit_norm"] = kUnitNorm;
-  truth["base"] = {{"inertia", joint.inertia},
-                   {"viscous_friction", joint.viscous_friction},
-                   {"gravity_torque", joint.gravity_torque}};
+  truth["base"] = {{"inertia", joint[kInertia]},
+                   {"viscous_friction", joint[kViscousFriction]},
+                   {"gravity_torque", joint[kGravityTorque]}};
   truth["noise"] = {{"kind", options.noise},
                     {"sigma", plan.position_noise.sigma},
                     {"rho", plan.position_noise.rho},
@@ -217,7 +217,7 @@ Status Generate(const Options& options) {
   for (const Hidden& one : hidden) {
     // The model knows the compression by the largest command that was recorded.
     DriveTruth stated = one.alone;
-    stated.compression *= scale / plan.trials.front().command_scale;
+    stated[kCompression] *= scale / plan.trials.front().command_scale;
     nlohmann::json effect{
         {"name", one.name},
         {"parameters", ParametersOf(one.name, stated)},

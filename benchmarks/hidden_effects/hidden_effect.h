@@ -6,7 +6,7 @@
 #include <vector>
 
 #include "base/random.h"
-#include "problems/drive/drive_laboratory.h"
+#include "problems/drive/laboratory/simulation.h"
 
 namespace sinew {
 

@@ -6,7 +6,7 @@
 #include "base/error.h"
 #include "base/linear_algebra.h"
 #include "benchmarks/hidden_effects/hidden_effect.h"
-#include "problems/drive/drive_synthesis.h"
+#include "problems/drive/laboratory/synthesis.h"
 
 namespace sinew {
 

@@ -26,7 +26,8 @@ Result<std::pair<std::string, std::map<std::string, double>>> ParseEffect(const 
   if (at != std::string::npos) {
     for (const auto part : Split(std::string_view(text).substr(at + 1), ',')) {
       SINEW_ASSIGN(const auto assignment, ParseAssignment("--effect", std::string(part)));
-      parameters.insert(assignment);
+      if (!parameters.insert(assignment).second)
+        return Fail("--effect {}: '{}' is given twice", text.substr(0, at), assignment.first);
     }
   }
   return std::pair{text.substr(0, at), parameters};

@@ -22,7 +22,10 @@ Channel MakeChannel(const ColumnMeaning& meaning, std::vector<double> values) {
   channel.unit = meaning.unit;
   channel.kind = meaning.kind;
   channel.values = std::move(values);
-  for (double& value : channel.values) value *= meaning.factor;
+  for (double& value : channel.values) {
+    value *= meaning.factor;
+    if (meaning.offset != 0) value += meaning.offset;
+  }
   return channel;
 }
 
@@ -31,6 +34,7 @@ ColumnMeaning Refine(ColumnMeaning meaning, const MappedChannel& mapped) {
   if (mapped.unit) {
     meaning.unit = mapped.unit->si_unit;
     meaning.factor = mapped.unit->factor;
+    meaning.offset = mapped.unit->offset;
     meaning.unit_is_known = true;
   }
   if (mapped.kind) meaning.kind = *mapped.kind;

@@ -55,6 +55,19 @@ TEST_F(ImportTest, ATableWithoutTimesGetsThemFromItsRate) {
   EXPECT_THAT(At("walk", "position").values, ElementsAre(1, 2, 4));
 }
 
+TEST_F(ImportTest, DegreesCelsiusBecomeKelvinAndTheirNoiseStaysADifference) {
+  UseMap(
+      "time: {rate: 8}\nchannels: {temperature: {column: q, unit: degC, kind: input, scale: 10, sigma: "
+      "0.5}}\n"
+      "constants: {room: {value: 20, unit: degC}}\n");
+  ASSERT_EQ(ErrorOf(Import({folder_.Write("walk.csv", "q\n1\n2\n")})), "");
+  const Channel& temperature = At("walk", "temperature");
+  EXPECT_EQ(temperature.unit, "K");
+  EXPECT_THAT(temperature.values, ElementsAre(283.15, 293.15));
+  EXPECT_EQ(temperature.sigma, 0.5);
+  EXPECT_EQ(dataset_.constants.at("room").value, 293.15);
+}
+
 TEST_F(ImportTest, MarkersForcesAndAnglesMakeOneTrial) {
   options_.plates = *ParsePlates("right=ground_,left=1_ground_");
   options_.role = Role::kValidate;

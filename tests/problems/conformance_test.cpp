@@ -33,7 +33,7 @@ const std::map<std::string, Exact> kExact{
        {"dynamic_friction", 0.55},
        {"viscous_friction", 0.45}}}},
     {"drive",
-     {{{"exact", 1}, {"speed", 1}, {"train", 2}, {"validate", 1}, {"duration", 2}},
+     {{{"exact", 1}, {"speed", 1}, {"train", 2}, {"validate", 1}, {"duration", 2}, {"warming", 20}},
       {{"inertia", 0.034}, {"viscous_friction", 0.061}, {"gravity_torque", 0.52}}}},
     {"emg_shape",
      {{{"exact", 1}, {"speeds", 3}, {"muscles", 2}, {"moments", 0}, {"train", 2}, {"validate", 1}},
