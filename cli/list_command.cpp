@@ -6,6 +6,7 @@
 #include "base/text.h"
 #include "cli/binding.h"
 #include "cli/command.h"
+#include "cli/run_command_line.h"
 #include "cli/terminal.h"
 #include "identify/solvers/solver.h"
 #include "models/mechanisms/integrator.h"
@@ -18,9 +19,9 @@ void Print(const std::string& text) {
   std::fputs(text.c_str(), stdout);
 }
 
-std::string ListProblems() {
+std::string ListProblems(const Program& program) {
   std::vector<std::vector<std::string>> rows;
-  for (const ProblemEntry& entry : ProblemRegistry()) rows.push_back({entry.name, entry.says});
+  for (const ProblemEntry& entry : program.problems) rows.push_back({entry.name, entry.says});
   return Table(rows, 0);
 }
 
@@ -52,14 +53,28 @@ std::string ListFormats() {
       0);
 }
 
-std::string ListParameters(const ProblemEntry& entry) {
+std::string ParameterTable(const std::vector<Parameter>& parameters) {
   std::vector<std::vector<std::string>> rows{
       {"parameter", "unit", "lower", "upper", "start", "scale", "meaning", "source"}};
-  for (const Parameter& p : entry.parameters()) {
+  for (const Parameter& p : parameters) {
     rows.push_back({p.name, p.unit, Readable(p.lower), Readable(p.upper), Readable(p.start),
                     p.scale == Scale::kLog ? "log" : "linear", p.meaning, p.source});
   }
-  std::string text = Table(rows, 0) + "\nsinew data synthesize " + entry.name + " --set takes:\n";
+  return Table(rows, 0);
+}
+
+// A problem that is bound to data or, without, to an experiment of its own.
+Result<BoundProblem> BindFor(const Program& program, const ProblemEntry& entry, const std::string& data,
+                             bool with_sensor_effects);
+
+Result<std::string> ListParameters(const Program& program, const ProblemEntry& entry,
+                                   const std::string& data) {
+  if (entry.parameters == nullptr) {
+    SINEW_ASSIGN(const BoundProblem bound, BindFor(program, entry, data, false));
+    return ParameterTable(bound.problem->parameters());
+  }
+  std::string text =
+      ParameterTable(entry.parameters()) + "\nsinew data synthesize " + entry.name + " --set takes:\n";
   std::vector<std::vector<std::string>> settings;
   for (const auto& [name, says] : entry.experiment()) settings.push_back({name, says});
   return text + Table(settings, 2);
@@ -101,6 +116,7 @@ std::string DescribeEffects(const Problem& problem) {
 // Without data the problem is bound to an experiment that it synthesizes; a problem whose synthetic data need
 // another step first cannot be.
 Result<BoundProblem> BindToSynthetic(const ProblemEntry& entry) {
+  if (entry.synthesize == nullptr) return Fail("the problem '{}' makes none", entry.name);
   SINEW_ASSIGN(const Dataset data, entry.synthesize({}));
   const auto settings = data.files.find(entry.name + ".yaml");
   SINEW_ASSIGN(const YamlReader reader,
@@ -108,30 +124,45 @@ Result<BoundProblem> BindToSynthetic(const ProblemEntry& entry) {
   return entry.bind(data, reader, true);
 }
 
-Result<std::string> ListEffects(const ProblemEntry& entry, const std::string& data) {
-  BoundProblem bound;
+Result<BoundProblem> BindFor(const Program& program, const ProblemEntry& entry, const std::string& data,
+                             bool with_sensor_effects) {
   if (data.empty()) {
     auto synthetic = BindToSynthetic(entry);
-    if (!synthetic) {
-      return Fail("list effects {}: depends on data, give --data F.h5 (synthetic data alone do not do: {})",
-                  entry.name, synthetic.error().message);
-    }
-    bound = std::move(*synthetic);
-  } else {
-    BindingOptions options;
-    options.problem = entry.name;
-    options.data = data;
-    SINEW_ASSIGN(Binding binding, Bind(options, true));
-    bound = std::move(binding.bound);
+    if (synthetic) return synthetic;
+    return Fail("list: {} depends on data, give --data F.h5 (synthetic data alone do not do: {})", entry.name,
+                synthetic.error().message);
   }
-  return DescribeEffects(*bound.problem) + "`sinew identify " + entry.name +
-         " --release EFFECT` fits one; `sinew diagnose` asks which are needed.\n";
+  BindingOptions options;
+  options.problem = entry.name;
+  options.program = &program;
+  options.data = data;
+  SINEW_ASSIGN(Binding binding, Bind(options, with_sensor_effects));
+  return std::move(binding.bound);
+}
+
+Result<std::string> ListEffects(const Program& program, const ProblemEntry& entry, const std::string& data) {
+  SINEW_ASSIGN(const BoundProblem bound, BindFor(program, entry, data, true));
+  return DescribeEffects(*bound.problem) + "`" + program.name + " identify " + entry.name +
+         " --release EFFECT` fits one; `" + program.name + " diagnose` asks which are needed.\n";
+}
+
+// What a class of a user's own compares, read off the data.
+Result<std::string> ListChannels(const Program& program, const ProblemEntry& entry, const std::string& data) {
+  if (!entry.channels.empty()) return entry.channels;
+  SINEW_ASSIGN(const BoundProblem bound, BindFor(program, entry, data, false));
+  std::vector<std::vector<std::string>> rows{{"trial", "channel", "unit", "role", "samples"}};
+  for (const Block& block : bound.problem->layout()) {
+    rows.push_back(
+        {block.trial, block.channel, block.unit, ToString(block.role), std::to_string(block.samples())});
+  }
+  return Table(rows, 0);
 }
 
 const std::vector<std::string> kSubjects{"problems", "solvers",    "integrators", "formats",
                                          "effects",  "parameters", "channels"};
 
-Result<int> List(const std::string& what, const std::string& problem, const std::string& data) {
+Result<int> List(const Program& program, const std::string& what, const std::string& problem,
+                 const std::string& data) {
   if (std::find(kSubjects.begin(), kSubjects.end(), what) == kSubjects.end())
     return Fail("list: '{}' does not exist{}", what, Suggestion(what, kSubjects));
   if (what == "solvers") {
@@ -141,17 +172,14 @@ Result<int> List(const std::string& what, const std::string& problem, const std:
   } else if (what == "formats") {
     Print(ListFormats());
   } else if (what == "problems") {
-    Print(ListProblems());
+    Print(ListProblems(program));
   } else {
     if (problem.empty())
       return Fail("list {}: expected a problem, such as `sinew list {} contact`", what, what);
-    SINEW_ASSIGN(const ProblemEntry* entry, FindProblem(problem));
-    if (what == "parameters") Print(ListParameters(*entry));
-    if (what == "channels") Print(entry->channels);
-    if (what == "effects") {
-      SINEW_ASSIGN(const std::string text, ListEffects(*entry, data));
-      Print(text);
-    }
+    SINEW_ASSIGN(const ProblemEntry* entry, FindProblem(program.problems, problem));
+    const auto of = what == "parameters" ? ListParameters : what == "channels" ? ListChannels : ListEffects;
+    SINEW_ASSIGN(const std::string text, of(program, *entry, data));
+    Print(text);
   }
   return kDone;
 }
@@ -163,11 +191,13 @@ void AddListCommand(Command app, const RunAction& run) {
       app.AddCommand("list", "What there is: problems, solvers, formats, and a problem's parts");
   auto what = std::make_shared<std::string>("problems");
   auto problem = std::make_shared<std::string>();
+  const Program& program = app.program();
+  if (program.problems.size() == 1) *problem = program.problems.front().name;
   command.Add("what", *what, "One of " + Join(kSubjects, ", ")).ShowsDefault();
   command.Add("problem", *problem, "For effects, parameters and channels");
   auto data = std::make_shared<std::string>();
-  command.Add("--data", *data, "For effects: of these data; else of synthetic ones").Shows("F.h5");
-  command.Runs(run, [=] { return List(*what, *problem, *data); });
+  command.Add("--data", *data, "Of these data; else of synthetic ones").Shows("F.h5");
+  command.Runs(run, [=, &program] { return List(program, *what, *problem, *data); });
 }
 
 }  // namespace sinew

@@ -30,6 +30,7 @@ struct SynthesisRequest {
   std::optional<double> noise;  ///< factor on all noise; 0 for none
 };
 
+/// What a problem of somebody else's lacks is nullptr: `synthesize`, `parameters`, `experiment`.
 struct ProblemEntry {
   std::string name;
   std::string says;      ///< one line for `sinew list problems`
@@ -49,5 +50,6 @@ struct ProblemEntry {
 
 /// Errors: no such problem, with a suggestion.
 Result<const ProblemEntry*> FindProblem(const std::string& name);
+Result<const ProblemEntry*> FindProblem(const std::vector<ProblemEntry>& problems, const std::string& name);
 
 }  // namespace sinew

@@ -4,6 +4,7 @@
 #include "base/text.h"
 #include "cli/binding.h"
 #include "cli/data/data_commands.h"
+#include "cli/run_command_line.h"
 #include "cli/terminal.h"
 #include "datasets/io/dataset_file.h"
 
@@ -11,6 +12,7 @@ namespace sinew {
 namespace {
 
 struct SynthesizeWords {
+  const Program* program = nullptr;
   std::string problem;
   std::string out;
   std::vector<std::string> set;
@@ -33,7 +35,9 @@ Result<std::pair<std::string, std::map<std::string, double>>> ParseEffect(const 
 }
 
 Result<int> Synthesize(const SynthesizeWords& words) {
-  SINEW_ASSIGN(const ProblemEntry* entry, FindProblem(words.problem));
+  SINEW_ASSIGN(const ProblemEntry* entry, FindProblem(words.program->problems, words.problem));
+  if (entry->synthesize == nullptr)
+    return Fail("data synthesize: the problem '{}' has no laboratory of its own", entry->name);
   SINEW_TRY(CheckOutput(words.out, {}));
   SynthesisRequest request;
   request.seed = words.seed;
@@ -56,6 +60,7 @@ Result<int> Synthesize(const SynthesizeWords& words) {
 
 void AddSynthesizeCommand(Command data, const RunAction& run) {
   auto words = std::make_shared<SynthesizeWords>();
+  words->program = &data.program();
   Command command = data.AddCommand("synthesize", "An experiment that never happened, marked synthetic");
   command.Add("problem", words->problem).Required().Shows("PROBLEM");
   command.Add("--out", words->out, "Data set to write").Required().Shows("F.h5");
