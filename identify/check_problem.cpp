@@ -5,7 +5,6 @@
 #include <exception>
 #include <limits>
 
-#include "base/numbers.h"
 #include "identify/derivative_comparison.h"
 #include "identify/guarded.h"
 
@@ -18,8 +17,8 @@ constexpr double kWrong = 0.1;
 constexpr double kSmoothEnough = 1e-6;
 
 std::string Place(const Block& block, Eigen::Index row) {
-  return fmt::format("block {}/{}, prediction {} (t = {} s)", block.trial, block.channel, row,
-                     Readable(block.prediction_time[static_cast<std::size_t>(row)], 6));
+  return fmt::format("block {}/{}, prediction {} (t = {:.6g} s)", block.trial, block.channel, row,
+                     block.prediction_time[static_cast<std::size_t>(row)]);
 }
 
 Status CheckTerms(const Problem& problem) {
@@ -111,9 +110,9 @@ Status CheckAt(const Problem& problem, const DerivativeQuery& query, bool refuse
   const WrongDerivative& worst = *std::max_element(
       report.wrong.begin(), report.wrong.end(),
       [](const WrongDerivative& a, const WrongDerivative& b) { return a.deviation < b.deviation; });
-  return Fail("{}: the derivative by '{}' is {}, but differences of the predictions give {}{}",
+  return Fail("{}: the derivative by '{}' is {:.6g}, but differences of the predictions give {:.6g}{}",
               Place(problem.layout()[static_cast<std::size_t>(worst.block)], worst.row), worst.name,
-              Readable(worst.got, 6), Readable(worst.expected, 6),
+              worst.got, worst.expected,
               report.wrong.size() > 1 ? fmt::format(" ({} derivatives are wrong)", report.wrong.size()) : "");
 }
 

@@ -3,7 +3,6 @@
 #include <algorithm>
 #include <cmath>
 
-#include "base/numbers.h"
 #include "identify/guarded.h"
 
 namespace sinew {
@@ -37,9 +36,8 @@ tl::unexpected<Error> NotFinite(const Layout& layout, const std::vector<LeastSqu
     for (std::size_t i = 0; i < block.sample.size(); ++i) {
       const double value = prediction.values(b)[block.sample[i]];
       if (std::isfinite(value)) continue;
-      return Fail("a predicted value is not finite: block {}/{}, sample {} (t = {} s) is {}", block.trial,
-                  block.channel, i,
-                  Readable(block.prediction_time[static_cast<std::size_t>(block.sample[i])], 6), value);
+      return Fail("a predicted value is not finite: block {}/{}, sample {} (t = {:.6g} s) is {}", block.trial,
+                  block.channel, i, block.prediction_time[static_cast<std::size_t>(block.sample[i])], value);
     }
   }
   return Fail("a residual is not finite");

@@ -5,7 +5,6 @@
 #include <exception>
 #include <set>
 
-#include "base/numbers.h"
 #include "base/text.h"
 
 namespace sinew {
@@ -97,7 +96,7 @@ EffectBuilder DeclaredProblem::effect(const std::string& name) {
     names.push_back(effects_[e].name);
   }
   Complain(fmt::format("effect '{}' was not declared before: expected effect(name, level) first{}", name,
-                       Suggestion(name, names)));
+                       names.empty() ? "" : Suggestion(name, names)));
   return effect(name, Level::kBoundary);
 }
 
@@ -133,9 +132,9 @@ InputHandle DeclaredProblem::input(const std::string& channel, const std::string
       if (gap != sampled.values.end()) {
         const auto at = static_cast<std::size_t>(gap - sampled.values.begin());
         Complain(
-            fmt::format("trial '{}': input '{}' has a gap at t = {} s; expected a value at every time "
+            fmt::format("trial '{}': input '{}' has a gap at t = {:.6g} s; expected a value at every time "
                         "(sinew data cut takes a part without gaps)",
-                        trial.name, channel, Readable(sampled.time[at])));
+                        trial.name, channel, sampled.time[at]));
       }
     }
     if (sampled.time.empty()) sampled = {{0}, {0}};
@@ -163,7 +162,8 @@ double DeclaredProblem::constant(const std::string& name) {
   if (found != data_.constants.end()) return found->second.value;
   std::vector<std::string> names;
   for (const auto& [known, value] : data_.constants) names.push_back(known);
-  Complain(fmt::format("the data set has no constant '{}'{}", name, Suggestion(name, names)));
+  Complain(
+      fmt::format("the data set has no constant '{}'{}", name, names.empty() ? "" : Suggestion(name, names)));
   return 0;
 }
 
@@ -286,7 +286,7 @@ Error DeclaredProblem::Failure(const Query& query, const DeclaredTrial& trial,
     const Parameter& p = parameters_[static_cast<std::size_t>(index)];
     const double value = query.parameters[index];
     if (p.kind == ParameterKind::kEffect && value == p.null_value) continue;
-    with += fmt::format("{}{} = {}", with.empty() ? "" : ", ", p.name, Readable(value));
+    with += fmt::format("{}{} = {:.6g}", with.empty() ? "" : ", ", p.name, value);
   }
   return {fmt::format("trial '{}': {}; with {}", trial.name, what, with)};
 }
@@ -311,10 +311,10 @@ Status DeclaredProblem::Finite(const Query& query, const DeclaredTrial& trial,
     for (Eigen::Index i = 0; i < values.size(); ++i) {
       if (std::isfinite(values[i])) continue;
       const Block& block = layout_[static_cast<std::size_t>(b)];
-      return tl::unexpected(
-          Failure(query, trial,
-                  fmt::format("channel '{}', sample {} (t = {} s): the model's value is {}", block.channel, i,
-                              Readable(block.prediction_time[static_cast<std::size_t>(i)]), values[i])));
+      return tl::unexpected(Failure(
+          query, trial,
+          fmt::format("channel '{}', sample {} (t = {:.6g} s): the model's value is {}", block.channel, i,
+                      block.prediction_time[static_cast<std::size_t>(i)], values[i])));
     }
   }
   return {};
@@ -332,8 +332,8 @@ Status DeclaredProblem::FiniteDerivatives(const Query& query, const DeclaredTria
       const Block& block = layout_[static_cast<std::size_t>(b)];
       return tl::unexpected(
           Failure(query, trial,
-                  fmt::format("channel '{}', sample {} (t = {} s): the derivative by '{}' is {}",
-                              block.channel, i, Readable(block.prediction_time[static_cast<std::size_t>(i)]),
+                  fmt::format("channel '{}', sample {} (t = {:.6g} s): the derivative by '{}' is {}",
+                              block.channel, i, block.prediction_time[static_cast<std::size_t>(i)],
                               parameters_[static_cast<std::size_t>(trial.parameter_of[s])].name, column[i])));
     }
   }

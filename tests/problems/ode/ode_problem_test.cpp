@@ -106,6 +106,35 @@ TEST(OdeProblem, DerivativesAgreeWithDifferencesAtRandomPoints) {
   ExpectJacobianAgrees(spring, random);
 }
 
+// The cost along a line, in steps so short that a smooth one has no second difference.
+TEST(OdeProblem, TheCostIsAsSmoothAsStated) {
+  Dataset data = SpringData();
+  Random random(4);
+  for (auto& [name, trial] : data.trials) {
+    for (double& value : trial.grids["camera"].channels["position"].values) value += 0.01 * random.Normal();
+  }
+  const Spring spring(data);
+  const FitSetup setup = MakeFitSetup(spring, {}).value();
+  const LeastSquares fit(spring, setup);
+  auto workspace = fit.NewWorkspace();
+  constexpr double kStep = 1e-7;
+  double worst = 0;
+  for (int line = 0; line < 20; ++line) {
+    Vector x = fit.Start();
+    for (double& value : x) value = std::clamp(value + random.Uniform(-0.2, 0.2), 0.01, 0.99);
+    double costs[3] = {NAN, NAN, NAN};
+    for (int i = 0; i < 50; ++i) {
+      x[line % 2] += kStep;  // stiffness or damping
+      costs[0] = costs[1];
+      costs[1] = costs[2];
+      costs[2] = fit.Cost(x, workspace).value();
+      if (i >= 2) worst = std::max(worst, std::abs(costs[2] - 2 * costs[1] + costs[0]) / costs[2]);
+    }
+  }
+  std::printf("largest jump of the cost %.1e of it\n", worst);
+  EXPECT_LT(worst, spring.cost_grain());
+}
+
 TEST(OdeProblem, InitialStatesAreColumnsOfTheirOwnTrialAlone) {
   const Spring spring(SpringData());
   for (const Block& block : spring.layout()) {
@@ -227,7 +256,7 @@ TEST(OdeProblem, WhatIsWrongWithADeclarationIsSaid) {
             }),
             "parameter 'a' has no bounds: expected .bounds(lower, upper)");
   EXPECT_EQ(ErrorOfDeclaring([](Told& m) { m.input("v", "V"); }),
-            "trial 'ramp' has no channel 'v', which is an input of the model");
+            "trial 'ramp' has no channel 'v', which is an input of the model; did you mean 'u'?");
   EXPECT_EQ(ErrorOfDeclaring([](Told& m) { m.input("u", "A"); }),
             "trial 'ramp': input 'u' is in 'V', expected 'A'");
   EXPECT_THAT(ErrorOfDeclaring([](Told& m) { m.effect("overfow"); }), HasSubstr("was not declared before"));
