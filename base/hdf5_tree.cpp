@@ -18,10 +18,10 @@
 namespace sinew {
 namespace {
 
-constexpr std::size_t kMostValues = std::size_t{1}
-                                    << 28;  // 2 GiB of doubles: beyond it a header is surely corrupt
+constexpr std::size_t kMaxValues = std::size_t{1}
+                                   << 28;  // 2 GiB of doubles: beyond it a header is surely corrupt
 // A byte holds at most so many values: deflate compresses no more than 1032 to 1, and a value has a byte.
-constexpr std::size_t kMostValuesPerByte = 1032;
+constexpr std::size_t kMaxValuesPerByte = 1032;
 constexpr std::size_t kSmallFile = 4096;    // [bytes] so that a dataset that was never written may be there
 constexpr std::size_t kValuesPerNode = 64;  // what a group or dataset itself counts for: its place in memory
 constexpr int kDeepest = 32;
@@ -77,7 +77,7 @@ Result<Extent> ReadExtent(hid_t space, const std::string& where) {
   Extent extent;
   std::size_t count = 1;
   for (const hsize_t size : sizes) {
-    if (size != 0 && count > kMostValues / size) return Fail("{}: more than {} values", where, kMostValues);
+    if (size != 0 && count > kMaxValues / size) return Fail("{}: more than {} values", where, kMaxValues);
     count *= size;
     extent.shape.push_back(size);
   }
@@ -101,7 +101,7 @@ Result<std::vector<std::string>> ReadTexts(hid_t stored_type, hid_t space, std::
     return texts;
   }
   const std::size_t size = H5Tget_size(stored_type);
-  if (size == 0 || size > kMostValues / count) return Fail("{}: its text cannot be read", where);
+  if (size == 0 || size > kMaxValues / count) return Fail("{}: its text cannot be read", where);
   std::vector<char> bytes(size * count);
   if (read(stored_type, bytes.data()) < 0) return Fail("{}: its text cannot be read", where);
   for (std::size_t i = 0; i < count; ++i) {
@@ -235,7 +235,7 @@ Result<Hdf5Node> ReadTree(const std::string& path) {
   if (!group) return Fail("{}: has no root group (damaged file)", path);
   hsize_t bytes = 0;
   if (H5Fget_filesize(file.get(), &bytes) < 0) return Fail("{}: its size cannot be read", path);
-  std::size_t room = std::min<std::size_t>(kMostValues, kMostValuesPerByte * (bytes + kSmallFile));
+  std::size_t room = std::min<std::size_t>(kMaxValues, kMaxValuesPerByte * (bytes + kSmallFile));
   Hdf5Node root;
   const Status status = ReadNode(group.get(), "/", 0, room, root);
   if (!status) return Fail("{}: {}", path, status.error().message);

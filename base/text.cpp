@@ -105,10 +105,10 @@ std::optional<std::string> ClosestName(std::string_view name, const std::vector<
 
 std::string Suggestion(std::string_view name, const std::vector<std::string>& candidates) {
   if (const auto closest = ClosestName(name, candidates)) return "; did you mean '" + *closest + "'?";
-  constexpr std::size_t kMostShown = 20;
+  constexpr std::size_t kMaxShown = 20;
   const std::vector<std::string> shown(candidates.begin(),
-                                       candidates.begin() + std::min(candidates.size(), kMostShown));
-  return "; expected one of " + Join(shown, ", ") + (candidates.size() > kMostShown ? ", ..." : "");
+                                       candidates.begin() + std::min(candidates.size(), kMaxShown));
+  return "; expected one of " + Join(shown, ", ") + (candidates.size() > kMaxShown ? ", ..." : "");
 }
 
 }  // namespace sinew

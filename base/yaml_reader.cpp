@@ -10,7 +10,7 @@
 namespace sinew {
 namespace {
 
-constexpr std::size_t kMostNested = 200;  // yaml-cpp recurses once per bracket
+constexpr std::size_t kMaxNested = 200;  // yaml-cpp recurses once per bracket
 
 // The deepest possible nesting of flow and block collections, without parsing.
 bool NestsTooDeep(const std::string& text) {
@@ -21,7 +21,7 @@ bool NestsTooDeep(const std::string& text) {
     if ((c == ']' || c == '}') && depth > 0) --depth;
     if (c == '\n') dashes = 0;
     if (c == '-' || c == '?') ++dashes;
-    if (depth > kMostNested || dashes > 10 * kMostNested) return true;
+    if (depth > kMaxNested || dashes > 10 * kMaxNested) return true;
   }
   return false;
 }
@@ -32,7 +32,7 @@ YamlReader::YamlReader(std::shared_ptr<const YAML::Node> node, std::string file,
     : node_(std::move(node)), file_(std::move(file)), path_(std::move(path)), line_(line) {}
 
 Result<YamlReader> YamlReader::Parse(const std::string& text, const std::string& file) {
-  if (NestsTooDeep(text)) return FailAt(file, 1, "nests deeper than {} levels", kMostNested);
+  if (NestsTooDeep(text)) return FailAt(file, 1, "nests deeper than {} levels", kMaxNested);
   try {
     YAML::Node node = YAML::Load(text);
     if (node.IsNull()) node = YAML::Node(YAML::NodeType::Map);

@@ -12,7 +12,7 @@ namespace sinew {
 namespace {
 
 // Every seed is a whole number in the run file, in JSON and in HDF5's readers.
-constexpr std::uint64_t kMostSeed = std::uint64_t{1} << 53;
+constexpr std::uint64_t kMaxSeed = std::uint64_t{1} << 53;
 
 // What is recorded, or predicted, in another file, in place of each trial's excitations.
 Status ReplaceExcitations(const std::string& path, Dataset& data) {
@@ -54,7 +54,7 @@ void FitOptions::AddChoiceTo(Command command) {
 
 void FitOptions::AddWorkTo(Command command) {
   command.Add("--seed", seed, "Seed of everything random")
-      .Between(std::uint64_t{0}, kMostSeed, "SEED")
+      .Between(std::uint64_t{0}, kMaxSeed, "SEED")
       .ShowsDefault();
   command.Add("--threads", threads, "Threads; the answer does not depend on it")
       .Between(1, 1024)

@@ -10,8 +10,8 @@
 #include <vector>
 
 #include "cli/command.h"
+#include "identify/files/run_file.h"
 #include "identify/fit_setup.h"
-#include "identify/results/run_file.h"
 #include "identify/solvers/solver.h"
 #include "problems/registry.h"
 

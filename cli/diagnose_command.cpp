@@ -7,8 +7,8 @@
 #include "cli/command.h"
 #include "cli/diagnosis_text.h"
 #include "cli/terminal.h"
-#include "identify/results/diagnosis_file.h"
-#include "identify/results/diagnosis_json.h"
+#include "identify/files/diagnosis_file.h"
+#include "identify/files/diagnosis_json.h"
 
 namespace sinew {
 namespace {
@@ -134,7 +134,7 @@ void AddDiagnoseCommand(Command app, const RunAction& run) {
   words->fit.AddChoiceTo(command);
   words->fit.AddWorkTo(command);
   command.Add("--from", words->from, "Start the base fit from the answer of a run file").Shows("RUN.h5");
-  command.Add("--solver", words->solver, "Of the base fit; `hop` where local minima trap others")
+  command.Add("--solver", words->solver, "Of the base fit; `basin-hopping` where local minima trap others")
       .ShowsDefault()
       .Shows("S");
   command.Add("--out", words->out, "Diagnosis file to write (docs/run_file.md)").Required().Shows("DIAG.h5");

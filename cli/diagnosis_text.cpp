@@ -7,13 +7,13 @@
 #include "base/numbers.h"
 #include "base/text.h"
 #include "cli/terminal.h"
-#include "identify/results/diagnosis_json.h"
+#include "identify/files/diagnosis_json.h"
 
 namespace sinew {
 namespace {
 
-constexpr int kWidth = 100;           // columns
-constexpr std::size_t kMostRows = 8;  // of a list that goes on in the JSON and the report
+constexpr int kWidth = 100;          // columns
+constexpr std::size_t kMaxRows = 8;  // of a list that goes on in the JSON and the report
 
 std::string WithUnit(double value, const std::string& unit, int digits = 3) {
   return Readable(value, digits) + (unit == "1" || unit.empty() ? "" : " " + unit);
@@ -107,9 +107,9 @@ std::string HowSure(const Diagnosis& d) {
 
 // "a, b, c and 4 more"
 std::string Some(const std::vector<std::string>& parts) {
-  if (parts.size() <= kMostRows) return Join(parts, "; ");
-  return Join({parts.begin(), parts.begin() + kMostRows}, "; ") +
-         fmt::format("; and {} more", parts.size() - kMostRows);
+  if (parts.size() <= kMaxRows) return Join(parts, "; ");
+  return Join({parts.begin(), parts.begin() + kMaxRows}, "; ") +
+         fmt::format("; and {} more", parts.size() - kMaxRows);
 }
 
 std::string RuledOut(const Diagnosis& d) {

@@ -8,8 +8,8 @@
 #include "cli/binding.h"
 #include "cli/command.h"
 #include "cli/terminal.h"
-#include "identify/results/identification.h"
-#include "identify/results/stepwise.h"
+#include "identify/identification/identification.h"
+#include "identify/identification/stepwise.h"
 
 namespace sinew {
 namespace {

@@ -21,7 +21,7 @@ void Print(const std::string& text) {
 
 std::string ListProblems(const Program& program) {
   std::vector<std::vector<std::string>> rows;
-  for (const ProblemEntry& entry : program.problems) rows.push_back({entry.name, entry.says});
+  for (const ProblemEntry& entry : program.problems) rows.push_back({entry.name, entry.description});
   return Table(rows, 0);
 }
 
@@ -36,7 +36,7 @@ std::string ListSolvers() {
 
 std::string ListIntegrators() {
   std::vector<std::vector<std::string>> rows{{"integrator", "description"}};
-  for (const IntegratorEntry& entry : IntegratorRegistry()) rows.push_back({entry.name, entry.says});
+  for (const IntegratorEntry& entry : IntegratorRegistry()) rows.push_back({entry.name, entry.description});
   return Table(rows, 0) + "What uses them: sinew mbs.\n";
 }
 
@@ -76,7 +76,7 @@ Result<std::string> ListParameters(const Program& program, const ProblemEntry& e
   std::string text =
       ParameterTable(entry.parameters()) + "\nsinew data synthesize " + entry.name + " --set takes:\n";
   std::vector<std::vector<std::string>> settings;
-  for (const auto& [name, says] : entry.experiment()) settings.push_back({name, says});
+  for (const auto& [name, description] : entry.experiment()) settings.push_back({name, description});
   return text + Table(settings, 2);
 }
 
@@ -100,14 +100,15 @@ std::string DescribeEffects(const Problem& problem) {
       continue;
     }
     text += fmt::format("{}  [{}]\n", effect.name, ToString(effect.level));
-    text += Wrapped(effect.says, 2);
+    text += Wrapped(effect.description, 2);
     text += Wrapped("null: " + Nulls(problem, effect), 2);
-    if (!effect.exposed_by.empty()) text += Wrapped("exposed by: " + effect.exposed_by, 2);
+    if (!effect.revealing_experiment.empty())
+      text += Wrapped("exposed by: " + effect.revealing_experiment, 2);
   }
   if (!of_one_trial.empty()) text += Wrapped("Of one trial alone: " + of_one_trial, 0);
   std::vector<std::string> terms;
-  for (const Port& port : problem.ports()) {
-    for (const UnknownTerm& term : port.terms) terms.push_back(term.name);
+  for (const DiscrepancyPort& port : problem.ports()) {
+    for (const DiscrepancyTerm& term : port.terms) terms.push_back(term.name);
   }
   if (!terms.empty()) text += Wrapped("Unknown terms: " + Join(terms, ", "), 0);
   return text;

@@ -12,7 +12,8 @@ install(TARGETS sinew_program RUNTIME DESTINATION ${CMAKE_INSTALL_BINDIR})
 install(DIRECTORY ${PROJECT_SOURCE_DIR}/cli/report DESTINATION ${CMAKE_INSTALL_DATADIR}/sinew
         FILES_MATCHING PATTERN "*.py" PATTERN "*.j2" PATTERN "__pycache__" EXCLUDE)
 
-install(TARGETS sinew_compiler sinew_base sinew_datasets sinew_models sinew_identify sinew_problems sinew_cli EXPORT sinewTargets
+get_property(libraries GLOBAL PROPERTY SINEW_LIBRARIES)
+install(TARGETS sinew_compiler ${libraries} EXPORT sinewTargets
         ARCHIVE DESTINATION ${CMAKE_INSTALL_LIBDIR})
 install(EXPORT sinewTargets NAMESPACE sinew:: DESTINATION ${CMAKE_INSTALL_LIBDIR}/cmake/sinew)
 configure_package_config_file(${CMAKE_CURRENT_LIST_DIR}/sinewConfig.cmake.in ${PROJECT_BINARY_DIR}/sinewConfig.cmake

@@ -23,8 +23,8 @@ std::string Place(const Block& block, Eigen::Index row) {
 
 Status CheckTerms(const Problem& problem) {
   const auto parameters = static_cast<int>(problem.parameters().size());
-  for (const Port& port : problem.ports()) {
-    for (const UnknownTerm& term : port.terms) {
+  for (const DiscrepancyPort& port : problem.ports()) {
+    for (const DiscrepancyTerm& term : port.terms) {
       if (term.knots.size() != term.parameters.size() || term.knots.empty())
         return Fail("term '{}': {} knots but {} weights", term.name, term.knots.size(),
                     term.parameters.size());
@@ -101,7 +101,7 @@ Status CheckAt(const Problem& problem, const DerivativeQuery& query, bool refuse
     return Fail("no prediction at the start values: {}", status.error().message);
   }
   SINEW_TRY(CheckFinite(problem, query, prediction));
-  if (problem.cost_grain() > kSmoothEnough) return {};
+  if (problem.cost_noise_level() > kSmoothEnough) return {};
   SINEW_ASSIGN(const bool agrees, DirectionsAgree(problem, query, kWrong));
   if (agrees) return {};
   JacobianReport report;

@@ -19,16 +19,16 @@ enum class Level { kHuman, kRobot, kBoundary, kSensor };
 struct Effect {
   std::string name;
   Level level = Level::kSensor;
-  std::string says;             ///< the cause as a sentence: "the force plate reads too much by a constant"
-  std::string exposed_by;       ///< the experiment that would show it
-  std::vector<int> parameters;  ///< indices into Problem::parameters()
-  std::string trial = {};       ///< the trial that alone shows it; empty: all of them (the default)
+  std::string description;  ///< the cause as a sentence: "the force plate reads too much by a constant"
+  std::string revealing_experiment;  ///< the experiment that would show it
+  std::vector<int> parameters;       ///< indices into Problem::parameters()
+  std::string trial = {};            ///< the trial that alone shows it; empty: all of them (the default)
 };
 
 /// A smooth function of one signal that may be added at a port: sum of weights times linear hats over the
 /// knots, constant beyond the outer ones. The weights are parameters (kEffect, null 0) whose `effect` is this
 /// term's name, so that a term is scored, released and refitted like any effect.
-struct UnknownTerm {
+struct DiscrepancyTerm {
   std::string name;    ///< PORT(SIGNAL), such as torque(position)
   std::string signal;  ///< position, velocity, command, time, ...
   std::string signal_unit;
@@ -38,21 +38,21 @@ struct UnknownTerm {
 
 /// A place where something that nobody thought of may enter (a joint torque, the output itself), and what it
 /// may depend on there.
-struct Port {
+struct DiscrepancyPort {
   std::string name;
   std::string unit;
   std::string meaning;
-  std::vector<UnknownTerm> terms;  ///< one per signal
+  std::vector<DiscrepancyTerm> terms;  ///< one per signal
 };
 
 /// Values of the hats over `knots` at x: at most two are not zero.
-struct Hats {
+struct LinearBasis {
   int first = 0;          ///< index of the left one
   double left = 1;        ///< value of hat `first`
   double right = 0;       ///< value of hat `first` + 1
   double left_slope = 0;  ///< d/dx of `left`; that of `right` is its negative
 };
-[[nodiscard]] Hats HatsAt(const std::vector<double>& knots, double x);
+[[nodiscard]] LinearBasis LinearBasisAt(const std::vector<double>& knots, double x);
 
 /// g(theta) = offset + coefficients * theta <= 0, linear in the parameters.
 struct Constraint {

@@ -16,8 +16,8 @@ Result<std::vector<int>> ParametersOf(const Problem& problem, const std::string&
     if (effect.name == name) return effect.parameters;
     names.push_back(effect.name);
   }
-  for (const Port& port : problem.ports()) {
-    for (const UnknownTerm& term : port.terms) {
+  for (const DiscrepancyPort& port : problem.ports()) {
+    for (const DiscrepancyTerm& term : port.terms) {
       if (term.name == name) return term.parameters;
       names.push_back(term.name);
     }

@@ -18,20 +18,20 @@ const char* ToString(Level level) {
   return "?";
 }
 
-Hats HatsAt(const std::vector<double>& knots, double x) {
-  Hats hats;
-  if (x <= knots.front()) return hats;
+LinearBasis LinearBasisAt(const std::vector<double>& knots, double x) {
+  LinearBasis basis;
+  if (x <= knots.front()) return basis;
   if (x >= knots.back()) {
-    hats.first = static_cast<int>(knots.size()) - 1;
-    return hats;
+    basis.first = static_cast<int>(knots.size()) - 1;
+    return basis;
   }
   const auto after = std::upper_bound(knots.begin(), knots.end(), x);
   const double width = *after - *(after - 1);
-  hats.first = static_cast<int>(after - knots.begin()) - 1;
-  hats.right = (x - *(after - 1)) / width;
-  hats.left = 1 - hats.right;
-  hats.left_slope = -1 / width;
-  return hats;
+  basis.first = static_cast<int>(after - knots.begin()) - 1;
+  basis.right = (x - *(after - 1)) / width;
+  basis.left = 1 - basis.right;
+  basis.left_slope = -1 / width;
+  return basis;
 }
 
 const std::vector<Effect>& Problem::effects() const {
@@ -39,8 +39,8 @@ const std::vector<Effect>& Problem::effects() const {
   return kNone;
 }
 
-const std::vector<Port>& Problem::ports() const {
-  static const std::vector<Port> kNone;
+const std::vector<DiscrepancyPort>& Problem::ports() const {
+  static const std::vector<DiscrepancyPort> kNone;
   return kNone;
 }
 
@@ -54,15 +54,15 @@ const std::vector<FitStep>& Problem::steps() const {
   return kNone;
 }
 
-std::vector<std::string> Problem::RemarksAt(const Vector& /*parameters*/) const {
+std::vector<std::string> Problem::WarningsAt(const Vector& /*parameters*/) const {
   return {};
 }
 
-Status Problem::Describe(const Vector& /*parameters*/, Hdf5Node& /*details*/) const {
+Status Problem::WriteDetails(const Vector& /*parameters*/, Hdf5Node& /*details*/) const {
   return {};
 }
 
-std::vector<Problem::Signal> Problem::SignalsOf(int /*block*/) const {
+std::vector<Problem::Signal> Problem::ResidualCovariates(int /*block*/) const {
   return {};
 }
 

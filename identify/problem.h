@@ -52,7 +52,7 @@ class Problem {
   /// Groups of parameters that can be released, see Effect.
   [[nodiscard]] virtual const std::vector<Effect>& effects() const;
   /// Places where an unknown term may enter, and the terms that may, see Port.
-  [[nodiscard]] virtual const std::vector<Port>& ports() const;
+  [[nodiscard]] virtual const std::vector<DiscrepancyPort>& ports() const;
   /// Inequality constraints g(theta) <= 0, see Constraint.
   [[nodiscard]] virtual const std::vector<Constraint>& constraints() const;
 
@@ -78,15 +78,15 @@ class Problem {
   /// Share of the cost that a small change of the parameters may add to it or take from it by chance: a
   /// prediction that searches or integrates in steps is no smoother than these. Searches and profiles look no
   /// closer. 0: smooth to rounding.
-  [[nodiscard]] virtual double cost_grain() const { return 0; }
+  [[nodiscard]] virtual double cost_noise_level() const { return 0; }
 
   /// Adds what only this problem has to show (pressures under a sole, muscle forces) at these parameters to a
   /// run file.
-  virtual Status Describe(const Vector& parameters, Hdf5Node& details) const;
+  virtual Status WriteDetails(const Vector& parameters, Hdf5Node& details) const;
 
   /// What a person should know about the model at these parameters, in sentences: a muscle that works where
   /// none can.
-  [[nodiscard]] virtual std::vector<std::string> RemarksAt(const Vector& parameters) const;
+  [[nodiscard]] virtual std::vector<std::string> WarningsAt(const Vector& parameters) const;
 
   /// Signals that a residual of block b may be looked at against, besides time: measured channels and inputs
   /// of its trial, at the block's samples.
@@ -95,7 +95,7 @@ class Problem {
     std::string unit;
     std::vector<double> values;  ///< [N of the block]
   };
-  [[nodiscard]] virtual std::vector<Signal> SignalsOf(int block) const;
+  [[nodiscard]] virtual std::vector<Signal> ResidualCovariates(int block) const;
 };
 
 /// Every parameter at rest: starts, and effects at their null.

@@ -21,18 +21,20 @@ class RoleView final : public Problem {
   [[nodiscard]] const std::vector<Parameter>& parameters() const override { return inner_.parameters(); }
   [[nodiscard]] const Layout& layout() const override { return layout_; }
   [[nodiscard]] const std::vector<Effect>& effects() const override { return inner_.effects(); }
-  [[nodiscard]] const std::vector<Port>& ports() const override { return inner_.ports(); }
+  [[nodiscard]] const std::vector<DiscrepancyPort>& ports() const override { return inner_.ports(); }
   [[nodiscard]] const std::vector<Constraint>& constraints() const override { return inner_.constraints(); }
   [[nodiscard]] const std::vector<FitStep>& steps() const override { return inner_.steps(); }
   [[nodiscard]] std::unique_ptr<Workspace> NewWorkspace() const override { return inner_.NewWorkspace(); }
-  [[nodiscard]] double cost_grain() const override { return inner_.cost_grain(); }
+  [[nodiscard]] double cost_noise_level() const override { return inner_.cost_noise_level(); }
   [[nodiscard]] std::string objective() const override { return inner_.objective(); }
-  [[nodiscard]] std::vector<std::string> RemarksAt(const Vector& parameters) const override {
-    return inner_.RemarksAt(parameters);
+  [[nodiscard]] std::vector<std::string> WarningsAt(const Vector& parameters) const override {
+    return inner_.WarningsAt(parameters);
   }
-  [[nodiscard]] std::vector<Signal> SignalsOf(int block) const override { return inner_.SignalsOf(block); }
-  Status Describe(const Vector& parameters, Hdf5Node& details) const override {
-    return inner_.Describe(parameters, details);
+  [[nodiscard]] std::vector<Signal> ResidualCovariates(int block) const override {
+    return inner_.ResidualCovariates(block);
+  }
+  Status WriteDetails(const Vector& parameters, Hdf5Node& details) const override {
+    return inner_.WriteDetails(parameters, details);
   }
   Status Predict(const Query& query, Workspace& workspace, Prediction& prediction) const override {
     return inner_.Predict(query, workspace, prediction);

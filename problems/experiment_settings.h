@@ -24,7 +24,7 @@ struct ExperimentSetting {
   double value;
   double lower;
   double upper;
-  const char* says;
+  const char* description;
 };
 
 /// Errors: no such setting (with a suggestion), or a value out of its range.
@@ -73,7 +73,7 @@ std::vector<std::pair<std::string, std::string>> DescribeSettings(const Setting 
   std::vector<std::pair<std::string, std::string>> described;
   for (const Setting& setting : settings) {
     described.emplace_back(setting.name,
-                           fmt::format("{} (default {})", setting.says, Readable(setting.value)));
+                           fmt::format("{} (default {})", setting.description, Readable(setting.value)));
   }
   return described;
 }

@@ -70,14 +70,14 @@ Result<BoundProblem> Bind(const Dataset& data, const YamlReader& settings, bool 
 
 }  // namespace own_model
 
-/// A user's class in a list of problems. @param says one line for `list problems`
+/// A user's class in a list of problems. @param description one line for `list problems`
 /// It has no synthetic experiment of its own: `data synthesize` refuses it, and `list parameters` asks for
 /// data.
 template <class P>
-ProblemEntry ModelEntry(std::string name, std::string says = "a model of one's own") {
+ProblemEntry ModelEntry(std::string name, std::string description = "a model of one's own") {
   ProblemEntry entry{};
   entry.name = std::move(name);
-  entry.says = std::move(says);
+  entry.description = std::move(description);
   entry.bind = own_model::Bind<P>;
   entry.settings_optional = true;
   return entry;

@@ -33,8 +33,8 @@ struct SynthesisRequest {
 /// What a problem of somebody else's lacks is nullptr: `synthesize`, `parameters`, `experiment`.
 struct ProblemEntry {
   std::string name;
-  std::string says;      ///< one line for `sinew list problems`
-  std::string channels;  ///< text for `sinew list channels`
+  std::string description;  ///< one line for `sinew list problems`
+  std::string channels;     ///< text for `sinew list channels`
   /// @param settings the document of --config, or of the data set's file NAME.yaml.
   Result<BoundProblem> (*bind)(const Dataset& data, const YamlReader& settings, bool with_sensor_effects);
   Result<Dataset> (*synthesize)(const SynthesisRequest& request);

@@ -138,7 +138,7 @@ Result<std::vector<Hidden>> Hide(const Options& options, const Oracle& oracle, c
   const std::size_t wanted = options.kind == "none" ? 0 : options.kind == "pair" ? 2 : 1;
   const auto& names = options.kind == "outsider" ? OutsiderNames() : LibraryEffects();
   Random random = StreamOf(options, kChoice);
-  constexpr int kMostTries = 50;
+  constexpr int kMaxTries = 50;
   for (int tries = 0; hidden.size() < wanted; ++tries) {
     const bool named = hidden.size() < options.effects.size();
     const std::string name = named ? options.effects[hidden.size()] : names[random.Index(names.size())];
@@ -146,7 +146,7 @@ Result<std::vector<Hidden>> Hide(const Options& options, const Oracle& oracle, c
     SINEW_ASSIGN(auto one, TryToHide(options, oracle, plan, name, random));
     if (one) {
       hidden.push_back(std::move(*one));
-    } else if (named || tries > kMostTries) {
+    } else if (named || tries > kMaxTries) {
       return Fail("{} cannot have a size of {} in this experiment", name, options.size);
     }
   }

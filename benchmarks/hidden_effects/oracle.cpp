@@ -104,12 +104,12 @@ Vector Oracle::Noise() const {
 }
 
 Result<std::optional<double>> Oracle::Amplitude(const HiddenEffect& effect, double norm) const {
-  constexpr int kMostSteps = 30;
+  constexpr int kMaxSteps = 30;
   constexpr double kTolerance = 0.01;
   double amplitude = std::min(effect.guess, effect.most);
   double below = 0;
   double above = 0;  // 0: none known yet
-  for (int step = 0; step < kMostSteps; ++step) {
+  for (int step = 0; step < kMaxSteps; ++step) {
     DriveTruth truth = plan_.truth;
     effect.apply(amplitude, truth);
     SINEW_ASSIGN(const Vector signature, Signature(truth));

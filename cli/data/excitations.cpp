@@ -12,7 +12,7 @@ namespace sinew {
 namespace {
 
 constexpr const char* kGridName = "excitations";
-constexpr double kMostFoldedBack = 0.01;
+constexpr double kMaxFoldedBack = 0.01;
 // Surface EMG has nearly all of its power below 400..500 Hz (De Luca 1997, J. Appl. Biomech. 13, 135).
 constexpr double kUsualRate_Hz = 800;
 
@@ -71,9 +71,9 @@ class Excitations {
     if (!(settings_.rate_Hz > 0) || !std::isfinite(settings_.rate_Hz))
       return Fail("rate {} Hz: expected 0 or more", settings_.rate_Hz);
     const double left = LowPassAmplitude(settings_.envelope, settings_.rate_Hz / 2);
-    if (left <= kMostFoldedBack) return {};
-    const double enough = 2 * settings_.envelope.low_pass_Hz *
-                          std::pow(1 / kMostFoldedBack - 1, 1.0 / settings_.envelope.order);
+    if (left <= kMaxFoldedBack) return {};
+    const double enough =
+        2 * settings_.envelope.low_pass_Hz * std::pow(1 / kMaxFoldedBack - 1, 1.0 / settings_.envelope.order);
     return Fail("a rate of {} Hz is too low for an envelope low-passed at {} Hz, expected at least {:.4g} Hz",
                 settings_.rate_Hz, settings_.envelope.low_pass_Hz, std::ceil(enough));
   }

@@ -86,13 +86,13 @@ std::string InfoText(const std::string& path, const Dataset& data) {
       const GridFacts facts = FactsOf(grid);
       std::vector<std::string> names;
       for (const auto& [channel, unused] : grid.channels) names.push_back(channel);
-      constexpr std::size_t kMostShown = 4;
+      constexpr std::size_t kMaxShown = 4;
       const std::size_t all = names.size();
-      if (all > kMostShown) names.resize(kMostShown);
+      if (all > kMaxShown) names.resize(kMaxShown);
       rows.push_back({name, ToWord(trial.role), grid_name, std::to_string(facts.samples),
                       Readable(facts.first, 4), Readable(facts.last, 4), Readable(facts.rate, 4),
                       std::to_string(facts.gaps),
-                      Join(names, " ") + (all > kMostShown ? fmt::format(" ... ({} in all)", all) : "")});
+                      Join(names, " ") + (all > kMaxShown ? fmt::format(" ... ({} in all)", all) : "")});
     }
   }
   return text + Table(rows, 2);

@@ -34,8 +34,8 @@ int DecimalPlaces(std::string_view number) {
     const auto last = digits.find_last_not_of('0');
     places = static_cast<long>(last - point);  // 0 when only the point is left
   }
-  constexpr long kMost = 400;  // beyond what a double can tell apart
-  return static_cast<int>(std::clamp(places - std::clamp(exponent, -kMost, kMost), 0L, kMost));
+  constexpr long kMaximum = 400;  // beyond what a double can tell apart
+  return static_cast<int>(std::clamp(places - std::clamp(exponent, -kMaximum, kMaximum), 0L, kMaximum));
 }
 
 std::string Quoted(std::string_view text) {

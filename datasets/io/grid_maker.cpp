@@ -54,9 +54,9 @@ Status AddChannel(const std::string& path, const std::string& name, Channel chan
 }
 
 std::string Listed(const std::vector<std::string>& names) {
-  constexpr std::size_t kMost = 6;
-  const std::vector<std::string> first(names.begin(), names.begin() + std::min(names.size(), kMost));
-  return Join(first, ", ") + (names.size() > kMost ? fmt::format(", ... ({})", names.size()) : "");
+  constexpr std::size_t kMaximum = 6;
+  const std::vector<std::string> first(names.begin(), names.begin() + std::min(names.size(), kMaximum));
+  return Join(first, ", ") + (names.size() > kMaximum ? fmt::format(", ... ({})", names.size()) : "");
 }
 
 std::string GridName(StorageContent content, const std::string& path) {
@@ -232,8 +232,8 @@ Result<std::vector<double>> GridMaker::TimesOf(const std::string& path, const Cs
   PrintedTimes printed;
   printed.lines = table.lines;
   for (const double value : time->values) printed.time_s.push_back(value * mapped.factor);
-  constexpr int kMostDecimals = 12;  // more digits than that: computed times, not rounded ones
-  if (time->decimals <= kMostDecimals) printed.last_digit_s = std::pow(10.0, -time->decimals) * mapped.factor;
+  constexpr int kMaxDecimals = 12;  // more digits than that: computed times, not rounded ones
+  if (time->decimals <= kMaxDecimals) printed.last_digit_s = std::pow(10.0, -time->decimals) * mapped.factor;
   return UsableTimes(path, printed, notes_);
 }
 

@@ -20,8 +20,8 @@ class RoundedTimes {
 
   // Nothing if the times need no rebuilding, or no uniform grid explains them.
   [[nodiscard]] std::optional<UniformGrid> FindGrid() const {
-    constexpr std::size_t kFewest = 3;
-    if (size() < kFewest || !(unit_ > 0) || !StepsLookRounded()) return std::nullopt;
+    constexpr std::size_t kMinimum = 3;
+    if (size() < kMinimum || !(unit_ > 0) || !StepsLookRounded()) return std::nullopt;
     if (printed_.rate_Hz) {
       if (const auto grid = GridOfRate(*printed_.rate_Hz, unit_)) return grid;
     }
@@ -66,8 +66,8 @@ class RoundedTimes {
       longest = std::max(longest, step / unit_);
     }
     constexpr double kSameStep = 0.01;
-    constexpr double kMostRoundingChanges = 2;
-    if (shortest < 0 || longest - shortest < kSameStep || longest - shortest > kMostRoundingChanges)
+    constexpr double kMaxRoundingChanges = 2;
+    if (shortest < 0 || longest - shortest < kSameStep || longest - shortest > kMaxRoundingChanges)
       return false;
 
     const double mean =

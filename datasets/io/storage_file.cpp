@@ -173,8 +173,8 @@ class StorageParser {
                     "the file ends after {} rows, the header announces {} rows (line {})", RowCount(),
                     header_.rows->count, header_.rows->line);
     }
-    constexpr int kMostDecimals = 12;  // more digits than that: computed times, not rounded ones
-    if (decimals <= kMostDecimals) printed_.last_digit_s = std::pow(10.0, -decimals);
+    constexpr int kMaxDecimals = 12;  // more digits than that: computed times, not rounded ones
+    if (decimals <= kMaxDecimals) printed_.last_digit_s = std::pow(10.0, -decimals);
     return {};
   }
 

@@ -141,8 +141,8 @@ class TrcParser {
                     "the file ends after {} frames, the header announces {} (line {})", FrameCount(),
                     frame_count_, header_line_);
     }
-    constexpr int kMostDecimals = 12;  // more digits than that: computed times, not rounded ones
-    if (decimals <= kMostDecimals) printed_.last_digit_s = std::pow(10.0, -decimals);
+    constexpr int kMaxDecimals = 12;  // more digits than that: computed times, not rounded ones
+    if (decimals <= kMaxDecimals) printed_.last_digit_s = std::pow(10.0, -decimals);
     return {};
   }
 

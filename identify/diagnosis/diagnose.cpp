@@ -7,26 +7,27 @@
 
 #include "base/text.h"
 #include "identify/check_problem.h"
-#include "identify/diagnosis/discovery.h"
+#include "identify/diagnosis/discover/discovery.h"
+#include "identify/diagnosis/discover/structure.h"
 #include "identify/diagnosis/examination.h"
-#include "identify/diagnosis/gross_search.h"
-#include "identify/diagnosis/rounding.h"
-#include "identify/diagnosis/structure.h"
+#include "identify/diagnosis/held_out_validation.h"
+#include "identify/diagnosis/score/quantised_channels.h"
+#include "identify/diagnosis/select/cross_validated_search.h"
 #include "identify/diagnosis/tabulation.h"
-#include "identify/diagnosis/withdrawal.h"
 #include "identify/diagnosis/wording.h"
-#include "identify/results/concentration.h"
-#include "identify/results/held_out.h"
+#include "identify/error_concentration.h"
+#include "identify/solvers/held_out_nuisance.h"
 
 namespace sinew {
+namespace diagnosis {
 namespace {
 
 // A base fit that needs more of them has no minimum to speak of (it takes 10 to 200, 650 in a narrow valley).
 constexpr long kBaseEvaluations = 2000;
-constexpr long kMostEvaluations = 200000;  // of another solver, which ends by its own rules
+constexpr long kMaxEvaluations = 200000;  // of another solver, which ends by its own rules
 // Of the variance of what was measured: a base model that explains less of it, and leaves the rest as
 // innovations, tells nothing from noise.
-constexpr double kLeastExplained = 0.1;
+constexpr double kMinExplained = 0.1;
 
 Status CheckThatDataSuffice(const Problem& problem, const FitSetup& setup) {
   int rows = 0;
@@ -42,7 +43,7 @@ Status CheckThatDataSuffice(const Problem& problem, const FitSetup& setup) {
 
 // Share of the variance of what was measured, about the mean of each training block, that is not innovations:
 // of the channel where it is largest, since one that says something is enough.
-double ShareThatIsNotNoise(const Problem& problem, const LeastSquares& fit, const NoiseModel& noise) {
+double ShareThatIsNotNoise(const Problem& problem, const LeastSquares& fit, const noise::NoiseModel& noise) {
   std::vector<double> variance(noise.channels.size(), 0);
   std::vector<double> innovations(noise.channels.size(), 0);
   for (std::size_t t = 0; t < fit.train_blocks().size(); ++t) {
@@ -70,7 +71,7 @@ class Diagnostician {
     SINEW_TRY(CheckThatDataSuffice(problem_, setup));
     out_.setup = std::move(setup);
     e_.candidates = ListCandidates(problem_, out_.setup);
-    RemoveRoundings(problem_, e_.candidates);
+    RemoveQuantisation(problem_, e_.candidates);
     Say("fitting the base model");
     SINEW_ASSIGN(const bool fitted, FitBase());
     if (fitted) SINEW_TRY(Investigate());
@@ -93,7 +94,7 @@ class Diagnostician {
     Evaluator::Options gate;
     gate.interrupt = options_.interrupt;
     gate.budget.max_evaluations =
-        options_.solver == DiagnosisOptions{}.solver ? kBaseEvaluations : kMostEvaluations;
+        options_.solver == DiagnosisOptions{}.solver ? kBaseEvaluations : kMaxEvaluations;
     Evaluator evaluator(fit, gate);
     out_.base = solver->Solve(evaluator, fit.Start());
     out_.base_point = fit.Parameters(out_.base.x);
@@ -119,7 +120,7 @@ class Diagnostician {
     SINEW_TRY(Continue());
     if (!base.usable()) return Fail("the base model: {}", base.failure);
     const double share = ShareThatIsNotNoise(problem_, LeastSquares(problem_, *base.setup), base.noise);
-    if (share < kLeastExplained) {
+    if (share < kMinExplained) {
       ConcludeNothing(
           "what the base model leaves is about as large as what was measured, and varies from one "
           "sample to the next as noise does",
@@ -127,7 +128,7 @@ class Diagnostician {
           "more, or give the base model better starts.");
       return MeasureGain(base.noise);
     }
-    if (base.swallowed) {
+    if (base.noise_absorbs_misfit) {
       e_.refitter->TakeErrorsForIndependent();
       out_.warnings.push_back(
           "the residual is so large and smooth that a noise model would take the model's place: errors of "
@@ -136,7 +137,7 @@ class Diagnostician {
     out_.base_point = base.point;
     Say("scoring the library");
     SINEW_ASSIGN(e_.base,
-                 StandAt(problem_, e_.candidates, std::move(base), options_.alarm_level, options_.seed));
+                 ScoreModel(problem_, e_.candidates, std::move(base), options_.alarm_level, options_.seed));
     SINEW_TRY(DescribeResidual());
     if (e_.held_out.exists()) {
       SINEW_ASSIGN(const auto residuals, e_.held_out.Residuals(e_.base.refit.point));
@@ -146,7 +147,7 @@ class Diagnostician {
     SINEW_ASSIGN(e_.selection, Select(problem_, *e_.refitter, e_.candidates, e_.base, options_));
     SINEW_TRY(Continue());
     if (e_.held_out.exists() && !e_.selection.causes.empty()) {
-      SINEW_ASSIGN(out_.withdrawn, AskHeldOutTrials(e_));
+      SINEW_ASSIGN(out_.withdrawn, RejectUnsupportedCauses(e_));
     }
     out_.extended_point = e_.selection.model.point;
     SINEW_TRY(Tabulate(e_, out_));
@@ -178,7 +179,7 @@ class Diagnostician {
   }
 
   // Step 6, second half. @param noise of the extended model
-  Status MeasureGain(const NoiseModel& noise) {
+  Status MeasureGain(const noise::NoiseModel& noise) {
     SINEW_ASSIGN(out_.base_point, FitHeldOutNuisance(problem_, out_.base_point));
     SINEW_ASSIGN(out_.extended_point, FitHeldOutNuisance(problem_, out_.extended_point));
     SINEW_ASSIGN(const FullPrediction base, PredictAll(problem_, out_.base_point));
@@ -193,7 +194,7 @@ class Diagnostician {
     for (std::string& sentence :
          DescribeConcentrations(FindConcentrations(problem_.layout(), extended.values)))
       out_.warnings.push_back(std::move(sentence));
-    for (std::string& remark : problem_.RemarksAt(out_.extended_point))
+    for (std::string& remark : problem_.WarningsAt(out_.extended_point))
       out_.warnings.push_back(std::move(remark));
     out_.base_fit = base.pooled;
     out_.extended_fit = extended.pooled;
@@ -230,8 +231,8 @@ class Diagnostician {
     return residual;
   }
 
-  void ReportNoise(const NoiseModel& noise) {
-    for (const ChannelNoiseModel& model : noise.channels) {
+  void ReportNoise(const noise::NoiseModel& noise) {
+    for (const noise::ChannelNoiseModel& model : noise.channels) {
       NoiseFloor floor;
       floor.channel = model.channel;
       double squares = 0;
@@ -256,8 +257,8 @@ class Diagnostician {
 
   void Conclude() {
     const Selection& selection = e_.selection;
-    out_.wanders = !selection.alarm && IsGross(e_.base.refit.noise);
-    if (out_.wanders) {
+    out_.strongly_autocorrelated = !selection.alarm && MisfitDominatesNoise(e_.base.refit.noise);
+    if (out_.strongly_autocorrelated) {
       out_.verdict = DiagnosisVerdict::kUnexplained;
     } else if (!selection.alarm) {
       out_.verdict = DiagnosisVerdict::kAdequate;
@@ -269,7 +270,7 @@ class Diagnostician {
       out_.verdict = alone ? DiagnosisVerdict::kExplained : DiagnosisVerdict::kAmbiguous;
     }
     out_.family_p_value = selection.family_p_value;
-    if (selection.gross) {
+    if (selection.cross_validated) {
       out_.left_out = selection.left_out;
       const std::size_t all = TrainingTrials(problem_).size();
       const std::string some = fmt::format(" ({} of {} trials were searched)", selection.searched, all);
@@ -292,6 +293,7 @@ class Diagnostician {
 };
 
 }  // namespace
+}  // namespace diagnosis
 
 const char* ToString(DiagnosisVerdict verdict) {
   switch (verdict) {
@@ -320,7 +322,7 @@ const char* ToString(UnknownKind kind) {
 }
 
 Result<Diagnosis> Diagnose(const Problem& problem, FitSetup setup, const DiagnosisOptions& options) {
-  return Diagnostician(problem, options).Run(std::move(setup));
+  return diagnosis::Diagnostician(problem, options).Run(std::move(setup));
 }
 
 }  // namespace sinew

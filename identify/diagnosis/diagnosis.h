@@ -10,11 +10,11 @@
 #include <vector>
 
 #include "base/error.h"
-#include "identify/diagnosis/noise_model.h"
 #include "identify/effect.h"
+#include "identify/fit_quality.h"
 #include "identify/fit_setup.h"
+#include "identify/noise/noise_model.h"
 #include "identify/problem.h"
-#include "identify/results/fit_quality.h"
 #include "identify/solvers/solver.h"
 
 namespace sinew {
@@ -194,7 +194,8 @@ struct Diagnosis {
   std::vector<Structure> structure;  ///< strongest first
   double threshold = 0;              ///< on |t| of a single known effect, at the family-wise level
   double family_p_value = 1;         ///< of the strongest alarm
-  bool wanders = false;  ///< no alarm, but the residual wanders as noise of instruments rarely does
+  bool strongly_autocorrelated =
+      false;  ///< no alarm, but the residual wanders as noise of instruments rarely does
 
   /// Trials that were left out of the fit in turn, if causes had to be chosen by what they
   /// predict there, since what is wrong dwarfs the noise.

@@ -8,9 +8,9 @@
 
 #include "identify/diagnosis/diagnosis.h"
 #include "identify/diagnosis/held_out_gain.h"
-#include "identify/diagnosis/selection.h"
+#include "identify/diagnosis/select/selection.h"
 
-namespace sinew {
+namespace sinew::diagnosis {
 
 struct Examination {
   Examination(const Problem& of, const DiagnosisOptions& how) : problem(of), options(how), held_out(of) {}
@@ -20,7 +20,7 @@ struct Examination {
   HeldOut held_out;
   std::vector<Candidate> candidates;
   std::unique_ptr<Refitter> refitter;
-  Standing base;
+  ScoredModel base;
   Selection selection;
   /// Weighted residuals [block of the layout -> samples] of the extended model where something was added that
   /// no parameter holds, such as a drift.
@@ -29,7 +29,7 @@ struct Examination {
   [[nodiscard]] const Candidate& candidate(int c) const { return candidates[static_cast<std::size_t>(c)]; }
 
   /// Of held-out residuals: in units of the noise, or, if what is wrong dwarfs it, plain squares.
-  [[nodiscard]] double Loss(const std::vector<Vector>& residuals, const NoiseModel& noise) const;
+  [[nodiscard]] double Loss(const std::vector<Vector>& residuals, const noise::NoiseModel& noise) const;
 
   /// Under the refit's noise, or, if what is wrong dwarfs it, by leaving out trials. As Refitter::Covariance.
   [[nodiscard]] Result<Matrix> CovarianceOf(const Refit& refit) const;
@@ -38,4 +38,4 @@ struct Examination {
   [[nodiscard]] Refit Fit(const std::vector<int>& released, const std::vector<Vector>& starts) const;
 };
 
-}  // namespace sinew
+}  // namespace sinew::diagnosis

@@ -7,17 +7,17 @@
 #include <utility>
 
 #include "base/random.h"
-#include "identify/results/held_out.h"
+#include "identify/solvers/held_out_nuisance.h"
 
-namespace sinew {
+namespace sinew::diagnosis {
 namespace {
 
 constexpr int kDraws = 400;
 constexpr double kBlockShare = 0.05;  // of a trial: long against the noise, short against the trial
 constexpr int kShortestBlock = 5;
 
-const ChannelNoiseModel* ChannelOf(const NoiseModel& noise, const std::string& channel) {
-  for (const ChannelNoiseModel& model : noise.channels) {
+const noise::ChannelNoiseModel* ChannelOf(const noise::NoiseModel& noise, const std::string& channel) {
+  for (const noise::ChannelNoiseModel& model : noise.channels) {
     if (model.channel == channel) return &model;
   }
   return nullptr;
@@ -25,12 +25,13 @@ const ChannelNoiseModel* ChannelOf(const NoiseModel& noise, const std::string& c
 
 // Of the block's channel; a channel that is only held out (the plate of the other foot) has the noise of a
 // fitted one of the same quantity. Null if there is none.
-const ChannelNoiseModel* TrainedNoiseOf(const Block& block, const NoiseModel& noise, const Layout& layout) {
-  if (const ChannelNoiseModel* model = ChannelOf(noise, block.channel)) return model;
+const noise::ChannelNoiseModel* TrainedNoiseOf(const Block& block, const noise::NoiseModel& noise,
+                                               const Layout& layout) {
+  if (const noise::ChannelNoiseModel* model = ChannelOf(noise, block.channel)) return model;
   for (const Block& other : layout) {
     if (block.quantity.empty() || other.quantity != block.quantity || other.role != BlockRole::kTrain)
       continue;
-    if (const ChannelNoiseModel* model = ChannelOf(noise, other.channel)) return model;
+    if (const noise::ChannelNoiseModel* model = ChannelOf(noise, other.channel)) return model;
   }
   return nullptr;
 }
@@ -42,9 +43,9 @@ double Quantile(std::vector<double>& sorted, double share) {
 
 }  // namespace
 
-double NoiseFloorOf(const Block& block, const NoiseModel& noise, const Layout& layout) {
+double NoiseFloorOf(const Block& block, const noise::NoiseModel& noise, const Layout& layout) {
   if (block.sigma) return block.weight * *block.sigma;
-  const ChannelNoiseModel* model = TrainedNoiseOf(block, noise, layout);
+  const noise::ChannelNoiseModel* model = TrainedNoiseOf(block, noise, layout);
   return model == nullptr ? 0 : model->ProcessDeviation();
 }
 
@@ -79,50 +80,50 @@ Result<std::vector<Vector>> HeldOut::Residuals(const Vector& point) const {
 }
 
 Status HeldOut::LearnOwnNoise(const std::vector<Vector>& base) {
-  std::vector<NoiseBlock> blocks;
+  std::vector<noise::NoiseBlock> blocks;
   for (std::size_t i = 0; i < blocks_.size(); ++i) {
     if (block(i).group.empty()) continue;
-    NoiseBlock noise;
+    noise::NoiseBlock noise;
     noise.channel = block(i).channel;
     noise.residual = base[i];
     noise.regressors = Matrix(base[i].size(), 0);
-    noise.stretches = Stretches(block(i));
+    noise.stretches = noise::Stretches(block(i));
     blocks.push_back(std::move(noise));
   }
   if (blocks.empty()) return {};
-  SINEW_ASSIGN(own_, EstimateNoiseModel(blocks, {}));
+  SINEW_ASSIGN(own_, noise::EstimateNoiseModel(blocks, {}));
   return {};
 }
 
-const ChannelNoiseModel* HeldOut::NoiseOf(const Block& block, const NoiseModel& trained) const {
-  const ChannelNoiseModel* own = block.group.empty() ? nullptr : ChannelOf(own_, block.channel);
+const noise::ChannelNoiseModel* HeldOut::NoiseOf(const Block& block, const noise::NoiseModel& trained) const {
+  const noise::ChannelNoiseModel* own = block.group.empty() ? nullptr : ChannelOf(own_, block.channel);
   return own != nullptr ? own : TrainedNoiseOf(block, trained, problem_.layout());
 }
 
-double HeldOut::FloorOf(const Block& block, const NoiseModel& trained) const {
-  const ChannelNoiseModel* own = block.group.empty() ? nullptr : ChannelOf(own_, block.channel);
+double HeldOut::FloorOf(const Block& block, const noise::NoiseModel& trained) const {
+  const noise::ChannelNoiseModel* own = block.group.empty() ? nullptr : ChannelOf(own_, block.channel);
   return own != nullptr ? own->ProcessDeviation() : NoiseFloorOf(block, trained, problem_.layout());
 }
 
-Vector HeldOut::WhitenedBlock(std::size_t i, const Vector& residual, const NoiseModel& noise) const {
-  const ChannelNoiseModel* model = NoiseOf(block(i), noise);
+Vector HeldOut::WhitenedBlock(std::size_t i, const Vector& residual, const noise::NoiseModel& noise) const {
+  const noise::ChannelNoiseModel* model = NoiseOf(block(i), noise);
   if (model == nullptr) return Vector::Zero(residual.size());
-  NoiseModel one;
+  noise::NoiseModel one;
   one.channels = {*model};
   one.channel_of = {0};
   Matrix rows = residual;
-  Whitening(one, {Stretches(block(i))}).Apply(0, rows);
+  noise::Whitening(one, {noise::Stretches(block(i))}).Apply(0, rows);
   return rows;
 }
 
-double HeldOut::Innovations(const std::vector<Vector>& residuals, const NoiseModel& noise) const {
+double HeldOut::Innovations(const std::vector<Vector>& residuals, const noise::NoiseModel& noise) const {
   double sum = 0;
   for (std::size_t i = 0; i < blocks_.size(); ++i) sum += WhitenedBlock(i, residuals[i], noise).squaredNorm();
   return sum;
 }
 
 std::vector<double> HeldOut::InnovationsOfGroups(const std::vector<Vector>& residuals,
-                                                 const NoiseModel& noise) const {
+                                                 const noise::NoiseModel& noise) const {
   std::map<std::pair<std::string, int>, double> sums;
   for (std::size_t i = 0; i < blocks_.size(); ++i) {
     if (block(i).group.empty()) continue;
@@ -136,7 +137,7 @@ std::vector<double> HeldOut::InnovationsOfGroups(const std::vector<Vector>& resi
 }
 
 std::vector<Gain> HeldOut::Gains(const std::vector<Vector>& before, const std::vector<Vector>& after,
-                                 const NoiseModel& floor, std::uint64_t seed) const {
+                                 const noise::NoiseModel& floor, std::uint64_t seed) const {
   std::vector<std::string> order;
   std::map<std::string, std::vector<std::size_t>> blocks_of;
   for (std::size_t i = 0; i < blocks_.size(); ++i) {
@@ -196,4 +197,4 @@ std::vector<Gain> HeldOut::Gains(const std::vector<Vector>& before, const std::v
   return gains;
 }
 
-}  // namespace sinew
+}  // namespace sinew::diagnosis

@@ -6,9 +6,9 @@
 #include <vector>
 
 #include "identify/diagnosis/diagnosis.h"
-#include "identify/diagnosis/refit.h"
+#include "identify/diagnosis/fit/refit.h"
 
-namespace sinew {
+namespace sinew::diagnosis {
 
 /// The held-out trials as one model sees them.
 class HeldOut {
@@ -37,33 +37,36 @@ class HeldOut {
 
   /// Sum of squared innovations of such residuals in units of their variance, by a noise model that was
   /// estimated on the training trials, or by their own.
-  [[nodiscard]] double Innovations(const std::vector<Vector>& residuals, const NoiseModel& noise) const;
+  [[nodiscard]] double Innovations(const std::vector<Vector>& residuals,
+                                   const noise::NoiseModel& noise) const;
 
   /// The same, of every group of samples (Block::group) in an order of their own; empty: there are none.
   [[nodiscard]] std::vector<double> InnovationsOfGroups(const std::vector<Vector>& residuals,
-                                                        const NoiseModel& noise) const;
+                                                        const noise::NoiseModel& noise) const;
 
   /// Pooled per quantity, with an interval from a moving-block bootstrap (Kuensch 1989) of the samples.
   /// @param floor per channel: standard deviation of the noise, weighted units (NoiseModel::ProcessDeviation)
   [[nodiscard]] std::vector<Gain> Gains(const std::vector<Vector>& before, const std::vector<Vector>& after,
-                                        const NoiseModel& floor, std::uint64_t seed) const;
+                                        const noise::NoiseModel& floor, std::uint64_t seed) const;
 
  private:
   [[nodiscard]] const Block& block(std::size_t i) const {
     return problem_.layout()[static_cast<std::size_t>(blocks_[i])];
   }
   /// Of a block; null if nothing knows.
-  [[nodiscard]] const ChannelNoiseModel* NoiseOf(const Block& block, const NoiseModel& trained) const;
-  [[nodiscard]] Vector WhitenedBlock(std::size_t i, const Vector& residual, const NoiseModel& noise) const;
-  [[nodiscard]] double FloorOf(const Block& block, const NoiseModel& trained) const;
+  [[nodiscard]] const noise::ChannelNoiseModel* NoiseOf(const Block& block,
+                                                        const noise::NoiseModel& trained) const;
+  [[nodiscard]] Vector WhitenedBlock(std::size_t i, const Vector& residual,
+                                     const noise::NoiseModel& noise) const;
+  [[nodiscard]] double FloorOf(const Block& block, const noise::NoiseModel& trained) const;
 
   const Problem& problem_;
   std::vector<int> blocks_;
-  NoiseModel own_;  // of channels
+  noise::NoiseModel own_;  // of channels
 };
 
 /// Standard deviation of the noise of a block, weighted: what the data state, else what the model says of its
 /// channel, or of another fitted one of the same quantity; 0 if nothing knows.
-[[nodiscard]] double NoiseFloorOf(const Block& block, const NoiseModel& noise, const Layout& layout);
+[[nodiscard]] double NoiseFloorOf(const Block& block, const noise::NoiseModel& noise, const Layout& layout);
 
-}  // namespace sinew
+}  // namespace sinew::diagnosis

@@ -4,9 +4,9 @@
 #include <cmath>
 #include <limits>
 
-#include "identify/diagnosis/rounding.h"
+#include "identify/diagnosis/score/quantised_channels.h"
 
-namespace sinew {
+namespace sinew::diagnosis {
 namespace {
 
 constexpr double kDetectable = 3.605;   // see Cause::size
@@ -52,7 +52,7 @@ class Tables {
     Cause cause;
     cause.effect = candidate.effect;
     cause.level = candidate.level;
-    cause.sentence = candidate.says;
+    cause.sentence = candidate.description;
     cause.parameters = ValuesOf(e_, e_.selection.model, covariance, candidate.parameters);
     cause.p_value = chosen.p_value;
     cause.left_out = chosen.left_out;
@@ -70,7 +70,7 @@ class Tables {
     other.instead_of = cause.effect;
     other.effect = candidate.effect;
     other.level = candidate.level;
-    other.sentence = candidate.says;
+    other.sentence = candidate.description;
     other.parameters = ValuesOf(e_, rival.refit, covariance, candidate.parameters);
     other.delta_lr = rival.delta_lr;
     other.delta_bic = rival.delta_lr + (static_cast<double>(candidate.parameters.size()) -
@@ -84,7 +84,8 @@ class Tables {
     other.contains_cause =
         std::abs(rival.correlation) > kContained && candidate.parameters.size() > cause.parameters.size();
     if (!other.contains_cause)
-      other.separated_by = candidate.exposed_by.empty() ? cause.exposed_by : candidate.exposed_by;
+      other.separated_by = candidate.revealing_experiment.empty() ? cause.revealing_experiment
+                                                                  : candidate.revealing_experiment;
     out_.alternatives.push_back(std::move(other));
     return {};
   }
@@ -120,7 +121,7 @@ class Tables {
   }
 
   void FillScore(const Candidate& candidate, int c, const Score& best, EffectScore& score) const {
-    const Standing& base = e_.base;
+    const ScoredModel& base = e_.base;
     score.probe = candidate.probes[static_cast<std::size_t>(best.probe)].words;
     score.degrees = static_cast<int>(best.directions.size());
     score.statistic = best.statistic;
@@ -140,8 +141,8 @@ class Tables {
   }
 
   Status AddRoundings() {
-    SINEW_ASSIGN(const auto roundings, FindRoundings(e_.problem, e_.selection.model.point));
-    for (const Rounding& rounding : roundings) {
+    SINEW_ASSIGN(const auto roundings, FindQuantisation(e_.problem, e_.selection.model.point));
+    for (const Quantisation& rounding : roundings) {
       const double size = SizeOf(rounding.statistic);
       EffectScore score;
       score.effect = rounding.effect;
@@ -229,4 +230,4 @@ Status Tabulate(Examination& examination, Diagnosis& diagnosis) {
   return Tables(examination, diagnosis).Fill();
 }
 
-}  // namespace sinew
+}  // namespace sinew::diagnosis

@@ -4,7 +4,7 @@
 
 #include "identify/diagnosis/examination.h"
 
-namespace sinew {
+namespace sinew::diagnosis {
 
 /// Values and intervals of parameters in a refit; those that it does not free are left out. A parameter that
 /// the data do not determine has a standard error and bounds of NaN.
@@ -21,4 +21,4 @@ Status Tabulate(Examination& examination, Diagnosis& diagnosis);
 /// Puts a score at its place, strongest first.
 void Insert(EffectScore score, std::vector<EffectScore>& scores);
 
-}  // namespace sinew
+}  // namespace sinew::diagnosis

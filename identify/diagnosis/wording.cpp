@@ -36,7 +36,7 @@ std::string Headline(const Diagnosis& d) {
                                       : fmt::format("{} known causes explain it", d.causes.size()))
               : "more than one known cause could explain it");
     case DiagnosisVerdict::kUnexplained:
-      if (d.wanders)
+      if (d.strongly_autocorrelated)
         return "Unexplained: the residual wanders much farther than from one sample to the next, which noise "
                "of instruments rarely does; no known effect explains it, and no test can tell it from noise.";
       return fmt::format(
@@ -89,7 +89,7 @@ std::string Moved(const Diagnosis& d, const DiagnosedParameter& base, const Diag
 // Held-out trials that the extended model predicts worse than the base model.
 std::vector<std::string> Worsened(const Diagnosis& d) {
   constexpr double kWorse = 1.02;
-  constexpr std::size_t kMost = 3;
+  constexpr std::size_t kMaximum = 3;
   std::vector<std::pair<double, std::string>> worse;
   std::size_t held_out = 0;
   for (const TracePair& trace : d.traces) {
@@ -113,8 +113,8 @@ std::vector<std::string> Worsened(const Diagnosis& d) {
   std::stable_sort(worse.begin(), worse.end(),
                    [](const auto& a, const auto& b) { return a.first < b.first; });
   std::vector<std::string> sentences;
-  for (std::size_t i = 0; i < std::min(worse.size(), kMost); ++i) sentences.push_back(worse[i].second);
-  if (worse.size() > kMost)
+  for (std::size_t i = 0; i < std::min(worse.size(), kMaximum); ++i) sentences.push_back(worse[i].second);
+  if (worse.size() > kMaximum)
     sentences.push_back(fmt::format("{} of {} held-out traces are predicted worse.", worse.size(), held_out));
   return sentences;
 }

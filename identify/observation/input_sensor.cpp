@@ -15,10 +15,10 @@ InputSensor AddInputSensor(const std::string& input, const std::string& unit, do
                            double duration, std::vector<Parameter>& parameters,
                            std::vector<Effect>& effects) {
   const auto add = [&](const char* kind, const std::string& of_unit, double lower, double null, double upper,
-                       const char* meaning, const char* exposed_by) {
+                       const char* meaning, const char* revealing_experiment) {
     const std::string name = input + "." + kind;
     const int index = static_cast<int>(parameters.size());
-    effects.push_back({name, Level::kSensor, input + ": " + meaning, exposed_by, {index}});
+    effects.push_back({name, Level::kSensor, input + ": " + meaning, revealing_experiment, {index}});
     parameters.push_back(EffectParameter(name, of_unit, meaning, lower, upper, null, name));
     return index;
   };

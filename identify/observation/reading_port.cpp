@@ -41,9 +41,9 @@ std::vector<double> AtPredictions(const Block& block, const std::vector<double>&
   }
   std::vector<double> values;
   for (const double t : block.prediction_time) {
-    const Hats hats = HatsAt(time, t);
-    const auto at = static_cast<std::size_t>(hats.first);
-    values.push_back(hats.right == 0 ? known[at] : hats.left * known[at] + hats.right * known[at + 1]);
+    const LinearBasis basis = LinearBasisAt(time, t);
+    const auto at = static_cast<std::size_t>(basis.first);
+    values.push_back(basis.right == 0 ? known[at] : basis.left * known[at] + basis.right * known[at + 1]);
   }
   return values;
 }
@@ -70,7 +70,7 @@ ReadingPort::ReadingPort(const Problem& problem, const ChannelSummary& channel,
       of_time.signal.values.push_back(block.prediction_time[static_cast<std::size_t>(i)] - begin);
     }
     time.push_back(std::move(of_time));
-    for (Problem::Signal& signal : problem.SignalsOf(static_cast<int>(b))) {
+    for (Problem::Signal& signal : problem.ResidualCovariates(static_cast<int>(b))) {
       if (signal.name == "time" || !IsUsable(signal, block)) continue;
       auto same = std::find_if(by_signal.begin(), by_signal.end(),
                                [&](const auto& s) { return s.front().signal.name == signal.name; });
@@ -106,17 +106,17 @@ void ReadingPort::AddTerm(const Problem& problem, const ChannelSummary& channel,
   for (int k = 0; k < kKnots; ++k) term.knots.push_back(least + k * width);
   if (!of_reading) {
     const Layout& layout = problem.layout();
-    term.hats.resize(layout.size());
+    term.basis.resize(layout.size());
     for (const Samples& in_block : samples) {
       const Block& block = layout[in_block.block];
       for (const double value : AtPredictions(block, in_block.signal.values)) {
-        term.hats[in_block.block].push_back(HatsAt(term.knots, value));
+        term.basis[in_block.block].push_back(LinearBasisAt(term.knots, value));
       }
     }
   }
 
   const Problem::Signal& signal = samples.front().signal;
-  UnknownTerm unknown;
+  DiscrepancyTerm unknown;
   unknown.name = port_.name + "(" + signal.name + ")";
   unknown.signal = signal.name;
   unknown.signal_unit = signal.unit;

@@ -12,8 +12,8 @@
 namespace sinew {
 
 /// Port CHANNEL with the terms CHANNEL(time), time being that since the trial's begin (its first sample of
-/// any channel that is compared), and CHANNEL(SIGNAL) for every signal that Problem::SignalsOf names for all
-/// compared blocks of the channel; 8 knots over the signal's range in all of them.
+/// any channel that is compared), and CHANNEL(SIGNAL) for every signal that Problem::ResidualCovariates names
+/// for all compared blocks of the channel; 8 knots over the signal's range in all of them.
 ///
 /// Signals known at the samples alone run straight from one to the next and are constant beyond; a gap (NaN)
 /// is bridged likewise. A signal that never changes gives no term. A signal named like the channel itself is
@@ -26,19 +26,19 @@ class ReadingPort {
     bool of_reading = false;
     std::vector<double> knots;
     /// [blocks][M] at the prediction times; empty for other channels' blocks and if of_reading.
-    std::vector<std::vector<Hats>> hats;
+    std::vector<std::vector<LinearBasis>> basis;
 
     /// At prediction `i` of a block. @param reading [unit] the predicted one
-    [[nodiscard]] Hats At(int block, Eigen::Index i, double reading) const {
-      return of_reading ? HatsAt(knots, reading)
-                        : hats[static_cast<std::size_t>(block)][static_cast<std::size_t>(i)];
+    [[nodiscard]] LinearBasis At(int block, Eigen::Index i, double reading) const {
+      return of_reading ? LinearBasisAt(knots, reading)
+                        : basis[static_cast<std::size_t>(block)][static_cast<std::size_t>(i)];
     }
   };
 
   /// Appends the weights to `parameters`. @param problem the problem without its sensors
   ReadingPort(const Problem& problem, const ChannelSummary& channel, std::vector<Parameter>& parameters);
 
-  [[nodiscard]] const Port& port() const { return port_; }
+  [[nodiscard]] const DiscrepancyPort& port() const { return port_; }
   [[nodiscard]] const std::vector<Term>& terms() const { return terms_; }
 
  private:
@@ -46,7 +46,7 @@ class ReadingPort {
   void AddTerm(const Problem& problem, const ChannelSummary& channel, const std::vector<Samples>& samples,
                bool of_reading, std::vector<Parameter>& parameters);
 
-  Port port_;
+  DiscrepancyPort port_;
   std::vector<Term> terms_;
 };
 

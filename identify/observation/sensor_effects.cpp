@@ -214,11 +214,11 @@ void SensorEffects::ObserveValues(const Query& query, int b, Observation& o, Sen
         query.parameters.segment(term.first_weight, static_cast<Eigen::Index>(term.knots.size()));
     if ((weights.array() == 0).all()) continue;
     for (Eigen::Index i = 0; i < n; ++i) {
-      const Hats hats = term.At(b, i, seen[i]);
-      const double left = weights[hats.first];
-      const double right = hats.right != 0 ? weights[hats.first + 1] : 0;
-      values[i] += hats.left * left + hats.right * right;
-      if (term.of_reading) scratch.factor[i] += hats.left_slope * (left - right);
+      const LinearBasis basis = term.At(b, i, seen[i]);
+      const double left = weights[basis.first];
+      const double right = basis.right != 0 ? weights[basis.first + 1] : 0;
+      values[i] += basis.left * left + basis.right * right;
+      if (term.of_reading) scratch.factor[i] += basis.left_slope * (left - right);
     }
   }
 
@@ -299,8 +299,8 @@ void SensorEffects::ObserveDerivatives(const Query& query, int b, const Observat
     for (int k = 0; k < knots; ++k, ++c) {
       if (!query.Differentiates(term.first_weight + k)) continue;
       for (Eigen::Index i = 0; i < n; ++i) {
-        const Hats hats = term.At(b, i, scratch.seen[i]);
-        derivatives(i, c) = hats.first == k ? hats.left : (hats.first + 1 == k ? hats.right : 0);
+        const LinearBasis basis = term.At(b, i, scratch.seen[i]);
+        derivatives(i, c) = basis.first == k ? basis.left : (basis.first + 1 == k ? basis.right : 0);
       }
     }
   }
@@ -317,8 +317,8 @@ void SensorEffects::ObserveDerivatives(const Query& query, int b, const Observat
   }
 }
 
-Status SensorEffects::Describe(const Vector& parameters, Hdf5Node& details) const {
-  return inner_->Describe(parameters.head(inner_parameters_), details);
+Status SensorEffects::WriteDetails(const Vector& parameters, Hdf5Node& details) const {
+  return inner_->WriteDetails(parameters.head(inner_parameters_), details);
 }
 
 }  // namespace sinew

@@ -33,9 +33,9 @@ namespace sinew {
 ///
 /// Derivatives are exact but for quantisation, whose true ones are zero or infinite: the rounding is passed
 /// over (that of the reading is taken, that for the step is zero). A fit can thus follow the other parameters
-/// under a given step but cannot find the step, which is read off the measured values (LatticeStep) and
-/// offered as probe. Rounding the prediction explains rounded data as long as noise and the error of the rest
-/// of the model are well below the step: then a residual is zero but near the edges of the steps. Noise
+/// under a given step but cannot find the step, which is read off the measured values (QuantisationStep) and
+/// offered as probe. Quantisation the prediction explains rounded data as long as noise and the error of the
+/// rest of the model are well below the step: then a residual is zero but near the edges of the steps. Noise
 /// larger than the step hides the rounding, which then is nothing but more noise.
 class SensorEffects final : public Problem {
  public:
@@ -44,18 +44,20 @@ class SensorEffects final : public Problem {
   [[nodiscard]] const std::vector<Parameter>& parameters() const override { return parameters_; }
   [[nodiscard]] const Layout& layout() const override { return layout_; }
   [[nodiscard]] const std::vector<Effect>& effects() const override { return effects_; }
-  [[nodiscard]] const std::vector<Port>& ports() const override { return ports_; }
+  [[nodiscard]] const std::vector<DiscrepancyPort>& ports() const override { return ports_; }
   [[nodiscard]] const std::vector<Constraint>& constraints() const override { return constraints_; }
   [[nodiscard]] const std::vector<FitStep>& steps() const override { return inner_->steps(); }
-  [[nodiscard]] std::vector<std::string> RemarksAt(const Vector& parameters) const override {
-    return inner_->RemarksAt(parameters.head(inner_parameters_));
+  [[nodiscard]] std::vector<std::string> WarningsAt(const Vector& parameters) const override {
+    return inner_->WarningsAt(parameters.head(inner_parameters_));
   }
   [[nodiscard]] std::unique_ptr<Workspace> NewWorkspace() const override;
   Status Predict(const Query& query, Workspace& workspace, Prediction& prediction) const override;
   [[nodiscard]] std::string objective() const override { return inner_->objective(); }
-  [[nodiscard]] double cost_grain() const override { return inner_->cost_grain(); }
-  Status Describe(const Vector& parameters, Hdf5Node& details) const override;
-  [[nodiscard]] std::vector<Signal> SignalsOf(int block) const override { return inner_->SignalsOf(block); }
+  [[nodiscard]] double cost_noise_level() const override { return inner_->cost_noise_level(); }
+  Status WriteDetails(const Vector& parameters, Hdf5Node& details) const override;
+  [[nodiscard]] std::vector<Signal> ResidualCovariates(int block) const override {
+    return inner_->ResidualCovariates(block);
+  }
 
  private:
   /// One channel's sensor.
@@ -84,7 +86,7 @@ class SensorEffects final : public Problem {
   Eigen::Index inner_parameters_ = 0;
   std::vector<Parameter> parameters_;
   std::vector<Effect> effects_;
-  std::vector<Port> ports_;
+  std::vector<DiscrepancyPort> ports_;
   std::vector<Constraint> constraints_;
   Layout layout_;
   std::vector<Sensor> sensors_;

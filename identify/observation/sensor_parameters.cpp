@@ -4,7 +4,7 @@
 #include <cmath>
 #include <utility>
 
-#include "identify/observation/lattice.h"
+#include "identify/observation/quantisation.h"
 
 namespace sinew {
 namespace {
@@ -60,8 +60,8 @@ Parameter Describe(SensorEffect effect, const ChannelSummary& channel) {
       set("quantisation", channel.unit, "the recorded values are rounded to multiples of a step", 0, 0,
           kCoarsestStep * most);
       // Values that lie on no lattice were not rounded: nothing to probe, and no slope at the null.
-      if (channel.lattice) p.probes = {*channel.lattice};
-      p.null_step = channel.lattice.value_or(0);
+      if (channel.quantisation) p.probes = {*channel.quantisation};
+      p.null_step = channel.quantisation.value_or(0);
       p.upper = std::max(p.upper, 2 * p.null_step);
       break;
     case kSensorEffects:
@@ -104,8 +104,8 @@ int Add(SensorEffect effect, const ChannelSummary& channel, const std::string& t
   }
   p.effect = p.name;
   const int index = static_cast<int>(parameters.size());
-  const std::string says = Describe(effect, channel).meaning;
-  effects.push_back({p.name, Level::kSensor, where + ": " + says, ExposedBy(effect), {index}, trial});
+  const std::string description = Describe(effect, channel).meaning;
+  effects.push_back({p.name, Level::kSensor, where + ": " + description, ExposedBy(effect), {index}, trial});
   parameters.push_back(std::move(p));
   return index;
 }
@@ -129,7 +129,7 @@ ChannelSummary Summarise(const Layout& layout, const std::string& channel) {
   for (const double value : measured) summary.magnitude = std::max(summary.magnitude, std::abs(value));
   if (summary.magnitude == 0) summary.magnitude = 1;
   if (summary.duration == 0) summary.duration = 1;
-  summary.lattice = LatticeStep(measured);
+  summary.quantisation = QuantisationStep(measured);
   return summary;
 }
 

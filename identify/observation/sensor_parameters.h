@@ -29,9 +29,9 @@ enum SensorEffect {
 struct ChannelSummary {
   std::string channel;
   std::string unit;
-  double magnitude = 1;           ///< [unit] largest measured magnitude; 1 if all are zero
-  double duration = 1;            ///< [s] of the longest trial
-  std::optional<double> lattice;  ///< [unit] step of which the measured values are multiples
+  double magnitude = 1;                ///< [unit] largest measured magnitude; 1 if all are zero
+  double duration = 1;                 ///< [s] of the longest trial
+  std::optional<double> quantisation;  ///< [unit] step of which the measured values are multiples
   std::vector<std::string> train_trials;
 };
 

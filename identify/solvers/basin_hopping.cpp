@@ -16,7 +16,7 @@ namespace {
 constexpr double kHop = 0.05;
 constexpr int kHopsAtOnce = 4;
 // A search that has not come to a lower cost by then rarely does: the next hop is worth more.
-constexpr long kHopEvaluations = 60;
+constexpr long kEvaluationsPerHop = 60;
 constexpr double kImprovement = 1e-3;
 
 Vector Displaced(const Vector& x, Random& random) {
@@ -45,13 +45,13 @@ Search BasinHopping::DoSolve(Evaluator& evaluator, const Vector& start) const {
       search.stages.push_back(std::move(one.stage));
     }
   };
-  polish({{start, std::min(kHopEvaluations, evaluator.remaining().max_evaluations)}});
+  polish({{start, std::min(kEvaluationsPerHop, evaluator.remaining().max_evaluations)}});
   if (!evaluator.has_best()) {
     std::vector<PolishingStart> starts;
     long left = evaluator.remaining().max_evaluations;
     for (Vector& x : LatinHypercube(options_.starts, static_cast<int>(start.size()), options_.seed)) {
       if (left <= 0) break;
-      starts.push_back({std::move(x), std::min(kHopEvaluations, left)});
+      starts.push_back({std::move(x), std::min(kEvaluationsPerHop, left)});
       left -= starts.back().evaluations;
     }
     polish(starts);
@@ -61,7 +61,7 @@ Search BasinHopping::DoSolve(Evaluator& evaluator, const Vector& start) const {
     std::vector<PolishingStart> starts;
     long left = evaluator.remaining().max_evaluations;
     for (int i = 0; i < kHopsAtOnce && left > 0; ++i) {
-      starts.push_back({Displaced(evaluator.best().x, random), std::min(kHopEvaluations, left)});
+      starts.push_back({Displaced(evaluator.best().x, random), std::min(kEvaluationsPerHop, left)});
       left -= starts.back().evaluations;
     }
     polish(starts);

@@ -1,4 +1,4 @@
-// Solver `hop`: local searches from points around the best one so far.
+// Solver `basin-hopping` (alias `hop`): local searches from points around the best one so far.
 #pragma once
 
 #include "identify/solvers/solver.h"

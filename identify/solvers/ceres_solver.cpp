@@ -290,7 +290,7 @@ Round SolveFace(Evaluator& evaluator, Iterate& iterate, std::vector<Group>& grou
 Search CeresSolver::DoSolve(Evaluator& evaluator, const Vector& start) const {
   SilenceGlog();
   const auto n = static_cast<std::size_t>(start.size());
-  const double cost_tolerance = std::max(cost_tolerance_, evaluator.problem().problem().cost_grain());
+  const double cost_tolerance = std::max(cost_tolerance_, evaluator.problem().problem().cost_noise_level());
   Iterate iterate(evaluator, start);
   Vector x = start;
   std::vector<bool> held(n, false);

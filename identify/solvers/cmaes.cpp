@@ -89,7 +89,7 @@ class Distribution {
 
     const Eigen::SelfAdjointEigenSolver<Matrix> eigen(covariance_);
     basis_ = eigen.eigenvectors();
-    // Rounding may push an eigenvalue of a singular matrix below zero; condition() then ends the search.
+    // Quantisation may push an eigenvalue of a singular matrix below zero; condition() then ends the search.
     const double floor = eigen.eigenvalues().maxCoeff() / (10 * kLargestCondition);
     deviations_ = eigen.eigenvalues().cwiseMax(floor).cwiseSqrt();
   }

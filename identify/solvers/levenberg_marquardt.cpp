@@ -6,7 +6,7 @@
 #include <limits>
 #include <utility>
 
-#include "identify/solvers/normal_equations.h"
+#include "identify/solvers/box_quadratic_model.h"
 
 namespace sinew {
 namespace {
@@ -21,10 +21,10 @@ constexpr double kSmallestStep = 1e-15;
 }  // namespace
 
 Search LevenbergMarquardt::DoSolve(Evaluator& evaluator, const Vector& start) const {
-  const double tolerance = std::max(cost_tolerance_, evaluator.problem().problem().cost_grain());
+  const double tolerance = std::max(cost_tolerance_, evaluator.problem().problem().cost_noise_level());
   SparseJacobian jacobian = evaluator.problem().NewJacobian();
   Vector residuals;
-  NormalEquations equations;
+  BoxQuadraticModel equations;
   Vector x = start;
   Search search;
   if (evaluator.Residuals(x, residuals, &jacobian) != Evaluator::Outcome::kOk) {

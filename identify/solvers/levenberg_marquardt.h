@@ -7,7 +7,7 @@ namespace sinew {
 
 /// Levenberg 1944, Marquardt 1963 over the box [0, 1]^n, with dense normal equations.
 ///
-/// Every step solves for the free variables with those that reach a bound held there (NormalEquations), so
+/// Every step solves for the free variables with those that reach a bound held there (BoxQuadraticModel), so
 /// that many active bounds cost no iterations; `ceres` projects the step instead, and creeps along them. A
 /// point without prediction is a rejected step. Points are evaluated with derivatives; after a rejected one
 /// without, until one is accepted, which is then evaluated once more. Stops on the relative change of the

@@ -16,7 +16,7 @@ namespace {
 
 constexpr double kStepTolerance = 1e-10;          // in the unit box
 constexpr int kDefaultGlobalEvaluations = 20000;  // global searches without a budget
-constexpr long kMostStogoEvaluations = 100000;
+constexpr long kMaxStogoEvaluations = 100000;
 constexpr double kCostWithoutAnyPrediction = 1e100;  // until one point has a cost
 
 using Handle = std::unique_ptr<nlopt_opt_s, void (*)(nlopt_opt)>;
@@ -127,7 +127,7 @@ class NloptSolver : public Solver {
     // StoGO heeds no nlopt_force_stop: when the evaluator says stop it goes on, on no cost, up to its own
     // limit.
     if (limited && Contains(name_, "STOGO")) {
-      most = static_cast<int>(std::min(evaluator.remaining().max_evaluations, kMostStogoEvaluations));
+      most = static_cast<int>(std::min(evaluator.remaining().max_evaluations, kMaxStogoEvaluations));
     }
     nlopt_set_maxeval(opt, most);
     if (Contains(name_, "MLSL") || Contains(name_, "AUGLAG")) {

@@ -29,7 +29,7 @@ Result<std::unique_ptr<Solver>> MakeOne(const std::string& name, const SolverOpt
   if (name == "sa") return std::make_unique<SimulatedAnnealing>(options.seed);
   if (name == "cmaes") return std::make_unique<CmaEs>(options.seed, options.cost_tolerance);
   if (name == "multistart") return std::make_unique<MultiStart>(options);
-  if (name == "hop") return std::make_unique<BasinHopping>(options);
+  if (name == "basin-hopping" || name == "hop") return std::make_unique<BasinHopping>(options);
   if (name == "ceres") return std::make_unique<CeresSolver>(options.cost_tolerance);
   if (name == "lm") return std::make_unique<LevenbergMarquardt>(options.cost_tolerance);
   if (name == "ipopt") return std::make_unique<IpoptSolver>(IpoptSolver::Hessian::kGaussNewton);
@@ -56,8 +56,8 @@ const std::vector<SolverEntry>& SolverRegistry() {
        "simulated annealing (Corana et al. 1987; Goffe, Ferrier, Rogers 1994)"},
       {"cmaes", kGlobal, kCostOnly, kBox, "covariance matrix adaptation (Hansen, Ostermeier 2001)"},
       {"multistart", kGlobal, kGradient, kBox, "Latin hypercube of starts, each polished by ceres"},
-      {"hop", kGlobal, kGradient, kBox,
-       "basin hopping: lm from displacements of the best point (Wales, Doye 1997; Leary 2000)"},
+      {"basin-hopping", kGlobal, kGradient, kBox,
+       "(alias: hop) lm from displacements of the best point (Wales, Doye 1997; Leary 2000)"},
       {"ceres", kLocal, kGradient, kBox, "Levenberg-Marquardt on residual blocks (Ceres; Marquardt 1963)"},
       {"lm", kLocal, kGradient, kBox,
        "Levenberg-Marquardt with active bounds (Levenberg 1944; Marquardt 1963)"},

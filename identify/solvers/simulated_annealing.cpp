@@ -14,12 +14,12 @@ namespace {
 // How far the temperature falls: from moves across the box to steps of a thousandth of it, as the cost grows
 // with the square of the step.
 constexpr double kTemperatureFall = 1e-6;
-constexpr int kFewestTemperatures = 20;
-constexpr int kFewestCycles = 2;
+constexpr int kMinTemperatures = 20;
+constexpr int kMinCycles = 2;
 // Random points that tell the first temperature: this share of the budget, within these limits.
 constexpr long kBudgetPerProbe = 20;
-constexpr long kFewestProbes = 3;
-constexpr long kMostProbes = 10;
+constexpr long kMinProbes = 3;
+constexpr long kMaxProbes = 10;
 // Last costs agree: this times the best cost; and, for data without noise whose best cost is zero, this times
 // the first temperature.
 constexpr double kRelativeAgreement = 1e-6;
@@ -49,10 +49,10 @@ AnnealingSchedule ScheduleFor(int variables, long moves) {
   schedule.adjustments = static_cast<int>(std::clamp(adjustments, 1L, most_adjustments));
   if (adjustments >= 1) return schedule;
 
-  const long affordable = std::max<long>(moves / moves_per_adjustment, kFewestTemperatures);
+  const long affordable = std::max<long>(moves / moves_per_adjustment, kMinTemperatures);
   schedule.cooling = std::pow(kTemperatureFall, 1.0 / static_cast<double>(affordable));
   const long cycles = moves / (n * affordable);
-  schedule.cycles = static_cast<int>(std::clamp<long>(cycles, kFewestCycles, schedule.cycles));
+  schedule.cycles = static_cast<int>(std::clamp<long>(cycles, kMinCycles, schedule.cycles));
   return schedule;
 }
 
@@ -66,8 +66,7 @@ Search SimulatedAnnealing::DoSolve(Evaluator& evaluator, const Vector& start) co
   const double start_cost = objective.Cost(start);
   if (std::isfinite(start_cost)) costs.push_back(start_cost);
   Vector x(n);
-  const long probes =
-      start_temperature_ ? 0 : std::clamp(budget / kBudgetPerProbe, kFewestProbes, kMostProbes);
+  const long probes = start_temperature_ ? 0 : std::clamp(budget / kBudgetPerProbe, kMinProbes, kMaxProbes);
   for (long i = 0; i < probes; ++i) {
     for (double& value : x) value = random.Uniform();
     const double cost = objective.Cost(x);

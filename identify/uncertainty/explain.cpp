@@ -14,15 +14,15 @@ namespace {
 
 // Partners are named if their loading is at least this share of the largest one.
 constexpr double kNamedLoading = 0.1;
-constexpr std::size_t kMostPartners = 4;
+constexpr std::size_t kMaxPartners = 4;
 // Directions in words are drawn to this relative change: large enough to be seen, small enough to be linear.
 constexpr double kShownChange = 0.1;
 
 /// "a", "a and b", "a, b and c", "a, b, c and 4 others".
 std::string List(std::vector<std::string> names) {
-  if (names.size() > kMostPartners + 1) {
-    const std::size_t others = names.size() - kMostPartners;
-    names.resize(kMostPartners);
+  if (names.size() > kMaxPartners + 1) {
+    const std::size_t others = names.size() - kMaxPartners;
+    names.resize(kMaxPartners);
     names.push_back(fmt::format("{} others", others));
   }
   if (names.size() == 1) return names.front();
@@ -143,7 +143,7 @@ std::string Explainer::DirectionInWords(int direction) const {
 
 std::string Explainer::WhyUndetermined(int variable) const {
   const std::string prior = parameter(variable).prior ? "; the interval is that of its prior" : "";
-  if (at_.standing[static_cast<std::size_t>(variable)] == Standing::kNoDependence) {
+  if (at_.status[static_cast<std::size_t>(variable)] == VariableStatus::kNoDependence) {
     const std::vector<std::string> channels = FittedChannels(problem_);
     const bool everywhere = IsWithoutEffectEverywhere(problem_, at_, variable);
     return fmt::format(
@@ -195,7 +195,7 @@ std::string Explainer::WhyWide(int variable, const Interval& interval, double er
 
 std::string Explainer::WhyAtBound(int variable) const {
   const Parameter& p = parameter(variable);
-  const bool lower = at_.standing[static_cast<std::size_t>(variable)] == Standing::kAtLower;
+  const bool lower = at_.status[static_cast<std::size_t>(variable)] == VariableStatus::kAtLower;
   return fmt::format("the best value lies on its {} bound {}, and the fit would still improve beyond it",
                      lower ? "lower" : "upper", WithUnit(lower ? p.lower : p.upper, p.unit));
 }

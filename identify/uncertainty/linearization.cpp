@@ -16,13 +16,13 @@ bool ChangesAnything(const Linearization& at, const Vector& change) {
   });
 }
 
-Standing StandingOf(const Linearization& at, int variable) {
+VariableStatus StatusOf(const Linearization& at, int variable) {
   const double x = at.x[variable];
   const double gradient = at.gradient[variable];
-  if (!ChangesAnything(at, at.jacobian.col(variable))) return Standing::kNoDependence;
-  if (x <= kBoundTolerance && gradient > 0) return Standing::kAtLower;
-  if (x >= 1 - kBoundTolerance && gradient < 0) return Standing::kAtUpper;
-  return Standing::kInside;
+  if (!ChangesAnything(at, at.jacobian.col(variable))) return VariableStatus::kNoDependence;
+  if (x <= kBoundTolerance && gradient > 0) return VariableStatus::kAtLower;
+  if (x >= 1 - kBoundTolerance && gradient < 0) return VariableStatus::kAtUpper;
+  return VariableStatus::kInside;
 }
 
 }  // namespace
@@ -56,7 +56,7 @@ Result<Linearization> Linearize(const LeastSquares& problem, const Vector& x) {
   }
   at.prior_variable = problem.PriorVariables();
   for (int v = 0; v < problem.variables(); ++v) {
-    at.standing.push_back(StandingOf(at, v));
+    at.status.push_back(StatusOf(at, v));
     (at.parameter(problem, v).kind == ParameterKind::kNuisance ? at.nuisance : at.reported).push_back(v);
   }
   return at;

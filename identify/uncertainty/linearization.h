@@ -11,7 +11,7 @@
 namespace sinew {
 
 /// How a free variable stands at the solution.
-enum class Standing {
+enum class VariableStatus {
   kInside,        ///< within its bounds, and some fitted channel depends on it
   kAtLower,       ///< on its lower bound, with the cost falling beyond it; held in the linear analysis
   kAtUpper,       ///< the same at the upper bound
@@ -36,11 +36,11 @@ struct Linearization {
   Vector gradient;    ///< [n] of the cost
   double cost = 0;
   std::vector<Rows> blocks;
-  int data_rows = 0;                ///< rows of the blocks; priors follow, then ranges
-  std::vector<int> prior_variable;  ///< of the rows of priors
-  std::vector<Standing> standing;   ///< [n]
-  std::vector<int> reported;        ///< variables that are findings, increasing
-  std::vector<int> nuisance;        ///< the others, increasing
+  int data_rows = 0;                   ///< rows of the blocks; priors follow, then ranges
+  std::vector<int> prior_variable;     ///< of the rows of priors
+  std::vector<VariableStatus> status;  ///< [n]
+  std::vector<int> reported;           ///< variables that are findings, increasing
+  std::vector<int> nuisance;           ///< the others, increasing
 
   [[nodiscard]] const Parameter& parameter(const LeastSquares& problem, int variable) const {
     return problem.setup()

@@ -12,7 +12,7 @@ constexpr double kExactFit = 1e-10;
 // Keeps 1 / sigma finite for a channel that is zero throughout.
 constexpr double kSmallestSigma = 1e-100;
 // Below one degree of freedom an estimated level is a number without meaning.
-constexpr double kFewestDegrees = 0.999;
+constexpr double kMinDegrees = 0.999;
 
 /// Sums over the training blocks of one channel.
 struct ChannelSums {
@@ -76,7 +76,7 @@ Result<Noise> EstimateNoise(const LeastSquares& problem, const Linearization& at
 
   const bool any_estimated =
       std::any_of(noise.channels.begin(), noise.channels.end(), [](const auto& c) { return !c.known; });
-  if (any_estimated && pooled_degrees < kFewestDegrees) {
+  if (any_estimated && pooled_degrees < kMinDegrees) {
     return Fail(
         "{} residuals cannot tell the noise level besides {} fitted values: state sigma or add samples",
         at.data_rows, problem.variables());
@@ -94,7 +94,7 @@ Result<Noise> EstimateNoise(const LeastSquares& problem, const Linearization& at
     channel.relative = signal > 0 ? rms / signal : 1;
     channel.correlation = sums[c].residual > 0 ? sums[c].pairs / sums[c].residual : 0;
     if (channel.known) continue;
-    from_all[c] = sums[c].degrees < kFewestDegrees;
+    from_all[c] = sums[c].degrees < kMinDegrees;
     if (!from_all[c]) channel.sigma = std::sqrt(sums[c].estimated / sums[c].degrees);
     channel.sigma = std::max({channel.sigma, kExactFit * signal, kSmallestSigma});
   }

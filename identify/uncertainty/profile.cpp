@@ -10,7 +10,7 @@
 #include <limits>
 #include <utility>
 
-#include "identify/uncertainty/local_fit.h"
+#include "identify/solvers/local_fit.h"
 
 namespace sinew {
 namespace {
@@ -46,7 +46,7 @@ class EndSearch {
         interrupt_(interrupt),
         // Half of an error of the rise is that of the end.
         end_tolerance_(
-            std::max(kEndTolerance, fit.problem().problem().cost_grain() * cost / request.rise / 2)),
+            std::max(kEndTolerance, fit.problem().problem().cost_noise_level() * cost / request.rise / 2)),
         inner_{0, 0, minimum, true},
         lowest_(cost) {}
 

@@ -15,9 +15,9 @@ namespace {
 
 constexpr double kInfinity = std::numeric_limits<double>::infinity();
 // Above this many additions, pairs of them cost more than they are worth.
-constexpr std::size_t kMostForPairs = 12;
+constexpr std::size_t kMaxForPairs = 12;
 // More than three ways to fix one parameter only bore.
-constexpr std::size_t kMostChoices = 3;
+constexpr std::size_t kMaxChoices = 3;
 // Eigenvalues of the information with a unit diagonal are squares of singular values, and are exact to about
 // n eps: the square of kRankTolerance is out of reach.
 constexpr double kLostEigenvalue = 1e-12;
@@ -73,8 +73,8 @@ Matrix BlockInformation(const LeastSquares& problem, const Linearization& at, co
     const auto found = std::lower_bound(free.begin(), free.end(), block.columns[c]);
     if (found == free.end() || *found != block.columns[c]) continue;
     const auto variable = static_cast<int>(found - free.begin());
-    if (at.standing[static_cast<std::size_t>(variable)] == Standing::kAtLower ||
-        at.standing[static_cast<std::size_t>(variable)] == Standing::kAtUpper) {
+    if (at.status[static_cast<std::size_t>(variable)] == VariableStatus::kAtLower ||
+        at.status[static_cast<std::size_t>(variable)] == VariableStatus::kAtUpper) {
       continue;
     }
     for (std::size_t i = 0; i < rows.size(); ++i) {
@@ -135,8 +135,8 @@ Result<std::vector<Addition>> PossibleAdditions(const LeastSquares& problem, con
 
 Matrix FittedInformation(const Linearization& at, const Noise& noise) {
   Matrix white = noise.deviation.cwiseInverse().asDiagonal() * at.jacobian;
-  for (std::size_t v = 0; v < at.standing.size(); ++v) {
-    if (at.standing[v] != Standing::kInside) white.col(static_cast<Eigen::Index>(v)).setZero();
+  for (std::size_t v = 0; v < at.status.size(); ++v) {
+    if (at.status[v] != VariableStatus::kInside) white.col(static_cast<Eigen::Index>(v)).setZero();
   }
   return white.transpose() * white;
 }
@@ -198,7 +198,7 @@ std::string RemedyFinder::ErrorInUnits(int variable, double error) const {
 std::string RemedyFinder::Sentence(int variable, std::vector<Choice> choices) const {
   std::stable_sort(choices.begin(), choices.end(),
                    [](const Choice& a, const Choice& b) { return a.error < b.error; });
-  choices.resize(std::min(choices.size(), kMostChoices));
+  choices.resize(std::min(choices.size(), kMaxChoices));
   std::string sentence = fmt::format("{} would fix it (standard error {})", choices.front().phrase,
                                      ErrorInUnits(variable, choices.front().error));
   for (std::size_t i = 1; i < choices.size(); ++i) {
@@ -237,7 +237,7 @@ std::string RemedyFinder::For(int variable) const {
     if (Fixes(variable, error)) choices.push_back({additions_[a].phrase, error});
   }
   if (!choices.empty()) return Sentence(variable, std::move(choices));
-  for (std::size_t a = 0; additions_.size() <= kMostForPairs && a < additions_.size(); ++a) {
+  for (std::size_t a = 0; additions_.size() <= kMaxForPairs && a < additions_.size(); ++a) {
     for (std::size_t b = a + 1; b < additions_.size(); ++b) {
       const Matrix both = base_ + additions_[a].information + additions_[b].information;
       const double error = StandardErrors(both)[variable];

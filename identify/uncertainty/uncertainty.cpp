@@ -9,15 +9,15 @@
 
 #include "base/decompositions.h"
 #include "base/text.h"
+#include "identify/solvers/local_fit.h"
+#include "identify/statistics/student_t.h"
 #include "identify/uncertainty/covariance.h"
 #include "identify/uncertainty/explain.h"
 #include "identify/uncertainty/information.h"
 #include "identify/uncertainty/interval.h"
 #include "identify/uncertainty/linearization.h"
-#include "identify/uncertainty/local_fit.h"
 #include "identify/uncertainty/profile.h"
 #include "identify/uncertainty/remedy.h"
-#include "identify/uncertainty/student_t.h"
 
 namespace sinew {
 namespace {
@@ -70,11 +70,11 @@ class Analysis {
   [[nodiscard]] int parameter_index(int variable) const {
     return problem_.setup().free[static_cast<std::size_t>(variable)];
   }
-  [[nodiscard]] Standing standing(int variable) const {
-    return at_.standing[static_cast<std::size_t>(variable)];
+  [[nodiscard]] VariableStatus status(int variable) const {
+    return at_.status[static_cast<std::size_t>(variable)];
   }
   [[nodiscard]] bool OnBound(int variable) const {
-    return standing(variable) == Standing::kAtLower || standing(variable) == Standing::kAtUpper;
+    return status(variable) == VariableStatus::kAtLower || status(variable) == VariableStatus::kAtUpper;
   }
 
   const LeastSquares& problem_;
@@ -129,8 +129,8 @@ void Analysis::MakeInformations() {
   const auto inner = [&](const std::vector<int>& variables, bool with_priors) {
     std::vector<int> kept;
     for (const int v : variables) {
-      const bool by_prior = with_priors && standing(v) == Standing::kNoDependence && parameter(v).prior;
-      if (standing(v) == Standing::kInside || by_prior) kept.push_back(v);
+      const bool by_prior = with_priors && status(v) == VariableStatus::kNoDependence && parameter(v).prior;
+      if (status(v) == VariableStatus::kInside || by_prior) kept.push_back(v);
     }
     return kept;
   };
@@ -148,7 +148,7 @@ void Analysis::MakeInformations() {
   data_ = MakeInformation(data_only, inner(at_.reported, false), inner_nuisance_);
   std::vector<int> released;
   std::copy_if(at_.reported.begin(), at_.reported.end(), std::back_inserter(released),
-               [&](int v) { return standing(v) != Standing::kNoDependence; });
+               [&](int v) { return status(v) != VariableStatus::kNoDependence; });
   released_ = MakeInformation(data_only, released, inner_nuisance_);
 }
 
@@ -389,7 +389,7 @@ Result<Uncertainty> Analysis::Run(const Vector& x) {
     return std::move(answer_);
   }
   noise_ = std::move(*noise);
-  quantile_ = StudentTQuantile(kUpperProbability, noise_.degrees_of_freedom);
+  quantile_ = statistics::StudentTQuantile(kUpperProbability, noise_.degrees_of_freedom);
   answer_.noise = noise_.channels;
   answer_.residual_scale = noise_.residual_scale;
   answer_.degrees_of_freedom = noise_.degrees_of_freedom;

@@ -11,7 +11,7 @@
 namespace sinew {
 namespace {
 
-constexpr int kMostStrips = 1000;
+constexpr int kMaxStrips = 1000;
 
 // A plate whose bottom and top are grids of (along_x + 1) x (along_z + 1) points, joined at the rim.
 // `corner(i, j)` gives x and z of grid point i along x, j along z.
@@ -55,8 +55,8 @@ ContactMesh GridPlate(double thickness, int along_x, int along_z, Corner corner)
 }
 
 Status CheckStrips(int along_x, int along_z) {
-  if (along_x < 1 || along_z < 1 || along_x > kMostStrips || along_z > kMostStrips) {
-    return Fail("sole mesh: {} x {} strips, expected 1 to {} each way", along_x, along_z, kMostStrips);
+  if (along_x < 1 || along_z < 1 || along_x > kMaxStrips || along_z > kMaxStrips) {
+    return Fail("sole mesh: {} x {} strips, expected 1 to {} each way", along_x, along_z, kMaxStrips);
   }
   return {};
 }

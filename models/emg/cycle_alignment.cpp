@@ -9,7 +9,7 @@ namespace {
 constexpr double kRegular = 0.1;  // of the median interval
 constexpr double kNear = 0.1;     // of the cycle
 constexpr double kComparable = 0.4;
-constexpr std::size_t kFewest = 3;  // beginnings and reversals: fewer have no rule
+constexpr std::size_t kMinimum = 3;  // beginnings and reversals: fewer have no rule
 
 using Points = std::vector<TurningPoint>;
 
@@ -37,7 +37,7 @@ double MedianInterval(const Points& points) {
 }
 
 std::size_t Irregular(const Points& points) {
-  if (points.size() < kFewest) return 0;
+  if (points.size() < kMinimum) return 0;
   const double median = MedianInterval(points);
   std::size_t count = 0;
   for (std::size_t i = 1; i < points.size(); ++i) {
@@ -121,7 +121,7 @@ AlignedPoints AlignBeginnings(const Points& points, const Points& small, bool fr
   AlignedPoints aligned;
   aligned.points = points;
   aligned.irregular_reversals = Irregular(reversals);
-  if (beginnings.size() >= kFewest && reversals.size() >= kFewest &&
+  if (beginnings.size() >= kMinimum && reversals.size() >= kMinimum &&
       Irregular(beginnings) > aligned.irregular_reversals)
     Align(beginnings, reversals, small, from_highest, range, aligned);
   aligned.irregular_beginnings = Irregular(OfKind(aligned.points, from_highest));

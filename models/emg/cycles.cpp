@@ -12,7 +12,7 @@
 namespace sinew {
 namespace {
 
-constexpr std::size_t kFewestSamples = 16;
+constexpr std::size_t kMinSamples = 16;
 constexpr double kTail = 0.02;            // of the samples, beyond the range's ends
 constexpr double kRangeOfNoise = 12;      // standard deviations: a swing is then at least 6 of them
 constexpr double kSmallSwing = 0.02;      // of the range: what counts for the speed
@@ -61,9 +61,9 @@ Result<CleanAngle> Clean(const std::vector<double>& time, const std::vector<doub
     clean.time.push_back(time[k]);
     clean.angle.push_back(angle[k]);
   }
-  if (clean.time.size() < kFewestSamples) {
+  if (clean.time.size() < kMinSamples) {
     return Fail("{} of {} angles are numbers, expected at least {}", clean.time.size(), time.size(),
-                kFewestSamples);
+                kMinSamples);
   }
   if (!std::isfinite(time.back() - time.front())) return Fail("times are too large");
   std::vector<double> sorted;

@@ -12,7 +12,7 @@ namespace {
 
 constexpr int kHighestOrder = 16;
 // Shorter means would be one sample's chance.
-constexpr std::size_t kFewestNeighbours = 8;
+constexpr std::size_t kMinNeighbours = 8;
 
 // At least a period: what is shorter has no amplitude at this frequency that could be told.
 Status CheckLength(std::size_t samples, double rate_Hz, const EnvelopeSettings& settings) {
@@ -50,7 +50,7 @@ void BridgeRaw(const std::vector<SampleRun>& gaps, std::vector<double>& raw) {
 
 void BridgeRectified(const std::vector<SampleRun>& gaps, std::vector<double>& rectified) {
   for (const SampleRun& gap : gaps) {
-    const std::size_t reach = std::max(gap.count, kFewestNeighbours);
+    const std::size_t reach = std::max(gap.count, kMinNeighbours);
     const std::size_t end = gap.first + gap.count;
     const std::size_t from = gap.first > reach ? gap.first - reach : 0;
     const std::size_t to = std::min(end + reach, rectified.size());

@@ -6,8 +6,8 @@
 namespace sinew {
 namespace {
 
-constexpr std::size_t kMostStretches = 2048;
-constexpr std::size_t kFewestPerPeriod = 6;
+constexpr std::size_t kMaxStretches = 2048;
+constexpr std::size_t kMinPerPeriod = 6;
 constexpr double kWeakest = 0.3;
 constexpr double kOfTheHighest = 0.9;
 
@@ -58,8 +58,8 @@ double Correlation(const Stretches& x, std::size_t lag) {
 }  // namespace
 
 MovementPeriod FindMovementPeriod(const std::vector<double>& time, const std::vector<double>& angle) {
-  const std::size_t count = std::min(time.size(), kMostStretches);
-  if (count < 2 * kFewestPerPeriod || !std::isfinite(time.back() - time.front())) return {};
+  const std::size_t count = std::min(time.size(), kMaxStretches);
+  if (count < 2 * kMinPerPeriod || !std::isfinite(time.back() - time.front())) return {};
   const Stretches stretches = Average(time, angle, count);
   std::vector<double> correlation;
   correlation.reserve(count / 2 + 1);
@@ -68,7 +68,7 @@ MovementPeriod FindMovementPeriod(const std::vector<double>& time, const std::ve
   // Peaks only behind the first time that nothing is alike.
   std::size_t from = 1;
   while (from < correlation.size() && correlation[from] > 0) ++from;
-  from = std::max(from, kFewestPerPeriod);
+  from = std::max(from, kMinPerPeriod);
   const auto is_peak = [&](std::size_t lag) {
     return correlation[lag] >= correlation[lag - 1] && correlation[lag] > correlation[lag + 1];
   };

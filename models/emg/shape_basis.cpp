@@ -22,7 +22,7 @@ double Sinc(double x) {
 }  // namespace
 
 ShapeBasis::ShapeBasis(int knots, double harmonics, double jitter) : knots_(knots) {
-  SINEW_ASSERT(knots >= kFewestKnots, "a cubic spline on a circle needs four knots");
+  SINEW_ASSERT(knots >= kMinKnots, "a cubic spline on a circle needs four knots");
   if (!(harmonics > 0) && !(jitter > 0)) return;
   std::vector<double> coefficients;
   for (int n = 0; n <= kHarmonicsPerKnot * knots; ++n) {

@@ -18,7 +18,7 @@
 
 namespace sinew {
 
-constexpr int kFewestKnots = 4;
+constexpr int kMinKnots = 4;
 
 class ShapeBasis {
  public:

@@ -9,10 +9,10 @@
 namespace sinew {
 namespace {
 
-constexpr std::size_t kMostSteps = 16;  // it converges quadratically
+constexpr std::size_t kMaxSteps = 16;  // it converges quadratically
 
 struct Mean {
-  std::array<double, kMostSteps + 1> a{}, c{};
+  std::array<double, kMaxSteps + 1> a{}, c{};
   std::size_t steps = 0;
 };
 
@@ -22,7 +22,7 @@ Mean ArithmeticGeometricMean(double m) {
   mean.a[0] = 1;
   mean.c[0] = std::sqrt(m);
   double b = std::sqrt(1 - m);
-  while (std::abs(mean.c[mean.steps]) > 1e-17 && mean.steps < kMostSteps) {
+  while (std::abs(mean.c[mean.steps]) > 1e-17 && mean.steps < kMaxSteps) {
     const double a = mean.a[mean.steps];
     ++mean.steps;
     mean.a[mean.steps] = (a + b) / 2;

@@ -10,7 +10,7 @@ namespace sinew {
 
 struct IntegratorEntry {
   std::string name;
-  std::string says;
+  std::string description;
 };
 
 /// The first is the default.

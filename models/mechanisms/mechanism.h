@@ -14,7 +14,7 @@ namespace sinew {
 /// One way to write down a mechanism: which joints make the tree, and what closes the loops.
 struct MechanismFormulation {
   std::string name;
-  std::string says;
+  std::string description;
 };
 
 struct Mechanism {

@@ -13,7 +13,7 @@
 namespace sinew {
 namespace {
 
-constexpr int kMostWindows = 1000;
+constexpr int kMaxWindows = 1000;
 constexpr long kStepsAtOnce = 500;  // between two looks at the clock
 
 Result<std::string> FormulationOf(const Mechanism& mechanism, const std::string& wanted) {
@@ -128,8 +128,8 @@ Status CheckMechanismOptions(const Mechanism& mechanism, const MechanismOptions&
     return Fail("accuracy {}: expected 1e-14 .. 0.1", options.accuracy);
   if (!(options.longest_seconds > 0))
     return Fail("at most {} s of CPU time: expected a time above 0", options.longest_seconds);
-  if (options.windows < 1 || options.windows > kMostWindows)
-    return Fail("{} windows: expected 1 .. {}", options.windows, kMostWindows);
+  if (options.windows < 1 || options.windows > kMaxWindows)
+    return Fail("{} windows: expected 1 .. {}", options.windows, kMaxWindows);
   return {};
 }
 

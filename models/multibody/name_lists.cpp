@@ -7,10 +7,10 @@
 namespace sinew {
 
 std::string ShowNames(const std::vector<std::string>& names) {
-  constexpr std::size_t kMostShown = 3;
+  constexpr std::size_t kMaxShown = 3;
   if (names.empty()) return "none";
-  if (names.size() <= kMostShown) return fmt::format("{} ({})", Join(names, ", "), names.size());
-  const std::vector<std::string> shown(names.begin(), names.begin() + kMostShown);
+  if (names.size() <= kMaxShown) return fmt::format("{} ({})", Join(names, ", "), names.size());
+  const std::vector<std::string> shown(names.begin(), names.begin() + kMaxShown);
   return fmt::format("{}, ... ({})", Join(shown, ", "), names.size());
 }
 

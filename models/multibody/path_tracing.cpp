@@ -14,7 +14,7 @@ constexpr double kConditionMargin = 1e-5;
 // Contacts with several objects depend on each other; they are found in turn until the length stands still.
 // OpenSim stops at 5e-4 m or after 8 rounds, too early for exact moment arms. [m]
 constexpr double kLengthTolerance = 1e-12;
-constexpr int kMostRounds = 100;
+constexpr int kMaxRounds = 100;
 
 bool IsActive(const TracedMuscle::Point& point, const Vector& values) {
   if (point.condition < 0) return true;
@@ -58,7 +58,7 @@ class Tracer {
     for (std::size_t i = 0; i < muscle_.wraps.size(); ++i) order.push_back(static_cast<int>(i));
     std::vector<WrapOutcome> outcomes(order.size(), WrapOutcome::kNone);
     double length = std::numeric_limits<double>::infinity();
-    for (int round = 0; round < kMostRounds; ++round) {
+    for (int round = 0; round < kMaxRounds; ++round) {
       for (std::size_t i = 0; i < order.size(); ++i) outcomes[i] = LayOver(order[i]);
       if (order.size() == 1) return true;  // nothing else moves its ends
       const double before = std::exchange(length, LengthOf(corners_));

@@ -5,10 +5,10 @@
 namespace sinew {
 namespace {
 
-constexpr int kMostIterations = 100;
+constexpr int kMaxIterations = 100;
 constexpr double kTolerance = 1e-14;  // of the optimal length
 constexpr double kSlack = 0.5;        // optimal lengths by which the tendon hangs, at first
-constexpr double kMostSlack = 64;
+constexpr double kMaxSlack = 64;
 
 }  // namespace
 
@@ -27,7 +27,7 @@ Result<double> EquilibriumLength(const MuscleCurves& curves, const HillMuscle<do
   const double rigid = RigidFibreLength(muscle, unit_length);
   double high = std::max(rigid, low) + kSlack * optimal;
   Dual<1> imbalance = at(high);
-  for (double slack = 2 * kSlack; !(imbalance.value >= 0) && slack <= kMostSlack; slack *= 2) {
+  for (double slack = 2 * kSlack; !(imbalance.value >= 0) && slack <= kMaxSlack; slack *= 2) {
     low = high;
     high = std::max(rigid, low) + slack * optimal;
     imbalance = at(high);
@@ -39,7 +39,7 @@ Result<double> EquilibriumLength(const MuscleCurves& curves, const HillMuscle<do
         unit_length, optimal, muscle.tendon_slack_length, activation);
   }
   double length = guess > low && guess < high ? guess : std::clamp(rigid, low, high);
-  for (int i = 0; i < kMostIterations; ++i) {
+  for (int i = 0; i < kMaxIterations; ++i) {
     imbalance = at(length);
     (imbalance.value < 0 ? low : high) = length;
     double next = length - imbalance.value / imbalance.d[0];

@@ -17,7 +17,7 @@ template <class T>
 class ForceHistory {
  public:
   static constexpr double kForgetting = 2;  ///< [s]
-  static constexpr double kLeast = 0.05;    ///< the factor never falls below
+  static constexpr double kMinimum = 0.05;  ///< the factor never falls below
 
   /// @param enhancement, depression per optimal length [1]
   ForceHistory(const T& enhancement, const T& depression)
@@ -39,7 +39,7 @@ class ForceHistory {
 
   [[nodiscard]] T Factor() const {
     const T factor = (1.0 + enhancement_ * stretch_) * (1.0 - depression_ * shortening_);
-    return Value(factor) > kLeast ? factor : T(kLeast);
+    return Value(factor) > kMinimum ? factor : T(kMinimum);
   }
 
  private:

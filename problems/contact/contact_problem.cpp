@@ -243,7 +243,7 @@ void ContactProblem::PredictInstant(const Stance& stance, int t, const std::arra
   }
 }
 
-std::vector<Problem::Signal> ContactProblem::SignalsOf(int block) const {
+std::vector<Problem::Signal> ContactProblem::ResidualCovariates(int block) const {
   const auto stance = std::find_if(data_.stances.begin(), data_.stances.end(), [&](const Stance& s) {
     return std::find(s.blocks.begin(), s.blocks.end(), block) != s.blocks.end();
   });
@@ -294,7 +294,7 @@ std::string ContactProblem::objective() const {
   return {};
 }
 
-Status ContactProblem::Describe(const Vector& parameters, Hdf5Node& details) const {
+Status ContactProblem::WriteDetails(const Vector& parameters, Hdf5Node& details) const {
   const auto groups = settings_.Groups();
   for (const Stance& stance : data_.stances) {
     const ContactEffectValues effects = EffectsOn(stance.plate, parameters);

@@ -36,9 +36,9 @@ class ContactProblem final : public Problem {
   [[nodiscard]] std::string objective() const override;
   /// Per trial and region: outline of the faces, pressure and slip of each at every instant, centre of
   /// pressure.
-  Status Describe(const Vector& parameters, Hdf5Node& details) const override;
+  Status WriteDetails(const Vector& parameters, Hdf5Node& details) const override;
   /// The plate's measured vertical force, and depth and slip speed of the deepest spring.
-  [[nodiscard]] std::vector<Signal> SignalsOf(int block) const override;
+  [[nodiscard]] std::vector<Signal> ResidualCovariates(int block) const override;
 
   [[nodiscard]] const ContactData& data() const { return data_; }
   [[nodiscard]] const ContactSettings& settings() const { return settings_; }

@@ -60,12 +60,12 @@ ParameterBuilder& ParameterBuilder::null_step(double step) {
 }
 
 EffectBuilder& EffectBuilder::description(std::string text) {
-  problem_->effects_[static_cast<std::size_t>(effect_)].says = std::move(text);
+  problem_->effects_[static_cast<std::size_t>(effect_)].description = std::move(text);
   return *this;
 }
 
 EffectBuilder& EffectBuilder::revealing_experiment(std::string text) {
-  problem_->effects_[static_cast<std::size_t>(effect_)].exposed_by = std::move(text);
+  problem_->effects_[static_cast<std::size_t>(effect_)].revealing_experiment = std::move(text);
   return *this;
 }
 

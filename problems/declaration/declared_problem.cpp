@@ -241,7 +241,7 @@ void DeclaredProblem::UpdateWeights() {
   }
 }
 
-std::vector<Problem::Signal> DeclaredProblem::SignalsOf(int b) const {
+std::vector<Problem::Signal> DeclaredProblem::ResidualCovariates(int b) const {
   const Block& block = layout_[static_cast<std::size_t>(b)];
   const Trial& trial = data_.trials.at(block.trial);
   std::vector<Signal> signals;

@@ -42,7 +42,7 @@ class DeclaredProblem : public Problem {
   [[nodiscard]] const Layout& layout() const final { return layout_; }
   [[nodiscard]] const std::vector<Effect>& effects() const final { return effects_; }
   /// Every channel of the block's trial, straight between its samples.
-  [[nodiscard]] std::vector<Signal> SignalsOf(int block) const override;
+  [[nodiscard]] std::vector<Signal> ResidualCovariates(int block) const override;
 
   /// The first thing that is wrong with the declaration. OdeProblem adds checks of its own.
   [[nodiscard]] virtual Status CheckDeclaration() const;

@@ -173,14 +173,14 @@ class DriveDynamics {
 
   template <class X>
   void AddTerm(int term, const X& x, T& sum) const {
-    const Hats hats = HatsAt(joint_->knots[static_cast<std::size_t>(term)], Value(x));
-    const int slot = kTermSlots[static_cast<std::size_t>(term)] + hats.first;
+    const LinearBasis basis = LinearBasisAt(joint_->knots[static_cast<std::size_t>(term)], Value(x));
+    const int slot = kTermSlots[static_cast<std::size_t>(term)] + basis.first;
     const T& left = (*this)[slot];
-    sum += hats.left * left;
-    if (hats.left_slope == 0) return;
+    sum += basis.left * left;
+    if (basis.left_slope == 0) return;
     const T& right = (*this)[slot + 1];
-    sum += hats.right * right;
-    sum += (hats.left_slope * (Value(left) - Value(right))) * Tangent(x);
+    sum += basis.right * right;
+    sum += (basis.left_slope * (Value(left) - Value(right))) * Tangent(x);
   }
 
   const DriveJoint* joint_;

@@ -40,9 +40,9 @@ class Builder {
   }
 
   /// The parameters that follow belong to it.
-  Builder& Name(const std::string& name, Level level, const std::string& says, const std::string& exposed_by,
-                const char* source = "") {
-    list_.effects.push_back({name, level, says, exposed_by, {}});
+  Builder& Name(const std::string& name, Level level, const std::string& description,
+                const std::string& revealing_experiment, const char* source = "") {
+    list_.effects.push_back({name, level, description, revealing_experiment, {}});
     source_ = source;
     return *this;
   }
@@ -66,9 +66,9 @@ class Builder {
   void NullStep(double step) { list_.parameters.back().null_step = step; }
 
   /// One unknown term of the port.
-  void Term(Port& port, int term, const std::string& signal, const std::string& unit, double from, double to,
-            double reach) {
-    UnknownTerm unknown;
+  void Term(DiscrepancyPort& port, int term, const std::string& signal, const std::string& unit, double from,
+            double to, double reach) {
+    DiscrepancyTerm unknown;
     unknown.name = port.name + "(" + signal + ")";
     unknown.signal = signal;
     unknown.signal_unit = unit;
@@ -261,9 +261,9 @@ void AddDrive(const DriveTraits& is, const DriveScales& s, const Units& unit, Bu
 
 void AddInputSensor(const DriveTraits& is, const DriveScales& s, Builder& add) {
   const std::string& channel = is.input_channel;
-  const auto name = [&](const char* kind, const std::string& says,
-                        const std::string& exposed_by) -> Builder& {
-    return add.Name(channel + "." + kind, Level::kSensor, channel + ": " + says, exposed_by);
+  const auto name = [&](const char* kind, const std::string& description,
+                        const std::string& revealing_experiment) -> Builder& {
+    return add.Name(channel + "." + kind, Level::kSensor, channel + ": " + description, revealing_experiment);
   };
   name("offset", "the recorded input is too large by a constant",
        "holding several positions at rest, one of them with an input that is known by other means")
@@ -298,7 +298,7 @@ DriveParameterList ListDriveParameters(const DriveTraits& is, const DriveScales&
   AddOtherTorques(is, s, unit, add);
   AddDrive(is, s, unit, add);
   AddInputSensor(is, s, add);
-  Port port;
+  DiscrepancyPort port;
   port.name = is.rotary ? "torque" : "force";
   port.unit = unit.torque;
   port.meaning = "an unknown " + port.name + " acts on the joint";

@@ -53,7 +53,7 @@ struct DriveParameterList {
   std::array<int, kDriveSlots> index{};       ///< of a slot's parameter; -1 if it has none
   std::array<double, kDriveSlots> resting{};  ///< number of a slot that has none
   std::vector<Effect> effects;
-  std::vector<Port> ports;
+  std::vector<DiscrepancyPort> ports;
 };
 
 [[nodiscard]] DriveParameterList ListDriveParameters(const DriveTraits& traits, const DriveScales& scales,

@@ -91,9 +91,9 @@ class DriveIntegrator {
 
  private:
   static constexpr bool kDifferentiates = !std::is_same_v<T, double>;
-  static constexpr double kSameTick = 1e-9;   // of a control period
-  static constexpr double kMostSteps = 1000;  // between two stops
-  static constexpr int kMostEvents = 50;      // reversals and break-aways within one step
+  static constexpr double kSameTick = 1e-9;  // of a control period
+  static constexpr double kMaxSteps = 1000;  // between two stops
+  static constexpr int kMaxEvents = 50;      // reversals and break-aways within one step
 
   [[nodiscard]] DriveHeld<double> PlainHeld() const {
     return {held_.piece, Value(held_.command), Value(held_.signal)};
@@ -107,7 +107,7 @@ class DriveIntegrator {
     const double wanted = std::ceil(
         span * (rate_ + drag_rate_ * std::max(std::abs(Value(v_)) - plain_.joint().largest_speed, 0.0)) *
         (1 - 1e-9));
-    if (!(wanted <= kMostSteps)) {
+    if (!(wanted <= kMaxSteps)) {
       return Fail("trial '{}': too stiff to integrate at t = {:.4g} s", run_.trial,
                   run_.begin + Value(time_));
     }
@@ -124,7 +124,7 @@ class DriveIntegrator {
 
   /// One step, with whatever happens in it.
   Status Slide(const T& end, bool end_moves) {
-    for (int event = 0; event <= kMostEvents; ++event) {
+    for (int event = 0; event <= kMaxEvents; ++event) {
       const double h = Value(end) - Value(time_);
       if (dynamics_.frictional() && Value(v_) == 0) Decide();
       if (stuck_) {
@@ -159,7 +159,7 @@ class DriveIntegrator {
       }
       Stop(FallingRoot(from, to, [&](double s) { return direction_ * PlainSpeedAfter(s); }));
     }
-    return Fail("trial '{}': more than {} reversals within one step at t = {:.6g} s", run_.trial, kMostEvents,
+    return Fail("trial '{}': more than {} reversals within one step at t = {:.6g} s", run_.trial, kMaxEvents,
                 run_.begin + Value(time_));
   }
 

@@ -149,7 +149,7 @@ Result<std::unique_ptr<DriveProblem>> DriveProblem::Make(const Dataset& data, co
 
 Status DriveProblem::ChooseStep() {
   constexpr double kEnough = 1e-4;  // of the spread of the positions
-  constexpr int kMostHalvings = 5;
+  constexpr int kMaxHalvings = 5;
   const Vector rest = RestPoint(*this);
   const auto workspace = NewWorkspace();
   std::vector<bool> wanted(data_.layout.size(), false);
@@ -163,7 +163,7 @@ Status DriveProblem::ChooseStep() {
   Prediction fine(data_.layout);
   // Starts may be so bad that there is no motion to compare; then the longest step stays.
   if (!Predict({rest, wanted, false, nullptr}, *workspace, coarse)) return {};
-  for (int halving = 0; halving < kMostHalvings; ++halving) {
+  for (int halving = 0; halving < kMaxHalvings; ++halving) {
     data_.command.step *= 0.5;
     if (!Predict({rest, wanted, false, nullptr}, *workspace, fine)) break;
     double moved = 0;
@@ -289,7 +289,7 @@ std::string DriveProblem::objective() const {
                            : "half the sum over channels of mean squared error / variance of the channel";
 }
 
-Status DriveProblem::Describe(const Vector& parameters, Hdf5Node& details) const {
+Status DriveProblem::WriteDetails(const Vector& parameters, Hdf5Node& details) const {
   Prediction prediction(data_.layout);
   const auto workspace = NewWorkspace();
   const std::vector<bool> all(data_.layout.size(), true);
@@ -305,7 +305,7 @@ Status DriveProblem::Describe(const Vector& parameters, Hdf5Node& details) const
   return {};
 }
 
-std::vector<Problem::Signal> DriveProblem::SignalsOf(int block) const {
+std::vector<Problem::Signal> DriveProblem::ResidualCovariates(int block) const {
   const DriveBlock& of = data_.blocks[static_cast<std::size_t>(block)];
   const std::string unit = data_.traits.rotary ? "rad" : "m";
   return {{"position", unit, of.position},

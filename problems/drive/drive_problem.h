@@ -28,14 +28,14 @@ class DriveProblem final : public Problem {
   [[nodiscard]] const std::vector<Parameter>& parameters() const override { return list_.parameters; }
   [[nodiscard]] const Layout& layout() const override { return data_.layout; }
   [[nodiscard]] const std::vector<Effect>& effects() const override { return list_.effects; }
-  [[nodiscard]] const std::vector<Port>& ports() const override { return list_.ports; }
+  [[nodiscard]] const std::vector<DiscrepancyPort>& ports() const override { return list_.ports; }
   [[nodiscard]] std::unique_ptr<Workspace> NewWorkspace() const override;
   Status Predict(const Query& query, Workspace& workspace, Prediction& prediction) const override;
   [[nodiscard]] std::string objective() const override;
   /// Per trial: time, position, speed, torque of the drive, current.
-  Status Describe(const Vector& parameters, Hdf5Node& details) const override;
+  Status WriteDetails(const Vector& parameters, Hdf5Node& details) const override;
   /// position, velocity (measured, or a smoothed difference) and command.
-  [[nodiscard]] std::vector<Signal> SignalsOf(int block) const override;
+  [[nodiscard]] std::vector<Signal> ResidualCovariates(int block) const override;
 
   [[nodiscard]] const DriveData& data() const { return data_; }
 

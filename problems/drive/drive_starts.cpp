@@ -55,14 +55,14 @@ Row Window(const DriveMotion& motion, const std::vector<double>& command, std::s
 
 std::vector<Row> Rows(const DriveCommand& command, const std::vector<DriveMotion>& motions) {
   constexpr double kWindow = 0.4;  // [s] long against sampling and noise, short against the motion
-  constexpr std::size_t kLeast = 12;
+  constexpr std::size_t kMinimum = 12;
   std::vector<Row> rows;
   for (const DriveMotion& motion : motions) {
     const std::vector<double> torque = ReplayCommand(command, motion);
     std::size_t last = 0;
     for (std::size_t first = 0; first < motion.time.size();) {
       while (last < motion.time.size() &&
-             (motion.time[last] < motion.time[first] + kWindow || last < first + kLeast)) {
+             (motion.time[last] < motion.time[first] + kWindow || last < first + kMinimum)) {
         ++last;
       }
       if (last >= motion.time.size()) break;

@@ -41,13 +41,13 @@ template <class S, class Time>
 /// Where f turns from above 0 at `from` to below at `to`: regula falsi, Illinois variant, to rounding.
 template <class F>
 [[nodiscard]] double FallingRoot(double from, double to, F&& f) {
-  constexpr int kMostIterations = 100;
+  constexpr int kMaxIterations = 100;
   constexpr double kRounding = 1e-15;
   double low = f(from);
   double high = f(to);
   const double enough = kRounding * std::max(std::abs(low), std::abs(high));
   double side = 0;
-  for (int i = 0; i < kMostIterations && to - from > kRounding * to; ++i) {
+  for (int i = 0; i < kMaxIterations && to - from > kRounding * to; ++i) {
     double s = from + (to - from) * (low / (low - high));
     if (!(s > from && s < to)) s = 0.5 * (from + to);
     if (!(s > from && s < to)) break;

@@ -21,7 +21,7 @@ struct Setting {
   double of_orthosis;
   double lower;
   double upper;
-  const char* says;
+  const char* description;
 };
 constexpr Setting kSettings[] = {
     {"inertia", 0.04, 1.25, 1e-6, 1e3, "true inertia [kg*m2]"},

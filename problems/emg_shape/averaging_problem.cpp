@@ -115,7 +115,7 @@ Status AveragingProblem::Predict(const Query& query, Workspace& /*workspace*/, P
   return {};
 }
 
-std::vector<std::string> AveragingProblem::RemarksAt(const Vector& /*parameters*/) const {
+std::vector<std::string> AveragingProblem::WarningsAt(const Vector& /*parameters*/) const {
   std::vector<std::string> remarks;
   for (const EmgShapeTrial& trial : data_.trials) {
     const std::string warning = model_.RangeWarning(0, trial.speed);

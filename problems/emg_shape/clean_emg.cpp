@@ -10,10 +10,10 @@ namespace sinew {
 namespace {
 
 constexpr int kTurns = 4;
-constexpr int kSteps = 4;             // of Gauss-Newton, per turn
-constexpr double kMostGain = 0.5;     // of one step, of the logarithm
-constexpr double kMostTiming = 0.03;  // of one step [cycle]
-constexpr double kSmoothing = 1e-9;   // decides only where no sample does
+constexpr int kSteps = 4;            // of Gauss-Newton, per turn
+constexpr double kMaxGain = 0.5;     // of one step, of the logarithm
+constexpr double kMaxTiming = 0.03;  // of one step [cycle]
+constexpr double kSmoothing = 1e-9;  // decides only where no sample does
 
 struct Sample {
   int recording = 0;
@@ -112,7 +112,7 @@ class Cleaning {
   }
 
   [[nodiscard]] double WeightOf(const Sample& sample) const {
-    const double noise = std::max(scatter_.modulated.At(sample.emg), kLeastEnvelopeNoise);
+    const double noise = std::max(scatter_.modulated.At(sample.emg), kMinEnvelopeNoise);
     return 1 / (correlated_ * noise * noise);
   }
 
@@ -138,8 +138,8 @@ class Cleaning {
       }
       const double determinant = gg * tt - gt * gt;
       if (!(determinant > 1e-9 * gg * tt)) return;
-      shift.gain += std::clamp((tt * g - gt * t) / determinant, -kMostGain, kMostGain);
-      shift.timing += std::clamp((gg * t - gt * g) / determinant, -kMostTiming, kMostTiming);
+      shift.gain += std::clamp((tt * g - gt * t) / determinant, -kMaxGain, kMaxGain);
+      shift.timing += std::clamp((gg * t - gt * g) / determinant, -kMaxTiming, kMaxTiming);
     }
   }
 

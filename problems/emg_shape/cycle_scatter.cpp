@@ -15,12 +15,12 @@ namespace sinew {
 namespace {
 
 constexpr int kSweeps = 3;
-constexpr double kUnusual = 3;       // times the median variance of recordings: no measure of the others
-constexpr double kUsual = 10;        // bursts that what is usual counts for against a recording's own
-constexpr double kFewest = 4;        // samples of a burst
-constexpr double kMostTaken = 0.8;   // share of a sample's noise that a regression is believed to have taken
-constexpr double kWellTold = 0.2;    // share of the mean burst's information below which one says nothing
-constexpr double kLeastShare = 0.1;  // of the variance of bursts, below which a part of it is none
+constexpr double kUnusual = 3;     // times the median variance of recordings: no measure of the others
+constexpr double kUsual = 10;      // bursts that what is usual counts for against a recording's own
+constexpr double kMinimum = 4;     // samples of a burst
+constexpr double kMaxTaken = 0.8;  // share of a sample's noise that a regression is believed to have taken
+constexpr double kWellTold = 0.2;  // share of the mean burst's information below which one says nothing
+constexpr double kMinShare = 0.1;  // of the variance of bursts, below which a part of it is none
 
 // Sums over samples of one burst, by the inverse of their noise's variance.
 struct BurstSums {
@@ -66,8 +66,8 @@ class Estimation {
     for (int sweep = 0; sweep < kSweeps; ++sweep) {
       AddUp();
       AskBursts();
-      FindTotal(&Told::gain, &Told::gain_noise, kLeastGainScatter, out_.gain);
-      FindTotal(&Told::timing, &Told::timing_noise, kLeastTimingScatter, out_.timing);
+      FindTotal(&Told::gain, &Told::gain_noise, kMinGainScatter, out_.gain);
+      FindTotal(&Told::timing, &Told::timing_noise, kMinTimingScatter, out_.timing);
       if (variance_ > 0) FindNoise();
     }
     FindTogether();
@@ -147,7 +147,7 @@ class Estimation {
       left += sums.rr;
       degrees += sums.count;
       const double determinant = sums.pp * sums.ss - sums.ps * sums.ps;
-      const bool tells = sums.count >= kFewest && sums.pp > kWellTold * mean_pp &&
+      const bool tells = sums.count >= kMinimum && sums.pp > kWellTold * mean_pp &&
                          sums.ss > kWellTold * mean_ss && determinant > 1e-6 * sums.pp * sums.ss;
       if (!tells) continue;
       const double gain = (sums.ss * sums.pr - sums.ps * sums.sr) / determinant;
@@ -270,8 +270,8 @@ class Estimation {
 
   static void Share(double together, Scatter& scatter) {
     const double total = scatter.total * scatter.total;
-    if (together < kLeastShare * total) together = 0;
-    if (together > (1 - kLeastShare) * total) together = total;
+    if (together < kMinShare * total) together = 0;
+    if (together > (1 - kMinShare) * total) together = total;
     scatter.together = std::sqrt(together);
   }
 
@@ -299,7 +299,7 @@ class Estimation {
           (inverse[of][0] * sample.above * sample.above + 2 * inverse[of][1] * sample.above * sample.slope +
            inverse[of][2] * sample.slope * sample.slope) /
           (variance_ * VarianceOf(sample));
-      squares.push_back(left * left / (1 - std::min(taken, kMostTaken)));
+      squares.push_back(left * left / (1 - std::min(taken, kMaxTaken)));
       // Errors grow with the EMG as it is, not with its mean: on the flank of a burst that comes late there
       // is half of it.
       const Vector& shape = shapes_[static_cast<std::size_t>(bursts_[of].recording)];

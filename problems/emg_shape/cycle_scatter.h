@@ -19,8 +19,8 @@ struct CycleSamples {
 };
 
 // Least scatter: of a movement that repeats itself exactly nothing would be left to learn a prior from.
-constexpr double kLeastGainScatter = 0.01;
-constexpr double kLeastTimingScatter = 0.001;  // [cycle]
+constexpr double kMinGainScatter = 0.01;
+constexpr double kMinTimingScatter = 0.001;  // [cycle]
 
 /// How single bursts differ from the mean of their recording: standard deviations.
 struct Scatter {

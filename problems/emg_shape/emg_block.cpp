@@ -12,7 +12,7 @@ namespace {
 // single one.
 double JitterOf(const EmgShapeSettings& settings, const EmgShapeTrial& trial, const EmgMuscle& muscle) {
   const bool mean = settings.cycle_scatter && trial.role != BlockRole::kTrain;
-  return mean && muscle.timing.total > kLeastTimingScatter ? muscle.timing.total : 0;
+  return mean && muscle.timing.total > kMinTimingScatter ? muscle.timing.total : 0;
 }
 
 }  // namespace
@@ -66,9 +66,9 @@ double EmgBlock::Along(const EmgColumn& column, std::size_t sample) const {
     case EmgAlong::kCosine:
       return column.factor * (std::cos(2 * kPi * trial_.phase[sample]) - 1);
     case EmgAlong::kHat: {
-      const Hats hats = HatsAt(hat_knots_, trial_.time[sample] - trial_.time.front());
-      if (column.which == hats.first) return column.factor * hats.left;
-      return column.which == hats.first + 1 ? column.factor * hats.right : 0;
+      const LinearBasis basis = LinearBasisAt(hat_knots_, trial_.time[sample] - trial_.time.front());
+      if (column.which == basis.first) return column.factor * basis.left;
+      return column.which == basis.first + 1 ? column.factor * basis.right : 0;
     }
   }
   return 0;

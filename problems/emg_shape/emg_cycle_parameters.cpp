@@ -8,7 +8,7 @@
 namespace sinew {
 namespace {
 
-constexpr double kLeastOwn = 0.3;  // of a muscle's scatter of timing, at least, is its own
+constexpr double kMinOwn = 0.3;  // of a muscle's scatter of timing, at least, is its own
 
 // Gain and timing; -1 where the scatter is 0.
 std::array<int, 2> AddScatter(EmgParameterList& to, const std::string& of, const std::string& whose,
@@ -16,14 +16,14 @@ std::array<int, 2> AddScatter(EmgParameterList& to, const std::string& of, const
   std::array<int, 2> added{-1, -1};
   if (gain_scatter > 0) {
     Parameter gain =
-        BaseParameter("gain" + of, "1", "logarithm of " + whose + " gain", -kMostGain, kMostGain, 0);
+        BaseParameter("gain" + of, "1", "logarithm of " + whose + " gain", -kMaxGain, kMaxGain, 0);
     gain.trial = trial;
     added[0] = to.AddNuisance(std::move(gain), gain_scatter);
   }
   if (timing_scatter > 0) {
     Parameter timing =
         BaseParameter("timing" + of, "1", "share of the cycle by which " + whose + " EMG is early",
-                      -kMostTiming, kMostTiming, 0);
+                      -kMaxTiming, kMaxTiming, 0);
     timing.trial = trial;
     added[1] = to.AddNuisance(std::move(timing), timing_scatter);
   }
@@ -45,7 +45,7 @@ void AddBursts(EmgParameterList& to, std::size_t t, std::size_t m) {
   // Of timing, a part may be that of all muscles.
   const double shared = to.muscles() < 2 ? 0 : to.data.shared_timing;
   const auto beyond = [&](double scatter) {
-    return std::max(std::sqrt(std::max(scatter * scatter - shared * shared, 0.0)), kLeastOwn * scatter);
+    return std::max(std::sqrt(std::max(scatter * scatter - shared * shared, 0.0)), kMinOwn * scatter);
   };
   const EmgScatterFactors& factor = trial.scatter[m];
   const bool correlated = muscle.timing.together > 0;
@@ -87,8 +87,8 @@ void AddSharedTimings(EmgParameterList& to, std::size_t t) {
       const auto [found, first] = of_cycle.try_emplace(window.cycle, -1);
       if (first) {
         Parameter p = BaseParameter(fmt::format("timing@{}.{}", trial.name, window.cycle + 1), "1",
-                                    "share of the cycle by which all muscles are early in it", -kMostTiming,
-                                    kMostTiming, 0);
+                                    "share of the cycle by which all muscles are early in it", -kMaxTiming,
+                                    kMaxTiming, 0);
         p.trial = trial.name;
         found->second = to.AddNuisance(std::move(p), factor * to.data.shared_timing);
       }

@@ -13,9 +13,9 @@ double EmgParameterList::Rhythm(const EmgShapeTrial& trial) const {
   return 1 / trial.period - 1 / data.reference.period;
 }
 
-void EmgParameterList::Name(const std::string& name, Level level, const std::string& says,
-                            const std::string& exposed_by) {
-  made.effects.push_back({name, level, says, exposed_by, {}});
+void EmgParameterList::Name(const std::string& name, Level level, const std::string& description,
+                            const std::string& revealing_experiment) {
+  made.effects.push_back({name, level, description, revealing_experiment, {}});
 }
 
 int EmgParameterList::Add(Parameter p, const std::string& effect) {

@@ -7,8 +7,8 @@
 
 namespace sinew {
 
-constexpr double kMostTiming = 0.25;  ///< [cycle]; further would be another burst
-constexpr double kMostGain = 2;       ///< of the logarithm
+constexpr double kMaxTiming = 0.25;  ///< [cycle]; further would be another burst
+constexpr double kMaxGain = 2;       ///< of the logarithm
 
 class EmgParameterList {
  public:
@@ -27,7 +27,8 @@ class EmgParameterList {
   [[nodiscard]] double Rhythm(const EmgShapeTrial& trial) const;
 
   /// Begins an effect.
-  void Name(const std::string& name, Level level, const std::string& says, const std::string& exposed_by);
+  void Name(const std::string& name, Level level, const std::string& description,
+            const std::string& revealing_experiment);
   /// @param effect empty: of the model @return its index
   int Add(Parameter p, const std::string& effect);
   /// @param deviation of its prior; 0: none

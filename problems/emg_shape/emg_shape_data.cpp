@@ -159,7 +159,7 @@ class Preparation {
     }
     block.role = block.measured.empty() ? BlockRole::kPredicted : trial.role;
     for (const double emg : EmgAt(recording, muscle, block.sample)) {
-      block.relative_weight.push_back(muscle.noise / std::max(kLeastEnvelopeNoise, muscle.modulated.At(emg)));
+      block.relative_weight.push_back(muscle.noise / std::max(kMinEnvelopeNoise, muscle.modulated.At(emg)));
     }
     if (settings_.cycle_scatter && block.role == BlockRole::kValidate) {
       for (const int i : block.sample) block.group.push_back(trial.cycle[static_cast<std::size_t>(i)]);

@@ -6,19 +6,19 @@
 namespace sinew {
 namespace {
 
-constexpr int kHats = 9;
+constexpr int kBasis = 9;
 
 void AddWarp(EmgParameterList& to) {
   to.Name("warp_with_speed", Level::kHuman,
           "at higher speeds parts of the cycle take longer and others shorter, as seen by the muscles",
           "the same movement at more speeds");
   // Both at their bounds and four times the reference speed: still one phase after the other.
-  constexpr double kMost = 0.05;
+  constexpr double kMaximum = 0.05;
   for (const auto& [name, along] :
        {std::pair{"warp_sine", EmgAlong::kSine}, std::pair{"warp_cosine", EmgAlong::kCosine}}) {
     const int index =
-        to.Add(BaseParameter(name, "1", "amplitude of the phase's warp, per logarithm of the speed", -kMost,
-                             kMost, 0),
+        to.Add(BaseParameter(name, "1", "amplitude of the phase's warp, per logarithm of the speed",
+                             -kMaximum, kMaximum, 0),
                to.made.effects.back().name);
     for (std::size_t t = 0; t < to.data.trials.size(); ++t) {
       for (std::size_t m = 0; m < to.muscles(); ++m)
@@ -77,15 +77,15 @@ void AddPorts(EmgParameterList& to) {
   double longest = 0;
   for (const EmgShapeTrial& trial : to.data.trials)
     longest = std::max(longest, trial.time.back() - trial.time.front());
-  for (int k = 0; k < kHats; ++k) to.made.hat_knots.push_back(longest * k / (kHats - 1));
+  for (int k = 0; k < kBasis; ++k) to.made.hat_knots.push_back(longest * k / (kBasis - 1));
   for (std::size_t m = 0; m < to.muscles(); ++m) {
-    Port port{to.data.muscles[m].name, "1", "EMG that no model of the muscle makes", {}};
-    UnknownTerm term;
+    DiscrepancyPort port{to.data.muscles[m].name, "1", "EMG that no model of the muscle makes", {}};
+    DiscrepancyTerm term;
     term.name = port.name + "(time)";
     term.signal = "time";
     term.signal_unit = "s";
     term.knots = to.made.hat_knots;
-    for (int k = 0; k < kHats; ++k) {
+    for (int k = 0; k < kBasis; ++k) {
       Parameter p =
           BaseParameter(fmt::format("{}.{}", term.name, k + 1), "1", "EMG of an unknown source", -1, 1, 0);
       const int index = to.Add(std::move(p), term.name);

@@ -41,7 +41,7 @@ void AddPhase(EmgParameterList& to, std::size_t m) {
   const int index =
       to.AddNuisance(BaseParameter(to.data.muscles[m].name + ".phase", "1",
                                    "share of the cycle by which the shape is early at all speeds",
-                                   -kMostTiming, kMostTiming, 0),
+                                   -kMaxTiming, kMaxTiming, 0),
                      0);
   for (std::size_t t = 0; t < to.data.trials.size(); ++t)
     to.Touch(t, m, {index, EmgTerm::kTiming, EmgAlong::kOne, 0, 1});
@@ -57,7 +57,7 @@ void AddSpeeds(EmgParameterList& to) {
     const std::string at = "@" + to.data.speeds[s].label;
     const int shared = to.AddNuisance(
         BaseParameter("timing" + at, "1", "share of the cycle by which bursts are early at this speed",
-                      -kMostTiming, kMostTiming, 0),
+                      -kMaxTiming, kMaxTiming, 0),
         kSpeedTiming);
     for (std::size_t m = 0; m < to.muscles(); ++m) {
       const std::string& name = to.data.muscles[m].name;
@@ -67,13 +67,13 @@ void AddSpeeds(EmgParameterList& to) {
             to.AddNuisance(
                 BaseParameter("timing" + at + "." + name, "1",
                               "share of the cycle by which this muscle's bursts are early beyond it",
-                              -kMostTiming, kMostTiming, 0),
+                              -kMaxTiming, kMaxTiming, 0),
                 kSpeedMuscleTiming),
             EmgTerm::kTiming);
       }
       own.emplace_back(to.AddNuisance(BaseParameter("gain" + at + "." + name, "1",
                                                     "logarithm of the gain at this speed beyond the law",
-                                                    -kMostGain, kMostGain, 0),
+                                                    -kMaxGain, kMaxGain, 0),
                                       kSpeedGain),
                        EmgTerm::kGain);
       for (std::size_t t = 0; t < to.data.trials.size(); ++t) {

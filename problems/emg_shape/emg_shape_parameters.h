@@ -62,7 +62,7 @@ struct EmgColumn {
 struct EmgShapeParameters {
   std::vector<Parameter> parameters;
   std::vector<Effect> effects;
-  std::vector<Port> ports;
+  std::vector<DiscrepancyPort> ports;
   std::vector<double> hat_knots;                ///< [s] in the trial, of EmgAlong::kHat
   std::vector<std::vector<EmgColumn>> columns;  ///< [blocks of the layout], parameters increasing
 };

@@ -43,7 +43,7 @@ Status EmgShapeProblem::Predict(const Query& query, Workspace& workspace, Predic
   return {};
 }
 
-std::vector<Problem::Signal> EmgShapeProblem::SignalsOf(int block) const {
+std::vector<Problem::Signal> EmgShapeProblem::ResidualCovariates(int block) const {
   const Block& of = data_.layout[static_cast<std::size_t>(block)];
   const auto trial = std::find_if(data_.trials.begin(), data_.trials.end(),
                                   [&](const EmgShapeTrial& t) { return t.name == of.trial; });
@@ -57,7 +57,7 @@ std::vector<Problem::Signal> EmgShapeProblem::SignalsOf(int block) const {
   return signals;
 }
 
-std::vector<std::string> EmgShapeProblem::RemarksAt(const Vector& /*parameters*/) const {
+std::vector<std::string> EmgShapeProblem::WarningsAt(const Vector& /*parameters*/) const {
   std::vector<std::string> remarks;
   if (data_.trained_speeds() > 0) {
     std::string jitter;

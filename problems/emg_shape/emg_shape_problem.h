@@ -22,16 +22,16 @@ class EmgShapeProblem final : public Problem {
   [[nodiscard]] const std::vector<Parameter>& parameters() const override { return list_.parameters; }
   [[nodiscard]] const Layout& layout() const override { return data_.layout; }
   [[nodiscard]] const std::vector<Effect>& effects() const override { return list_.effects; }
-  [[nodiscard]] const std::vector<Port>& ports() const override { return list_.ports; }
+  [[nodiscard]] const std::vector<DiscrepancyPort>& ports() const override { return list_.ports; }
   [[nodiscard]] std::unique_ptr<Workspace> NewWorkspace() const override;
   Status Predict(const Query& query, Workspace& workspace, Prediction& prediction) const override;
   /// Angle, phase and number of the cycle.
-  [[nodiscard]] std::vector<Signal> SignalsOf(int block) const override;
+  [[nodiscard]] std::vector<Signal> ResidualCovariates(int block) const override;
   /// Timing jitter; speeds that lie outside of the measured ones.
-  [[nodiscard]] std::vector<std::string> RemarksAt(const Vector& parameters) const override;
+  [[nodiscard]] std::vector<std::string> WarningsAt(const Vector& parameters) const override;
   /// emg_shape/shapes/MUSCLE/{phase, shape}; emg_shape/trials/TRIAL/{time, begin, end} and, per muscle,
   /// TRIAL/MUSCLE/{predicted, deviation} (prediction_band.h).
-  Status Describe(const Vector& parameters, Hdf5Node& details) const override;
+  Status WriteDetails(const Vector& parameters, Hdf5Node& details) const override;
 
   [[nodiscard]] const EmgShapeData& data() const { return data_; }
   [[nodiscard]] const EmgShapeSettings& settings() const { return settings_; }

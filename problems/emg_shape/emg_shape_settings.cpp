@@ -80,7 +80,7 @@ Result<EmgShapeSettings> ReadEmgShapeSettings(const YamlReader& yaml) {
                ReadChoice<bool>(yaml, "cycle_scatter", {{"true", true}, {"false", false}}));
   SINEW_ASSIGN(settings.low_pass, yaml.NumberOr("low_pass", settings.low_pass, 0, 1000));
   if (yaml.Has("knots")) {
-    SINEW_ASSIGN(const double knots, yaml.NumberOr("knots", kFewestKnots, kFewestKnots, 200));
+    SINEW_ASSIGN(const double knots, yaml.NumberOr("knots", kMinKnots, kMinKnots, 200));
     if (knots != static_cast<int>(knots)) {
       SINEW_ASSIGN(const YamlReader value, yaml.At("knots"));
       return FailAt(value.file(), value.line(), "knots: {}, expected a whole number", knots);

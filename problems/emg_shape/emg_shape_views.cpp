@@ -22,7 +22,7 @@ void DescribeTrial(const EmgShapeTrial& trial, Hdf5Node& node) {
 
 }  // namespace
 
-Status EmgShapeProblem::Describe(const Vector& parameters, Hdf5Node& details) const {
+Status EmgShapeProblem::WriteDetails(const Vector& parameters, Hdf5Node& details) const {
   std::vector<double> phases;
   for (int i = 0; i < kPhases; ++i) phases.push_back(static_cast<double>(i) / (kPhases - 1));
   const ShapeBasis basis = BasisOf(settings_, data_.knots, data_.reference.period);

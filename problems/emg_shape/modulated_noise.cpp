@@ -7,7 +7,7 @@ namespace sinew {
 namespace {
 
 constexpr int kSweeps = 30;
-constexpr double kLeastQuiet = 1e-4;  // share of the mean square
+constexpr double kMinQuiet = 1e-4;  // share of the mean square
 
 }  // namespace
 
@@ -38,7 +38,7 @@ ModulatedNoise FitModulatedNoise(const std::vector<double>& squares, const std::
     }
     const double spread = w * ee - e * e;
     growth = spread > 0 ? std::clamp((w * er - e * r) / spread, 0.0, er / ee) : 0;
-    quiet = std::max((r - growth * e) / w, kLeastQuiet * mean);
+    quiet = std::max((r - growth * e) / w, kMinQuiet * mean);
   }
   return {std::sqrt(quiet), std::sqrt(growth)};
 }

@@ -8,7 +8,7 @@ namespace sinew {
 // Errors of an envelope (6 Hz) are correlated over so many seconds.
 constexpr double kEnvelopeCorrelated_s = 0.08;
 // Of normalised EMG; made-up data without noise have a weight too.
-constexpr double kLeastEnvelopeNoise = 1e-4;
+constexpr double kMinEnvelopeNoise = 1e-4;
 
 /// variance = quiet^2 + growth^2 EMG^2
 struct ModulatedNoise {

@@ -115,7 +115,7 @@ class Learning {
     const double correlated = std::max(1.0, kEnvelopeCorrelated_s * rate);
     SINEW_ASSIGN(const CycleScatter scatter, EstimateCycleScatter(samples, knots, correlated));
     SINEW_ASSIGN(const auto clean, CleanEmg(samples, bases, scatter, correlated));
-    muscle.noise = std::max(scatter.noise, kLeastEnvelopeNoise);
+    muscle.noise = std::max(scatter.noise, kMinEnvelopeNoise);
     muscle.bursts.after = scatter.after;
     muscle.modulated = scatter.modulated;
     muscle.gain = scatter.gain;

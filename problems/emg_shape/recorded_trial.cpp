@@ -12,7 +12,7 @@
 namespace sinew {
 namespace {
 
-constexpr std::size_t kFewestCycles = 2;  // one cannot say how much cycles differ
+constexpr std::size_t kMinCycles = 2;  // one cannot say how much cycles differ
 
 double At(const std::vector<double>& time, const std::vector<double>& values, double t) {
   if (t <= time.front()) return values.front();
@@ -54,10 +54,10 @@ class Reader {
       if (cycle.begin_s >= clock.time.front() && cycle.end_s <= clock.time.back()) of.cycles.push_back(cycle);
     }
     NoteCycles(*found, of);
-    if (of.cycles.empty() || (of.role == BlockRole::kTrain && of.cycles.size() < kFewestCycles)) {
+    if (of.cycles.empty() || (of.role == BlockRole::kTrain && of.cycles.size() < kMinCycles)) {
       notes_.push_back(fmt::format("trial '{}' is left out: {} cycle{}, expected at least {}", name,
                                    of.cycles.size(), of.cycles.size() == 1 ? "" : "s",
-                                   of.role == BlockRole::kTrain ? kFewestCycles : 1));
+                                   of.role == BlockRole::kTrain ? kMinCycles : 1));
       return std::nullopt;
     }
     MeasureSpeed(trial, of);
@@ -149,9 +149,9 @@ class Reader {
       for (const std::string& sentence : DescribeMuscleCheck(muscle, of.cycles, check))
         notes_.push_back(fmt::format("trial '{}': {}", of.name, sentence));
       if (check.silent) continue;
-      if (of.role == BlockRole::kTrain && CountUsable(check) < kFewestCycles) {
+      if (of.role == BlockRole::kTrain && CountUsable(check) < kMinCycles) {
         notes_.push_back(fmt::format("trial '{}': {} is left out: {} cycles, expected at least {}", of.name,
-                                     muscle, CountUsable(check), kFewestCycles));
+                                     muscle, CountUsable(check), kMinCycles));
         continue;
       }
       Compare(muscle, excitations, channel.values, check, made);

@@ -14,14 +14,14 @@ const std::array<const char*, kPoseChannels> kPoseNames{"position_x",    "positi
 
 namespace {
 
-constexpr std::size_t kFewestFrames = 6;
+constexpr std::size_t kMinFrames = 6;
 constexpr double kUnitLength = 0.05;  // by which a quaternion's length may be off
 constexpr double kJump = 0.3;  // of the body's size, or rad: a frame that jumps so far and back is wrong
 constexpr std::size_t kLongestJump = 3;  // frames
 constexpr double kFalls = 2;             // [m/s2] by which a flight's acceleration may differ from gravity
 constexpr double kNoiseFactor = 2;       // the same, in deviations of the noise
 constexpr double kExpected = 0.01;       // of the body's size, or rad: errors after the first touch
-constexpr double kLeastNoise = 1e-3;     // of that: no camera is better
+constexpr double kMinNoise = 1e-3;       // of that: no camera is better
 constexpr double kRest = 0.005;          // of the body's size, or rad: the body lies still
 constexpr double kOverTable = 0.05;      // of the body's size: in flight for certain
 
@@ -67,8 +67,8 @@ Result<Frames> ReadFrames(const Trial& trial) {
     for (std::size_t c = 3; c < pose.size(); ++c) pose[c] *= sign / length;
     frames.emplace_back(grid->time[i], pose);
   }
-  if (frames.size() < kFewestFrames)
-    return Fail("has {} frames with a pose, expected {}", frames.size(), kFewestFrames);
+  if (frames.size() < kMinFrames)
+    return Fail("has {} frames with a pose, expected {}", frames.size(), kMinFrames);
   return frames;
 }
 
@@ -188,7 +188,7 @@ std::size_t UntilRest(const Frames& frames, double size) {
     if (WayBetween(pose, last) > kRest * size || AngleBetween(pose, last) > kRest) break;
     --end;
   }
-  return std::min(frames.size(), end + kFewestFrames / 2);
+  return std::min(frames.size(), end + kMinFrames / 2);
 }
 
 // A window begins in flight, where the state is smooth: at the first chance after the last one is long
@@ -198,9 +198,9 @@ void AddWindows(const Toss& toss, const std::vector<bool>& free, int index, cons
   const auto frames = static_cast<std::size_t>(toss.compared);
   std::vector<std::size_t> begins{0};
   if (settings.window > 0) {
-    for (std::size_t i = 1; i + kFewestFrames <= frames; ++i) {
+    for (std::size_t i = 1; i + kMinFrames <= frames; ++i) {
       const bool long_enough = toss.times[i] - toss.times[begins.back()] >= settings.window * (1 - 1e-9) &&
-                               i - begins.back() >= kFewestFrames;
+                               i - begins.back() >= kMinFrames;
       if (long_enough && free[i] && free[i + 1]) begins.push_back(i);
     }
   }
@@ -241,8 +241,8 @@ Result<ReadOut> ReadToss(const std::string& name, const Trial& trial, const Free
     out.free.erase(out.free.begin(), out.free.begin() + static_cast<std::ptrdiff_t>(released));
   }
   const std::size_t moving = UntilRest(frames, settings.body.size);
-  if (moving < kFewestFrames)
-    return Fail("has {} frames between its release and its rest, expected {}", moving, kFewestFrames);
+  if (moving < kMinFrames)
+    return Fail("has {} frames between its release and its rest, expected {}", moving, kMinFrames);
   frames.resize(moving);
   Toss& toss = out.toss;
   toss.trial = name;
@@ -315,7 +315,7 @@ void Weigh(FreeBodyData& data) {
     const std::size_t begin = turns ? 3 : 0;
     const std::size_t end = turns ? kPoseChannels : 3;
     const double expected = kExpected * (turns ? 0.5 : data.body.size);
-    double noise = kLeastNoise * expected;
+    double noise = kMinNoise * expected;
     bool stated = true;
     for (std::size_t c = begin; c < end; ++c) {
       noise = std::max(noise, NoiseOf(data, c));

@@ -142,10 +142,10 @@ class FreeBodyDynamics {
   }
 
   [[nodiscard]] T HatTerm(int first, const std::vector<double>& knots, const T& x) const {
-    const Hats hats = HatsAt(knots, Value(x));
-    const auto at = static_cast<std::size_t>(first + hats.first);
-    if (hats.right == 0 && hats.left_slope == 0) return p_[at] * hats.left;
-    const T right = hats.right - hats.left_slope * (x - Value(x));
+    const LinearBasis basis = LinearBasisAt(knots, Value(x));
+    const auto at = static_cast<std::size_t>(first + basis.first);
+    if (basis.right == 0 && basis.left_slope == 0) return p_[at] * basis.left;
+    const T right = basis.right - basis.left_slope * (x - Value(x));
     return p_[at] * (1.0 - right) + p_[at + 1] * right;
   }
 

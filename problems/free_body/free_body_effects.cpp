@@ -24,9 +24,9 @@ class Builder {
     Add(slot, std::move(p));
   }
 
-  Builder& Name(const std::string& name, Level level, const std::string& says,
-                const std::string& exposed_by) {
-    list_.effects.push_back({name, level, says, exposed_by, {}});
+  Builder& Name(const std::string& name, Level level, const std::string& description,
+                const std::string& revealing_experiment) {
+    list_.effects.push_back({name, level, description, revealing_experiment, {}});
     return *this;
   }
   Builder& Number(FreeBodySlot slot, const std::string& name, const char* unit, const char* meaning,
@@ -40,8 +40,8 @@ class Builder {
 
   void Term(const std::string& port, const std::string& unit, const std::string& meaning,
             const std::string& signal, int first, const std::vector<double>& knots, double reach) {
-    Port made{port, unit, meaning, {}};
-    UnknownTerm term{port + "(" + signal + ")", signal, "m/s", knots, {}};
+    DiscrepancyPort made{port, unit, meaning, {}};
+    DiscrepancyTerm term{port + "(" + signal + ")", signal, "m/s", knots, {}};
     for (int k = 0; k < kFreeBodyKnots; ++k) {
       Parameter p = EffectParameter(fmt::format("{}[{}]", term.name, k), unit,
                                     fmt::format("{} where {} is knot {}", meaning, signal, k), -reach, reach,

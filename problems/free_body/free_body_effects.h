@@ -13,7 +13,7 @@ namespace sinew {
 struct FreeBodyParameterList {
   std::vector<Parameter> parameters;
   std::vector<Effect> effects;
-  std::vector<Port> ports;
+  std::vector<DiscrepancyPort> ports;
   std::array<int, kFreeBodySlots> index{};  ///< of the parameter of a slot, or -1
 };
 

@@ -10,10 +10,10 @@
 namespace sinew {
 namespace {
 
-constexpr int kFewestInFlight = 4;  // frames that tell a state
+constexpr int kMinInFlight = 4;  // frames that tell a state
 // Of ten made-up and ten recorded tosses: 1.1e-5 at 1e-8, 1.2e-4 at 1e-7, 5e-4 at 1e-6, of the made-up ones'
 // cost, and a hundredth of that of the recorded ones', whose residuals are not noise.
-constexpr double kGrainPerAccuracy = 1e3;
+constexpr double kCostNoisePerAccuracy = 1e3;
 
 }  // namespace
 
@@ -115,8 +115,8 @@ Status FreeBodyProblem::PredictWindow(std::size_t w, const Query& query, const F
   return {};
 }
 
-double FreeBodyProblem::cost_grain() const {
-  return std::min(1e-2, kGrainPerAccuracy * data_.body.accuracy);
+double FreeBodyProblem::cost_noise_level() const {
+  return std::min(1e-2, kCostNoisePerAccuracy * data_.body.accuracy);
 }
 
 std::string FreeBodyProblem::objective() const {
@@ -127,7 +127,7 @@ std::string FreeBodyProblem::objective() const {
                "after it in hundredths of the body's size";
 }
 
-Status FreeBodyProblem::Describe(const Vector& parameters, Hdf5Node& details) const {
+Status FreeBodyProblem::WriteDetails(const Vector& parameters, Hdf5Node& details) const {
   const FreeBodyNumbers numbers = NumbersAt(parameters);
   for (std::size_t t = 0; t < data_.tosses.size(); ++t) {
     const Toss& toss = data_.tosses[t];
@@ -159,7 +159,7 @@ Status FreeBodyProblem::Describe(const Vector& parameters, Hdf5Node& details) co
   return {};
 }
 
-std::vector<Problem::Signal> FreeBodyProblem::SignalsOf(int block) const {
+std::vector<Problem::Signal> FreeBodyProblem::ResidualCovariates(int block) const {
   const int per_toss = kTossPhases * kPoseChannels;
   const Toss& toss = data_.tosses[static_cast<std::size_t>(block / per_toss)];
   std::vector<double> speed(toss.times.size());
@@ -183,7 +183,7 @@ Result<std::vector<Pose>> PredictWholeToss(const FreeBodyData& data, int index,
   const Toss& toss = data.tosses[static_cast<std::size_t>(index)];
   TossWindow flight;
   flight.toss = index;
-  const int frames = std::min(std::max(toss.in_flight, kFewestInFlight), static_cast<int>(toss.times.size()));
+  const int frames = std::min(std::max(toss.in_flight, kMinInFlight), static_cast<int>(toss.times.size()));
   flight.times.assign(toss.times.begin(), toss.times.begin() + frames);
   flight.guess = GuessStart(data.body, flight.times, toss.poses.data());
   WindowFit fit(data, flight);

@@ -26,18 +26,18 @@ class FreeBodyProblem final : public Problem {
   [[nodiscard]] const std::vector<Parameter>& parameters() const override { return list_.parameters; }
   [[nodiscard]] const Layout& layout() const override { return data_.layout; }
   [[nodiscard]] const std::vector<Effect>& effects() const override { return list_.effects; }
-  [[nodiscard]] const std::vector<Port>& ports() const override { return list_.ports; }
+  [[nodiscard]] const std::vector<DiscrepancyPort>& ports() const override { return list_.ports; }
   [[nodiscard]] std::unique_ptr<Workspace> NewWorkspace() const override;
   /// Windows are predicted in parallel, as far as oneTBB may.
   Status Predict(const Query& query, Workspace& workspace, Prediction& prediction) const override;
   [[nodiscard]] std::string objective() const override;
-  [[nodiscard]] double cost_grain() const override;
+  [[nodiscard]] double cost_noise_level() const override;
   /// Per toss, under free_body/TRIAL: time, measured and predicted [N x 7] pose of the whole toss from the
   /// state that fits its flight before the first touch; position_error [m] and rotation_error [rad] per
   /// frame.
-  Status Describe(const Vector& parameters, Hdf5Node& details) const override;
+  Status WriteDetails(const Vector& parameters, Hdf5Node& details) const override;
   /// height of the lowest corner and speed, as measured.
-  [[nodiscard]] std::vector<Signal> SignalsOf(int block) const override;
+  [[nodiscard]] std::vector<Signal> ResidualCovariates(int block) const override;
 
   [[nodiscard]] const FreeBodyData& data() const { return data_; }
   [[nodiscard]] FreeBodyNumbers NumbersAt(const Vector& parameters) const;

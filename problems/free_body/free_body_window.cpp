@@ -7,15 +7,16 @@
 namespace sinew {
 namespace {
 
-constexpr int kMostIterations = 30;
+constexpr int kMaxIterations = 30;
 constexpr double kEnough = 1e-6;    // predicted gain, as a share of the cost
 constexpr double kOnTheWay = 1e-3;  // the same, of a fit that only leads to the next
-constexpr double kGrain = 1e-4;     // the same, where the steps of the integrator and kinks of contact show
+constexpr double kCostNoiseLevel =
+    1e-4;                           // the same, where the steps of the integrator and kinks of contact show
 constexpr double kNothing = 1e-18;  // cost per residual: rounding
 constexpr double kFirstDamping = 1e-6;  // of columns of unit length
-constexpr double kMostDamping = 1e6;
+constexpr double kMaxDamping = 1e6;
 constexpr double kRank = 1e-7;
-constexpr int kFewestInFlight = 4;  // frames that tell a state well
+constexpr int kMinInFlight = 4;  // frames that tell a state well
 // A step may be at most so long: place as a share of the size, turn [rad], velocity [m/s], spin [rad/s].
 constexpr double kLongestPlace = 0.2;
 constexpr double kLongestTurn = 0.2;
@@ -44,7 +45,7 @@ std::array<bool, kFreeBodySlots> FreeBodyNumbers::Used() const {
 
 WindowFit::WindowFit(const FreeBodyData& data, const TossWindow& window) : data_(data), window_(window) {
   limits_ = FlightLimits::For(data.body, window.times.size());
-  if (window.in_flight >= kFewestInFlight)
+  if (window.in_flight >= kMinInFlight)
     flight_.assign(window.times.begin(), window.times.begin() + window.in_flight);
   const std::size_t frames = window.times.size();
   poses_.resize(frames);
@@ -109,7 +110,7 @@ Status WindowFit::Search(const FreeBodyNumbers& numbers, const std::vector<doubl
   accept(start_);
   double damping = kFirstDamping;
   const double least = kNothing * static_cast<double>(residual_.size());
-  for (int iteration = 0; iteration < kMostIterations && damping <= kMostDamping && cost_ > least;
+  for (int iteration = 0; iteration < kMaxIterations && damping <= kMaxDamping && cost_ > least;
        ++iteration) {
     using Square = Eigen::Matrix<double, kStartLanes, kStartLanes>;
     using Lanes = Eigen::Matrix<double, kStartLanes, 1>;
@@ -125,7 +126,7 @@ Status WindowFit::Search(const FreeBodyNumbers& numbers, const std::vector<doubl
     if (!(predicted > enough * cost_)) break;
     const FlightStart next = start_.Moved(step);
     if (!Evaluate(numbers, next) || !(trial_cost_ < cost_)) {
-      if (predicted < kGrain * cost_) break;
+      if (predicted < kCostNoiseLevel * cost_) break;
       damping = std::max(10 * damping, 1e-4);
       continue;
     }

@@ -9,17 +9,17 @@
 namespace sinew {
 namespace {
 
-constexpr int kMostIterations = 200;
-constexpr double kEnough = 1e-12;     // of the objective
-constexpr double kRounding = 1e-15;   // of the objective with no excitation at all
-constexpr double kArmijo = 1e-4;      // of the promised descent
-constexpr double kProbe = 1e-4;       // excitation over which a slope's change is measured
-constexpr double kLeastBend = 1e-9;   // of the curvature by the moments: what makes it positive definite
-constexpr double kLeastShare = 1e-3;  // of the curvature by the effort
+constexpr int kMaxIterations = 200;
+constexpr double kEnough = 1e-12;    // of the objective
+constexpr double kRounding = 1e-15;  // of the objective with no excitation at all
+constexpr double kArmijo = 1e-4;     // of the promised descent
+constexpr double kProbe = 1e-4;      // excitation over which a slope's change is measured
+constexpr double kMinBend = 1e-9;    // of the curvature by the moments: what makes it positive definite
+constexpr double kMinShare = 1e-3;   // of the curvature by the effort
 constexpr double kTiny = 1e-30;
 constexpr int kGrid = 16;             // steps of the excitation to which one may jump
 constexpr double kWorthAJump = 1e-8;  // of the objective
-constexpr int kMostJumps = 20;
+constexpr int kMaxJumps = 20;
 constexpr double kFirstDamping = 1e-4;  // of the largest curvature
 constexpr double kMoreDamping = 10;
 
@@ -207,7 +207,7 @@ Result<Curvature> FindCurvature(const ExcitationFrame& frame, const FrameMuscles
   out.full = 2 * w.alpha * by_excitation.transpose() * by_excitation;
   out.convex = out.full;
   const Vector by_force = -2 * w.alpha * (frame.arms.transpose() * here.rest);
-  const double least = std::max(kLeastShare * 2 * w.beta, kLeastBend * (out.full.trace() + 2 * w.beta));
+  const double least = std::max(kMinShare * 2 * w.beta, kMinBend * (out.full.trace() + 2 * w.beta));
   for (Eigen::Index m = 0; m < at.size(); ++m) {
     const double own = 2 * w.beta + by_force[m] * bends[m];
     out.full(m, m) += own;
@@ -237,7 +237,7 @@ Result<FrameSolution> SolveFrame(const ExcitationFrame& frame, const FrameMuscle
   SINEW_ASSIGN(Evaluation here, Evaluate(frame, muscles, out.excitation));
   const double rounding =
       kRounding * (w.alpha * frame.moment.squaredNorm() + (w.beta + w.gamma) * static_cast<double>(count));
-  for (; out.iterations < kMostIterations && !out.converged; ++out.iterations) {
+  for (; out.iterations < kMaxIterations && !out.converged; ++out.iterations) {
     const Vector gradient = SmoothGradient(frame, here, out.excitation);
     SINEW_ASSIGN(Curvature curvature, FindCurvature(frame, muscles, here, out.excitation));
     const double first_damping = kFirstDamping * curvature.convex.diagonal().maxCoeff();
@@ -262,7 +262,7 @@ Result<FrameSolution> SolveFrame(const ExcitationFrame& frame, const FrameMuscle
       }
       // What a damped step promises says nothing.
       out.converged = last && damping == 0;
-      if (last && damping > 0) out.iterations = kMostIterations;
+      if (last && damping > 0) out.iterations = kMaxIterations;
       if (last || descends) break;
     }
   }
@@ -324,7 +324,7 @@ Result<FrameSolution> SearchFrame(const ExcitationFrame& frame, const FrameMuscl
     SINEW_ASSIGN(const std::vector<Jump> jumps, FindJumps(frame, muscles, best));
     best.gap = 0;
     for (const Jump& jump : jumps) best.gap += jump.gain;
-    if (i == kMostJumps || !(best.gap > kWorthAJump * best.objective)) return best;
+    if (i == kMaxJumps || !(best.gap > kWorthAJump * best.objective)) return best;
     FrameSolution better = best;
     Vector all = best.excitation;
     for (std::size_t k = 0; k <= jumps.size(); ++k) {

@@ -33,11 +33,11 @@ enum MuscleSlot {
   kDepression,               ///< of the force, per optimal length of shortening: ForceHistory [1]
   kTendonCompliance,  ///< strain of the tendon beside that of the subject's curve; of a rigid tendon only [1,
                       ///< >= 0]
-  kAngleOffset,       ///< first of kMostJoints: of the joint's true angle beyond the measured one [rad]
+  kAngleOffset,       ///< first of kMaxJoints: of the joint's true angle beyond the measured one [rad]
   kMuscleSlots = kAngleOffset + 3
 };
 /// That a muscle may cross.
-constexpr int kMostJoints = kMuscleSlots - kAngleOffset;
+constexpr int kMaxJoints = kMuscleSlots - kAngleOffset;
 
 enum class TendonMode {
   kRigid,
@@ -61,7 +61,7 @@ struct MuscleSignals {
   std::vector<double> others;             ///< [M] mean of the other muscles' excitations; empty: 0
   std::vector<double> time;               ///< [N >= 2, s, increasing] of lengths and forces
   std::vector<double> unit_length;        ///< [N, m] of muscle and tendon
-  std::vector<std::vector<double>> arms;  ///< [joints <= kMostJoints] [N, m] = -d unit_length / d angle
+  std::vector<std::vector<double>> arms;  ///< [joints <= kMaxJoints] [N, m] = -d unit_length / d angle
 };
 
 /// Everything that a prediction may show, at each instant.

@@ -60,9 +60,9 @@ class Preparation {
 
   Result<NmsData> Run(const Dataset& data) {
     for (std::size_t m = 0; m < out_.muscles.size(); ++m) {
-      if (out_.muscle_joints[m].size() > kMostJoints)
+      if (out_.muscle_joints[m].size() > kMaxJoints)
         return Fail("the muscle '{}' crosses {} of the joints that are fitted, expected at most {}",
-                    out_.muscles[m], out_.muscle_joints[m].size(), kMostJoints);
+                    out_.muscles[m], out_.muscle_joints[m].size(), kMaxJoints);
     }
     bool any_training = false;
     for (const auto& [name, trial] : data.trials) {

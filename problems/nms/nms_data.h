@@ -36,7 +36,7 @@ struct NmsTrial {
 struct NmsData {
   std::vector<std::string> muscles;             ///< that move a joint which is fitted
   std::vector<std::vector<int>> joint_muscles;  ///< [joints] indices into muscles
-  std::vector<std::vector<int>> muscle_joints;  ///< [muscles] the joints that each crosses, <= kMostJoints
+  std::vector<std::vector<int>> muscle_joints;  ///< [muscles] the joints that each crosses, <= kMaxJoints
   std::vector<NmsTrial> trials;
   /// Channels JOINT_moment; of settings with a fibre range also MUSCLE_fibre_length [1, of the optimal one]
   /// of training trials.

@@ -171,8 +171,9 @@ class Builder {
     return most;
   }
 
-  void Name(const std::string& name, Level level, const std::string& says, const std::string& exposed_by) {
-    list_.effects.push_back({name, level, says, exposed_by, {}});
+  void Name(const std::string& name, Level level, const std::string& description,
+            const std::string& revealing_experiment) {
+    list_.effects.push_back({name, level, description, revealing_experiment, {}});
   }
   int Number(const std::string& name, const char* unit, const char* meaning, double lower, double upper,
              const char* source) {

@@ -35,13 +35,13 @@ class NmsProblem final : public Problem {
   Status Predict(const Query& query, Workspace& workspace, Prediction& prediction) const override;
   [[nodiscard]] std::string objective() const override;
   /// Angle, velocity and mean excitation.
-  [[nodiscard]] std::vector<Signal> SignalsOf(int block) const override;
+  [[nodiscard]] std::vector<Signal> ResidualCovariates(int block) const override;
   [[nodiscard]] const std::vector<FitStep>& steps() const override { return steps_; }
   /// Muscles whose fibres leave the lengths at which they can pull, in training trials.
-  [[nodiscard]] std::vector<std::string> RemarksAt(const Vector& parameters) const override;
+  [[nodiscard]] std::vector<std::string> WarningsAt(const Vector& parameters) const override;
   /// Per trial, under nms/TRIAL: time; MUSCLE/{activation, fibre_length, fibre_velocity, force}; and
   /// subject, the file of the subject with these parameters in it.
-  Status Describe(const Vector& parameters, Hdf5Node& details) const override;
+  Status WriteDetails(const Vector& parameters, Hdf5Node& details) const override;
 
   [[nodiscard]] const NmsData& data() const { return data_; }
   [[nodiscard]] const NmsSettings& settings() const { return settings_; }

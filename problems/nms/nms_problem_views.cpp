@@ -21,7 +21,7 @@ std::string NmsProblem::objective() const {
   return what;
 }
 
-std::vector<std::string> NmsProblem::RemarksAt(const Vector& parameters) const {
+std::vector<std::string> NmsProblem::WarningsAt(const Vector& parameters) const {
   const FibreRange range = settings_.fibre_range.value_or(FibreRange{});
   struct Extent {
     double least = std::numeric_limits<double>::infinity();
@@ -58,7 +58,7 @@ std::vector<std::string> NmsProblem::RemarksAt(const Vector& parameters) const {
                             "settings keeps them in")};
 }
 
-std::vector<Problem::Signal> NmsProblem::SignalsOf(int block) const {
+std::vector<Problem::Signal> NmsProblem::ResidualCovariates(int block) const {
   const Block& of = data_.layout[static_cast<std::size_t>(block)];
   const auto trial = std::find_if(data_.trials.begin(), data_.trials.end(),
                                   [&](const NmsTrial& t) { return t.name == of.trial; });
@@ -108,7 +108,7 @@ Status NmsProblem::MusclesAt(const Vector& parameters, std::size_t trial,
   return {};
 }
 
-Status NmsProblem::Describe(const Vector& parameters, Hdf5Node& details) const {
+Status NmsProblem::WriteDetails(const Vector& parameters, Hdf5Node& details) const {
   for (std::size_t t = 0; t < data_.trials.size(); ++t) {
     Hdf5Node& node = details.At("nms/" + data_.trials[t].name);
     node.At("time").SetVector(data_.trials[t].time);

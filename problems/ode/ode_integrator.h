@@ -112,8 +112,10 @@ Status IntegrateOde(const F& f, double begin, const std::vector<double>& stops, 
         if (!(worst <= 1)) {
           if (++halvings > kMostHalvings) {
             if (!std::isfinite(worst)) return Fail("the state is not finite after t = {:.6g} s", t);
-            return Fail("the equations are too stiff at t = {:.6g} s: a step of {:.2g} s is still too long",
-                        t, h);
+            return Fail(
+                "the equations are too stiff, or their solution ends, at t = {:.6g} s: a step of {:.2g} s is "
+                "too long",
+                t, h);
           }
           place *= 2;
           continue;

@@ -64,7 +64,7 @@ class OdeProblem : public DeclaredProblem {
 
   /// Steps of the integrator may change by a bit of the parameters, predictions then by a bit of the
   /// accuracy.
-  [[nodiscard]] double cost_grain() const override { return accuracy_.relative; }
+  [[nodiscard]] double cost_noise_level() const override { return accuracy_.relative; }
 
  protected:
   /// A state, to be observed as it is.

@@ -86,7 +86,7 @@ TEST_F(Hdf5Tree, ATruncatedFileIsAnErrorAtEveryLength) {
 
 TEST_F(Hdf5Tree, DamagedBytesAreAnErrorOrOtherContentButNeverACrash) {
   constexpr int kFiles = 300;
-  constexpr int kMostBytes = 16;
+  constexpr int kMaxBytes = 16;
   ASSERT_TRUE(WriteHdf5(Path("a.h5"), Example()));
   std::ifstream whole(Path("a.h5"), std::ios::binary);
   const std::string valid{std::istreambuf_iterator<char>(whole), {}};
@@ -94,7 +94,7 @@ TEST_F(Hdf5Tree, DamagedBytesAreAnErrorOrOtherContentButNeverACrash) {
   int errors = 0;
   for (int i = 0; i < kFiles; ++i) {
     std::string bytes = valid;
-    const std::uint64_t replaced = 1 + random.Index(kMostBytes);
+    const std::uint64_t replaced = 1 + random.Index(kMaxBytes);
     for (std::uint64_t k = 0; k < replaced; ++k) {
       bytes[random.Index(bytes.size())] = static_cast<char>(random.Index(256));
     }

@@ -205,7 +205,7 @@ TEST_F(EvaluatorTest, ProgressIsToldAtEveryEvaluation) {
 }
 
 // A search that depends on every cost it is told, to the last bit.
-void Wander(Evaluator& evaluator, int steps) {
+void AutocorrelationExcess(Evaluator& evaluator, int steps) {
   Random random(5);
   double cost = 0;
   double bias = 0;
@@ -219,23 +219,23 @@ void Wander(Evaluator& evaluator, int steps) {
 
 TEST_F(EvaluatorTest, AReplayedRunIsTheUninterruptedRunToTheLastBit) {
   Evaluator whole = Make();
-  Wander(whole, 200);
+  AutocorrelationExcess(whole, 200);
   ASSERT_GT(whole.failures(), 0) << "the run must contain failures for the test to mean something";
 
   Evaluator::Options until;
   until.budget.max_evaluations = 80;
   Evaluator interrupted = Make(until);
-  Wander(interrupted, 200);
+  AutocorrelationExcess(interrupted, 200);
   ASSERT_EQ(interrupted.evaluations(), 80);
 
   predictions_ = 0;
   Evaluator::Options resumed_options;
   resumed_options.replay = interrupted.trace();
   Evaluator resumed = Make(resumed_options);
-  Wander(resumed, 80);
+  AutocorrelationExcess(resumed, 80);
   EXPECT_EQ(predictions_, 0) << "what was recorded is not predicted again";
   Evaluator on = Make(resumed_options);
-  Wander(on, 200);
+  AutocorrelationExcess(on, 200);
   ASSERT_EQ(on.evaluations(), 200);
   for (std::size_t i = 0; i < 200; ++i) {
     ASSERT_EQ(on.trace()[i].x, whole.trace()[i].x) << i;

@@ -1,4 +1,4 @@
-#include "identify/results/fit_quality.h"
+#include "identify/fit_quality.h"
 
 #include <gtest/gtest.h>
 

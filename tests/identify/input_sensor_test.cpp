@@ -27,8 +27,8 @@ TEST(InputSensor, HasFiveEffectsThatVanishAtTheirNull) {
     const Parameter& p = parameters[static_cast<std::size_t>(effect.parameters.at(0))];
     EXPECT_EQ(p.effect, effect.name);
     EXPECT_EQ(effect.level, Level::kSensor);
-    EXPECT_EQ(effect.says, "torque: " + p.meaning);
-    EXPECT_FALSE(effect.exposed_by.empty());
+    EXPECT_EQ(effect.description, "torque: " + p.meaning);
+    EXPECT_FALSE(effect.revealing_experiment.empty());
   }
   EXPECT_EQ(CorrectedInput(sensor.At(rest), 7.0, 1.2345, 88.0), 1.2345);
 }

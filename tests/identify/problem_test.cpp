@@ -8,11 +8,11 @@ namespace sinew {
 namespace {
 
 double Value(const std::vector<double>& knots, const Vector& weights, double x) {
-  const Hats hats = HatsAt(knots, x);
-  return hats.left * weights[hats.first] + (hats.right == 0 ? 0 : hats.right * weights[hats.first + 1]);
+  const LinearBasis basis = LinearBasisAt(knots, x);
+  return basis.left * weights[basis.first] + (basis.right == 0 ? 0 : basis.right * weights[basis.first + 1]);
 }
 
-TEST(Hats, InterpolateBetweenKnotsAndAreConstantBeyond) {
+TEST(LinearBasis, InterpolateBetweenKnotsAndAreConstantBeyond) {
   const std::vector<double> knots{-1, 0, 2};
   const Vector weights = toy::Values({3, 5, -1});
   EXPECT_EQ(Value(knots, weights, -7), 3);
@@ -22,8 +22,8 @@ TEST(Hats, InterpolateBetweenKnotsAndAreConstantBeyond) {
   EXPECT_EQ(Value(knots, weights, 1), 2);
   EXPECT_EQ(Value(knots, weights, 2), -1);
   EXPECT_EQ(Value(knots, weights, 9), -1);
-  EXPECT_EQ(HatsAt(knots, 1).left_slope, -0.5);
-  EXPECT_EQ(HatsAt(knots, 3).left_slope, 0);
+  EXPECT_EQ(LinearBasisAt(knots, 1).left_slope, -0.5);
+  EXPECT_EQ(LinearBasisAt(knots, 3).left_slope, 0);
 }
 
 TEST(Problem, DeclaresNothingUnlessItSaysSo) {
@@ -32,7 +32,7 @@ TEST(Problem, DeclaresNothingUnlessItSaysSo) {
   EXPECT_TRUE(problem.ports().empty());
   EXPECT_TRUE(problem.constraints().empty());
   Hdf5Node details;
-  EXPECT_TRUE(problem.Describe(RestPoint(problem), details));
+  EXPECT_TRUE(problem.WriteDetails(RestPoint(problem), details));
   EXPECT_TRUE(details.children.empty());
 }
 

@@ -5,7 +5,7 @@
 
 #include <functional>
 
-#include "identify/results/identification.h"
+#include "identify/identification/identification.h"
 #include "tests/identify/support/toy_problem.h"
 
 namespace sinew {

@@ -89,8 +89,8 @@ TEST(SensorEffects, AreReleasedByName) {
   ASSERT_EQ(problem.effects().size(), 2U * kSensorEffects);
   for (const Effect& effect : problem.effects()) {
     EXPECT_EQ(effect.level, Level::kSensor);
-    EXPECT_FALSE(effect.says.empty());
-    EXPECT_FALSE(effect.exposed_by.empty());
+    EXPECT_FALSE(effect.description.empty());
+    EXPECT_FALSE(effect.revealing_experiment.empty());
     EXPECT_TRUE(effect.trial.empty()) << "there is only one trial to fit";
     FitRequest request;
     request.release = {effect.name};

@@ -32,12 +32,12 @@ class SignalProblem final : public Problem {
   }
   [[nodiscard]] const std::vector<Parameter>& parameters() const override { return inner_.parameters(); }
   [[nodiscard]] const Layout& layout() const override { return inner_.layout(); }
-  [[nodiscard]] const std::vector<Port>& ports() const override { return ports_; }
+  [[nodiscard]] const std::vector<DiscrepancyPort>& ports() const override { return ports_; }
   Status Predict(const Query& query, Workspace& workspace, Prediction& prediction) const override {
     asked_ = query.differentiate != nullptr ? *query.differentiate : std::vector<bool>();
     return inner_.Predict(query, workspace, prediction);
   }
-  [[nodiscard]] std::vector<Signal> SignalsOf(int block) const override {
+  [[nodiscard]] std::vector<Signal> ResidualCovariates(int block) const override {
     return signals_(inner_.layout()[static_cast<std::size_t>(block)]);
   }
   [[nodiscard]] const std::vector<bool>& asked() const { return asked_; }
@@ -45,7 +45,7 @@ class SignalProblem final : public Problem {
  private:
   ToyProblem inner_;
   Signals signals_;
-  std::vector<Port> ports_;
+  std::vector<DiscrepancyPort> ports_;
   mutable std::vector<bool> asked_;
 };
 
@@ -138,7 +138,7 @@ TEST(SensorTrials, EachFittedTrialHasItsOwnEffects) {
     const Parameter& p = problem.parameters()[static_cast<std::size_t>(effect.parameters.at(0))];
     EXPECT_EQ(p.trial, effect.trial);
     EXPECT_EQ(p.effect, effect.name);
-    EXPECT_NE(effect.says.find("in trial " + effect.trial), std::string::npos) << effect.says;
+    EXPECT_NE(effect.description.find("in trial " + effect.trial), std::string::npos) << effect.description;
     for (int b = 0; b < 3; ++b) {
       EXPECT_EQ(ColumnOf(problem, b, effect.parameters[0]) >= 0,
                 problem.layout()[static_cast<std::size_t>(b)].trial == effect.trial);
@@ -174,15 +174,15 @@ TEST(SensorTrials, ThePortComesAfterTheProblemsOwn) {
   const SensorEffects problem(ThreeTrials());
   ASSERT_EQ(problem.ports().size(), 2U);
   EXPECT_EQ(problem.ports()[0].name, "torque");
-  const Port& port = problem.ports()[1];
+  const DiscrepancyPort& port = problem.ports()[1];
   EXPECT_EQ(port.name, "y");
   EXPECT_EQ(port.unit, "rad");
   EXPECT_EQ(port.meaning, "something adds to the reading");
   std::vector<std::string> names;
-  for (const UnknownTerm& term : port.terms) names.push_back(term.name);
+  for (const DiscrepancyTerm& term : port.terms) names.push_back(term.name);
   EXPECT_EQ(names, (std::vector<std::string>{"y(time)", "y(speed)", "y(y)"}))
       << "load is known in one trial only, still never changes";
-  const UnknownTerm& time = port.terms[0];
+  const DiscrepancyTerm& time = port.terms[0];
   ASSERT_EQ(time.knots.size(), 8U);
   EXPECT_EQ(time.signal_unit, "s");
   EXPECT_EQ(time.knots.front(), 0);
@@ -204,7 +204,7 @@ TEST(SensorTrials, ATermIsTheSameCurveOfItsSignalInEveryTrial) {
   constexpr double kTolerance = 1e-2;
   constexpr double kRounding = 1e-12;
   const SensorEffects problem(ThreeTrials());
-  const UnknownTerm& term = problem.ports()[1].terms[1];
+  const DiscrepancyTerm& term = problem.ports()[1].terms[1];
   Vector p = RestPoint(problem);
   const Prediction plain = PredictAt(problem, p);
   for (std::size_t k = 0; k < term.knots.size(); ++k) p[term.parameters[k]] = 0.1 * term.knots[k];
@@ -226,7 +226,7 @@ TEST(SensorTrials, ATermIsTheSameCurveOfItsSignalInEveryTrial) {
 TEST(SensorTrials, ATermOfTheReadingItselfFollowsThePrediction) {
   constexpr double kRounding = 1e-12;
   const SensorEffects problem(ThreeTrials());
-  const UnknownTerm& term = problem.ports()[1].terms[2];
+  const DiscrepancyTerm& term = problem.ports()[1].terms[2];
   Vector p = RestPoint(problem);
   const Prediction plain = PredictAt(problem, p);  // of amplitude 1, well inside the measured 2
   for (std::size_t k = 0; k < term.knots.size(); ++k) p[term.parameters[k]] = 0.1 * term.knots[k];

@@ -177,16 +177,16 @@ TEST_P(ConformanceTest, ParametersLayoutAndEffectsAreValid) {
     EXPECT_FALSE(p.meaning.empty()) << p.name;
   }
   for (const Effect& effect : problem_->effects()) {
-    EXPECT_FALSE(effect.says.empty()) << effect.name;
+    EXPECT_FALSE(effect.description.empty()) << effect.name;
     ASSERT_FALSE(effect.parameters.empty()) << effect.name;
     for (const int index : effect.parameters) {
       ASSERT_LT(index, ParameterCount());
       EXPECT_EQ(problem_->parameters()[static_cast<std::size_t>(index)].effect, effect.name);
     }
   }
-  for (const Port& port : problem_->ports()) {
+  for (const DiscrepancyPort& port : problem_->ports()) {
     EXPECT_FALSE(port.meaning.empty()) << port.name;
-    for (const UnknownTerm& term : port.terms) {
+    for (const DiscrepancyTerm& term : port.terms) {
       EXPECT_EQ(term.name, port.name + "(" + term.signal + ")");
       ASSERT_EQ(term.knots.size(), term.parameters.size()) << term.name;
       for (const int index : term.parameters) {
@@ -382,7 +382,7 @@ TEST_P(ConformanceTest, SearchesStayWithinTheBounds) {
 
 TEST_P(ConformanceTest, DescribesItselfWithoutFailure) {
   Hdf5Node details;
-  const Status status = problem_->Describe(Truth(), details);
+  const Status status = problem_->WriteDetails(Truth(), details);
   EXPECT_TRUE(status) << status.error().message;
   EXPECT_FALSE(problem_->objective().empty());
 }

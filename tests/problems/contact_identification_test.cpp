@@ -4,7 +4,7 @@
 
 #include <cmath>
 
-#include "identify/results/identification.h"
+#include "identify/identification/identification.h"
 #include "tests/problems/support/stepping_data.h"
 
 namespace sinew {

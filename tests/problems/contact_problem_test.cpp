@@ -160,7 +160,7 @@ TEST(ContactProblem, DescribesPressuresThatCarryTheVerticalForce) {
   const auto problem = MakeContact(ExactData(), SettingsText(ExactData())).value();
   const Vector truth = TruthOf(*problem);
   Hdf5Node details;
-  ASSERT_TRUE(problem->Describe(truth, details));
+  ASSERT_TRUE(problem->WriteDetails(truth, details));
   const Hdf5Node* sole = details.Find("contact/train_1/right_sole");
   ASSERT_NE(sole, nullptr);
   EXPECT_EQ(sole->Text("body"), "calcn_r");

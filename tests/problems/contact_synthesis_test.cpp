@@ -8,7 +8,7 @@
 #include <functional>
 
 #include "datasets/dataset_hash.h"
-#include "identify/results/fit_quality.h"
+#include "identify/fit_quality.h"
 #include "tests/problems/support/stepping_data.h"
 
 namespace sinew {
@@ -78,12 +78,14 @@ TEST(ContactSynthesis, TheTruthIsNotInTheData) {
 TEST(ContactSynthesis, NoDefaultTruthIsAStart) {
   const Dataset data = Synthesize(1);
   const auto settings = ParseContactSettings(data, SettingsText(data)).value();
-  for (const auto& [setting, says] : ContactExperiment()) {
+  for (const auto& [setting, description] : ContactExperiment()) {
     const auto range = settings.parameters.find(setting);
     if (range == settings.parameters.end()) continue;
-    const auto at = says.find("(default ");
-    ASSERT_NE(at, std::string::npos) << says;
-    EXPECT_NE(ParseNumber(says.substr(at + 9, says.find(')', at) - at - 9)), range->second.start) << setting;
+    const auto at = description.find("(default ");
+    ASSERT_NE(at, std::string::npos) << description;
+    EXPECT_NE(ParseNumber(description.substr(at + 9, description.find(')', at) - at - 9)),
+              range->second.start)
+        << setting;
   }
 }
 

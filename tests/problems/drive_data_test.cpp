@@ -181,7 +181,7 @@ TEST(DriveData, StartsComeFromARegression) {
 
 TEST(DriveData, SignalsAreAtTheSamples) {
   const auto problem = BindBench(Swing());
-  const auto signals = problem->SignalsOf(0);
+  const auto signals = problem->ResidualCovariates(0);
   ASSERT_EQ(signals.size(), 3U);
   for (const auto& signal : signals) EXPECT_EQ(signal.values.size(), 401U) << signal.name;
   EXPECT_EQ(signals[0].values[10], problem->layout()[0].measured[10]);

@@ -10,7 +10,7 @@
 #include "base/constants.h"
 #include "base/random.h"
 #include "identify/fit_setup.h"
-#include "identify/uncertainty/local_fit.h"
+#include "identify/solvers/local_fit.h"
 #include "problems/free_body/free_body_settings.h"
 #include "problems/free_body/free_body_synthesis.h"
 

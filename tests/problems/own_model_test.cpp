@@ -28,7 +28,7 @@ TEST(OwnModel, IsBoundBareOrSeenThroughItsSensors) {
 
 TEST(OwnModel, AClassThatTakesNoSettingsRefusesThem) {
   const ProblemEntry entry = ModelEntry<Spring>("spring", "a spring");
-  EXPECT_EQ(entry.says, "a spring");
+  EXPECT_EQ(entry.description, "a spring");
   EXPECT_EQ(ErrorOf(entry.bind(SpringData(), Settings("spring: {}"), false)), "");
   EXPECT_THAT(ErrorOf(entry.bind(SpringData(), Settings("spring: {mass: 3}"), false)), HasSubstr("mass"));
 }

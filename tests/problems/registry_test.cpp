@@ -11,7 +11,7 @@ TEST(ProblemRegistry, EveryEntryIsComplete) {
   std::set<std::string> names;
   for (const ProblemEntry& entry : ProblemRegistry()) {
     EXPECT_TRUE(names.insert(entry.name).second) << entry.name << " stands there twice";
-    EXPECT_FALSE(entry.says.empty()) << entry.name;
+    EXPECT_FALSE(entry.description.empty()) << entry.name;
     EXPECT_FALSE(entry.channels.empty()) << entry.name;
     EXPECT_FALSE(entry.experiment().empty()) << entry.name;
     EXPECT_TRUE(CheckParameters(entry.parameters())) << entry.name;

@@ -178,21 +178,21 @@ TEST(Diagnose, ACauseThatHelpsHeldOutTrialsTooLittleStandsInForSomethingElse) {
 // What differs from trial to trial and hides from every effect raises no alarm under a noise model that took
 // it up; but no instrument has such noise.
 TEST(Diagnose, AResidualThatWandersIsNotAdequate) {
-  int wanders = 0;
+  int strongly_autocorrelated = 0;
   for (std::uint64_t seed = 1; seed <= 20; ++seed) {
     LinearLaws::Truth truth;
     truth.noise = 0.02;
     truth.wander = 1;
     const Diagnosis d = Examine(LinearLaws(truth, seed));
     EXPECT_NE(d.verdict, DiagnosisVerdict::kAdequate) << seed;
-    if (!d.wanders) continue;
-    ++wanders;
+    if (!d.strongly_autocorrelated) continue;
+    ++strongly_autocorrelated;
     EXPECT_EQ(d.verdict, DiagnosisVerdict::kUnexplained) << seed;
     EXPECT_TRUE(d.causes.empty()) << seed;
     ASSERT_FALSE(d.sentences.empty());
     EXPECT_NE(d.sentences[0].find("wanders"), std::string::npos) << d.sentences[0];
   }
-  EXPECT_GT(wanders, 0);
+  EXPECT_GT(strongly_autocorrelated, 0);
 }
 
 // A problem during whose n-th prediction somebody presses Ctrl-C.
@@ -202,7 +202,7 @@ class Impatient final : public Problem {
   [[nodiscard]] const std::vector<Parameter>& parameters() const override { return laws_.parameters(); }
   [[nodiscard]] const Layout& layout() const override { return laws_.layout(); }
   [[nodiscard]] const std::vector<Effect>& effects() const override { return laws_.effects(); }
-  [[nodiscard]] const std::vector<Port>& ports() const override { return laws_.ports(); }
+  [[nodiscard]] const std::vector<DiscrepancyPort>& ports() const override { return laws_.ports(); }
   Status Predict(const Query& query, Workspace& workspace, Prediction& prediction) const override {
     if (--left_ == 0) pressed_ = true;
     return laws_.Predict(query, workspace, prediction);

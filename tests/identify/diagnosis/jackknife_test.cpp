@@ -1,5 +1,5 @@
 // What leaving out each trial says of the parameters, against the covariance of a linear model.
-#include "identify/diagnosis/jackknife.h"
+#include "identify/diagnosis/fit/jackknife.h"
 
 #include <gtest/gtest.h>
 
@@ -8,10 +8,10 @@
 #include <cmath>
 #include <cstdio>
 
-#include "identify/uncertainty/student_t.h"
+#include "identify/statistics/student_t.h"
 #include "tests/identify/diagnosis/linear_laws.h"
 
-namespace sinew {
+namespace sinew::diagnosis {
 namespace {
 
 constexpr double kNoise = 0.1;
@@ -51,7 +51,7 @@ std::vector<Trial> TrialsOf(const LinearLaws& problem, const Fitted& fitted) {
 }
 
 double Widening(double trials) {
-  return std::pow(StudentTQuantile(0.975, trials - 1) / 1.959964, 2);
+  return std::pow(statistics::StudentTQuantile(0.975, trials - 1) / 1.959964, 2);
 }
 
 TEST(Jackknife, IsWhatLeavingOutEachTrialByHandGives) {
@@ -161,4 +161,4 @@ TEST(Jackknife, NeedsTwoTrials) {
 }
 
 }  // namespace
-}  // namespace sinew
+}  // namespace sinew::diagnosis

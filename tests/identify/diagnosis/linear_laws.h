@@ -64,7 +64,7 @@ class LinearLaws final : public Problem {
   [[nodiscard]] const std::vector<Parameter>& parameters() const override { return parameters_; }
   [[nodiscard]] const Layout& layout() const override { return layout_; }
   [[nodiscard]] const std::vector<Effect>& effects() const override { return effects_; }
-  [[nodiscard]] const std::vector<Port>& ports() const override { return ports_; }
+  [[nodiscard]] const std::vector<DiscrepancyPort>& ports() const override { return ports_; }
 
   Status Predict(const Query& query, Workspace& /*workspace*/, Prediction& prediction) const override {
     for (std::size_t b = 0; b < layout_.size(); ++b) {
@@ -171,7 +171,7 @@ class LinearLaws final : public Problem {
     }
   }
   void AddTerm(const std::string& signal, double low, double high, int knots) {
-    UnknownTerm term{"y(" + signal + ")", signal, "1", {}, {}};
+    DiscrepancyTerm term{"y(" + signal + ")", signal, "1", {}, {}};
     for (int k = 0; k < knots; ++k) {
       term.knots.push_back(low + (high - low) * k / (knots - 1));
       Add(term.name + "[" + std::to_string(k) + "]", -20, 20, 0, term.name);
@@ -278,12 +278,12 @@ class LinearLaws final : public Problem {
     if (name == "twin_size") return (u > 0 ? 1 : -1) + 0.05 * std::sin(3 * time);
     if (name == "absent_size") return 0;
     if (name == "stretch_size") return std::tanh(u / p[stretch_ + 1]);
-    for (const UnknownTerm& term : ports_.front().terms) {
+    for (const DiscrepancyTerm& term : ports_.front().terms) {
       for (std::size_t k = 0; k < term.parameters.size(); ++k) {
         if (term.parameters[k] != index) continue;
-        const Hats hats = HatsAt(term.knots, term.signal == "u" ? u : time);
-        if (hats.first == static_cast<int>(k)) return hats.left;
-        return hats.first + 1 == static_cast<int>(k) ? hats.right : 0;
+        const LinearBasis basis = LinearBasisAt(term.knots, term.signal == "u" ? u : time);
+        if (basis.first == static_cast<int>(k)) return basis.left;
+        return basis.first + 1 == static_cast<int>(k) ? basis.right : 0;
       }
     }
     return 0;
@@ -299,7 +299,7 @@ class LinearLaws final : public Problem {
   std::uint64_t seed_;
   std::vector<Parameter> parameters_;
   std::vector<Effect> effects_;
-  std::vector<Port> ports_;
+  std::vector<DiscrepancyPort> ports_;
   Layout layout_;
   std::vector<std::vector<double>> inputs_;
   std::vector<std::vector<double>> slopes_;

@@ -1,5 +1,5 @@
 // A parameter that changes within a trial, and a curve of many knots, against trials that have them.
-#include "identify/diagnosis/linear_term.h"
+#include "identify/diagnosis/discover/linear_term.h"
 
 #include <gtest/gtest.h>
 
@@ -12,7 +12,7 @@
 #include "identify/diagnosis/diagnosis.h"
 #include "tests/identify/diagnosis/linear_laws.h"
 
-namespace sinew {
+namespace sinew::diagnosis {
 namespace {
 
 constexpr double kNoise = 0.1;
@@ -38,7 +38,7 @@ Result<LinearTerm> Examined(const LinearLaws& problem, const std::string& effect
   const Refitter refitter(problem, setup, candidates);
   const Refit base = refitter.Fit({}, {setup.rest});
   if (!base.usable()) return Fail("{}", base.failure);
-  NoiseModel noise;
+  noise::NoiseModel noise;
   noise.channels.emplace_back();
   noise.channels[0].deviation = kNoise * std::sqrt(1 - correlation * correlation);
   if (correlation > 0) noise.channels[0].coefficients = {correlation};
@@ -238,4 +238,4 @@ TEST(Drift, DiagnosisSaysThatTheParameterIsNotConstant) {
 }
 
 }  // namespace
-}  // namespace sinew
+}  // namespace sinew::diagnosis

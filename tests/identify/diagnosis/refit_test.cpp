@@ -1,5 +1,5 @@
 // What models are compared by: the deviance of a residual under a noise model.
-#include "identify/diagnosis/refit.h"
+#include "identify/diagnosis/fit/refit.h"
 
 #include <gtest/gtest.h>
 
@@ -8,10 +8,10 @@
 #include <vector>
 
 #include "base/random.h"
-#include "identify/diagnosis/autoregression.h"
+#include "identify/noise/autoregression.h"
 #include "tests/identify/support/function_problem.h"
 
-namespace sinew {
+namespace sinew::diagnosis {
 namespace {
 
 constexpr int kSamples = 40;
@@ -38,8 +38,8 @@ Vector SomeResidual() {
   return residual;
 }
 
-NoiseModel NoiseOf(const std::vector<double>& coefficients) {
-  NoiseModel noise;
+noise::NoiseModel NoiseOf(const std::vector<double>& coefficients) {
+  noise::NoiseModel noise;
   noise.channels.emplace_back();
   noise.channels[0].coefficients = coefficients;
   noise.channel_of = {0, 0};
@@ -73,7 +73,7 @@ TEST(Deviance, IsThatOfTheWholeRecordForAnyOrder) {
   const Fit fit(problem);
   const Vector residual = SomeResidual();
   const std::vector<double> high =
-      CoefficientsFromPartial({0.7, -0.4, 0.3, 0.2, -0.3, 0.25, 0.1, -0.2, 0.15, 0.3});
+      noise::CoefficientsFromPartial({0.7, -0.4, 0.3, 0.2, -0.3, 0.25, 0.1, -0.2, 0.15, 0.3});
   for (const auto& coefficients : std::vector<std::vector<double>>{{}, {0.8}, {1.2, -0.5}, high}) {
     int counted = 0;
     const double deviance = Deviance(fit.least_squares, residual, NoiseOf(coefficients), &counted);
@@ -99,4 +99,4 @@ TEST(Deviance, DoesNotChangeWithAnOrderThatSaysNothing) {
 }
 
 }  // namespace
-}  // namespace sinew
+}  // namespace sinew::diagnosis

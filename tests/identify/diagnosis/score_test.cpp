@@ -1,15 +1,15 @@
 // How candidates answer to a residual, where that can be said by hand.
-#include "identify/diagnosis/score.h"
+#include "identify/diagnosis/score/score.h"
 
 #include <gtest/gtest.h>
 
 #include <cstdio>
 #include <string>
 
-#include "identify/diagnosis/refit.h"
+#include "identify/diagnosis/fit/refit.h"
 #include "tests/identify/diagnosis/linear_laws.h"
 
-namespace sinew {
+namespace sinew::diagnosis {
 namespace {
 
 struct Scored {
@@ -22,12 +22,12 @@ Scored ScoresOf(const LinearLaws& problem) {
   Scored scored{ListCandidates(problem, setup), {}};
   const Refit base = Refitter(problem, setup, scored.candidates).Fit({}, {setup.rest});
   EXPECT_EQ(base.failure, "");
-  NoiseModel white;
+  noise::NoiseModel white;
   white.channels.emplace_back();
   white.channels[0].deviation = 0.1;
   const LeastSquares fit(problem, *base.setup);
   white.channel_of.assign(fit.train_blocks().size(), 0);
-  const Whitening whitening(white, TrainStretches(fit));
+  const noise::Whitening whitening(white, TrainStretches(fit));
   const auto design = MakeDesign(fit, base.x, scored.candidates, whitening);
   EXPECT_TRUE(design) << design.error().message;
   if (design) scored.table = MakeScores(fit, *design, scored.candidates, &whitening);
@@ -79,4 +79,4 @@ TEST(Score, CoarseCurvesHaveNoWindows) {
 }
 
 }  // namespace
-}  // namespace sinew
+}  // namespace sinew::diagnosis

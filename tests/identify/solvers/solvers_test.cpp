@@ -136,7 +136,7 @@ TEST(BasinHopping, LeavesALocalMinimumWhereLmStays) {
   Evaluator local(fit.least_squares, {});
   Evaluator global(fit.least_squares, {});
   const double stuck = SolveWith("lm", fit.least_squares, local).cost;
-  const SolverResult result = SolveWith("hop", fit.least_squares, global);
+  const SolverResult result = SolveWith("basin-hopping", fit.least_squares, global);
   double lowest = 1e9;
   for (int i = 0; i <= 100000; ++i) {
     const double x = i / 100000.0;
@@ -152,7 +152,7 @@ TEST(Ceres, NothingIsPrinted) {
   MakeRosenbrock(problem, -1.3, 0.5);
   const Fit fit(problem);
   for (const char* name :
-       {"ceres", "lm", "hop", "ipopt", "nlopt:GD_STOGO", "nlopt:GN_AGS", "nlopt:LN_PRAXIS"}) {
+       {"ceres", "lm", "basin-hopping", "ipopt", "nlopt:GD_STOGO", "nlopt:GN_AGS", "nlopt:LN_PRAXIS"}) {
     Evaluator::Options options;
     options.budget.max_evaluations = 300;
     Evaluator evaluator(fit.least_squares, options);
@@ -169,7 +169,7 @@ TEST(LocalSolvers, RosenbrockToTheMinimum) {
   MakeRosenbrock(problem);
   const Fit fit(problem);
   for (const char* name : {"ceres", "ipopt", "ipopt-lbfgs", "nlopt:LN_BOBYQA", "nlopt:LD_LBFGS",
-                           "nlopt:LD_SLSQP", "cmaes", "multistart", "hop", "lm", "sa+ceres"}) {
+                           "nlopt:LD_SLSQP", "cmaes", "multistart", "basin-hopping", "lm", "sa+ceres"}) {
     Evaluator::Options options;
     options.budget.max_evaluations = 3000;
     Evaluator evaluator(fit.least_squares, options);

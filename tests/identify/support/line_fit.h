@@ -4,7 +4,7 @@
 #include <utility>
 
 #include "base/random.h"
-#include "identify/results/identification.h"
+#include "identify/identification/identification.h"
 #include "tests/identify/support/toy_problem.h"
 
 namespace sinew::toy {

@@ -5,7 +5,7 @@
 #include <vector>
 
 #include "base/random.h"
-#include "identify/uncertainty/student_t.h"
+#include "identify/statistics/student_t.h"
 #include "identify/uncertainty/uncertainty.h"
 #include "tests/identify/support/toy_problem.h"
 
@@ -46,7 +46,7 @@ Coverage Measure(const toy::Formula& formula, const Vector& truth, double sigma,
     const Result<Uncertainty> answer = AnalyseUncertainty(fit.view, fit.view.Start(), {});
     EXPECT_TRUE(answer);
     if (!answer) continue;
-    const double q = StudentTQuantile(0.975, answer->degrees_of_freedom);
+    const double q = statistics::StudentTQuantile(0.975, answer->degrees_of_freedom);
     for (int i = 0; i < 2; ++i) {
       const auto at = static_cast<std::size_t>(i);
       const ParameterVerdict& verdict = answer->parameters[at];

@@ -5,7 +5,7 @@
 #include <cmath>
 
 #include "base/random.h"
-#include "identify/uncertainty/student_t.h"
+#include "identify/statistics/student_t.h"
 #include "identify/uncertainty/uncertainty.h"
 #include "tests/identify/support/toy_problem.h"
 
@@ -61,7 +61,7 @@ TEST(Profile, OfADecayMatchesABruteForceGridAndIsAsymmetric) {
 
   const Block& block = problem.layout()[0];
   const double best = answer->minimum[1];
-  const double q = StudentTQuantile(0.975, 23);
+  const double q = statistics::StudentTQuantile(0.975, 23);
   const double widening = std::max(1.0, std::pow(rate.std_error_robust / rate.std_error, 2));
   const double variance = 2 * CostAtRate(block, best) / 23;
   const double limit = CostAtRate(block, best) + 0.5 * q * q * variance * widening;
@@ -110,7 +110,8 @@ TEST(Profile, FallsBackToTheLinearIntervalWhenTheBudgetIsGone) {
   const ParameterVerdict& rate = answer->parameters[1];
   EXPECT_EQ(rate.interval, IntervalKind::kLinear);
   EXPECT_THAT(rate.reason, HasSubstr("its profile could not be followed"));
-  const double half = StudentTQuantile(0.975, 23) * std::max(rate.std_error, rate.std_error_robust);
+  const double half =
+      statistics::StudentTQuantile(0.975, 23) * std::max(rate.std_error, rate.std_error_robust);
   EXPECT_NEAR(rate.ci95_upper - answer->minimum[1], half, 1e-9);  // rounding
 
   const std::atomic<bool> stop{true};

@@ -5,7 +5,7 @@
 #include <cmath>
 
 #include "base/random.h"
-#include "identify/uncertainty/student_t.h"
+#include "identify/statistics/student_t.h"
 #include "identify/uncertainty/uncertainty.h"
 #include "tests/identify/support/toy_problem.h"
 
@@ -66,7 +66,7 @@ TEST(Uncertainty, LinearRegressionMatchesItsClosedForm) {
   const Matrix inverse = (design.transpose() * design).inverse();
   const Vector best = inverse * design.transpose() * y;
   const double variance = (y - design * best).squaredNorm() / (n - 2);
-  const double t = StudentTQuantile(0.975, n - 2);
+  const double t = statistics::StudentTQuantile(0.975, n - 2);
 
   ASSERT_EQ(answer.parameters.size(), 2u);
   EXPECT_NEAR(answer.degrees_of_freedom, n - 2, kLinearAlgebra);

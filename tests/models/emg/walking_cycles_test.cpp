@@ -77,17 +77,17 @@ TEST(WalkingCyclesTest, StridesAreThoseOfTheHeelStrikes) {
         settings.begins_at = begin;
         const auto found = FindCycles(angles.at("time"), angles.at(angle), settings);
         ASSERT_TRUE(found) << found.error().message;
-        const bool wanders = begin == CycleBegin::kHighest && angle[0] == 'a';
+        const bool strongly_autocorrelated = begin == CycleBegin::kHighest && angle[0] == 'a';
         // Both have two incomplete ends, which may hold one beginning more or less.
         EXPECT_NEAR(static_cast<double>(found->cycles.size()), std::floor(length_s / Median(strides)),
-                    wanders ? 3 : 2)
+                    strongly_autocorrelated ? 3 : 2)
             << walk << " " << angle;
         EXPECT_NEAR(found->period_s, Median(strides), 0.01);
         EXPECT_NEAR(found->median_duration_s, Median(strides), 0.012);
-        EXPECT_LE(CountLeftOut(*found, CycleFault::kDuration), wanders ? 3U : 0U);
+        EXPECT_LE(CountLeftOut(*found, CycleFault::kDuration), strongly_autocorrelated ? 3U : 0U);
         EXPECT_EQ(CountLeftOut(*found, CycleFault::kGap), 0U);
         // Push-off and the knee's turning points come as regularly as the heel strikes.
-        if (wanders) continue;
+        if (strongly_autocorrelated) continue;
         for (const MovementCycle& c : found->cycles)
           EXPECT_NEAR(c.duration_s(), found->median_duration_s, 0.09) << walk << " " << angle;
       }

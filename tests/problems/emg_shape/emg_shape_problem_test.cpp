@@ -6,7 +6,7 @@
 #include <cmath>
 
 #include "identify/fit_setup.h"
-#include "identify/results/identification.h"
+#include "identify/identification/identification.h"
 #include "problems/emg_shape/prediction_band.h"
 #include "tests/problems/emg_shape/emg_shape_study.h"
 
@@ -70,7 +70,7 @@ TEST(EmgShapeProblem, LawsPredictASpeedThatWasNotMeasured) {
     EXPECT_LT(lawful, 0.8 * lawless) << muscle << ", person 2 shifts phase with speed";
   }
   EXPECT_THAT(
-      with->RemarksAt(RestPoint(*with)),
+      with->WarningsAt(RestPoint(*with)),
       Contains(HasSubstr("trial 'train_120' moves at 2.09 rad/s, outside of the measured 0.524 .. 1.57")));
 }
 

@@ -98,7 +98,7 @@ TEST_F(NmsProblemTest, CalibratesWhatCeinmsMade) {
     EXPECT_LT(2 * *at_truth.Cost(at_truth.Start(), workspace), 1e-8) << "the truth";
   }
   const LeastSquares fit(**problem, *setup);
-  const auto solver = MakeSolver("hop", {});
+  const auto solver = MakeSolver("basin-hopping", {});
   Evaluator::Options options;
   options.target_cost = 1e-9;
   options.budget.max_evaluations = 20000;
@@ -212,7 +212,7 @@ TEST_F(NmsProblemTest, FibresStayInTheirRange) {
         }
       }
     }
-    return std::tuple(least, most, (*problem)->RemarksAt(parameters));
+    return std::tuple(least, most, (*problem)->WarningsAt(parameters));
   };
   const auto [least, most, remarks] = fit("", "lm");
   ASSERT_LT(least, 0.62);

@@ -132,7 +132,7 @@ TEST(OdeProblem, TheCostIsAsSmoothAsStated) {
     }
   }
   std::printf("largest jump of the cost %.1e of it\n", worst);
-  EXPECT_LT(worst, spring.cost_grain());
+  EXPECT_LT(worst, spring.cost_noise_level());
 }
 
 TEST(OdeProblem, InitialStatesAreColumnsOfTheirOwnTrialAlone) {

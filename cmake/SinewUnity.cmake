@@ -1,0 +1,31 @@
+# sinew_unity(TARGET): compiles up to SINEW_UNITY_FILES sources of one folder as one, so that the headers they share are
+# read once: a fresh build takes less than half of the time. Off where single files are compiled again and again (preset
+# dev) or looked at one by one (tidy).
+option(SINEW_UNITY "Compile several files of a folder as one" OFF)
+set(SINEW_UNITY_FILES 12 CACHE STRING "With SINEW_UNITY: most files that are compiled as one")
+
+function(sinew_unity target)
+  if(NOT SINEW_UNITY)
+    return()
+  endif()
+  get_target_property(sources ${target} SOURCES)
+  foreach(source ${sources})
+    get_filename_component(folder ${source} DIRECTORY)
+    string(MAKE_C_IDENTIFIER "in_${folder}" group)
+    list(APPEND groups ${group})
+    list(APPEND of_${group} ${source})
+  endforeach()
+  list(REMOVE_DUPLICATES groups)
+  foreach(group ${groups})
+    # Parts of equal size: 13 files are 7 and 6, not 12 and 1.
+    list(LENGTH of_${group} files)
+    math(EXPR parts "(${files} + ${SINEW_UNITY_FILES} - 1) / ${SINEW_UNITY_FILES}")
+    set(index 0)
+    foreach(source ${of_${group}})
+      math(EXPR part "${index} * ${parts} / ${files}")
+      set_source_files_properties(${source} PROPERTIES UNITY_GROUP ${group}_${part})
+      math(EXPR index "${index} + 1")
+    endforeach()
+  endforeach()
+  set_target_properties(${target} PROPERTIES UNITY_BUILD ON UNITY_BUILD_MODE GROUP)
+endfunction()

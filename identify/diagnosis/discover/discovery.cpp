@@ -1,0 +1,231 @@
+#include "identify/diagnosis/discover/discovery.h"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <optional>
+#include <utility>
+
+#include "base/constants.h"
+#include "base/numbers.h"
+#include "base/text.h"
+#include "identify/diagnosis/discover/linear_term.h"
+#include "identify/diagnosis/discover/shape.h"
+#include "identify/diagnosis/tabulation.h"
+
+namespace sinew::diagnosis {
+namespace {
+
+constexpr std::size_t kMaxUnknown = 3;
+constexpr double kLarge = 2000;  // statistic above which a linear estimate is only a hint
+constexpr double kNaN = std::numeric_limits<double>::quiet_NaN();
+
+double Squares(const std::vector<Vector>& residuals) {
+  double sum = 0;
+  for (const Vector& block : residuals) sum += block.squaredNorm();
+  return sum;
+}
+
+double Reduction(const std::vector<Vector>& before, const std::vector<Vector>& after) {
+  return 1 - std::sqrt(Squares(after) / Squares(before));
+}
+
+class Explorer {
+ public:
+  Explorer(Examination& examination, Diagnosis& diagnosis) : e_(examination), out_(diagnosis) {}
+
+  Status Explore() {
+    const Selection& selection = e_.selection;
+    if (e_.held_out.exists()) {
+      SINEW_ASSIGN(before_, e_.held_out.Residuals(selection.model.point));
+    }
+    SINEW_ASSIGN(const ScoredModel scored, ScoreModel(e_.problem, e_.candidates, selection.model,
+                                                      e_.options.alarm_level, e_.options.seed));
+    if (selection.line_left && scored.line) AddLine(scored);
+    for (std::size_t i = 0; i < std::min(selection.unknown.size(), kMaxUnknown); ++i) {
+      const int c = selection.unknown[i];
+      if (e_.candidate(c).drifting >= 0) {
+        AddDrift(c, selection.unknown_p_value[i], scored.noise);
+      } else {
+        AddCurve(c, selection.unknown_p_value[i], scored);
+      }
+    }
+    return {};
+  }
+
+ private:
+  // To first order, unless the curve is so large that it moves the system elsewhere.
+  void AddCurve(int c, double p_value, const ScoredModel& scored) {
+    UnknownFinding finding = NameCurve(c);
+    finding.p_value = p_value;
+    const Score* score = scored.BestOf(c);
+    const bool large = score == nullptr || score->statistic > kLarge;
+    const bool added = large ? RefitCurve(c, scored, finding) : AddToFirstOrder(c, scored.noise, finding);
+    if (!added) return;
+    std::vector<double> sure;
+    for (const double deviation : finding.deviation)
+      sure.push_back(deviation > 0 ? 1 / (deviation * deviation) : 0);
+    const Shape shape = DescribeShape(finding.knots, finding.curve, sure, finding.signal);
+    finding.shape = shape.words;
+    finding.nearest_law = shape.law;
+    out_.unknown_terms.push_back(std::move(finding));
+  }
+
+  [[nodiscard]] UnknownFinding NameCurve(int c) const {
+    UnknownFinding finding;
+    finding.name = e_.candidate(c).effect;
+    for (const DiscrepancyPort& port : e_.problem.ports()) {
+      for (const DiscrepancyTerm& term : port.terms) {
+        if (term.name != finding.name) continue;
+        finding.port = port.name;
+        finding.unit = port.unit;
+        finding.signal = term.signal;
+        finding.signal_unit = term.signal_unit;
+        finding.knots = term.knots;
+      }
+    }
+    return finding;
+  }
+
+  // False: there is no such model, or held-out trials deny it.
+  bool RefitCurve(int c, const ScoredModel& scored, UnknownFinding& finding) {
+    std::vector<int> released = e_.selection.model.released;
+    released.push_back(c);
+    const Refit refit = e_.Fit(released, StartsFor(scored, e_.candidates, c));
+    if (!refit.usable()) return false;
+    const auto covariance = e_.refitter->Covariance(refit);
+    const Matrix none = Matrix::Zero(refit.x.size(), refit.x.size());
+    for (const auto& value :
+         ValuesOf(e_, refit, covariance ? *covariance : none, e_.candidate(c).parameters)) {
+      finding.curve.push_back(value.value);
+      finding.deviation.push_back(value.std_error);
+    }
+    if (before_) {
+      const auto after = e_.held_out.Residuals(refit.point);
+      if (!after || e_.Loss(*before_, refit.noise) <= e_.Loss(*after, refit.noise)) return false;
+      finding.held_out_reduction = Reduction(*before_, *after);
+    }
+    if (!std::exchange(extended_, true)) out_.extended_point = refit.point;
+    return true;
+  }
+
+  bool AddToFirstOrder(int c, const noise::NoiseModel& noise, UnknownFinding& finding) {
+    const auto term = FitLinearTerm(e_.problem, e_.selection.model, e_.candidate(c), noise);
+    if (!term) return false;
+    const bool whole =
+        finding.knots.empty() || finding.knots.size() == static_cast<std::size_t>(term->values.size());
+    if (!whole) return false;
+    finding.curve.assign(term->values.begin(), term->values.end());
+    finding.deviation.assign(term->deviations.begin(), term->deviations.end());
+    if (!term->before.empty()) {
+      if (e_.Loss(term->before, noise) <= e_.Loss(term->after, noise)) return false;
+      finding.held_out_reduction = Reduction(term->before, term->after);
+    }
+    if (!std::exchange(extended_, true)) {
+      const LeastSquares fit(e_.problem, *e_.selection.model.setup);
+      for (std::size_t t = 0; t < fit.train_blocks().size(); ++t)
+        e_.added[fit.train_blocks()[t].block] = term->train[t];
+      AddHeldOut(term->after, e_.added);
+    }
+    return true;
+  }
+
+  void AddLine(const ScoredModel& scored) {
+    constexpr int kPoints = 17;
+    const noise::SpectralLine& line = *scored.line;
+    const LeastSquares fit(e_.problem, *scored.refit.setup);
+    // The residual is predicted minus measured.
+    const Vector amplitudes = -noise::LineAmplitudes(fit, scored.design.residual, line);
+    UnknownFinding finding;
+    finding.kind = UnknownKind::kPeriodic;
+    finding.port = line.channel;
+    finding.name = line.channel + "(period)";
+    finding.signal = "time";
+    finding.signal_unit = "s";
+    finding.shape = fmt::format("{} Hz", Readable(line.frequency));
+    finding.p_value = scored.AlarmPValue();
+    std::map<int, Vector> added;
+    double weight = 1;
+    for (const auto& train : fit.train_blocks()) {
+      const Block& block = e_.problem.layout()[static_cast<std::size_t>(train.block)];
+      if (block.channel != line.channel) continue;
+      finding.unit = block.unit;
+      weight = block.weight;
+      added[train.block] = scored.design.residual.segment(train.first_row, block.samples()) +
+                           noise::LineAt(block, line, amplitudes);
+    }
+    for (int i = 0; i < kPoints; ++i) {
+      const double turn = static_cast<double>(i) / (kPoints - 1);
+      finding.knots.push_back(turn / line.frequency);
+      finding.curve.push_back(
+          (amplitudes[0] * std::cos(2 * kPi * turn) + amplitudes[1] * std::sin(2 * kPi * turn)) / weight);
+      finding.deviation.push_back(kNaN);
+    }
+    if (before_) {
+      std::vector<Vector> after = *before_;
+      e_.held_out.Add(
+          [&](const Block& block) {
+            return block.channel == line.channel ? noise::LineAt(block, line, amplitudes) : Vector();
+          },
+          after);
+      finding.held_out_reduction = Reduction(*before_, after);
+      AddHeldOut(after, added);
+    }
+    EffectScore score;
+    score.effect = finding.name;
+    score.known = false;
+    score.degrees = 2;
+    score.statistic = line.statistic;
+    score.p_value = line.p_value;
+    score.family_p_value = finding.p_value;
+    Insert(std::move(score), out_.scores);
+    if (finding.held_out_reduction >= 0) {
+      e_.added = std::move(added);
+      extended_ = true;
+    }
+    out_.unknown_terms.push_back(std::move(finding));
+  }
+
+  void AddDrift(int c, double p_value, const noise::NoiseModel& noise) {
+    const Candidate& candidate = e_.candidate(c);
+    const Refit& model = e_.selection.model;
+    const Parameter& p = model.setup->parameters[static_cast<std::size_t>(candidate.drifting)];
+    UnknownFinding finding;
+    finding.kind = UnknownKind::kDrift;
+    finding.port = p.name;
+    finding.name = candidate.effect;
+    finding.signal = "time";
+    finding.signal_unit = "s";
+    finding.unit = p.unit;
+    finding.p_value = p_value;
+    if (!AddToFirstOrder(c, noise, finding)) return;
+    const double change = finding.curve.front();
+    const double deviation = finding.deviation.front();
+    finding.shape = change > 0 ? "grows within a trial" : "shrinks within a trial";
+    double longest = 0;
+    for (const Block& block : e_.problem.layout())
+      longest = std::max(longest, block.prediction_time.back() - block.prediction_time.front());
+    const double value = model.point[candidate.drifting];
+    finding.knots = {0, longest};
+    finding.curve = {value - change, value + change};
+    finding.deviation = {deviation, deviation};
+    out_.unknown_terms.push_back(std::move(finding));
+  }
+
+  void AddHeldOut(const std::vector<Vector>& residuals, std::map<int, Vector>& added) const {
+    for (std::size_t i = 0; i < residuals.size(); ++i) added[e_.held_out.blocks()[i]] = residuals[i];
+  }
+
+  Examination& e_;
+  Diagnosis& out_;
+  std::optional<std::vector<Vector>> before_;  // held-out residuals without any unknown term
+  bool extended_ = false;                      // the extended model has one already
+};
+
+}  // namespace
+
+Status DiscoverUnknown(Examination& examination, Diagnosis& diagnosis) {
+  return Explorer(examination, diagnosis).Explore();
+}
+
+}  // namespace sinew::diagnosis

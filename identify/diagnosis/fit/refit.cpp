@@ -1,0 +1,230 @@
+#include "identify/diagnosis/fit/refit.h"
+
+#include <Eigen/Cholesky>
+#include <algorithm>
+#include <cmath>
+#include <limits>
+
+#include "identify/diagnosis/score/design.h"
+#include "identify/noise/autoregression.h"
+
+namespace sinew::diagnosis {
+namespace {
+
+constexpr long kScoutEvaluations = 8;  // of each start, before the best goes on
+constexpr long kFitEvaluations = 80;
+constexpr double kOrdinaryTolerance = 1e-7;  // relative: a tenth of a unit of deviance in 1e6 samples
+constexpr double kWhitenedTolerance = 1e-3;  // of half the deviance
+constexpr int kNoiseRounds = 2;
+// Times the least sum of squares: a fit under coloured noise that leaves so much has exchanged the model for
+// the noise. (Inefficiency of ordinary least squares costs it a few percent.)
+constexpr double kNoiseAbsorbsMisfit = 2;
+
+bool IsPlain(const noise::NoiseModel& noise) {
+  return noise.channels.size() == 1 && !noise.IsColoured();
+}
+
+}  // namespace
+
+std::vector<std::vector<int>> TrainStretches(const LeastSquares& fit) {
+  std::vector<std::vector<int>> stretches;
+  for (const auto& train : fit.train_blocks())
+    stretches.push_back(noise::Stretches(fit.problem().layout()[static_cast<std::size_t>(train.block)]));
+  return stretches;
+}
+
+double Deviance(const LeastSquares& fit, const Vector& residual, const noise::NoiseModel& noise,
+                int* counted) {
+  std::vector<noise::AutoregressiveFilter> filters;
+  for (const noise::ChannelNoiseModel& channel : noise.channels)
+    filters.emplace_back(noise::PartialFromCoefficients(channel.coefficients));
+  std::vector<double> sum(noise.channels.size(), 0);
+  std::vector<double> count(noise.channels.size(), 0);
+  double deviance = 0;
+  Vector innovations = residual;
+  const auto& blocks = fit.train_blocks();
+  for (std::size_t t = 0; t < blocks.size(); ++t) {
+    const auto channel = static_cast<std::size_t>(noise.channel_of[t]);
+    const Block& block = fit.problem().layout()[static_cast<std::size_t>(blocks[t].block)];
+    const std::vector<int> stretches = noise::Stretches(block);
+    for (std::size_t s = 0; s < stretches.size(); ++s) {
+      const int end = s + 1 < stretches.size() ? stretches[s + 1] : block.samples();
+      auto rows = innovations.segment(blocks[t].first_row + stretches[s], end - stretches[s]);
+      filters[channel].Apply(rows.data(), rows.size());
+      sum[channel] += rows.squaredNorm();
+      count[channel] += static_cast<double>(rows.size());
+      deviance += filters[channel].LogDeterminant(rows.size());
+    }
+  }
+  // What is known of parameters beforehand: a cause that takes over from an unlikely nuisance is believed.
+  if (!blocks.empty()) {
+    const Block& last = fit.problem().layout()[static_cast<std::size_t>(blocks.back().block)];
+    deviance += residual.tail(residual.size() - blocks.back().first_row - last.samples()).squaredNorm();
+  }
+  if (counted != nullptr) *counted = 0;
+  for (std::size_t c = 0; c < sum.size(); ++c) {
+    if (count[c] == 0) continue;
+    const double least = std::pow(noise.channels[c].least_deviation, 2);
+    const double variance = std::max({sum[c] / count[c], least, std::numeric_limits<double>::min()});
+    // Counts where the least one stands in for the estimate, else 0.
+    deviance += count[c] * std::log(variance) + (sum[c] / variance - count[c]);
+    if (counted != nullptr) *counted += static_cast<int>(count[c]);
+  }
+  return deviance;
+}
+
+LocalFit::Outcome FitFromStarts(const LeastSquares& fit, const std::vector<Vector>& starts,
+                                double tolerance) {
+  LocalFit search(fit);
+  LocalFit::Outcome best;
+  best.cost = std::numeric_limits<double>::infinity();
+  const bool only = starts.size() == 1;
+  for (const Vector& start : starts) {
+    auto outcome =
+        search.Minimize(fit.Variables(start), -1, {0, tolerance}, only ? kFitEvaluations : kScoutEvaluations);
+    if (outcome.cost < best.cost) {
+      best = std::move(outcome);
+    } else if (!std::isfinite(best.cost) && !outcome.failure.empty()) {
+      best.failure = outcome.failure;
+    }
+  }
+  if (!std::isfinite(best.cost)) return best;
+  best.failure.clear();
+  if (!best.converged && !only) best = search.Minimize(best.x, -1, {0, tolerance}, kFitEvaluations);
+  return best;
+}
+
+FitSetup Refitter::SetupWith(const std::vector<int>& released) const {
+  FitSetup setup = base_;
+  for (const int c : released) {
+    const auto& parameters = candidates_[static_cast<std::size_t>(c)].parameters;
+    setup.free.insert(setup.free.end(), parameters.begin(), parameters.end());
+  }
+  std::sort(setup.free.begin(), setup.free.end());
+  return setup;
+}
+
+Status Refitter::EstimateNoise(LeastSquares& fit, bool white, const noise::NoiseModel* like,
+                               Refit& refit) const {
+  fit.set_transform(nullptr);
+  noise::NoiseModelOptions how;
+  how.white = white;
+  how.like = like;
+  SINEW_ASSIGN(const auto blocks, NoiseBlocks(fit, refit.x));
+  SINEW_ASSIGN(refit.noise, noise::EstimateNoiseModel(blocks, how));
+  return {};
+}
+
+Status Refitter::Finish(const LeastSquares& fit, Refit& refit) const {
+  auto workspace = fit.NewWorkspace();
+  Vector residual;
+  SINEW_TRY(fit.Evaluate(refit.x, workspace, residual, nullptr));
+  refit.point = fit.Parameters(refit.x);
+  refit.deviance = Deviance(fit, residual, refit.noise, &refit.rows);
+  return {};
+}
+
+Refit Refitter::FitOrdinary(std::vector<int> released, const std::vector<Vector>& starts,
+                            double tolerance) const {
+  Refit refit;
+  std::sort(released.begin(), released.end());
+  refit.released = std::move(released);
+  auto setup = std::make_shared<FitSetup>(SetupWith(refit.released));
+  setup->rest = starts.front();
+  refit.setup = setup;
+  if (interrupt_ != nullptr && interrupt_->load()) {
+    refit.failure = "interrupted";
+    return refit;
+  }
+  LeastSquares fit(problem_, *setup);
+  const auto found = FitFromStarts(fit, starts, tolerance);
+  refit.failure = found.failure;
+  if (!refit.usable()) return refit;
+  refit.x = found.x;
+  refit.cost = found.cost;
+  refit.converged = found.converged;
+  Status status = EstimateNoise(fit, false, nullptr, refit);
+  if (status) status = Finish(fit, refit);
+  if (!status) refit.failure = status.error().message;
+  return refit;
+}
+
+Refit Refitter::Fit(std::vector<int> released, const std::vector<Vector>& starts) const {
+  Refit refit = FitOrdinary(std::move(released), starts, kOrdinaryTolerance);
+  if (!refit.usable()) return refit;
+  LeastSquares fit(problem_, *refit.setup);
+  const Vector ordinary = refit.x;
+  Status status = independent_ ? Status() : Generalise(fit, refit);
+  if (status && !independent_) {
+    auto workspace = fit.NewWorkspace();
+    Vector residual;
+    status = fit.Evaluate(refit.x, workspace, residual, nullptr);
+    refit.noise_absorbs_misfit = residual.squaredNorm() > kNoiseAbsorbsMisfit * 2 * refit.cost;
+  }
+  if (status && (independent_ || refit.noise_absorbs_misfit)) {
+    refit.x = ordinary;
+    refit.noise_absorbs_misfit = true;
+    status = EstimateNoise(fit, true, nullptr, refit);
+  }
+  if (status) status = Finish(fit, refit);
+  if (!status) refit.failure = status.error().message;
+  return refit;
+}
+
+// Generalised least squares with the noise of its own residual.
+Status Refitter::Generalise(LeastSquares& fit, Refit& refit) const {
+  const auto stretches = TrainStretches(fit);
+  for (int round = 0; round < kNoiseRounds; ++round) {
+    if (round > 0) {
+      const noise::NoiseModel before = refit.noise;
+      SINEW_TRY(EstimateNoise(fit, false, &before, refit));
+    }
+    if (IsPlain(refit.noise) && fit.PriorVariables().empty()) break;
+    const noise::Whitening whitening(refit.noise, stretches);
+    fit.set_transform(&whitening);
+    LocalFit whitened(fit);
+    const auto outcome = whitened.Minimize(refit.x, -1, {kWhitenedTolerance, 0}, kFitEvaluations);
+    fit.set_transform(nullptr);
+    if (!outcome.failure.empty()) break;
+    refit.x = outcome.x;
+    refit.converged = outcome.converged;
+  }
+  return {};
+}
+
+Result<Matrix> Refitter::Covariance(const Refit& refit) const {
+  LeastSquares fit(problem_, *refit.setup);
+  const noise::Whitening whitening(refit.noise, TrainStretches(fit));
+  fit.set_transform(&whitening);
+  auto workspace = fit.NewWorkspace();
+  SparseJacobian jacobian = fit.NewJacobian();
+  Vector residuals;
+  SINEW_TRY(fit.Evaluate(refit.x, workspace, residuals, &jacobian));
+  const Matrix dense = jacobian.Dense(fit.residuals(), fit.variables());
+  const Vector gradient = dense.transpose() * residuals;
+  std::vector<Eigen::Index> inside;
+  for (Eigen::Index v = 0; v < refit.x.size(); ++v) {
+    const bool held = (refit.x[v] <= 0 && gradient[v] >= 0) || (refit.x[v] >= 1 && gradient[v] <= 0);
+    if (!held && dense.col(v).norm() > 0) inside.push_back(v);
+  }
+  const auto n = static_cast<Eigen::Index>(inside.size());
+  Matrix normal(n, n);
+  Vector scale(n);
+  for (Eigen::Index i = 0; i < n; ++i) scale[i] = dense.col(inside[static_cast<std::size_t>(i)]).norm();
+  for (Eigen::Index i = 0; i < n; ++i) {
+    for (Eigen::Index j = 0; j < n; ++j)
+      normal(i, j) =
+          dense.col(inside[static_cast<std::size_t>(i)]).dot(dense.col(inside[static_cast<std::size_t>(j)])) /
+          (scale[i] * scale[j]);
+  }
+  const Matrix inverse = normal.ldlt().solve(Matrix::Identity(n, n));
+  Matrix covariance = Matrix::Zero(refit.x.size(), refit.x.size());
+  for (Eigen::Index i = 0; i < n; ++i) {
+    for (Eigen::Index j = 0; j < n; ++j)
+      covariance(inside[static_cast<std::size_t>(i)], inside[static_cast<std::size_t>(j)]) =
+          inverse(i, j) / (scale[i] * scale[j]);
+  }
+  return covariance;
+}
+
+}  // namespace sinew::diagnosis

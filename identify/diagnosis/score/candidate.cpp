@@ -1,0 +1,107 @@
+#include "identify/diagnosis/score/candidate.h"
+
+#include <algorithm>
+
+#include "base/numbers.h"
+#include "base/text.h"
+
+namespace sinew::diagnosis {
+namespace {
+
+std::vector<Candidate::Probe> ProbesOf(const std::vector<Parameter>& parameters,
+                                       const std::vector<int>& group) {
+  std::vector<Candidate::Probe> probes{{}};
+  for (const int index : group) {
+    const Parameter& p = parameters[static_cast<std::size_t>(index)];
+    if (p.probes.empty()) continue;
+    std::vector<Candidate::Probe> grid;
+    for (const Candidate::Probe& probe : probes) {
+      for (const double value : p.probes) {
+        Candidate::Probe next = probe;
+        next.at.emplace_back(index, value);
+        next.words += fmt::format("{}{} = {} {}", next.words.empty() ? "" : ", ", p.name, Readable(value),
+                                  p.unit == "1" ? "" : p.unit);
+        grid.push_back(std::move(next));
+      }
+    }
+    probes = std::move(grid);
+  }
+  return probes;
+}
+
+bool AnyFree(const FitSetup& base, const std::vector<int>& group) {
+  return std::any_of(group.begin(), group.end(), [&](int index) { return base.IsFree(index); });
+}
+
+}  // namespace
+
+std::vector<Candidate> ListCandidates(const Problem& problem, const FitSetup& base) {
+  std::vector<Candidate> candidates;
+  for (const Effect& effect : problem.effects()) {
+    if (AnyFree(base, effect.parameters)) continue;
+    candidates.push_back({effect.name, effect.level, true, effect.description, effect.revealing_experiment,
+                          effect.trial, effect.parameters, ProbesOf(base.parameters, effect.parameters)});
+  }
+  for (const DiscrepancyPort& port : problem.ports()) {
+    for (const DiscrepancyTerm& term : port.terms) {
+      if (AnyFree(base, term.parameters)) continue;
+      candidates.push_back(
+          {term.name,
+           Level::kRobot,
+           false,
+           "something that is not in the library adds to " + port.name + ", as a function of " + term.signal,
+           "",
+           "",
+           term.parameters,
+           {{}}});
+    }
+  }
+  // Parameters that are free, or would be if their effect were.
+  for (std::size_t i = 0; i < base.parameters.size(); ++i) {
+    const Parameter& p = base.parameters[i];
+    const auto index = static_cast<int>(i);
+    const bool of_effect = std::any_of(candidates.begin(), candidates.end(), [&](const Candidate& c) {
+      return c.primary() && std::count(c.parameters.begin(), c.parameters.end(), index) > 0 &&
+             p.probes.empty();
+    });
+    if (!of_effect && !(p.kind == ParameterKind::kBase && base.IsFree(index))) continue;
+    Candidate drift;
+    drift.effect = p.name + "(time)";
+    drift.level = Level::kRobot;
+    drift.known = false;
+    drift.description = p.name + " is not constant: it changes with time within a trial";
+    drift.probes = {{}};
+    drift.drifting = index;
+    candidates.push_back(std::move(drift));
+  }
+  return candidates;
+}
+
+Vector TimeInTrial(const Block& block) {
+  const double begin = block.prediction_time.front();
+  const double half = 0.5 * (block.prediction_time.back() - begin);
+  Vector time(block.samples());
+  for (int i = 0; i < block.samples(); ++i) {
+    const double t =
+        block.prediction_time[static_cast<std::size_t>(block.sample[static_cast<std::size_t>(i)])];
+    time[i] = half > 0 ? (t - begin) / half - 1 : 0;
+  }
+  return time;
+}
+
+std::vector<int> ScoredParameters(const Candidate& candidate, std::size_t probe) {
+  if (IsScoredBySecant(candidate, probe)) return {candidate.probes[probe].at.front().first};
+  std::vector<int> scored;
+  for (const int index : candidate.parameters) {
+    const auto& at = candidate.probes[probe].at;
+    const bool stands = std::any_of(at.begin(), at.end(), [&](const auto& p) { return p.first == index; });
+    if (!stands) scored.push_back(index);
+  }
+  return scored;
+}
+
+bool IsScoredBySecant(const Candidate& candidate, std::size_t probe) {
+  return !candidate.parameters.empty() && candidate.probes[probe].at.size() == candidate.parameters.size();
+}
+
+}  // namespace sinew::diagnosis

@@ -1,0 +1,282 @@
+#include "identify/diagnosis/score/design.h"
+
+#include <algorithm>
+#include <cmath>
+
+namespace sinew::diagnosis {
+namespace {
+
+constexpr double kDetectable = 3.605;  // length of a signature that a test finds with 95 % at the 5 % level
+constexpr double kWellSized = 2.5;     // a secant's trace may be so many times longer or shorter than that
+constexpr int kSecantTries = 12;
+
+// Predicts at points near one point, and turns predictions into rows of the training blocks.
+class Rows {
+ public:
+  explicit Rows(const LeastSquares& fit) : fit_(fit), workspace_(fit.NewWorkspace()) {
+    wanted_.assign(fit.problem().layout().size(), false);
+    for (const auto& train : fit.train_blocks()) {
+      wanted_[static_cast<std::size_t>(train.block)] = true;
+      rows_ = train.first_row + block(train.block).samples();
+    }
+  }
+
+  [[nodiscard]] const Block& block(int b) const {
+    return fit_.problem().layout()[static_cast<std::size_t>(b)];
+  }
+
+  Status Predict(const Vector& point, const std::vector<bool>* differentiate) {
+    return fit_.problem().Predict({point, wanted_, differentiate != nullptr, differentiate},
+                                  *workspace_.problem, workspace_.prediction);
+  }
+
+  /// Weighted predictions [m] of the last call.
+  [[nodiscard]] Vector Values() const {
+    Vector rows(rows_);
+    for (const auto& train : fit_.train_blocks()) {
+      const Block& b = block(train.block);
+      const auto values = workspace_.prediction.values(train.block);
+      for (int i = 0; i < b.samples(); ++i)
+        rows[train.first_row + i] =
+            b.WeightOf(static_cast<std::size_t>(i)) * values[b.sample[static_cast<std::size_t>(i)]];
+    }
+    return rows;
+  }
+
+  /// Weighted derivative [m] for a parameter of the last call; zero where a block does not know it.
+  [[nodiscard]] Vector Derivative(int parameter) const {
+    Vector rows = Vector::Zero(rows_);
+    for (const auto& train : fit_.train_blocks()) {
+      const Block& b = block(train.block);
+      const auto found = std::lower_bound(b.columns.begin(), b.columns.end(), parameter);
+      if (found == b.columns.end() || *found != parameter) continue;
+      const auto column = workspace_.prediction.derivatives(train.block).col(found - b.columns.begin());
+      for (int i = 0; i < b.samples(); ++i)
+        rows[train.first_row + i] =
+            b.WeightOf(static_cast<std::size_t>(i)) * column[b.sample[static_cast<std::size_t>(i)]];
+    }
+    return rows;
+  }
+
+ private:
+  const LeastSquares& fit_;
+  LeastSquares::Workspace workspace_;
+  std::vector<bool> wanted_;
+  int rows_ = 0;
+};
+
+double WhitenedNorm(const LeastSquares& fit, const noise::Whitening& whitening, Vector rows) {
+  for (std::size_t t = 0; t < fit.train_blocks().size(); ++t) {
+    const auto& train = fit.train_blocks()[t];
+    const int n = fit.problem().layout()[static_cast<std::size_t>(train.block)].samples();
+    whitening.Apply(static_cast<int>(t), rows.segment(train.first_row, n));
+  }
+  return rows.norm();
+}
+
+class DesignMaker {
+ public:
+  DesignMaker(const LeastSquares& fit, const Vector& x, const std::vector<Candidate>& candidates,
+              const noise::Whitening& whitening)
+      : fit_(fit), candidates_(candidates), whitening_(whitening), rows_(fit), point_(fit.Parameters(x)) {}
+
+  Result<Design> Make(const Vector& x) {
+    Design design;
+    design.x = x;
+    auto workspace = fit_.NewWorkspace();
+    SparseJacobian jacobian = fit_.NewJacobian();
+    SINEW_TRY(fit_.Evaluate(x, workspace, design.residual, &jacobian));
+    design.base = jacobian.Dense(fit_.residuals(), fit_.variables());
+    // A parameter that its bound holds cannot imitate anything.
+    const Vector gradient = design.base.transpose() * design.residual;
+    for (Eigen::Index v = 0; v < x.size(); ++v) {
+      if ((x[v] <= 0 && gradient[v] >= 0) || (x[v] >= 1 && gradient[v] <= 0)) design.base.col(v).setZero();
+    }
+    SINEW_TRY(rows_.Predict(point_, nullptr));
+    at_null_ = rows_.Values();
+    // Priors and ranges have rows too. Priors know nothing of candidates; what a candidate changes in a
+    // ranged prediction is left out of the scores, and counted in full when the candidate is fitted.
+    height_ = design.residual.size();
+
+    std::size_t most_probes = 1;
+    for (const Candidate& candidate : candidates_)
+      most_probes = std::max(most_probes, candidate.probes.size());
+    for (std::size_t probe = 0; probe < most_probes; ++probe) AddDerivatives(probe);
+    for (std::size_t c = 0; c < candidates_.size(); ++c) AddSecants(static_cast<int>(c));
+    AddDrifts();
+
+    Order();
+    design.candidates.resize(height_, static_cast<Eigen::Index>(made_.size()));
+    for (std::size_t k = 0; k < made_.size(); ++k) {
+      design.candidates.col(static_cast<Eigen::Index>(k)) = made_[k].rows;
+      design.columns.push_back(made_[k].column);
+    }
+    return design;
+  }
+
+ private:
+  struct Made {
+    DesignColumn column;
+    Vector rows;
+  };
+
+  // What the fit has released already is no candidate any more.
+  [[nodiscard]] bool IsReleased(const Candidate& candidate) const {
+    return std::any_of(candidate.parameters.begin(), candidate.parameters.end(),
+                       [&](int index) { return fit_.setup().IsFree(index); });
+  }
+
+  [[nodiscard]] const Parameter& parameter(int index) const {
+    return fit_.setup().parameters[static_cast<std::size_t>(index)];
+  }
+
+  void Add(int candidate, std::size_t probe, int index, const Vector& rows) {
+    if (!rows.allFinite()) return;
+    const Parameter& p = parameter(index);
+    Made made;
+    made.column = {candidate, static_cast<int>(probe), index, p.null_value <= p.lower,
+                   p.null_value >= p.upper};
+    made.rows = Vector::Zero(height_);
+    made.rows.head(rows.size()) = rows;
+    made_.push_back(std::move(made));
+  }
+
+  // All candidates that have such a probe at once: at their nulls they do not see each other.
+  void AddDerivatives(std::size_t probe) {
+    Vector point = point_;
+    std::vector<bool> differentiate(fit_.setup().parameters.size(), false);
+    std::vector<std::pair<int, int>> wanted;  // candidate, parameter
+    for (std::size_t c = 0; c < candidates_.size(); ++c) {
+      const Candidate& candidate = candidates_[c];
+      if (probe >= candidate.probes.size() || IsScoredBySecant(candidate, probe)) continue;
+      if (IsReleased(candidate)) continue;
+      for (const auto& [index, value] : candidate.probes[probe].at) point[index] = value;
+      for (const int index : ScoredParameters(candidate, probe)) {
+        if (parameter(index).null_step > 0) continue;
+        differentiate[static_cast<std::size_t>(index)] = true;
+        wanted.emplace_back(static_cast<int>(c), index);
+      }
+    }
+    if (wanted.empty() || !rows_.Predict(point, &differentiate)) return;
+    for (const auto& [c, index] : wanted) Add(c, probe, index, rows_.Derivative(index));
+  }
+
+  // Change of the weighted predictions when a parameter goes from its null to `value`, per unit; empty if
+  // that cannot be predicted or changes nothing.
+  Vector Secant(Vector point, int index, double value) {
+    point[index] = value;
+    if (!rows_.Predict(point, nullptr)) return {};
+    const Vector change = rows_.Values() - at_null_;
+    if (!change.allFinite() || change.cwiseAbs().maxCoeff() == 0) return {};
+    return change / (value - parameter(index).null_value);
+  }
+
+  void AddSecants(int c) {
+    const Candidate& candidate = candidates_[static_cast<std::size_t>(c)];
+    if (IsReleased(candidate)) return;
+    for (std::size_t probe = 0; probe < candidate.probes.size(); ++probe) {
+      Vector point = point_;
+      if (IsScoredBySecant(candidate, probe)) {
+        const auto& [index, value] = candidate.probes[probe].at.front();
+        const Vector rows = Secant(point, index, value);
+        if (rows.size() > 0) Add(c, probe, index, rows);
+        continue;
+      }
+      for (const auto& [index, value] : candidate.probes[probe].at) point[index] = value;
+      for (const int index : ScoredParameters(candidate, probe)) {
+        if (parameter(index).null_step > 0) AddSizedSecant(c, probe, index, point);
+      }
+    }
+  }
+
+  // A secant as long as the noise: shorter ones see the kink's grain, longer ones what the effect does when
+  // it is large.
+  void AddSizedSecant(int c, std::size_t probe, int index, const Vector& point) {
+    const Parameter& p = parameter(index);
+    const double direction = p.null_value < p.upper ? 1 : -1;
+    const double reach = direction > 0 ? p.upper - p.null_value : p.null_value - p.lower;
+    double step = std::min(p.null_step, reach);
+    Vector best;
+    for (int i = 0; i < kSecantTries; ++i) {
+      const Vector rows = Secant(point, index, p.null_value + direction * step);
+      if (rows.size() > 0) best = rows;
+      const double norm = rows.size() > 0 ? step * WhitenedNorm(fit_, whitening_, rows) : 0;
+      if (norm > kDetectable / kWellSized && norm < kDetectable * kWellSized) break;
+      const double next =
+          norm > 0 ? step * std::clamp(kDetectable / norm, 0.1, 10.0) : std::min(4 * step, reach);
+      if (!(next > 0) || next > reach || next == step) break;
+      step = next;
+    }
+    if (best.size() > 0) Add(c, probe, index, best);
+  }
+
+  void AddDrifts() {
+    std::vector<bool> differentiate(fit_.setup().parameters.size(), false);
+    bool any = false;
+    for (const Candidate& candidate : candidates_) {
+      if (candidate.drifting < 0 || !fit_.setup().IsFree(candidate.drifting)) continue;
+      differentiate[static_cast<std::size_t>(candidate.drifting)] = true;
+      any = true;
+    }
+    if (!any || !rows_.Predict(point_, &differentiate)) return;
+    Vector time = Vector::Zero(rows_.Values().size());
+    for (const auto& train : fit_.train_blocks()) {
+      const Block& block = rows_.block(train.block);
+      time.segment(train.first_row, block.samples()) = TimeInTrial(block);
+    }
+    for (std::size_t c = 0; c < candidates_.size(); ++c) {
+      const int index = candidates_[c].drifting;
+      if (index < 0 || !differentiate[static_cast<std::size_t>(index)]) continue;
+      const Vector rows = rows_.Derivative(index).cwiseProduct(time);
+      if (rows.norm() > 0) Add(static_cast<int>(c), 0, index, rows);
+    }
+  }
+
+  // Columns of one candidate and probe stand together, in the order of the candidates.
+  void Order() {
+    std::stable_sort(made_.begin(), made_.end(), [](const Made& a, const Made& b) {
+      return std::pair(a.column.candidate, a.column.probe) < std::pair(b.column.candidate, b.column.probe);
+    });
+  }
+
+  const LeastSquares& fit_;
+  const std::vector<Candidate>& candidates_;
+  const noise::Whitening& whitening_;
+  Rows rows_;
+  Vector point_;
+  Vector at_null_;
+  Eigen::Index height_ = 0;
+  std::vector<Made> made_;
+};
+
+}  // namespace
+
+Result<std::vector<noise::NoiseBlock>> NoiseBlocks(const LeastSquares& fit, const Vector& x) {
+  auto workspace = fit.NewWorkspace();
+  SparseJacobian jacobian = fit.NewJacobian();
+  Vector residuals;
+  SINEW_TRY(fit.Evaluate(x, workspace, residuals, &jacobian));
+  std::vector<noise::NoiseBlock> blocks;
+  for (std::size_t t = 0; t < fit.train_blocks().size(); ++t) {
+    const auto& train = fit.train_blocks()[t];
+    const Block& block = fit.problem().layout()[static_cast<std::size_t>(train.block)];
+    noise::NoiseBlock noise;
+    noise.channel = block.channel;
+    noise.residual = residuals.segment(train.first_row, block.samples());
+    noise.regressors = jacobian.pieces[t].values;
+    noise.columns = jacobian.pieces[t].variables;
+    noise.stretches = noise::Stretches(block);
+    if (block.sigma) noise.stated = block.weight * *block.sigma;
+    noise.white = block.white;
+    noise.largest_root = noise::LargestRoot(block);
+    blocks.push_back(std::move(noise));
+  }
+  return blocks;
+}
+
+Result<Design> MakeDesign(const LeastSquares& fit, const Vector& x, const std::vector<Candidate>& candidates,
+                          const noise::Whitening& whitening) {
+  return DesignMaker(fit, x, candidates, whitening).Make(x);
+}
+
+}  // namespace sinew::diagnosis

@@ -1,0 +1,151 @@
+#include "identify/diagnosis/score/scored_model.h"
+
+#include <algorithm>
+#include <cmath>
+
+#include "base/column_space.h"
+
+namespace sinew::diagnosis {
+namespace {
+
+constexpr double kLarge = 150;  // statistic above which linear estimates are only a hint
+constexpr double kVeryLarge = 2000;
+constexpr double kDetectable = 3.605;
+
+// The refit's point with a candidate at one of its probes, `factor` times as large as the linear estimate.
+Vector StartAt(const ScoredModel& scored, const ScoreTable& table, const Candidate& candidate,
+               const Score& score, double factor) {
+  Vector point = scored.refit.point;
+  const auto& parameters = scored.refit.setup->parameters;
+  for (const auto& [index, value] : candidate.probes[static_cast<std::size_t>(score.probe)].at)
+    point[index] = value;
+  // What vanishes near its null has no slope there to start from.
+  if (IsScoredBySecant(candidate, static_cast<std::size_t>(score.probe))) return point;
+  for (const int column : score.columns) {
+    const DesignColumn& one = scored.design.columns[static_cast<std::size_t>(column)];
+    const Parameter& p = parameters[static_cast<std::size_t>(one.parameter)];
+    const double detectable = kDetectable / std::max(table.length[column], 1e-300);
+    double change = factor * table.estimate[column];
+    if (one.positive) change = std::max(change, 0.3 * detectable);
+    if (one.negative) change = std::min(change, -0.3 * detectable);
+    const double margin = 1e-3 * (p.upper - p.lower);
+    point[one.parameter] = std::clamp(p.null_value + change, one.positive ? p.lower : p.lower + margin,
+                                      one.negative ? p.upper : p.upper - margin);
+  }
+  return point;
+}
+
+constexpr Eigen::Index kRowsPerDirection = 50;
+constexpr Eigen::Index kMaxDirections = 40;
+constexpr double kRejected = 10;  // deviance
+constexpr double kSingular = 1e-8;
+constexpr double kMinShare = 1e-4;  // of the largest eigenvalue
+
+// Leading directions of what all candidates can do and the base cannot, unit length [m x r].
+Matrix LeadingDirections(const Design& design) {
+  const Vector before = design.candidates.colwise().norm();
+  Matrix columns = ColumnSpace(design.base, kSingular).TakenFrom(design.candidates);
+  for (Eigen::Index k = 0; k < columns.cols(); ++k) {
+    const double left = columns.col(k).norm();
+    columns.col(k) *= left > 1e-3 * before[k] ? 1 / left : 0;
+  }
+  const Eigen::SelfAdjointEigenSolver<Matrix> eigen(columns.transpose() * columns);
+  const auto last = eigen.eigenvalues().size() - 1;
+  const Eigen::Index most = std::min(kMaxDirections, columns.rows() / kRowsPerDirection);
+  Eigen::Index count = 0;
+  while (count < std::min(most, last + 1) &&
+         eigen.eigenvalues()[last - count] > kMinShare * eigen.eigenvalues()[last]) {
+    ++count;
+  }
+  Matrix directions(columns.rows(), count);
+  for (Eigen::Index i = 0; i < count; ++i)
+    directions.col(i) =
+        columns * eigen.eigenvectors().col(last - i) / std::sqrt(eigen.eigenvalues()[last - i]);
+  return directions;
+}
+
+// A noise model of the residual of a model that lacks something swallows what it lacks; so everything that
+// might be there is among the regressors.
+Result<noise::NoiseModel> NoiseBehindCandidates(const LeastSquares& fit, const Vector& x,
+                                                const Design& design, const noise::NoiseModel& own,
+                                                bool white) {
+  SINEW_ASSIGN(auto blocks, NoiseBlocks(fit, x));
+  const Matrix directions = LeadingDirections(design);
+  for (std::size_t t = 0; t < blocks.size(); ++t) {
+    noise::NoiseBlock& block = blocks[t];
+    const auto rows = block.residual.size();
+    block.regressors.conservativeResize(rows, block.regressors.cols() + directions.cols());
+    block.regressors.rightCols(directions.cols()) =
+        directions.middleRows(fit.train_blocks()[t].first_row, rows);
+    for (Eigen::Index k = 0; k < directions.cols(); ++k)
+      block.columns.push_back(fit.variables() + static_cast<int>(k));
+  }
+  noise::NoiseModelOptions how;
+  how.white = white;
+  SINEW_ASSIGN(auto behind, noise::EstimateNoiseModel(blocks, how));
+  // With so many regressors it is less certain; it stands only if the data deny the other one.
+  const double rejection = noise::RestrictedDeviance(blocks, own) - noise::RestrictedDeviance(blocks, behind);
+  return rejection > kRejected ? behind : own;
+}
+
+}  // namespace
+
+double ScoredModel::AlarmPValue() const {
+  constexpr double kLineWeight = 20;  // a twentieth of the level
+  return line ? std::min(family.p_value, std::min(1.0, kLineWeight * line->p_value)) : family.p_value;
+}
+
+const Score* ScoredModel::BestOf(int candidate, const ScoreTable& table) const {
+  const Score* best = nullptr;
+  for (const Score& score : table.scores) {
+    if (score.candidate == candidate && (best == nullptr || score.statistic > best->statistic)) best = &score;
+  }
+  return best;
+}
+
+Result<ScoredModel> ScoreModel(const Problem& problem, const std::vector<Candidate>& candidates, Refit refit,
+                               double level, std::uint64_t seed) {
+  ScoredModel scored;
+  scored.refit = std::move(refit);
+  const LeastSquares fit(problem, *scored.refit.setup);
+  const noise::Whitening whitening(scored.refit.noise, TrainStretches(fit));
+  SINEW_ASSIGN(scored.design, MakeDesign(fit, scored.refit.x, candidates, whitening));
+  SINEW_ASSIGN(scored.noise, NoiseBehindCandidates(fit, scored.refit.x, scored.design, scored.refit.noise,
+                                                   scored.refit.noise_absorbs_misfit));
+  const noise::Whitening behind(scored.noise, TrainStretches(fit));
+  scored.whitened = MakeScores(fit, scored.design, candidates, &behind);
+  scored.plain =
+      scored.refit.noise.IsColoured() ? MakeScores(fit, scored.design, candidates, nullptr) : scored.whitened;
+  scored.family = FamilyOf(scored.whitened, level, seed);
+  scored.line = noise::FindLine(fit, scored.design.residual);
+  return scored;
+}
+
+std::vector<Vector> StartsFor(const ScoredModel& scored, const std::vector<Candidate>& candidates,
+                              int candidate) {
+  const Candidate& which = candidates[static_cast<std::size_t>(candidate)];
+  const Score* whitened = scored.BestOf(candidate);
+  const Score* plain = scored.BestOf(candidate, scored.plain);
+  std::vector<Vector> starts;
+  if (whitened != nullptr) starts.push_back(StartAt(scored, scored.whitened, which, *whitened, 1));
+  if (plain != nullptr && (whitened == nullptr || plain->probe != whitened->probe))
+    starts.push_back(StartAt(scored, scored.plain, which, *plain, 1));
+  if (plain != nullptr && plain->statistic > kLarge) {
+    for (const Score& score : scored.plain.scores) {
+      if (score.candidate != candidate || &score == plain) continue;
+      starts.push_back(StartAt(scored, scored.plain, which, score, 1));
+    }
+    if (plain->statistic > kVeryLarge) {
+      for (const double factor : {0.3, 3.0})
+        starts.push_back(StartAt(scored, scored.plain, which, *plain, factor));
+    }
+  }
+  if (starts.empty()) {
+    Vector point = scored.refit.point;
+    for (const auto& [index, value] : which.probes.front().at) point[index] = value;
+    starts.push_back(std::move(point));
+  }
+  return starts;
+}
+
+}  // namespace sinew::diagnosis

@@ -1,0 +1,470 @@
+#include "identify/diagnosis/select/selection.h"
+
+#include <tbb/parallel_for.h>
+#include <tbb/task_arena.h>
+
+#include <algorithm>
+#include <cmath>
+#include <iterator>
+#include <limits>
+#include <map>
+#include <set>
+
+#include "identify/diagnosis/score/shortlist.h"
+#include "identify/diagnosis/select/cross_validated_search.h"
+#include "identify/statistics/chi_squared.h"
+
+namespace sinew::diagnosis {
+namespace {
+
+constexpr int kMaxCauses = 5;
+constexpr int kMaxExchanges = 8;        // each lowers the deviance, so they end anyway
+constexpr double kFurtherLevel = 0.02;  // of an alarm after the first cause
+constexpr double kParsimony = 10.8;     // chi-squared with one degree: chance 0.001
+constexpr double kDouble = 0.97;        // correlation of traces above which they count as one
+constexpr double kWalk = 0.97;          // root of the noise above which it may well be an effect in disguise
+// Share of a score that its linearity costs, per square root of the score: 1 % at size 3, 4 % at size 12.
+constexpr double kCurvature = 1e-3;
+
+class Selector {
+ public:
+  Selector(const Problem& problem, const Refitter& refitter, const std::vector<Candidate>& candidates,
+           const ScoredModel& base, const DiagnosisOptions& options)
+      : problem_(problem),
+        refitter_(refitter),
+        candidates_(candidates),
+        base_(base),
+        options_(options),
+        shortlist_(candidates, base) {
+    cache_[{}] = base.refit;
+  }
+
+  Result<Selection> Run() {
+    Selection selection;
+    selection.family_p_value = base_.AlarmPValue();
+    selection.alarm = selection.family_p_value <= options_.alarm_level;
+    selection.model = base_.refit;
+    if (!selection.alarm && !MayHide()) return selection;
+
+    std::vector<int> chosen;
+    ScoredModel scored = base_;
+    if (base_.refit.noise_absorbs_misfit || MisfitDominatesNoise(base_.refit.noise)) {
+      SINEW_TRY(SearchByCrossValidation(selection, chosen));
+      if (selection.cross_validated) return selection;
+      if (!chosen.empty()) {
+        selection.alarm = true;
+        selection.family_p_value = std::min(selection.family_p_value, options_.alarm_level);
+        SINEW_ASSIGN(scored,
+                     ScoreModel(problem_, candidates_, cache_.at(chosen), kFurtherLevel, options_.seed));
+      }
+    }
+    while (static_cast<int>(chosen.size()) < kMaxCauses &&
+           (chosen.empty() || scored.family.p_value <= kFurtherLevel)) {
+      SINEW_ASSIGN(const std::vector<int> next, Extend(chosen, scored));
+      if (next.empty()) break;
+      if (!selection.alarm) {
+        selection.alarm = true;
+        selection.family_p_value = options_.alarm_level;
+      }
+      chosen = next;
+      SINEW_ASSIGN(scored,
+                   ScoreModel(problem_, candidates_, cache_.at(chosen), kFurtherLevel, options_.seed));
+    }
+    for (const auto& [released, refit] : cache_) {
+      if (released.size() == 1 && refit.usable()) selection.tried.push_back(refit);
+    }
+    if (!selection.alarm) return selection;
+    Eliminate(chosen);
+    if (IsOutdoneByUnknown(chosen)) chosen.clear();
+    for (int exchanges = 0;; ++exchanges) {
+      selection.causes.clear();
+      selection.rivals.clear();
+      Judge(chosen, selection);
+      SINEW_TRY(FindRivals(chosen, selection));
+      const Set better = BetterRival(chosen, selection);
+      if (better.empty() || exchanges == kMaxExchanges) break;
+      chosen = better;
+      Eliminate(chosen);
+    }
+    SINEW_ASSIGN(scored, ScoreModel(problem_, candidates_, cache_.at(chosen), kFurtherLevel, options_.seed));
+    selection.model = cache_.at(chosen);
+    Leftovers(scored, chosen.empty(), selection);
+    return selection;
+  }
+
+ private:
+  using Set = std::vector<int>;
+
+  // If one known cause leaves nothing gross, the usual steps do better. If several together do, the usual
+  // steps go on from them; else what left-out trials say counts.
+  Status SearchByCrossValidation(Selection& selection, Set& chosen) {
+    CrossValidatedSearch search(problem_, refitter_, candidates_, options_);
+    if (!search.possible()) return {};
+    SINEW_ASSIGN(const auto found, search.Run(base_));
+    if (!found.misfit_still_dominates && found.released.size() > 1) {
+      chosen = found.released;
+      std::sort(chosen.begin(), chosen.end());
+      Fit({{chosen, {found.model.point}}});
+      if (!cache_.at(chosen).usable()) chosen.clear();
+    }
+    if (found.released.empty() || !found.misfit_still_dominates) return {};
+    selection.alarm = true;
+    selection.cross_validated = true;
+    selection.family_p_value = std::min(selection.family_p_value, options_.alarm_level);
+    selection.structure_left = true;
+    for (const TrialFold& fold : search.folds()) selection.left_out.push_back(fold.description);
+    selection.searched = TrainingTrials(search.searched()).size();
+    selection.model = found.model;
+    for (const auto& [c, share] : found.left_out_shares) {
+      ChosenCause cause;
+      cause.candidate = c;
+      cause.left_out = share;
+      selection.causes.push_back(cause);
+    }
+    std::stable_sort(selection.causes.begin(), selection.causes.end(),
+                     [](const ChosenCause& a, const ChosenCause& b) { return a.left_out < b.left_out; });
+    // Likelihoods mean nothing here.
+    for (ChosenCause& cause : selection.causes) {
+      cause.p_value = std::numeric_limits<double>::quiet_NaN();
+      cause.delta_lr = std::numeric_limits<double>::quiet_NaN();
+    }
+    return {};
+  }
+
+  // Coloured noise with a root near one, or much larger than its innovations, may be an effect that the noise
+  // model has swallowed.
+  [[nodiscard]] bool MayHide() const {
+    const auto& channels = base_.refit.noise.channels;
+    return std::any_of(channels.begin(), channels.end(),
+                       [](const noise::ChannelNoiseModel& channel) { return channel.LargestRoot() > kWalk; });
+  }
+
+  [[nodiscard]] double Price(const Set& released) const {
+    double parameters = 0;
+    for (const int c : released)
+      parameters += static_cast<double>(candidates_[static_cast<std::size_t>(c)].parameters.size());
+    return kPerParameter * parameters;
+  }
+  [[nodiscard]] double Penalised(const Refit& refit) const { return refit.deviance + Price(refit.released); }
+
+  static Set With(Set set, int c) {
+    set.insert(std::lower_bound(set.begin(), set.end(), c), c);
+    return set;
+  }
+  static Set Without(Set set, int c) {
+    set.erase(std::remove(set.begin(), set.end(), c), set.end());
+    return set;
+  }
+
+  // Refits what is not in the cache yet, in parallel; each from the given starts.
+  void Fit(const std::map<Set, std::vector<Vector>>& wanted) {
+    std::vector<std::pair<Set, std::vector<Vector>>> work;
+    for (const auto& [released, starts] : wanted) {
+      if (cache_.count(released) == 0) work.emplace_back(released, starts);
+    }
+    std::vector<Refit> made(work.size());
+    const auto one = [&](std::size_t i) { made[i] = refitter_.Fit(work[i].first, work[i].second); };
+    if (options_.threads > 1) {
+      tbb::task_arena arena(options_.threads);
+      arena.execute([&] { tbb::parallel_for(std::size_t{0}, work.size(), one); });
+    } else {
+      for (std::size_t i = 0; i < work.size(); ++i) one(i);
+    }
+    for (std::size_t i = 0; i < work.size(); ++i) cache_[work[i].first] = std::move(made[i]);
+  }
+
+  // Family-wise p-value of the drop that `more` candidates bring together.
+  [[nodiscard]] double RefitPValue(double delta_lr, const Set& more) const {
+    double degrees = 0;
+    bool primary = true;
+    bool positive = true;
+    for (const int c : more) {
+      const Candidate& candidate = candidates_[static_cast<std::size_t>(c)];
+      degrees += static_cast<double>(candidate.parameters.size());
+      primary = primary && candidate.primary();
+      const Parameter& p =
+          base_.refit.setup->parameters[static_cast<std::size_t>(candidate.parameters.front())];
+      positive = positive && (p.null_value <= p.lower || p.null_value >= p.upper);
+    }
+    double p = statistics::ChiSquaredUpperTail(std::max(0.0, delta_lr), degrees);
+    if (positive && degrees == 1) p *= 0.5;
+    if (!primary) p *= 5;
+    return base_.family.FamilyPValue(std::min(1.0, p));
+  }
+
+  // The best set with one more candidate (or, for the first step, also with two), if it is significant; else
+  // empty.
+  Result<Set> Extend(const Set& chosen, const ScoredModel& scored) {
+    std::map<Set, std::vector<Vector>> wanted;
+    for (const int c : shortlist_.Singles(scored))
+      wanted[With(chosen, c)] = StartsFor(scored, candidates_, c);
+    if (chosen.size() == 1) AddPairs(wanted);
+    Fit(wanted);
+    const Refit* best = nullptr;
+    for (const auto& [released, starts] : wanted) {
+      const Refit& refit = cache_.at(released);
+      if (refit.usable() && (best == nullptr || Penalised(refit) < Penalised(*best))) best = &refit;
+    }
+    if (best == nullptr) return Set();
+    for (const auto& [released, starts] : wanted) {
+      if (IsSimplerDouble(released, *best)) best = &cache_.at(released);
+    }
+    const double gained = cache_.at(chosen).deviance - best->deviance;
+    Set more;
+    const std::size_t extra = best->released.size() - chosen.size();
+    for (const int c : best->released) {
+      if (std::find(chosen.begin(), chosen.end(), c) == chosen.end()) more.push_back(c);
+    }
+    if (more.size() > extra) more.resize(std::max<std::size_t>(extra, 1));
+    const double level = chosen.empty() ? options_.alarm_level : kFurtherLevel;
+    const bool by_score = scored.family.p_value <= level && BestIsKnown(scored);
+    if (!by_score && RefitPValue(gained, more) > level) return Set();
+    if (Penalised(cache_.at(chosen)) <= Penalised(*best)) return Set();
+    return best->released;
+  }
+
+  // The same size, fewer parameters, nearly the same trace, and hardly a worse fit: the simpler law is named.
+  [[nodiscard]] bool IsSimplerDouble(const Set& released, const Refit& best) const {
+    const Refit& refit = cache_.at(released);
+    if (!refit.usable() || released.size() != best.released.size() || Price(released) >= Price(best.released))
+      return false;
+    if (refit.deviance - best.deviance > kParsimony) return false;
+    Set own;
+    Set other;
+    std::set_difference(released.begin(), released.end(), best.released.begin(), best.released.end(),
+                        std::back_inserter(own));
+    std::set_difference(best.released.begin(), best.released.end(), released.begin(), released.end(),
+                        std::back_inserter(other));
+    return own.size() == 1 && Correlation(own.front(), other.front()) > kDouble;
+  }
+
+  // The alarm comes from the library, not from an unknown term.
+  [[nodiscard]] bool BestIsKnown(const ScoredModel& scored) const {
+    double known = 1;
+    for (std::size_t i = 0; i < scored.whitened.scores.size(); ++i) {
+      const Score& score = scored.whitened.scores[i];
+      if (candidates_[static_cast<std::size_t>(score.candidate)].known)
+        known = std::min(known, scored.family.score_p_value[i]);
+    }
+    return known <= scored.family.level;
+  }
+
+  void AddPairs(std::map<Set, std::vector<Vector>>& wanted) const {
+    for (const auto& [a, b] : shortlist_.Pairs()) {
+      Vector start = StartsFor(base_, candidates_, a).front();
+      const Vector second = StartsFor(base_, candidates_, b).front();
+      for (const int index : candidates_[static_cast<std::size_t>(b)].parameters)
+        start[index] = second[index];
+      wanted[With({a}, b)].push_back(std::move(start));
+    }
+  }
+
+  // One curve of one signal does better than all that is in the library: then the cause is not in it.
+  // Compared at the base model, before any refit, and only if the refit agrees that the known ones explain
+  // little more. Scores are linear: what they neglect grows with the effect. Where no noise model holds, they
+  // compare nothing.
+  [[nodiscard]] bool IsOutdoneByUnknown(const Set& chosen) const {
+    if (chosen.empty() || base_.refit.noise_absorbs_misfit) return false;
+    std::vector<const Score*> known;
+    double parameters = 0;
+    for (const int c : chosen) {
+      const Score* score = base_.BestOf(c);
+      if (score != nullptr) known.push_back(score);
+      parameters += static_cast<double>(candidates_[static_cast<std::size_t>(c)].parameters.size());
+    }
+    const double linear = JointStatistic(base_.whitened, known);
+    const double refitted = cache_.at({}).deviance - cache_.at(chosen).deviance;
+    const double explained = std::max(linear, refitted) - kPerParameter * parameters;
+    const double neglected = kCurvature * std::pow(std::max(linear, 0.0), 1.5);
+    for (const Score& score : base_.whitened.scores) {
+      if (candidates_[static_cast<std::size_t>(score.candidate)].known) continue;
+      const double price = kPerParameter * (static_cast<double>(score.directions.size()) + score.searched);
+      if (score.statistic - price > explained + neglected + SetWidth(base_.refit)) return true;
+    }
+    return false;
+  }
+
+  // Backward: what no longer pays its way goes.
+  void Eliminate(Set& chosen) {
+    bool again = chosen.size() > 1;
+    while (again) {
+      again = false;
+      std::map<Set, std::vector<Vector>> wanted;
+      const Vector& point = cache_.at(chosen).point;
+      for (const int c : chosen) {
+        Vector start = point;
+        for (const int index : candidates_[static_cast<std::size_t>(c)].parameters)
+          start[index] = base_.refit.point[index];
+        wanted[Without(chosen, c)] = {start};
+      }
+      Fit(wanted);
+      const Set* best = nullptr;
+      for (const auto& [released, starts] : wanted) {
+        if (cache_.at(released).usable() &&
+            (best == nullptr || Penalised(cache_.at(released)) < Penalised(cache_.at(*best))))
+          best = &released;
+      }
+      if (best == nullptr) return;
+      Set gone;
+      for (const int c : chosen) {
+        if (std::find(best->begin(), best->end(), c) == best->end()) gone.push_back(c);
+      }
+      const double lost = cache_.at(*best).deviance - cache_.at(chosen).deviance;
+      if (RefitPValue(lost, gone) <= options_.alarm_level) return;
+      chosen = *best;
+      again = chosen.size() > 1;
+    }
+  }
+
+  void Judge(const Set& chosen, Selection& selection) {
+    const Refit& model = cache_.at(chosen);
+    for (const int c : chosen) {
+      const auto without = cache_.find(Without(chosen, c));
+      ChosenCause cause;
+      cause.candidate = c;
+      if (without != cache_.end() && without->second.usable())
+        cause.delta_lr = without->second.deviance - model.deviance;
+      cause.p_value = RefitPValue(cause.delta_lr, {c});
+      if (chosen.size() == 1) {
+        for (std::size_t i = 0; i < base_.whitened.scores.size(); ++i) {
+          if (base_.whitened.scores[i].candidate == c)
+            cause.p_value = std::min(cause.p_value, base_.family.score_p_value[i]);
+        }
+      }
+      selection.causes.push_back(cause);
+    }
+    std::stable_sort(selection.causes.begin(), selection.causes.end(),
+                     [](const ChosenCause& a, const ChosenCause& b) { return a.delta_lr > b.delta_lr; });
+  }
+
+  // For each cause: what else could stand in its place.
+  Status FindRivals(const Set& chosen, Selection& selection) {
+    for (const int c : chosen) {
+      const Set rest = Without(chosen, c);
+      std::optional<ScoredModel> made;
+      if (!rest.empty()) {
+        if (cache_.count(rest) == 0 || !cache_.at(rest).usable()) continue;
+        SINEW_ASSIGN(made, ScoreModel(problem_, candidates_, cache_.at(rest), kFurtherLevel, options_.seed));
+      }
+      const ScoredModel& scored = made ? *made : base_;
+      std::map<Set, std::vector<Vector>> wanted;
+      for (const int other : shortlist_.Singles(scored)) {
+        if (std::find(chosen.begin(), chosen.end(), other) == chosen.end())
+          wanted[With(rest, other)] = StartsFor(scored, candidates_, other);
+      }
+      Fit(wanted);
+      for (const auto& [released, starts] : wanted) {
+        AddRival(chosen, c, released, selection);
+      }
+    }
+    // Pairs in which both causes are replaced.
+    if (chosen.size() == 2) {
+      for (const auto& [released, refit] : cache_) {
+        const bool disjoint =
+            released.size() == 2 && std::none_of(released.begin(), released.end(), [&](int c) {
+              return std::find(chosen.begin(), chosen.end(), c) != chosen.end();
+            });
+        if (disjoint) AddRivalPair(chosen, released, selection);
+      }
+    }
+    std::stable_sort(selection.rivals.begin(), selection.rivals.end(),
+                     [](const Rival& a, const Rival& b) { return a.delta_lr < b.delta_lr; });
+    return {};
+  }
+
+  // One step at a time need not lead to the best set: what explains more in the place of a cause, takes it.
+  // What does so only at the end of its range stands in for something else. Empty: none does.
+  [[nodiscard]] Set BetterRival(const Set& chosen, const Selection& selection) const {
+    const Refit* best = &cache_.at(chosen);
+    for (const Rival& rival : selection.rivals) {
+      if (Penalised(rival.refit) < Penalised(*best) && !IsSimplerDouble(chosen, rival.refit) &&
+          !EndsAtABound(rival.refit, rival.candidate))
+        best = &rival.refit;
+    }
+    return best->released == chosen ? Set() : best->released;
+  }
+
+  [[nodiscard]] bool EndsAtABound(const Refit& refit, int c) const {
+    const auto& parameters = candidates_[static_cast<std::size_t>(c)].parameters;
+    return std::any_of(parameters.begin(), parameters.end(), [&](int index) {
+      const Parameter& p = refit.setup->parameters[static_cast<std::size_t>(index)];
+      const double value = refit.point[index];
+      return value != p.null_value && (value <= p.lower || value >= p.upper);
+    });
+  }
+
+  void AddRival(const Set& chosen, int cause, const Set& released, Selection& selection) const {
+    const Refit& refit = cache_.at(released);
+    const Refit& model = cache_.at(chosen);
+    if (!refit.usable() || Penalised(refit) - Penalised(model) > SetWidth(model)) return;
+    for (const int c : released) {
+      if (std::find(chosen.begin(), chosen.end(), c) == chosen.end())
+        selection.rivals.push_back({c, cause, refit, refit.deviance - model.deviance, Correlation(c, cause)});
+    }
+  }
+
+  void AddRivalPair(const Set& chosen, const Set& released, Selection& selection) const {
+    const Refit& refit = cache_.at(released);
+    const Refit& model = cache_.at(chosen);
+    if (!refit.usable() || Penalised(refit) - Penalised(model) > SetWidth(model)) return;
+    for (const int c : released) {
+      const bool known = std::any_of(selection.rivals.begin(), selection.rivals.end(),
+                                     [&](const Rival& rival) { return rival.candidate == c; });
+      if (known) continue;
+      const int like = Correlation(c, chosen[0]) >= Correlation(c, chosen[1]) ? chosen[0] : chosen[1];
+      selection.rivals.push_back({c, like, refit, refit.deviance - model.deviance, Correlation(c, like)});
+    }
+  }
+
+  // Of the two signatures at the base model, at the probes that answer best.
+  [[nodiscard]] double Correlation(int a, int b) const {
+    const Score* first = base_.BestOf(a);
+    const Score* second = base_.BestOf(b);
+    return first != nullptr && second != nullptr ? base_.whitened.Correlation(*first, *second) : 0;
+  }
+
+  void Leftovers(const ScoredModel& scored, bool nothing_chosen, Selection& selection) const {
+    std::vector<std::pair<double, int>> unknown;
+    double smallest = 1;
+    for (std::size_t i = 0; i < scored.whitened.scores.size(); ++i) {
+      const int c = scored.whitened.scores[i].candidate;
+      const double p = scored.family.score_p_value[i];
+      smallest = std::min(smallest, p);
+      if (!candidates_[static_cast<std::size_t>(c)].known) unknown.emplace_back(p, c);
+    }
+    std::stable_sort(unknown.begin(), unknown.end(), [&](const auto& a, const auto& b) {
+      if (a.first != b.first) return a.first < b.first;
+      return scored.BestOf(a.second)->statistic > scored.BestOf(b.second)->statistic;
+    });
+    selection.line_left = scored.AlarmPValue() < smallest && scored.AlarmPValue() <= kFurtherLevel;
+    selection.structure_left = nothing_chosen || smallest <= kFurtherLevel || selection.line_left;
+    for (const auto& [p, c] : unknown) {
+      if (!selection.structure_left || (p > options_.alarm_level && !selection.unknown.empty())) break;
+      if (std::count(selection.unknown.begin(), selection.unknown.end(), c) > 0) continue;
+      selection.unknown.push_back(c);
+      selection.unknown_p_value.push_back(p);
+    }
+  }
+
+  const Problem& problem_;
+  const Refitter& refitter_;
+  const std::vector<Candidate>& candidates_;
+  const ScoredModel& base_;
+  const DiagnosisOptions& options_;
+  std::map<Set, Refit> cache_;
+  Shortlist shortlist_;
+};
+
+}  // namespace
+
+double SetWidth(const Refit& model) {
+  return model.noise.IsColoured() ? kSetWidthColoured : kSetWidth;
+}
+
+Result<Selection> Select(const Problem& problem, const Refitter& refitter,
+                         const std::vector<Candidate>& candidates, const ScoredModel& base,
+                         const DiagnosisOptions& options) {
+  return Selector(problem, refitter, candidates, base, options).Run();
+}
+
+}  // namespace sinew::diagnosis

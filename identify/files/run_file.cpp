@@ -1,0 +1,211 @@
+#include "identify/files/run_file.h"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+
+#include "base/text.h"
+#include "identify/files/run_groups.h"
+
+namespace sinew {
+namespace {
+
+constexpr double kNaN = std::numeric_limits<double>::quiet_NaN();
+
+std::vector<std::string> FreeNames(const FitSetup& setup) {
+  std::vector<std::string> names;
+  for (const int index : setup.free) names.push_back(setup.parameters[static_cast<std::size_t>(index)].name);
+  return names;
+}
+
+void WriteStages(const std::vector<Stage>& stages, Hdf5Node& node) {
+  std::vector<std::string> solver, stop;
+  std::vector<double> cost, evaluations, x;
+  for (const Stage& stage : stages) {
+    solver.push_back(stage.solver);
+    stop.emplace_back(ToString(stage.stop.kind));
+    cost.push_back(stage.cost);
+    evaluations.push_back(static_cast<double>(stage.evaluations));
+    x.insert(x.end(), stage.x.data(), stage.x.data() + stage.x.size());
+  }
+  const std::size_t width = stages.empty() ? 0 : static_cast<std::size_t>(stages.front().x.size());
+  node.At("solver").data = std::move(solver);
+  node.At("stop_reason").data = std::move(stop);
+  node.At("cost").SetVector(std::move(cost));
+  node.At("evaluations").SetVector(std::move(evaluations));
+  node.At("x").SetMatrix(stages.size(), width, std::move(x));
+}
+
+std::vector<double> RowMajor(const Matrix& matrix) {
+  std::vector<double> values;
+  for (Eigen::Index i = 0; i < matrix.rows(); ++i) {
+    for (Eigen::Index j = 0; j < matrix.cols(); ++j) values.push_back(matrix(i, j));
+  }
+  return values;
+}
+
+void WriteUncertainty(const FitSetup& setup, const Uncertainty& uncertainty, Hdf5Node& node) {
+  std::vector<std::string> name, verdict, reason, remedy, interval;
+  std::vector<double> error, robust, lower, upper;
+  for (const ParameterVerdict& v : uncertainty.parameters) {
+    name.push_back(setup.parameters[static_cast<std::size_t>(v.parameter)].name);
+    verdict.emplace_back(ToString(v.verdict));
+    reason.push_back(v.reason);
+    remedy.push_back(v.remedy);
+    interval.emplace_back(ToString(v.interval));
+    error.push_back(std::isfinite(v.std_error) ? v.std_error : kNaN);
+    robust.push_back(std::isfinite(v.std_error_robust) ? v.std_error_robust : kNaN);
+    lower.push_back(v.interval == IntervalKind::kNone ? kNaN : v.ci95_lower);
+    upper.push_back(v.interval == IntervalKind::kNone ? kNaN : v.ci95_upper);
+  }
+  const std::size_t n = uncertainty.parameters.size();
+  node.At("name").data = std::move(name);
+  node.At("verdict").data = std::move(verdict);
+  node.At("reason").data = std::move(reason);
+  node.At("remedy").data = std::move(remedy);
+  node.At("interval").data = std::move(interval);
+  node.At("directions").data = uncertainty.directions;
+  node.At("std_error").SetVector(std::move(error));
+  node.At("std_error_robust").SetVector(std::move(robust));
+  node.At("ci95_lower").SetVector(std::move(lower));
+  node.At("ci95_upper").SetVector(std::move(upper));
+  node.At("covariance").SetMatrix(n, n, RowMajor(uncertainty.covariance));
+  node.At("correlation").SetMatrix(n, n, RowMajor(uncertainty.correlation));
+  const Vector& s = uncertainty.singular_values;
+  node.At("singular_values").SetVector({s.data(), s.data() + s.size()});
+}
+
+// A seed has 64 bits, more than a double holds: it is read as the integer that was written.
+std::uint64_t SeedOf(const Hdf5Node& run) {
+  const auto seed = run.attributes.find("seed");
+  const auto* integer = seed == run.attributes.end() ? nullptr : std::get_if<std::int64_t>(&seed->second);
+  return integer == nullptr ? 1 : static_cast<std::uint64_t>(*integer);
+}
+
+// A nuisance value of a trial, or one with a prior, is what the data said beyond the model. One without is
+// part of the model, as a control point of a curve. Runs of earlier versions may not say; then nothing is.
+void FindIncidental(const Hdf5Node& root, const std::vector<std::string>& names,
+                    std::set<std::string>& incidental) {
+  const Hdf5Node* kinds = root.Find("parameters/kind");
+  const Hdf5Node* trials = root.Find("parameters/trial");
+  const Hdf5Node* free = root.Find("parameters/free");
+  const Hdf5Node* priors = root.Find("parameters/prior_deviation");
+  for (const Hdf5Node* texts : {kinds, trials}) {
+    if (texts == nullptr || texts->texts() == nullptr || texts->texts()->size() != names.size()) return;
+  }
+  for (const Hdf5Node* numbers : {free, priors}) {
+    if (numbers == nullptr || numbers->array() == nullptr || numbers->array()->values.size() != names.size())
+      return;
+  }
+  for (std::size_t i = 0; i < names.size(); ++i) {
+    const std::string& kind = (*kinds->texts())[i];
+    const bool beyond = !(*trials->texts())[i].empty() || !std::isnan(priors->array()->values[i]);
+    if ((kind == "nuisance" && beyond) || (kind == "effect" && free->array()->values[i] == 0))
+      incidental.insert(names[i]);
+  }
+}
+
+}  // namespace
+
+Result<Hdf5Node> RunTree(const Problem& problem, const Identification& identification,
+                         const Provenance& provenance) {
+  Hdf5Node root;
+  Hdf5Node& run = root.At("run");
+  WriteProvenance(provenance, identification.solver, identification.solver_options.seed, run);
+  const SolverResult& result = identification.result;
+  run.attributes["finished"] = std::int64_t{result.stop.kind == Termination::kInterrupted ? 0 : 1};
+  run.attributes["stop_reason"] = std::string(ToString(result.stop.kind));
+  run.attributes["stop_test"] = result.stop.test;
+  run.attributes["converged"] = std::int64_t{result.stop.converged() ? 1 : 0};
+  run.attributes["usable"] = std::int64_t{result.stop.usable() ? 1 : 0};
+  run.attributes["evaluations"] = static_cast<std::int64_t>(identification.trace.size());
+  run.attributes["failures"] = static_cast<std::int64_t>(identification.failures);
+  run.attributes["iterations"] = std::int64_t{result.iterations};
+  run.attributes["seconds"] = identification.seconds;
+  run.attributes["cost"] = result.cost;
+  run.attributes["objective"] = problem.objective();
+  run.At("findings").data = identification.findings;
+  run.At("warnings").data = identification.warnings;
+  WriteTrace(identification.trace, FreeNames(identification.setup), root.At("trace"));
+  if (!result.stages.empty()) WriteStages(result.stages, root.At("stages"));
+  if (!result.stop.usable()) return root;
+
+  WriteParameters(identification.setup, identification.parameters, root.At("parameters"));
+  WritePredictions(problem.layout(), identification.prediction, root);
+  WriteUncertainty(identification.setup, identification.uncertainty, root.At("uncertainty"));
+  SINEW_TRY(problem.WriteDetails(identification.parameters, root.At("details")));
+  return root;
+}
+
+Hdf5Node UnfinishedRunTree(const LeastSquares& problem, const IdentificationOptions& options,
+                           const Provenance& provenance, const Evaluator& evaluator) {
+  Hdf5Node root;
+  Hdf5Node& run = root.At("run");
+  WriteProvenance(provenance, options.solver, options.solver_options.seed, run);
+  run.attributes["finished"] = std::int64_t{0};
+  run.attributes["stop_reason"] = std::string("running");
+  run.attributes["stop_test"] = std::string();
+  run.attributes["converged"] = std::int64_t{0};
+  run.attributes["usable"] = std::int64_t{evaluator.has_best() ? 1 : 0};
+  run.attributes["evaluations"] = static_cast<std::int64_t>(evaluator.evaluations());
+  run.attributes["cost"] = evaluator.has_best() ? evaluator.best().cost : kNaN;
+  run.attributes["objective"] = problem.problem().objective();
+  WriteTrace(evaluator.trace(), FreeNames(problem.setup()), root.At("trace"));
+  const Vector best = evaluator.has_best() ? problem.Parameters(evaluator.best().x) : problem.setup().rest;
+  WriteParameters(problem.setup(), best, root.At("parameters"));
+  return root;
+}
+
+Result<RecordedRun> ReadRun(const std::string& path) {
+  SINEW_ASSIGN(const Hdf5Node root, ReadHdf5(path));
+  const Hdf5Node* run = root.Find("run");
+  if (run == nullptr || run->Text("sinew_schema") != "run/1") {
+    return Fail("{}: is not a run file: expected /run with attribute sinew_schema = run/1", path);
+  }
+  RecordedRun recorded;
+  recorded.problem = run->Text("problem");
+  recorded.solver = run->Text("solver");
+  recorded.data_hash = run->Text("data_hash");
+  recorded.seed = SeedOf(*run);
+  recorded.finished = run->Number("finished", 0) == 1;
+
+  const Hdf5Node* names = root.Find("parameters/name");
+  const Hdf5Node* values = root.Find("parameters/value");
+  if (names != nullptr && values != nullptr) {
+    if (names->texts() == nullptr || values->array() == nullptr ||
+        names->texts()->size() != values->array()->values.size()) {
+      return Fail("{}: /parameters/name and /parameters/value do not belong together", path);
+    }
+    for (std::size_t i = 0; i < names->texts()->size(); ++i) {
+      recorded.values.emplace_back((*names->texts())[i], values->array()->values[i]);
+    }
+    FindIncidental(root, *names->texts(), recorded.incidental);
+  }
+  const Hdf5Node* trace = root.Find("trace");
+  const Hdf5Node* cost = root.Find("trace/cost");
+  const Hdf5Node* seconds = root.Find("trace/seconds");
+  const Hdf5Node* x = root.Find("trace/x");
+  if (trace == nullptr || cost == nullptr || seconds == nullptr || x == nullptr || cost->array() == nullptr ||
+      seconds->array() == nullptr || x->array() == nullptr || x->array()->shape.size() != 2 ||
+      x->array()->shape[0] != cost->array()->values.size() ||
+      seconds->array()->values.size() != cost->array()->values.size()) {
+    return Fail("{}: /trace is not complete: expected seconds [E], cost [E] and x [E, n]", path);
+  }
+  const std::string variables = trace->Text("variables");  // Split returns views into it
+  for (const auto name : Split(variables, ',')) {
+    if (!name.empty()) recorded.variables.emplace_back(name);
+  }
+  if (x->array()->shape[1] != recorded.variables.size()) {
+    return Fail("{}: /trace/x has {} columns but names {} variables", path, x->array()->shape[1],
+                recorded.variables.size());
+  }
+  const auto width = static_cast<Eigen::Index>(x->array()->shape[1]);
+  for (std::size_t i = 0; i < cost->array()->values.size(); ++i) {
+    const double* row = x->array()->values.data() + i * x->array()->shape[1];
+    recorded.trace.push_back(
+        {seconds->array()->values[i], cost->array()->values[i], Eigen::Map<const Vector>(row, width)});
+  }
+  return recorded;
+}
+
+}  // namespace sinew

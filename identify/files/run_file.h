@@ -1,0 +1,54 @@
+// The file that an identification leaves: docs/run_file.md.
+#pragma once
+
+#include <set>
+#include <string>
+#include <vector>
+
+#include "base/error.h"
+#include "base/hdf5_tree.h"
+#include "identify/identification/identification.h"
+
+namespace sinew {
+
+/// Where a run came from.
+struct Provenance {
+  std::string problem;
+  std::string data_file;
+  std::string data_hash;
+  std::string title;
+  std::string config;  ///< YAML text, may be empty
+  bool synthetic = false;
+};
+
+/// A finished run. Errors: those of Problem::Describe.
+Result<Hdf5Node> RunTree(const Problem& problem, const Identification& identification,
+                         const Provenance& provenance);
+
+/// A run that still goes on: what it needs to be resumed, and the best point so far.
+Hdf5Node UnfinishedRunTree(const LeastSquares& problem, const IdentificationOptions& options,
+                           const Provenance& provenance, const Evaluator& evaluator);
+
+/// What is taken from an earlier run to resume it, or to start from its answer.
+struct RecordedRun {
+  std::string problem;
+  std::string solver;
+  std::string data_hash;
+  std::uint64_t seed = 1;
+  bool finished = false;
+  std::vector<std::string> variables;  ///< names of the free parameters
+  std::vector<TraceEntry> trace;
+  std::vector<std::pair<std::string, double>> values;  ///< every parameter
+  /// Nuisance values of trials or with a prior, and effects that were not released: other data need not know
+  /// them.
+  std::set<std::string> incidental;
+};
+
+/// Errors: not a run file, or damaged.
+Result<RecordedRun> ReadRun(const std::string& path);
+
+/// JSON of `identify`, schema sinew.run/1 (CONTRACT).
+[[nodiscard]] std::string RunJson(const Problem& problem, const Identification& identification,
+                                  const Provenance& provenance);
+
+}  // namespace sinew

@@ -1,0 +1,27 @@
+// The groups that a run file and a diagnosis file share: docs/run_file.md.
+#pragma once
+
+#include <cstdint>
+#include <string>
+#include <vector>
+
+#include "base/hdf5_tree.h"
+#include "identify/files/run_file.h"
+
+namespace sinew {
+
+/// Attributes of /run that say where its answer came from, and /run/config.
+void WriteProvenance(const Provenance& provenance, const std::string& solver, std::uint64_t seed,
+                     Hdf5Node& run);
+
+/// /parameters. @param values [P]
+void WriteParameters(const FitSetup& setup, const Vector& values, Hdf5Node& node);
+
+/// /trace. @param variables names of the free parameters
+void WriteTrace(const std::vector<TraceEntry>& trace, const std::vector<std::string>& variables,
+                Hdf5Node& node);
+
+/// /prediction and /residual.
+void WritePredictions(const Layout& layout, const FullPrediction& prediction, Hdf5Node& root);
+
+}  // namespace sinew

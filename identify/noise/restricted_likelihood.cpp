@@ -1,0 +1,151 @@
+#include "identify/noise/restricted_likelihood.h"
+
+#include <Eigen/Cholesky>
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <numeric>
+
+#include "base/sparse_cholesky.h"
+
+namespace sinew::noise {
+namespace {
+
+// Of squares, since it is decided on the normal equations: 1e-5 of a column's length.
+constexpr double kDependent = 1e-10;
+constexpr double kRidge = 1e-12;
+
+/// Columns of a gram matrix with unit diagonal that are independent, by Cholesky decomposition with the
+/// largest remaining diagonal first; increasing.
+std::vector<int> IndependentColumns(Matrix gram) {
+  const Eigen::Index k = gram.rows();
+  std::vector<int> kept;
+  std::vector<bool> used(static_cast<std::size_t>(k), false);
+  for (Eigen::Index step = 0; step < k; ++step) {
+    Eigen::Index pivot = -1;
+    for (Eigen::Index i = 0; i < k; ++i) {
+      if (!used[static_cast<std::size_t>(i)] && (pivot < 0 || gram(i, i) > gram(pivot, pivot))) pivot = i;
+    }
+    if (!(gram(pivot, pivot) > kDependent)) break;
+    used[static_cast<std::size_t>(pivot)] = true;
+    kept.push_back(static_cast<int>(pivot));
+    const Vector column = gram.col(pivot) / std::sqrt(gram(pivot, pivot));
+    gram.noalias() -= column * column.transpose();
+  }
+  std::sort(kept.begin(), kept.end());
+  return kept;
+}
+
+/// Adds what the ordinary fit leaves: r - X b.
+void FitOrdinary(ReducedBlocks& reduced) {
+  const Eigen::Index k = reduced.columns;
+  if (k == 0) return;
+  Matrix gram = Matrix::Zero(k, k);
+  Vector projection = Vector::Zero(k);
+  for (const LaggedBlock& block : reduced.blocks) {
+    const Eigen::Index n = block.rows.cols() - 1;
+    const Matrix product = block.rows.transpose() * block.rows;
+    for (Eigen::Index c = 0; c < n; ++c) {
+      const int column = block.columns[static_cast<std::size_t>(c)];
+      projection[column] += product(n, c);
+      for (Eigen::Index r = 0; r < n; ++r)
+        gram(block.columns[static_cast<std::size_t>(r)], column) += product(r, c);
+    }
+  }
+  const Vector fitted = gram.ldlt().solve(projection);
+  for (LaggedBlock& block : reduced.blocks) {
+    const Eigen::Index n = block.rows.cols() - 1;
+    for (Eigen::Index c = 0; c < n; ++c) {
+      block.rows.col(n) -= fitted[block.columns[static_cast<std::size_t>(c)]] * block.rows.col(c);
+    }
+  }
+}
+
+}  // namespace
+
+ReducedBlocks Reduce(const std::vector<NoiseBlock>& blocks) {
+  int all = 0;
+  for (const NoiseBlock& block : blocks) {
+    if (!block.columns.empty()) all = std::max(all, block.columns.back() + 1);
+  }
+  Matrix gram = Matrix::Zero(all, all);
+  for (const NoiseBlock& block : blocks) {
+    const Matrix product = block.regressors.transpose() * block.regressors;
+    for (std::size_t c = 0; c < block.columns.size(); ++c) {
+      for (std::size_t r = 0; r < block.columns.size(); ++r) {
+        gram(block.columns[r], block.columns[c]) +=
+            product(static_cast<Eigen::Index>(r), static_cast<Eigen::Index>(c));
+      }
+    }
+  }
+  Vector scale = Vector::Zero(all);
+  for (int i = 0; i < all; ++i) {
+    if (gram(i, i) > 0) scale[i] = 1 / std::sqrt(gram(i, i));
+  }
+  gram = scale.asDiagonal() * gram * scale.asDiagonal();
+  const std::vector<int> kept = IndependentColumns(gram);
+  std::vector<int> position(static_cast<std::size_t>(all), -1);
+  for (std::size_t i = 0; i < kept.size(); ++i)
+    position[static_cast<std::size_t>(kept[i])] = static_cast<int>(i);
+
+  ReducedBlocks reduced;
+  reduced.columns = static_cast<int>(kept.size());
+  for (const NoiseBlock& block : blocks) {
+    LaggedBlock lagged;
+    std::vector<Eigen::Index> source;
+    for (std::size_t c = 0; c < block.columns.size(); ++c) {
+      const int at = position[static_cast<std::size_t>(block.columns[c])];
+      if (at < 0) continue;
+      lagged.columns.push_back(at);
+      source.push_back(static_cast<Eigen::Index>(c));
+    }
+    const auto k = static_cast<Eigen::Index>(source.size());
+    lagged.rows.resize(block.residual.size(), k + 1);
+    for (Eigen::Index c = 0; c < k; ++c) {
+      const Eigen::Index from = source[static_cast<std::size_t>(c)];
+      lagged.rows.col(c) = block.regressors.col(from) * scale[block.columns[static_cast<std::size_t>(from)]];
+    }
+    lagged.rows.col(k) = block.residual;
+    lagged.starts = block.stretches;
+    reduced.samples += static_cast<int>(block.residual.size());
+    reduced.blocks.push_back(std::move(lagged));
+  }
+  FitOrdinary(reduced);
+  return reduced;
+}
+
+ProfiledOut ProfileOut(WhitenedNormalEquations& equations) {
+  ProfiledOut out;
+  out.power = equations.power;
+  Matrix& gram = equations.gram;
+  const Eigen::Index k = gram.rows();
+  if (k == 0) return out;
+  Vector scale(k);
+  for (Eigen::Index i = 0; i < k; ++i) {
+    // A column without any row (all its samples are conditioned on) is left out.
+    scale[i] = gram(i, i) > 0 ? 1 / std::sqrt(gram(i, i)) : 0;
+    if (gram(i, i) > 0) out.log_determinant += std::log(gram(i, i));
+  }
+  for (Eigen::Index c = 0; c < k; ++c) {
+    for (Eigen::Index r = c; r < k; ++r) gram(r, c) *= scale[r] * scale[c];
+    gram(c, c) = 1 + kRidge;
+  }
+  const Vector projection = equations.projection.cwiseProduct(scale);
+  if (const SparseCholesky sparse(gram); sparse.usable()) {
+    out.power -= projection.dot(sparse.Solve(projection));
+    out.log_determinant += sparse.LogDeterminant();
+    return out;
+  }
+  const Eigen::LLT<Eigen::Ref<Matrix>, Eigen::Lower> root(gram);
+  if (root.info() != Eigen::Success) {
+    out.power = std::numeric_limits<double>::quiet_NaN();
+    return out;
+  }
+  Vector half = projection;
+  root.matrixL().solveInPlace(half);
+  out.power -= half.squaredNorm();
+  for (Eigen::Index i = 0; i < k; ++i) out.log_determinant += 2 * std::log(gram(i, i));
+  return out;
+}
+
+}  // namespace sinew::noise

@@ -1,0 +1,75 @@
+#include "identify/solvers/box_quadratic_model.h"
+
+#include <cmath>
+#include <vector>
+
+#include "base/decompositions.h"
+#include "base/sparse_cholesky.h"
+
+namespace sinew {
+
+bool BoxQuadraticModel::Set(Eigen::Index variables, const Vector& residuals, const SparseJacobian& jacobian) {
+  normal.setZero(variables, variables);
+  gradient.setZero(variables);
+  for (const SparseJacobian::Piece& piece : jacobian.pieces) {
+    const Matrix products = piece.values.transpose() * piece.values;
+    const Vector pull = piece.values.transpose() * residuals.segment(piece.first_row, piece.values.rows());
+    for (std::size_t a = 0; a < piece.variables.size(); ++a) {
+      gradient[piece.variables[a]] += pull[static_cast<Eigen::Index>(a)];
+      for (std::size_t b = 0; b < piece.variables.size(); ++b) {
+        normal(piece.variables[a], piece.variables[b]) +=
+            products(static_cast<Eigen::Index>(a), static_cast<Eigen::Index>(b));
+      }
+    }
+  }
+  return normal.allFinite() && gradient.allFinite();
+}
+
+Vector BoxQuadraticModel::BoxStep(const Vector& x, int held, double damping, double& gain) const {
+  std::vector<int> moving;
+  for (int v = 0; v < static_cast<int>(x.size()); ++v) {
+    const bool outward = (x[v] <= 0 && gradient[v] >= 0) || (x[v] >= 1 && gradient[v] <= 0);
+    if (v != held && !outward && normal(v, v) > 0) moving.push_back(v);
+  }
+  Vector step = Vector::Zero(x.size());
+  gain = 0;
+  Matrix reduced;
+  Vector scale;
+  Vector pull;
+  while (!moving.empty()) {
+    const auto n = static_cast<Eigen::Index>(moving.size());
+    reduced.resize(n, n);
+    scale.resize(n);
+    pull.resize(n);
+    // Columns of unit length: the damping then has no unit.
+    for (Eigen::Index i = 0; i < n; ++i) scale[i] = 1 / std::sqrt(normal(moving[i], moving[i]));
+    for (Eigen::Index i = 0; i < n; ++i) {
+      // Of the moving variables the step is still zero.
+      pull[i] = -(gradient[moving[i]] + normal.row(moving[i]).dot(step)) * scale[i];
+      for (Eigen::Index j = 0; j < n; ++j) reduced(i, j) = normal(moving[i], moving[j]) * scale[i] * scale[j];
+      reduced(i, i) += damping;
+    }
+    const SparseCholesky sparse(reduced);
+    const Vector found = sparse.usable() ? sparse.Solve(pull) : Vector(reduced.ldlt().solve(pull));
+    const Vector solution = found.cwiseProduct(scale);
+    std::vector<int> inside;
+    for (Eigen::Index i = 0; i < n; ++i) {
+      const int v = moving[static_cast<std::size_t>(i)];
+      if (x[v] + solution[i] < 0)
+        step[v] = -x[v];
+      else if (x[v] + solution[i] > 1)
+        step[v] = 1 - x[v];
+      else
+        inside.push_back(v);
+    }
+    if (inside.size() == moving.size()) {
+      for (Eigen::Index i = 0; i < n; ++i) step[moving[static_cast<std::size_t>(i)]] = solution[i];
+      break;
+    }
+    moving = std::move(inside);
+  }
+  gain = -gradient.dot(step) - 0.5 * step.dot(normal * step);
+  return step;
+}
+
+}  // namespace sinew

@@ -1,0 +1,45 @@
+#include "identify/solvers/held_out_nuisance.h"
+
+#include <set>
+#include <string>
+
+#include "identify/fit_setup.h"
+#include "identify/least_squares.h"
+#include "identify/role_view.h"
+#include "identify/solvers/local_fit.h"
+
+namespace sinew {
+namespace {
+
+constexpr long kEvaluations = 60;
+
+}  // namespace
+
+Result<Vector> FitHeldOutNuisance(const Problem& problem, const Vector& parameters) {
+  std::set<std::string> held_out;
+  for (const Block& block : problem.layout()) {
+    if (block.role == BlockRole::kValidate) held_out.insert(block.trial);
+  }
+  Vector answer = parameters;
+  for (const std::string& trial : held_out) {
+    FitSetup setup;
+    setup.parameters = problem.parameters();
+    setup.rest = answer;
+    for (std::size_t i = 0; i < setup.parameters.size(); ++i) {
+      const Parameter& p = setup.parameters[i];
+      if (p.kind == ParameterKind::kNuisance && p.trial == trial) setup.free.push_back(static_cast<int>(i));
+    }
+    if (setup.free.empty()) continue;
+    const RoleView alone(problem, [&](const Block& block) {
+      const bool fitted = block.trial == trial && block.role == BlockRole::kValidate;
+      return fitted ? BlockRole::kTrain : BlockRole::kPredicted;
+    });
+    const LeastSquares least_squares(alone, setup);
+    LocalFit fit(least_squares);
+    const auto outcome = fit.Minimize(least_squares.Variables(answer), -1, {0, 1e-9}, kEvaluations);
+    if (outcome.failure.empty()) answer = least_squares.Parameters(outcome.x);
+  }
+  return answer;
+}
+
+}  // namespace sinew

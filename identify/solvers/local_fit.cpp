@@ -1,0 +1,100 @@
+#include "identify/solvers/local_fit.h"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <utility>
+
+namespace sinew {
+namespace {
+
+// Nearly Gauss-Newton: refits start close to their answer, where full steps are right.
+constexpr double kFirstDamping = 1e-8;
+constexpr double kLargestDamping = 1e8;
+// A violation of a constraint by a share e of its span costs as much as moving the steepest variable by 100
+// e.
+constexpr double kPenalty = 1e4;
+
+}  // namespace
+
+LocalFit::LocalFit(const LeastSquares& problem, double penalty)
+    : problem_(problem),
+      workspace_(problem.NewWorkspace()),
+      jacobian_(problem.NewJacobian()),
+      penalty_(penalty) {}
+
+void LocalFit::AddPenalties(const Vector& x, double& cost, bool derivatives) {
+  if (problem_.constraints() == 0) return;
+  if (!problem_.Constraints(x, workspace_, constraint_, &constraint_jacobian_)) return;
+  for (Eigen::Index i = 0; i < constraint_.size(); ++i) {
+    const double span = constraint_jacobian_.row(i).squaredNorm();
+    if (!(constraint_[i] > 0) || !(span > 0)) continue;
+    const double weight = penalty_ / span;
+    cost += 0.5 * weight * constraint_[i] * constraint_[i];
+    if (!derivatives) continue;
+    equations_.gradient += weight * constraint_[i] * constraint_jacobian_.row(i).transpose();
+    equations_.normal += weight * constraint_jacobian_.row(i).transpose() * constraint_jacobian_.row(i);
+  }
+}
+
+Status LocalFit::Cost(const Vector& x, double& cost) {
+  ++evaluations_;
+  SINEW_TRY(problem_.Evaluate(x, workspace_, residuals_, nullptr));
+  cost = 0.5 * residuals_.squaredNorm();
+  AddPenalties(x, cost, false);
+  return {};
+}
+
+Status LocalFit::CostAndDerivatives(const Vector& x, double& cost) {
+  ++evaluations_;
+  SINEW_TRY(problem_.Evaluate(x, workspace_, residuals_, &jacobian_));
+  cost = 0.5 * residuals_.squaredNorm();
+  if (!equations_.Set(x.size(), residuals_, jacobian_)) return Fail("a derivative is not finite");
+  // Fixed at the first point: a search needs one and the same cost throughout.
+  if (penalty_ == 0) penalty_ = kPenalty * equations_.normal.diagonal().maxCoeff();
+  AddPenalties(x, cost, true);
+  return {};
+}
+
+LocalFit::Outcome LocalFit::Minimize(const Vector& start, int held, Tolerance tolerance,
+                                     long max_evaluations) {
+  Outcome outcome;
+  outcome.x = start.cwiseMax(0).cwiseMin(1);
+  const long last = evaluations_ + max_evaluations;
+  const Status status = CostAndDerivatives(outcome.x, outcome.cost);
+  if (!status) {
+    outcome.failure = status.error().message;
+    outcome.cost = std::numeric_limits<double>::infinity();
+    return outcome;
+  }
+  double damping = kFirstDamping;
+  while (true) {
+    double predicted = 0;
+    const Vector step = equations_.BoxStep(outcome.x, held, damping, predicted);
+    const bool tiny_step = step.cwiseAbs().maxCoeff() <= std::numeric_limits<double>::epsilon();
+    const double enough = std::max(tolerance.absolute + tolerance.relative * outcome.cost,
+                                   problem_.problem().cost_noise_level() * outcome.cost);
+    if (tiny_step || std::abs(predicted) <= enough) {
+      outcome.converged = true;
+      return outcome;
+    }
+    if (evaluations_ >= last || damping > kLargestDamping) return outcome;
+    Vector next = (outcome.x + step).cwiseMax(0).cwiseMin(1);
+    double cost = 0;
+    if (!Cost(next, cost) || !(cost < outcome.cost)) {
+      damping = std::max(10 * damping, 1e-4);
+      continue;
+    }
+    const double gained = outcome.cost - cost;
+    outcome.x = std::move(next);
+    outcome.cost = cost;
+    damping = std::max(damping / 10, kFirstDamping);
+    if (gained <= enough) {
+      outcome.converged = true;
+      return outcome;
+    }
+    if (evaluations_ >= last || !CostAndDerivatives(outcome.x, cost)) return outcome;
+  }
+}
+
+}  // namespace sinew

@@ -1,0 +1,54 @@
+#include "identify/error_concentration.h"
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <cmath>
+
+#include "base/random.h"
+#include "tests/identify/support/toy_problem.h"
+
+namespace sinew {
+namespace {
+
+using testing::ElementsAre;
+using testing::HasSubstr;
+using testing::IsEmpty;
+
+constexpr int kSamples = 1000;
+
+std::vector<Concentration> Found(const std::function<double(int)>& error) {
+  Layout layout{toy::MakeBlock("walk", "moment", kSamples, 1)};
+  Vector values(layout[0].predictions());
+  layout[0].measured.assign(kSamples, 0);
+  for (int i = 0; i < kSamples; ++i) values[layout[0].sample[static_cast<std::size_t>(i)]] = error(i);
+  return FindConcentrations(layout, {values});
+}
+
+TEST(Concentration, NoiseAndWhatRecursIsNone) {
+  Random random(3);
+  EXPECT_THAT(Found([&](int) { return random.Normal(); }), IsEmpty());
+  EXPECT_THAT(Found([](int i) { return i % 250 < 20 ? 5.0 : 0.1; }), IsEmpty()) << "four strides";
+  EXPECT_THAT(Found([](int) { return 0.0; }), IsEmpty());
+}
+
+TEST(Concentration, OneBadStretchIsFoundWhereItIs) {
+  Random random(3);
+  const auto found = Found([&](int i) { return random.Normal() + (i >= 600 && i < 640 ? 8 : 0); });
+  ASSERT_EQ(found.size(), 1U);
+  const auto time = toy::MakeBlock("walk", "moment", kSamples, 1).prediction_time;
+  EXPECT_NEAR(found[0].time, time[620], time[10] - time[0]);
+  EXPECT_NEAR(found[0].share, 40 * 65.0 / (40 * 65 + 960), 0.05);
+  EXPECT_THAT(DescribeConcentrations(found),
+              ElementsAre(HasSubstr("% of the squared error of moment in trial 'walk' lie within")));
+}
+
+TEST(Concentration, AtTheEndsToo) {
+  for (const int begin : {0, kSamples - 30}) {
+    const auto found = Found([&](int i) { return i >= begin && i < begin + 30 ? 8.0 : 1.0; });
+    ASSERT_EQ(found.size(), 1U) << begin;
+  }
+}
+
+}  // namespace
+}  // namespace sinew

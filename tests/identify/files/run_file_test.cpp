@@ -1,0 +1,225 @@
+#include "identify/files/run_file.h"
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <fstream>
+#include <functional>
+#include <iterator>
+
+#include "tests/identify/support/error_of.h"
+#include "tests/identify/support/line_fit.h"
+#include "tests/identify/support/temporary_file.h"
+
+namespace sinew {
+namespace {
+
+using testing::ElementsAre;
+using testing::HasSubstr;
+
+const Provenance kProvenance{"line", "data.h5", "0123456789abcdef", "a line", "line: {}\n", true};
+
+class RunFileTest : public testing::Test {
+ protected:
+  RunFileTest() : line_(toy::IdentifyLine(problem_)), tree_(RunTree(problem_, line_, kProvenance).value()) {}
+
+  Result<RecordedRun> Reread(const Hdf5Node& tree) const {
+    EXPECT_EQ(ErrorOf(WriteHdf5(file_.path(), tree)), "");
+    return ReadRun(file_.path());
+  }
+  /// What ReadRun says of the tree after it was damaged.
+  [[nodiscard]] std::string ErrorAfter(const std::function<void(Hdf5Node&)>& damage) const {
+    Hdf5Node tree = tree_;
+    damage(tree);
+    return ErrorOf(Reread(tree));
+  }
+
+  const TemporaryFile file_;
+  const toy::ToyProblem problem_ = toy::LineProblem();
+  const Identification line_;
+  const Hdf5Node tree_;
+};
+
+TEST_F(RunFileTest, WhatIsWrittenIsRead) {
+  const auto read = Reread(tree_);
+  ASSERT_TRUE(read) << read.error().message;
+  EXPECT_EQ(read->problem, "line");
+  EXPECT_EQ(read->solver, "ceres");
+  EXPECT_EQ(read->data_hash, "0123456789abcdef");
+  EXPECT_EQ(read->seed, 1U);
+  EXPECT_TRUE(read->finished);
+  EXPECT_THAT(read->variables, ElementsAre("offset", "slope"));
+  ASSERT_EQ(read->values.size(), 2U);
+  EXPECT_EQ(read->values[1].first, "slope");
+  EXPECT_EQ(read->values[1].second, line_.parameters[1]);
+  ASSERT_EQ(read->trace.size(), line_.trace.size());
+  for (std::size_t i = 0; i < line_.trace.size(); ++i) {
+    EXPECT_EQ(read->trace[i].x, line_.trace[i].x);
+    EXPECT_EQ(read->trace[i].cost, line_.trace[i].cost);
+    EXPECT_EQ(read->trace[i].seconds, line_.trace[i].seconds);
+  }
+}
+
+TEST_F(RunFileTest, EverySeedSurvives) {
+  for (const std::uint64_t seed : {std::uint64_t{0}, (std::uint64_t{1} << 53) + 1, ~std::uint64_t{0}}) {
+    Identification line = line_;
+    line.solver_options.seed = seed;
+    const auto read = Reread(RunTree(problem_, line, kProvenance).value());
+    ASSERT_TRUE(read) << read.error().message;
+    EXPECT_EQ(read->seed, seed);
+  }
+}
+
+TEST_F(RunFileTest, AFailedEvaluationSurvives) {
+  Identification line = line_;
+  line.trace.push_back({1.5, std::numeric_limits<double>::infinity(), toy::Values({0.25, 0.75})});
+  const auto read = Reread(RunTree(problem_, line, kProvenance).value());
+  ASSERT_TRUE(read) << read.error().message;
+  EXPECT_TRUE(std::isinf(read->trace.back().cost));
+}
+
+TEST_F(RunFileTest, PredictionsHoldMeasuredAndSimulatedSamples) {
+  const Hdf5Node* y = tree_.Find("prediction/train/y");
+  ASSERT_NE(y, nullptr);
+  EXPECT_EQ(y->Text("role"), "train");
+  EXPECT_EQ(y->Number("n", -1), 30);
+  EXPECT_EQ(y->Number("rmse", -1), line_.prediction.quality[0].rmse);
+  EXPECT_EQ(y->Find("measured")->array()->values, problem_.layout()[0].measured);
+  EXPECT_EQ(y->Find("simulated")->array()->values[3], line_.prediction.values[0][3]);
+  const Hdf5Node* residual = tree_.Find("residual/check/y/residual");
+  ASSERT_NE(residual, nullptr);
+  EXPECT_EQ(residual->array()->values[2], line_.prediction.values[2][2] - problem_.layout()[2].measured[2]);
+
+  const Hdf5Node* z = tree_.Find("prediction/train/z");
+  ASSERT_NE(z, nullptr);
+  EXPECT_TRUE(std::isnan(z->Find("measured")->array()->values[0]));
+  EXPECT_EQ(tree_.Find("residual/train/z"), nullptr);
+}
+
+TEST_F(RunFileTest, ParametersAndUncertaintyStandBesideTheirNames) {
+  EXPECT_THAT(*tree_.Find("parameters/name")->texts(), ElementsAre("offset", "slope"));
+  EXPECT_THAT(tree_.Find("parameters/free")->array()->values, ElementsAre(1, 1));
+  EXPECT_THAT(*tree_.Find("uncertainty/verdict")->texts(), ElementsAre("identifiable", "identifiable"));
+  EXPECT_THAT(tree_.Find("uncertainty/covariance")->array()->shape, ElementsAre(2, 2));
+  EXPECT_EQ(tree_.Find("uncertainty/std_error")->array()->values[1],
+            line_.uncertainty.parameters[1].std_error);
+  EXPECT_EQ(tree_.Find("run")->Number("finished", -1), 1);
+  EXPECT_EQ(*tree_.Find("run/config")->text(), kProvenance.config);
+}
+
+TEST_F(RunFileTest, ARunThatGoesOnIsUnfinishedAndHasItsTrace) {
+  const FitSetup setup = MakeFitSetup(problem_, {}).value();
+  const LeastSquares least_squares(problem_, setup);
+  Evaluator evaluator(least_squares, {});
+  const auto at_once = Reread(UnfinishedRunTree(least_squares, {}, kProvenance, evaluator));
+  ASSERT_TRUE(at_once) << at_once.error().message;
+  EXPECT_TRUE(at_once->trace.empty());
+  EXPECT_EQ(at_once->values[1].second, 0) << "nothing was evaluated: the start";
+
+  double cost = 0;
+  evaluator.Cost(least_squares.Variables(toy::Values({1, 3})), cost);
+  evaluator.Cost(least_squares.Variables(toy::Values({2, 3})), cost);
+  const auto read = Reread(UnfinishedRunTree(least_squares, {}, kProvenance, evaluator));
+  ASSERT_TRUE(read) << read.error().message;
+  EXPECT_FALSE(read->finished);
+  ASSERT_EQ(read->trace.size(), 2U);
+  EXPECT_EQ(read->trace[1].x, evaluator.trace()[1].x);
+  EXPECT_EQ(read->values[0].second, least_squares.Parameters(evaluator.best().x)[0]);
+}
+
+TEST_F(RunFileTest, ARunWithoutAnAnswerSaysWhy) {
+  const toy::ToyProblem hopeless(
+      {toy::MakeParameter("a", 0, 1, 0.5)}, {toy::MakeBlock("t", "y", 3, 1)},
+      [](const Block&, double, const Vector&, Vector*) -> Result<double> { return Fail("no way"); });
+  const Identification none = toy::IdentifyLine(hopeless);
+  const Hdf5Node tree = RunTree(hopeless, none, kProvenance).value();
+  EXPECT_EQ(tree.Find("run")->Number("usable", -1), 0);
+  EXPECT_EQ(tree.Find("run")->Text("stop_reason"), "no_prediction");
+  EXPECT_EQ(tree.Find("parameters"), nullptr);
+  const auto read = Reread(tree);
+  ASSERT_TRUE(read) << read.error().message;
+  EXPECT_EQ(read->trace.size(), none.trace.size());
+}
+
+TEST_F(RunFileTest, WhatOtherDataNeedNotKnowIsSaid) {
+  std::vector<Parameter> parameters;
+  for (const char* name : {"slope", "control", "scatter", "initial"}) {
+    parameters.push_back(toy::MakeParameter(name, -1, 1, 0));
+    if (parameters.size() > 1) parameters.back().kind = ParameterKind::kNuisance;
+  }
+  parameters[0].prior = parameters[2].prior = GaussianPrior{0.25, 0.5};
+  parameters[3].trial = "train";
+  const toy::ToyProblem problem(
+      parameters, {toy::MakeBlock("train", "y", 8, 0)},
+      [](const Block&, double t, const Vector& p, Vector* gradient) -> Result<double> {
+        if (gradient != nullptr) gradient->setConstant(t);
+        return p.sum() * t;
+      });
+  const auto fit = Identify(problem, MakeFitSetup(problem, {}).value(), {}).value();
+  const Hdf5Node tree = RunTree(problem, fit, kProvenance).value();
+  EXPECT_EQ(tree.Find("parameters/prior_mean")->array()->values[2], 0.25);
+  EXPECT_EQ(tree.Find("parameters/prior_deviation")->array()->values[2], 0.5);
+  EXPECT_TRUE(std::isnan(tree.Find("parameters/prior_deviation")->array()->values[1]));
+  const auto read = Reread(tree);
+  ASSERT_TRUE(read) << read.error().message;
+  EXPECT_THAT(read->incidental, ElementsAre("initial", "scatter"));
+}
+
+TEST_F(RunFileTest, NothingFreeCanBeWrittenAndRead) {
+  FitRequest request;
+  request.fix = {{"offset", 1}, {"slope", 3}};
+  const auto fixed = Identify(problem_, MakeFitSetup(problem_, request).value(), {}).value();
+  const auto read = Reread(RunTree(problem_, fixed, kProvenance).value());
+  ASSERT_TRUE(read) << read.error().message;
+  EXPECT_TRUE(read->variables.empty());
+  ASSERT_EQ(read->trace.size(), 1U);
+  EXPECT_EQ(read->trace[0].x.size(), 0);
+}
+
+TEST_F(RunFileTest, AFileThatIsNoRunIsAnError) {
+  EXPECT_THAT(ErrorOf(ReadRun(file_.path())), HasSubstr(file_.path()));
+  const std::string message =
+      file_.path() + ": is not a run file: expected /run with attribute sinew_schema = run/1";
+  EXPECT_EQ(ErrorAfter([](Hdf5Node& tree) { tree.children.erase("run"); }), message);
+  EXPECT_EQ(
+      ErrorAfter([](Hdf5Node& tree) { tree.At("run").attributes["sinew_schema"] = std::string("run/9"); }),
+      message);
+}
+
+TEST_F(RunFileTest, DamagedParametersAreAnError) {
+  const std::string message =
+      file_.path() + ": /parameters/name and /parameters/value do not belong together";
+  EXPECT_EQ(ErrorAfter([](Hdf5Node& tree) { tree.At("parameters/value").SetVector({1}); }), message);
+  EXPECT_EQ(ErrorAfter([](Hdf5Node& tree) { tree.At("parameters/name").SetVector({1, 2}); }), message);
+  EXPECT_EQ(ErrorAfter([](Hdf5Node& tree) { tree.At("parameters/value").data = std::string("1 2"); }),
+            message);
+}
+
+TEST_F(RunFileTest, ADamagedTraceIsAnError) {
+  const std::string message =
+      file_.path() + ": /trace is not complete: expected seconds [E], cost [E] and x [E, n]";
+  for (const std::string part : {"seconds", "cost", "x"}) {
+    EXPECT_EQ(ErrorAfter([&](Hdf5Node& tree) { tree.At("trace").children.erase(part); }), message) << part;
+    EXPECT_EQ(ErrorAfter([&](Hdf5Node& tree) { tree.At("trace/" + part).SetVector({1}); }), message) << part;
+    EXPECT_EQ(ErrorAfter([&](Hdf5Node& tree) { tree.At("trace/" + part).data = std::string("?"); }), message)
+        << part;
+  }
+  EXPECT_EQ(ErrorAfter([](Hdf5Node& tree) { tree.children.erase("trace"); }), message);
+  EXPECT_EQ(
+      ErrorAfter([](Hdf5Node& tree) { tree.At("trace").attributes["variables"] = std::string("offset"); }),
+      file_.path() + ": /trace/x has 2 columns but names 1 variables");
+}
+
+TEST_F(RunFileTest, ATruncatedFileIsAnErrorAndNeverACrash) {
+  ASSERT_EQ(ErrorOf(WriteHdf5(file_.path(), tree_)), "");
+  std::ifstream stream(file_.path(), std::ios::binary);
+  const std::string bytes((std::istreambuf_iterator<char>(stream)), std::istreambuf_iterator<char>());
+  for (std::size_t tenth = 0; tenth < 10; ++tenth) {
+    std::ofstream(file_.path(), std::ios::binary) << bytes.substr(0, bytes.size() * tenth / 10);
+    EXPECT_NE(ErrorOf(ReadRun(file_.path())), "") << tenth;
+  }
+}
+
+}  // namespace
+}  // namespace sinew

@@ -1,0 +1,88 @@
+// The JSON of `identify` is what scripts rely on: its fields are those of the contract.
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <limits>
+#include <nlohmann/json.hpp>
+
+#include "identify/files/run_file.h"
+#include "tests/identify/support/line_fit.h"
+
+namespace sinew {
+namespace {
+
+using Json = nlohmann::json;
+
+const Provenance kProvenance{"line", "data.h5", "0123456789abcdef", "a line", "", false};
+
+class RunJsonTest : public testing::Test {
+ protected:
+  [[nodiscard]] Json Parse(const Provenance& provenance = kProvenance) const {
+    return Json::parse(RunJson(problem_, line_, provenance), nullptr, false);
+  }
+  const toy::ToyProblem problem_ = toy::LineProblem();
+  Identification line_ = toy::IdentifyLine(problem_);
+};
+
+TEST_F(RunJsonTest, HasTheFieldsOfTheContract) {
+  const Json json = Parse();
+  ASSERT_TRUE(json.is_object());
+  EXPECT_EQ(json["schema"], "sinew.run/1");
+  EXPECT_EQ(json["problem"], "line");
+  EXPECT_EQ(json["solver"], "ceres");
+  EXPECT_EQ(json["stop_reason"], ToString(line_.result.stop.kind));
+  EXPECT_EQ(json["evaluations"], line_.trace.size());
+  EXPECT_EQ(json["cost"], line_.result.cost);
+  EXPECT_TRUE(json["seconds"].is_number());
+  EXPECT_TRUE(json["warnings"].is_array());
+  EXPECT_EQ(json["findings"].size(), line_.findings.size());
+
+  ASSERT_EQ(json["parameters"].size(), 2U);
+  const Json& slope = json["parameters"][1];
+  EXPECT_EQ(slope["name"], "slope");
+  EXPECT_EQ(slope["value"], line_.parameters[1]);
+  EXPECT_EQ(slope["unit"], "1");
+  EXPECT_EQ(slope["lower"], -10);
+  EXPECT_EQ(slope["upper"], 10);
+  EXPECT_EQ(slope["std_error"], line_.uncertainty.parameters[1].std_error);
+  ASSERT_EQ(slope["ci95"].size(), 2U);
+  EXPECT_LT(slope["ci95"][0], slope["value"]);
+  EXPECT_GT(slope["ci95"][1], slope["value"]);
+  EXPECT_EQ(slope["verdict"], "identifiable");
+  EXPECT_TRUE(slope["reason"].is_string());
+
+  ASSERT_EQ(json["fit"].size(), 2U);
+  const Json& check = json["fit"][1];
+  EXPECT_EQ(check["trial"], "check");
+  EXPECT_EQ(check["role"], "validate");
+  EXPECT_EQ(check["channel"], "y");
+  EXPECT_EQ(check["unit"], "1");
+  EXPECT_EQ(check["rmse"], line_.prediction.quality[1].rmse);
+  EXPECT_EQ(check["r2"], line_.prediction.quality[1].r2);
+  EXPECT_EQ(check["n"], 20);
+}
+
+TEST_F(RunJsonTest, WhatIsNotFiniteIsNull) {
+  line_.result.cost = std::numeric_limits<double>::infinity();
+  line_.prediction.quality[0].r2 = std::numeric_limits<double>::quiet_NaN();
+  line_.uncertainty.parameters[0].std_error = std::numeric_limits<double>::infinity();
+  line_.uncertainty.parameters[0].interval = IntervalKind::kNone;
+  const Json json = Parse();
+  ASSERT_TRUE(json.is_object());
+  EXPECT_TRUE(json["cost"].is_null());
+  EXPECT_TRUE(json["fit"][0]["r2"].is_null());
+  EXPECT_TRUE(json["parameters"][0]["std_error"].is_null());
+  EXPECT_TRUE(json["parameters"][0]["ci95"].is_null());
+}
+
+// File names are bytes; a name in Latin-1 must not end the program.
+TEST_F(RunJsonTest, NamesThatAreNotUnicodeStillGiveJson) {
+  Provenance provenance = kProvenance;
+  provenance.data_file = "caf\xe9.h5";
+  const Json json = Parse(provenance);
+  ASSERT_TRUE(json.is_object());
+  EXPECT_EQ(json["data"], "caf\xef\xbf\xbd.h5");  // the replacement character
+}
+
+}  // namespace
+}  // namespace sinew

@@ -1,0 +1,97 @@
+#include "identify/identification/identification.h"
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include "tests/identify/support/error_of.h"
+#include "tests/identify/support/line_fit.h"
+
+namespace sinew {
+namespace {
+
+using testing::HasSubstr;
+using toy::LineProblem;
+using toy::ToyProblem;
+using toy::Values;
+
+TEST(Identification, FindsTheLineAndSaysHowWell) {
+  constexpr double kFourSigma =
+      0.16;  // 4 x 0.1 x 2 / sqrt(30): chance of failure below 1e-4, the seed is fixed
+  const ToyProblem problem = LineProblem();
+  const Identification line = toy::IdentifyLine(problem);
+  ASSERT_TRUE(line.result.stop.converged()) << line.result.stop.test;
+  EXPECT_NEAR(line.parameters[0], 1, kFourSigma);
+  EXPECT_NEAR(line.parameters[1], 3, kFourSigma);
+  ASSERT_EQ(line.uncertainty.parameters.size(), 2U);
+  EXPECT_EQ(line.uncertainty.parameters[1].verdict, Verdict::kIdentifiable);
+  ASSERT_EQ(line.prediction.quality.size(), 2U);
+  EXPECT_EQ(line.prediction.values.size(), 3U);
+  EXPECT_FALSE(line.findings.empty());
+  EXPECT_FALSE(line.trace.empty());
+  EXPECT_THAT(line.warnings, testing::IsEmpty());
+}
+
+TEST(Identification, NothingFreeIsAPrediction) {
+  const ToyProblem problem = LineProblem();
+  FitRequest request;
+  request.fix = {{"offset", 1}, {"slope", 3}};
+  const auto line = Identify(problem, MakeFitSetup(problem, request).value(), {});
+  ASSERT_TRUE(line) << line.error().message;
+  EXPECT_EQ(line->result.stop.kind, Termination::kNothingFree);
+  EXPECT_EQ(line->parameters, Values({1, 3}));
+  EXPECT_TRUE(line->uncertainty.parameters.empty());
+  EXPECT_EQ(line->prediction.values[0][29], 7);
+}
+
+TEST(Identification, AnUnfinishedSearchIsAWarning) {
+  const ToyProblem problem = LineProblem();
+  IdentificationOptions options;
+  options.solver = "sa";
+  options.evaluator.budget.max_evaluations = 10;
+  const Identification line = toy::IdentifyLine(problem, options);
+  EXPECT_EQ(line.result.stop.kind, Termination::kMaxEvaluations);
+  EXPECT_EQ(line.trace.size(), 10U);
+  ASSERT_FALSE(line.warnings.empty());
+  EXPECT_THAT(line.warnings.front(), HasSubstr("the search did not converge"));
+}
+
+TEST(Identification, FailedEvaluationsAreAWarningWithTheFirstReason) {
+  ToyProblem problem({toy::MakeParameter("a", 0, 1, 0.75)}, {toy::MakeBlock("t", "y", 5, 1)},
+                     [](const Block&, double, const Vector& p, Vector* gradient) -> Result<double> {
+                       if (p[0] < 0.5) return Fail("the foot slips at a = {}", p[0]);
+                       if (gradient != nullptr) *gradient << 1;
+                       return p[0];
+                     });
+  problem.Measure(Values({0.6}), [](const Block&, int i) { return 0.01 * (i % 2); });
+  IdentificationOptions options;
+  options.solver = "sa";
+  options.evaluator.budget.max_evaluations = 300;
+  const Identification found = toy::IdentifyLine(problem, options);
+  ASSERT_GT(found.failures, 0);
+  ASSERT_FALSE(found.warnings.empty());
+  EXPECT_THAT(found.warnings.front(),
+              HasSubstr("evaluations failed and were rejected; the first because the foot slips"));
+}
+
+TEST(Identification, NoPredictionAnywhereIsNoAnswer) {
+  const ToyProblem problem({toy::MakeParameter("a", 0, 1, 0.5)}, {toy::MakeBlock("t", "y", 3, 1)},
+                           [](const Block&, double, const Vector&, Vector*) -> Result<double> {
+                             return Fail("the robot falls at t = 0.3 s");
+                           });
+  const Identification none = toy::IdentifyLine(problem);
+  EXPECT_EQ(none.result.stop.kind, Termination::kNoPrediction);
+  EXPECT_FALSE(none.result.stop.usable());
+  EXPECT_EQ(none.parameters.size(), 0);
+  EXPECT_THAT(none.result.stop.test, HasSubstr("the robot falls at t = 0.3 s"));
+}
+
+TEST(Identification, AnUnknownSolverIsAnError) {
+  const ToyProblem problem = LineProblem();
+  IdentificationOptions options;
+  options.solver = "cere";
+  EXPECT_THAT(ErrorOf(Identify(problem, MakeFitSetup(problem, {}).value(), options)),
+              HasSubstr("did you mean 'ceres'"));
+}
+
+}  // namespace
+}  // namespace sinew

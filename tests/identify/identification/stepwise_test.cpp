@@ -1,0 +1,79 @@
+#include "identify/identification/stepwise.h"
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include "tests/identify/support/error_of.h"
+#include "tests/identify/support/function_problem.h"
+
+namespace sinew {
+namespace {
+
+using testing::HasSubstr;
+
+// Trial "first" measures a, trial "second" a + b.
+class Sum final : public FunctionProblem {
+ public:
+  Sum() {
+    Add("a", 0, 10, 1).Add("b", 0, 10, 1);
+    const auto of_a = [](const Vector& p, Eigen::Ref<Vector> values, Matrix* derivatives) -> Status {
+      values.setConstant(p[0]);
+      if (derivatives != nullptr) derivatives->col(0).setOnes();
+      return {};
+    };
+    const auto of_both = [](const Vector& p, Eigen::Ref<Vector> values, Matrix* derivatives) -> Status {
+      values.setConstant(p[0] + p[1]);
+      if (derivatives != nullptr) derivatives->setOnes();
+      return {};
+    };
+    AddBlock("first", {2, 2.1, 1.9, 2}, {0}, of_a);
+    AddBlock("second", {7, 7.1, 6.9, 7}, {0, 1}, of_both);
+  }
+  [[nodiscard]] const std::vector<FitStep>& steps() const override { return steps_; }
+  std::vector<FitStep> steps_{{"step 1 (a)", {0}, {0}}, {"step 2 (b)", {1}, {1}}};
+};
+
+TEST(Stepwise, EachStepHoldsWhatWasFoundBefore) {
+  const Sum problem;
+  const auto fit = IdentifyStepwise(problem, {}, {});
+  ASSERT_TRUE(fit) << fit.error().message;
+  EXPECT_NEAR(fit->parameters[0], 2, 1e-6);
+  EXPECT_NEAR(fit->parameters[1], 5, 1e-6);
+  ASSERT_EQ(fit->setup.free.size(), 1U) << "the last step's";
+  EXPECT_EQ(fit->setup.free[0], 1);
+  EXPECT_THAT(fit->findings, testing::Contains(HasSubstr("step 1 (a): a = 2")));
+  EXPECT_THAT(fit->warnings, testing::Contains(HasSubstr("as if what earlier steps found (a) were known")));
+  EXPECT_EQ(fit->prediction.quality.size(), 2U) << "of everything that was measured";
+}
+
+// The first step sees only its own trial: where trials disagree, the order shows.
+TEST(Stepwise, IsNotTheFitOfEverything) {
+  Sum problem;
+  problem.steps_ = {{"step 1 (b)", {1}, {1}}, {"step 2 (a)", {0}, {0}}};
+  const auto fit = IdentifyStepwise(problem, {}, {});
+  ASSERT_TRUE(fit) << fit.error().message;
+  EXPECT_NEAR(fit->parameters[1], 6, 1e-6) << "with a at its start";
+  EXPECT_NEAR(fit->parameters[0], 2, 1e-6);
+}
+
+TEST(Stepwise, WhatCannotBeDoneIsSaid) {
+  Sum problem;
+  FitRequest request;
+  request.fix = {{"a", 3}};
+  EXPECT_EQ(ErrorOf(IdentifyStepwise(problem, request, {})), "step 1 (a): nothing is left to fit");
+  request.fix = {{"b", 3}};
+  IdentificationOptions options;
+  bool evaluated = false;
+  options.evaluator.progress = [&](const auto&...) { evaluated = true; };
+  EXPECT_EQ(ErrorOf(IdentifyStepwise(problem, request, options)), "step 2 (b): nothing is left to fit");
+  EXPECT_FALSE(evaluated) << "known before the first step is fitted";
+  request = {};
+  request.release = {"drift"};
+  EXPECT_THAT(ErrorOf(IdentifyStepwise(problem, request, {})),
+              HasSubstr("effect 'drift': a step frees base"));
+  problem.steps_.clear();
+  EXPECT_EQ(ErrorOf(IdentifyStepwise(problem, {}, {})), "the settings of this problem list no steps");
+}
+
+}  // namespace
+}  // namespace sinew
