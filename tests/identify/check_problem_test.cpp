@@ -9,7 +9,7 @@
 #include <stdexcept>
 
 #include "identify/diagnosis/diagnosis.h"
-#include "identify/results/identification.h"
+#include "identify/identification/identification.h"
 #include "tests/identify/support/error_of.h"
 
 namespace sinew {

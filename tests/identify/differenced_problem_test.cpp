@@ -7,7 +7,7 @@
 #include <stdexcept>
 
 #include "identify/check_problem.h"
-#include "identify/results/identification.h"
+#include "identify/identification/identification.h"
 #include "tests/identify/support/error_of.h"
 
 namespace sinew {

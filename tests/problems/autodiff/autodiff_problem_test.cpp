@@ -6,7 +6,7 @@
 #include <cmath>
 
 #include "identify/check_problem.h"
-#include "identify/results/identification.h"
+#include "identify/identification/identification.h"
 #include "problems/own_model.h"
 #include "tests/identify/support/error_of.h"
 

@@ -7,7 +7,7 @@
 #include <stdexcept>
 
 #include "base/random.h"
-#include "identify/results/identification.h"
+#include "identify/identification/identification.h"
 #include "problems/own_model.h"
 #include "tests/identify/support/error_of.h"
 #include "tests/problems/support/jacobian_check.h"
