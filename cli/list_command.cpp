@@ -6,6 +6,8 @@
 #include "base/text.h"
 #include "cli/binding.h"
 #include "cli/command.h"
+#include "cli/command_files.h"
+#include "cli/list_json.h"
 #include "cli/run_command_line.h"
 #include "cli/terminal.h"
 #include "identify/solvers/solver.h"
@@ -15,9 +17,12 @@
 namespace sinew {
 namespace {
 
-void Print(const std::string& text) {
-  std::fputs(text.c_str(), stdout);
-}
+struct ListWords {
+  std::string what = "problems";
+  std::string problem;
+  std::string data;
+  std::string json;
+};
 
 std::string ListProblems(const Program& program) {
   std::vector<std::vector<std::string>> rows;
@@ -40,17 +45,20 @@ std::string ListIntegrators() {
   return Table(rows, 0) + "What uses them: sinew mbs.\n";
 }
 
+const std::vector<FormatEntry> kFormats{
+    {".h5", true, true, "data sets and runs of sinew (docs/dataset_file.md, docs/run_file.md)"},
+    {".trc", true, false, "markers"},
+    {".mot .sto", true, true, "forces, coordinates, anything over time (OpenSim, SIMM, CEINMS)"},
+    {".csv .txt", true, false, "anything, with an import map (docs/import.md)"},
+    {".osim", true, false, "OpenSim models 2.x to 4.x: bodies, joints, couplers, markers"},
+    {".xml", true, false, "OpenSim external loads and inverse kinematics setups"},
+    {".obj", true, false, "soles"}};
+
 std::string ListFormats() {
-  return Table(
-      {{"format", "read", "written", "holds"},
-       {".h5", "yes", "yes", "data sets and runs of sinew (docs/dataset_file.md, docs/run_file.md)"},
-       {".trc", "yes", "no", "markers"},
-       {".mot .sto", "yes", "yes", "forces, coordinates, anything over time (OpenSim, SIMM, CEINMS)"},
-       {".csv .txt", "yes", "no", "anything, with an import map (docs/import.md)"},
-       {".osim", "yes", "no", "OpenSim models 2.x to 4.x: bodies, joints, couplers, markers"},
-       {".xml", "yes", "no", "OpenSim external loads and inverse kinematics setups"},
-       {".obj", "yes", "no", "soles"}},
-      0);
+  std::vector<std::vector<std::string>> rows{{"format", "read", "written", "holds"}};
+  for (const FormatEntry& format : kFormats)
+    rows.push_back({format.name, format.read ? "yes" : "no", format.written ? "yes" : "no", format.holds});
+  return Table(rows, 0);
 }
 
 std::string ParameterTable(const std::vector<Parameter>& parameters) {
@@ -63,16 +71,7 @@ std::string ParameterTable(const std::vector<Parameter>& parameters) {
   return Table(rows, 0);
 }
 
-// A problem that is bound to data or, without, to an experiment of its own.
-Result<BoundProblem> BindFor(const Program& program, const ProblemEntry& entry, const std::string& data,
-                             bool with_sensor_effects);
-
-Result<std::string> ListParameters(const Program& program, const ProblemEntry& entry,
-                                   const std::string& data) {
-  if (entry.parameters == nullptr) {
-    SINEW_ASSIGN(const BoundProblem bound, BindFor(program, entry, data, false));
-    return ParameterTable(bound.problem->parameters());
-  }
+std::string ListParameters(const ProblemEntry& entry) {
   std::string text =
       ParameterTable(entry.parameters()) + "\nsinew data synthesize " + entry.name + " --set takes:\n";
   std::vector<std::vector<std::string>> settings;
@@ -125,34 +124,31 @@ Result<BoundProblem> BindToSynthetic(const ProblemEntry& entry) {
   return entry.bind(data, reader, true);
 }
 
-Result<BoundProblem> BindFor(const Program& program, const ProblemEntry& entry, const std::string& data,
-                             bool with_sensor_effects) {
-  if (data.empty()) {
+// What a problem's parameters, effects and channels are read from: the data, or synthetic ones.
+Result<BoundProblem> BindFor(const Program& program, const ProblemEntry& entry, const ListWords& words) {
+  if (words.data.empty()) {
     auto synthetic = BindToSynthetic(entry);
     if (synthetic) return synthetic;
-    return Fail("list: {} depends on data, give --data F.h5 (synthetic data alone do not do: {})", entry.name,
-                synthetic.error().message);
+    return Fail("list {} {}: depends on data, give --data F.h5 (synthetic data alone do not do: {})",
+                words.what, entry.name, synthetic.error().message);
   }
   BindingOptions options;
   options.problem = entry.name;
   options.program = &program;
-  options.data = data;
-  SINEW_ASSIGN(Binding binding, Bind(options, with_sensor_effects));
+  options.data = words.data;
+  SINEW_ASSIGN(Binding binding, Bind(options, words.what == "effects"));
   return std::move(binding.bound);
 }
 
-Result<std::string> ListEffects(const Program& program, const ProblemEntry& entry, const std::string& data) {
-  SINEW_ASSIGN(const BoundProblem bound, BindFor(program, entry, data, true));
-  return DescribeEffects(*bound.problem) + "`" + program.name + " identify " + entry.name +
+std::string ListEffects(const Program& program, const ProblemEntry& entry, const Problem& problem) {
+  return DescribeEffects(problem) + "`" + program.name + " identify " + entry.name +
          " --release EFFECT` fits one; `" + program.name + " diagnose` asks which are needed.\n";
 }
 
-// What a class of a user's own compares, read off the data.
-Result<std::string> ListChannels(const Program& program, const ProblemEntry& entry, const std::string& data) {
-  if (!entry.channels.empty()) return entry.channels;
-  SINEW_ASSIGN(const BoundProblem bound, BindFor(program, entry, data, false));
+// What a class of a user's own compares.
+std::string ListBlocks(const Problem& problem) {
   std::vector<std::vector<std::string>> rows{{"trial", "channel", "unit", "role", "samples"}};
-  for (const Block& block : bound.problem->layout()) {
+  for (const Block& block : problem.layout()) {
     rows.push_back(
         {block.trial, block.channel, block.unit, ToString(block.role), std::to_string(block.samples())});
   }
@@ -162,25 +158,54 @@ Result<std::string> ListChannels(const Program& program, const ProblemEntry& ent
 const std::vector<std::string> kSubjects{"problems", "solvers",    "integrators", "formats",
                                          "effects",  "parameters", "channels"};
 
-Result<int> List(const Program& program, const std::string& what, const std::string& problem,
-                 const std::string& data) {
-  if (std::find(kSubjects.begin(), kSubjects.end(), what) == kSubjects.end())
-    return Fail("list: '{}' does not exist{}", what, Suggestion(what, kSubjects));
-  if (what == "solvers") {
-    Print(ListSolvers());
-  } else if (what == "integrators") {
-    Print(ListIntegrators());
-  } else if (what == "formats") {
-    Print(ListFormats());
-  } else if (what == "problems") {
-    Print(ListProblems(program));
-  } else {
-    if (problem.empty())
-      return Fail("list {}: expected a problem, such as `sinew list {} contact`", what, what);
-    SINEW_ASSIGN(const ProblemEntry* entry, FindProblem(program.problems, problem));
-    const auto of = what == "parameters" ? ListParameters : what == "channels" ? ListChannels : ListEffects;
-    SINEW_ASSIGN(const std::string text, of(program, *entry, data));
-    Print(text);
+// A problem of somebody else's has nothing to say without data.
+bool NeedsData(const ProblemEntry& entry, const std::string& what) {
+  return what == "effects" || (what == "parameters" && entry.parameters == nullptr) ||
+         (what == "channels" && entry.channels.empty());
+}
+
+// What there is of a problem: text for people or, if `as_json`, for machines.
+Result<std::string> ListOfProblem(const Program& program, const ListWords& words, bool as_json) {
+  if (words.problem.empty())
+    return Fail("list {}: expected a problem, such as `sinew list {} contact`", words.what, words.what);
+  SINEW_ASSIGN(const ProblemEntry* entry, FindProblem(program.problems, words.problem));
+  if (!NeedsData(*entry, words.what)) {
+    if (!words.data.empty()) return Fail("--data: list {} takes none, only list effects does", words.what);
+    if (words.what == "parameters") return as_json ? ParametersJson(*entry) : ListParameters(*entry);
+    return as_json ? ChannelsJson(*entry) : entry->channels;
+  }
+  SINEW_ASSIGN(const BoundProblem bound, BindFor(program, *entry, words));
+  const Problem& problem = *bound.problem;
+  if (words.what == "parameters")
+    return as_json ? ParametersJson(*entry, problem.parameters()) : ParameterTable(problem.parameters());
+  if (words.what == "channels") return as_json ? BlocksJson(*entry, problem) : ListBlocks(problem);
+  return as_json ? EffectsJson(*entry, problem) : ListEffects(program, *entry, problem);
+}
+
+Result<std::string> ListOf(const Program& program, const ListWords& words, bool as_json) {
+  if (std::find(kSubjects.begin(), kSubjects.end(), words.what) == kSubjects.end())
+    return Fail("list: '{}' does not exist{}", words.what, Suggestion(words.what, kSubjects));
+  const bool of_problem = words.what == "effects" || words.what == "parameters" || words.what == "channels";
+  if (!words.problem.empty() && !of_problem)
+    return Fail("list {}: unexpected argument '{}'", words.what, words.problem);
+  if (!words.data.empty() && !of_problem)
+    return Fail("--data: list {} takes none, only list effects does", words.what);
+  if (words.what == "solvers") return as_json ? SolversJson() : ListSolvers();
+  if (words.what == "integrators") return as_json ? IntegratorsJson() : ListIntegrators();
+  if (words.what == "formats") return as_json ? FormatsJson(kFormats) : ListFormats();
+  if (words.what == "problems") return as_json ? ProblemsJson(program.problems) : ListProblems(program);
+  return ListOfProblem(program, words, as_json);
+}
+
+Result<int> List(const Program& program, const ListWords& words) {
+  SINEW_TRY(CheckFiles({{words.data}, {}, words.json}));
+  if (!words.json.empty()) {
+    SINEW_ASSIGN(const std::string json, ListOf(program, words, true));
+    SINEW_TRY(WriteText(words.json, json));
+  }
+  if (words.json != "-") {
+    SINEW_ASSIGN(const std::string text, ListOf(program, words, false));
+    std::fputs(text.c_str(), stdout);
   }
   return kDone;
 }
@@ -190,15 +215,19 @@ Result<int> List(const Program& program, const std::string& what, const std::str
 void AddListCommand(Command app, const RunAction& run) {
   Command command =
       app.AddCommand("list", "What there is: problems, solvers, formats, and a problem's parts");
-  auto what = std::make_shared<std::string>("problems");
-  auto problem = std::make_shared<std::string>();
+  auto words = std::make_shared<ListWords>();
+  command.Add("what", words->what, "One of " + Join(kSubjects, ", ")).ShowsDefault();
   const Program& program = app.program();
-  if (program.problems.size() == 1) *problem = program.problems.front().name;
-  command.Add("what", *what, "One of " + Join(kSubjects, ", ")).ShowsDefault();
-  command.Add("problem", *problem, "For effects, parameters and channels");
-  auto data = std::make_shared<std::string>();
-  command.Add("--data", *data, "Of these data; else of synthetic ones").Shows("F.h5");
-  command.Runs(run, [=, &program] { return List(program, *what, *problem, *data); });
+  const bool alone = program.problems.size() == 1;
+  command.Add("problem", words->problem, "For effects, parameters and channels");
+  command.Add("--data", words->data, "For effects: of these data; else of synthetic ones").Shows("F.h5");
+  AddJsonTo(command, words->json);
+  command.Runs(run, [=, &program] {
+    const bool of_problem =
+        words->what == "effects" || words->what == "parameters" || words->what == "channels";
+    if (alone && of_problem && words->problem.empty()) words->problem = program.problems.front().name;
+    return List(program, *words);
+  });
 }
 
 }  // namespace sinew

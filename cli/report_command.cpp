@@ -7,6 +7,7 @@
 
 #include "cli/command.h"
 #include "cli/run_command_line.h"
+#include "cli/work_options.h"
 
 namespace sinew {
 namespace {
@@ -31,11 +32,11 @@ Result<std::string> FindScript(const std::string& named) {
 }
 
 Result<int> RunReport(const std::string& folder, const std::vector<std::string>& files,
-                      const std::string& out_dir) {
+                      const std::string& out_dir, int threads) {
   SINEW_ASSIGN(const std::string script, FindScript(folder));
   std::vector<std::string> words{kPython, script};
   words.insert(words.end(), files.begin(), files.end());
-  words.insert(words.end(), {"--out-dir", out_dir});
+  words.insert(words.end(), {"--out-dir", out_dir, "--threads", std::to_string(threads)});
   std::vector<char*> arguments;
   for (std::string& word : words) arguments.push_back(word.data());
   arguments.push_back(nullptr);
@@ -68,8 +69,12 @@ void AddReportCommand(Command app, const RunAction& run) {
       "report", "An executed notebook and a self-contained HTML page of runs, diagnoses and studies");
   command.Add("files", *files, "Run, diagnosis or study files").Required().Shows("FILE.h5");
   command.Add("--out-dir", *out_dir, "Folder for the notebook and the page").Required().Shows("DIR");
-  command.Runs(run,
-               [=, folder = app.program().report_folder] { return RunReport(folder, *files, *out_dir); });
+  auto work = std::make_shared<WorkOptions>();
+  work->AddThreadsTo(command);
+  work->AddQuietTo(command);
+  command.Runs(run, [=, folder = app.program().report_folder] {
+    return RunReport(folder, *files, *out_dir, work->threads);
+  });
 }
 
 }  // namespace sinew

@@ -83,7 +83,10 @@ int Run(int argc, char** argv, const Program& program) {
 
 int RunCommandLine(int argc, char** argv, const Program& program) {
   try {
-    return Run(argc, argv, program);
+    const int status = Run(argc, argv, program);
+    // What was printed may have been waiting until now.
+    if (status != kDone || (std::fflush(stdout) == 0 && std::ferror(stdout) == 0)) return status;
+    return Refuse(program, "standard output cannot be written (disk full?)");
   } catch (const std::exception& exception) {
     return Refuse(program, std::string("unexpected: ") + exception.what());
   }

@@ -3,10 +3,11 @@
 #include <algorithm>
 #include <cmath>
 
+#include "base/constants.h"
+
 namespace sinew {
 namespace {
 
-constexpr double kInfinity = std::numeric_limits<double>::infinity();
 // A constraint counts as satisfied up to this share of the size of its terms: rounding, and the last step of
 // an interior-point search.
 constexpr double kConstraintTolerance = 1e-9;

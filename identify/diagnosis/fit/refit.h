@@ -27,7 +27,7 @@ struct Refit {
   bool converged = false;
   bool noise_absorbs_misfit = false;  ///< coloured noise would have taken the place of the model: errors
                                       ///< count as independent, the fit is ordinary least squares
-  std::string failure;  ///< why there is no such model; empty otherwise
+  std::string failure;                ///< why there is no such model; empty otherwise
 
   [[nodiscard]] bool usable() const { return failure.empty(); }
   [[nodiscard]] int parameters() const { return static_cast<int>(setup->free.size()); }

@@ -6,8 +6,7 @@
 namespace sinew::diagnosis {
 namespace {
 
-constexpr double kDetectable = 3.605;  // length of a signature that a test finds with 95 % at the 5 % level
-constexpr double kWellSized = 2.5;     // a secant's trace may be so many times longer or shorter than that
+constexpr double kWellSized = 2.5;  // a secant's trace may be so many times longer or shorter than that
 constexpr int kSecantTries = 12;
 
 // Predicts at points near one point, and turns predictions into rows of the training blocks.
@@ -201,9 +200,9 @@ class DesignMaker {
       const Vector rows = Secant(point, index, p.null_value + direction * step);
       if (rows.size() > 0) best = rows;
       const double norm = rows.size() > 0 ? step * WhitenedNorm(fit_, whitening_, rows) : 0;
-      if (norm > kDetectable / kWellSized && norm < kDetectable * kWellSized) break;
+      if (norm > kDetectableLength / kWellSized && norm < kDetectableLength * kWellSized) break;
       const double next =
-          norm > 0 ? step * std::clamp(kDetectable / norm, 0.1, 10.0) : std::min(4 * step, reach);
+          norm > 0 ? step * std::clamp(kDetectableLength / norm, 0.1, 10.0) : std::min(4 * step, reach);
       if (!(next > 0) || next > reach || next == step) break;
       step = next;
     }

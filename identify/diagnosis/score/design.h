@@ -11,6 +11,9 @@
 
 namespace sinew::diagnosis {
 
+/// Length of a whitened signature that a test for it alone notices with 95 % at the 5 % level: 1.960 + 1.645.
+inline constexpr double kDetectableLength = 3.605;
+
 /// One column of a design: what one parameter of a candidate adds to the weighted residuals, per unit.
 struct DesignColumn {
   int candidate = 0;
