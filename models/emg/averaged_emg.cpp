@@ -13,8 +13,6 @@ namespace {
 
 using Cycles = std::vector<std::vector<double>>;
 
-constexpr double kNaN = std::numeric_limits<double>::quiet_NaN();
-
 std::string Degrees(double speed) {
   return Readable(speed * 180 / kPi);
 }

@@ -8,6 +8,7 @@
 #include <limits>
 #include <stdexcept>
 
+#include "base/constants.h"
 #include "identify/diagnosis/diagnosis.h"
 #include "identify/identification/identification.h"
 #include "tests/identify/support/error_of.h"
@@ -16,8 +17,6 @@ namespace sinew {
 namespace {
 
 using testing::HasSubstr;
-
-constexpr double kNaN = std::numeric_limits<double>::quiet_NaN();
 
 /// y = scale exp(-rate t) + offset t on a training and a validation trial; `offset` is an effect. Everything
 /// can be spoilt.

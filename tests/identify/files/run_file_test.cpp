@@ -151,7 +151,7 @@ TEST_F(RunFileTest, WhatOtherDataNeedNotKnowIsSaid) {
   parameters[0].prior = parameters[2].prior = GaussianPrior{0.25, 0.5};
   parameters[3].trial = "train";
   const toy::ToyProblem problem(
-      parameters, {toy::MakeBlock("train", "y", 8, 0)},
+      parameters, {toy::MakeBlock("train", "y", 8, 1)},
       [](const Block&, double t, const Vector& p, Vector* gradient) -> Result<double> {
         if (gradient != nullptr) gradient->setConstant(t);
         return p.sum() * t;

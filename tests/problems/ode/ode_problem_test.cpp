@@ -6,6 +6,7 @@
 #include <cmath>
 #include <stdexcept>
 
+#include "base/constants.h"
 #include "base/random.h"
 #include "identify/identification/identification.h"
 #include "problems/own_model.h"
@@ -18,8 +19,6 @@ namespace {
 
 using testing::ElementsAre;
 using testing::HasSubstr;
-
-constexpr double kNaN = std::numeric_limits<double>::quiet_NaN();
 
 /// One trial: input u(t) = t every 0.5 s, level every 0.1 s from 0.2 s.
 Dataset RampData() {
