@@ -4,6 +4,8 @@
 #include <cmath>
 #include <limits>
 
+#include "identify/guarded.h"
+
 namespace sinew {
 namespace {
 
@@ -44,7 +46,7 @@ Result<FullPrediction> PredictAll(const Problem& problem, const Vector& paramete
   const auto workspace = problem.NewWorkspace();
   Prediction prediction(layout);
   const std::vector<bool> all(layout.size(), true);
-  SINEW_TRY(problem.Predict({parameters, all, false, nullptr}, *workspace, prediction));
+  SINEW_TRY(PredictGuarded(problem, {parameters, all, false, nullptr}, *workspace, prediction));
   FullPrediction full;
   for (std::size_t b = 0; b < layout.size(); ++b)
     full.values.emplace_back(prediction.values(static_cast<int>(b)));

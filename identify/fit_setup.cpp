@@ -4,6 +4,7 @@
 #include <set>
 
 #include "base/text.h"
+#include "identify/check_problem.h"
 
 namespace sinew {
 namespace {
@@ -41,6 +42,7 @@ bool FitSetup::IsFree(int parameter) const {
 }
 
 Result<FitSetup> MakeFitSetup(const Problem& problem, const FitRequest& request) {
+  SINEW_TRY(CheckEffects(problem));
   FitSetup setup;
   setup.parameters = problem.parameters();
   std::set<int> free;

@@ -6,6 +6,7 @@
 #include <vector>
 
 #include "base/text.h"
+#include "identify/check_problem.h"
 #include "identify/diagnosis/discover/discovery.h"
 #include "identify/diagnosis/discover/structure.h"
 #include "identify/diagnosis/examination.h"
@@ -66,6 +67,7 @@ class Diagnostician {
 
   Result<Diagnosis> Run(FitSetup setup) {
     const auto began = std::chrono::steady_clock::now();
+    SINEW_TRY(CheckProblem(problem_, setup));
     SINEW_TRY(CheckThatDataSuffice(problem_, setup));
     out_.setup = std::move(setup);
     e_.candidates = ListCandidates(problem_, out_.setup);

@@ -4,6 +4,7 @@
 
 #include <cmath>
 #include <limits>
+#include <stdexcept>
 
 #include "base/random.h"
 #include "tests/identify/support/error_of.h"
@@ -272,8 +273,14 @@ TEST(LeastSquares, FailuresArePassedOn) {
   const ToyProblem not_finite(
       {MakeParameter("a", 0, 1, 0.5)}, {MakeBlock("t", "y", 2, 1)},
       [](const Block&, double, const Vector& p, Vector*) -> Result<double> { return 1 / (p[0] - 0.5); });
-  for (const auto& [problem, message] : {std::pair{&failing, "the integrator gave up at t = 0.2 s"},
-                                         std::pair{&not_finite, "a predicted value is not finite"}}) {
+  const ToyProblem throwing({MakeParameter("a", 0, 1, 0.5)}, {MakeBlock("t", "y", 2, 1)},
+                            [](const Block&, double, const Vector&, Vector*) -> Result<double> {
+                              throw std::runtime_error("no licence");
+                            });
+  for (const auto& [problem, message] :
+       {std::pair{&failing, "the integrator gave up at t = 0.2 s"},
+        std::pair{&not_finite, "a predicted value is not finite: block t/y, sample 0 (t = 0 s) is inf"},
+        std::pair{&throwing, "the model threw: no licence"}}) {
     const ToyFit fit(*problem);
     auto workspace = fit.view.NewWorkspace();
     Vector residuals;

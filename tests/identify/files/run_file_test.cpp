@@ -151,8 +151,11 @@ TEST_F(RunFileTest, WhatOtherDataNeedNotKnowIsSaid) {
   parameters[0].prior = parameters[2].prior = GaussianPrior{0.25, 0.5};
   parameters[3].trial = "train";
   const toy::ToyProblem problem(
-      parameters, {toy::MakeBlock("train", "y", 8, 0)},
-      [](const Block&, double t, const Vector& p, Vector*) -> Result<double> { return p.sum() * t; });
+      parameters, {toy::MakeBlock("train", "y", 8, 1)},
+      [](const Block&, double t, const Vector& p, Vector* gradient) -> Result<double> {
+        if (gradient != nullptr) gradient->setConstant(t);
+        return p.sum() * t;
+      });
   const auto fit = Identify(problem, MakeFitSetup(problem, {}).value(), {}).value();
   const Hdf5Node tree = RunTree(problem, fit, kProvenance).value();
   EXPECT_EQ(tree.Find("parameters/prior_mean")->array()->values[2], 0.25);
