@@ -32,7 +32,7 @@ std::string Unplaced(const CLI::App& command, std::string word) {
     return "unknown option '" + word + "'" + Suggestion(word, names);
   }
   for (const CLI::App* subcommand : command.get_subcommands(nullptr)) names.push_back(subcommand->get_name());
-  if (names.empty()) return "the word '" + word + "' is one too many";
+  if (names.empty()) return "unexpected argument '" + word + "'";
   return "unknown command '" + word + "'" + Suggestion(word, names);
 }
 

@@ -3,9 +3,6 @@
 #include <algorithm>
 #include <cmath>
 
-#include "base/numbers.h"
-#include "base/text.h"
-
 namespace sinew {
 namespace {
 
@@ -57,15 +54,8 @@ std::vector<Concentration> FindConcentrations(const Layout& layout, const std::v
   return found;
 }
 
-std::vector<std::string> DescribeConcentrations(const std::vector<Concentration>& found) {
-  std::vector<std::string> sentences;
-  for (const Concentration& c : found) {
-    sentences.push_back(fmt::format(
-        "{:.0f} % of the squared error of {} in trial '{}' lie within {} s around t = {} s: look at what was "
-        "measured there; a gap instead of a wrong value costs nothing",
-        100 * c.share, c.channel, c.trial, Readable(c.width, 2), Readable(c.time, 3)));
-  }
-  return sentences;
+Warning ToWarning(const Concentration& c) {
+  return {WarningKind::kErrorConcentration, {c.channel, c.trial}, {c.share, c.width, c.time}, {}};
 }
 
 }  // namespace sinew

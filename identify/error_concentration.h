@@ -7,6 +7,7 @@
 
 #include "base/linear_algebra.h"
 #include "identify/layout.h"
+#include "identify/warning.h"
 
 namespace sinew {
 
@@ -26,7 +27,7 @@ struct Concentration {
 [[nodiscard]] std::vector<Concentration> FindConcentrations(const Layout& layout,
                                                             const std::vector<Vector>& values);
 
-/// One sentence each.
-[[nodiscard]] std::vector<std::string> DescribeConcentrations(const std::vector<Concentration>& found);
+/// As a warning of an identification or a diagnosis.
+[[nodiscard]] Warning ToWarning(const Concentration& concentration);
 
 }  // namespace sinew

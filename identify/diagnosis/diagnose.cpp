@@ -5,7 +5,6 @@
 #include <limits>
 #include <vector>
 
-#include "base/text.h"
 #include "identify/check_problem.h"
 #include "identify/diagnosis/discover/discovery.h"
 #include "identify/diagnosis/discover/structure.h"
@@ -14,7 +13,6 @@
 #include "identify/diagnosis/score/quantised_channels.h"
 #include "identify/diagnosis/select/cross_validated_search.h"
 #include "identify/diagnosis/tabulation.h"
-#include "identify/diagnosis/wording.h"
 #include "identify/error_concentration.h"
 #include "identify/solvers/held_out_nuisance.h"
 
@@ -70,9 +68,10 @@ class Diagnostician {
     SINEW_TRY(CheckProblem(problem_, setup));
     SINEW_TRY(CheckThatDataSuffice(problem_, setup));
     out_.setup = std::move(setup);
+    out_.has_held_out = e_.held_out.exists();
     e_.candidates = ListCandidates(problem_, out_.setup);
     RemoveQuantisation(problem_, e_.candidates);
-    Say("fitting the base model");
+    Say(DiagnosisStep::kBaseFit);
     SINEW_ASSIGN(const bool fitted, FitBase());
     if (fitted) SINEW_TRY(Investigate());
     out_.seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - began).count();
@@ -80,8 +79,8 @@ class Diagnostician {
   }
 
  private:
-  void Say(const std::string& step) const {
-    if (options_.progress) options_.progress(step);
+  void Say(DiagnosisStep step) const {
+    if (options_.progress) options_.progress({step});
   }
 
   // Step 0. False: there is no usable base fit, and the diagnosis says so.
@@ -100,19 +99,16 @@ class Diagnostician {
     out_.base_point = fit.Parameters(out_.base.x);
     out_.extended_point = out_.base_point;
     if (!out_.base.stop.usable() || !out_.base.stop.converged()) {
-      ConcludeNothing(fmt::format("the base fit did not converge ({})", out_.base.stop.test),
-                      "A cause named on top of an unfinished fit would be a guess. Give better starts or "
-                      "bounds, or fix what the data cannot tell.");
+      ConcludeNothing(Inconclusive::kBaseFitNotConverged);
       return false;
     }
     e_.refitter = std::make_unique<Refitter>(problem_, out_.setup, e_.candidates, options_.interrupt);
     return true;
   }
 
-  void ConcludeNothing(const std::string& why, const std::string& what_to_do) {
+  void ConcludeNothing(Inconclusive why) {
     out_.verdict = DiagnosisVerdict::kUnexplained;
-    out_.concluded = false;
-    out_.sentences = {"Nothing can be concluded: " + why + ".", what_to_do};
+    out_.inconclusive = why;
   }
 
   Status Investigate() {
@@ -121,21 +117,15 @@ class Diagnostician {
     if (!base.usable()) return Fail("the base model: {}", base.failure);
     const double share = ShareThatIsNotNoise(problem_, LeastSquares(problem_, *base.setup), base.noise);
     if (share < kMinExplained) {
-      ConcludeNothing(
-          "what the base model leaves is about as large as what was measured, and varies from one "
-          "sample to the next as noise does",
-          "An effect that hides in such noise cannot be named. Reduce the noise, excite the system "
-          "more, or give the base model better starts.");
+      ConcludeNothing(Inconclusive::kNoiseTooLarge);
       return MeasureGain(base.noise);
     }
     if (base.noise_absorbs_misfit) {
       e_.refitter->TakeErrorsForIndependent();
-      out_.warnings.push_back(
-          "the residual is so large and smooth that a noise model would take the model's place: errors of "
-          "neighbouring samples count as independent, which makes p-values and intervals too small");
+      out_.warnings.push_back({WarningKind::kNoiseAbsorbsMisfit, {}, {}, {}});
     }
     out_.base_point = base.point;
-    Say("scoring the library");
+    Say(DiagnosisStep::kScore);
     SINEW_ASSIGN(e_.base,
                  ScoreModel(problem_, e_.candidates, std::move(base), options_.alarm_level, options_.seed));
     SINEW_TRY(DescribeResidual());
@@ -143,7 +133,7 @@ class Diagnostician {
       SINEW_ASSIGN(const auto residuals, e_.held_out.Residuals(e_.base.refit.point));
       SINEW_TRY(e_.held_out.LearnOwnNoise(residuals));
     }
-    Say("refitting what answered");
+    Say(DiagnosisStep::kRefit);
     SINEW_ASSIGN(e_.selection, Select(problem_, *e_.refitter, e_.candidates, e_.base, options_));
     SINEW_TRY(Continue());
     if (e_.held_out.exists() && !e_.selection.causes.empty()) {
@@ -152,7 +142,7 @@ class Diagnostician {
     out_.extended_point = e_.selection.model.point;
     SINEW_TRY(Tabulate(e_, out_));
     if (e_.selection.structure_left) {
-      Say("looking for a term that nobody thought of");
+      Say(DiagnosisStep::kDiscover);
       SINEW_TRY(DiscoverUnknown(e_, out_));
     }
     SINEW_TRY(Continue());
@@ -191,11 +181,10 @@ class Diagnostician {
             block.measured[i] + residual[static_cast<Eigen::Index>(i)] / block.WeightOf(i);
     }
     Assess(problem_.layout(), extended);
-    for (std::string& sentence :
-         DescribeConcentrations(FindConcentrations(problem_.layout(), extended.values)))
-      out_.warnings.push_back(std::move(sentence));
+    for (const Concentration& found : FindConcentrations(problem_.layout(), extended.values))
+      out_.warnings.push_back(ToWarning(found));
     for (std::string& remark : problem_.WarningsAt(out_.extended_point))
-      out_.warnings.push_back(std::move(remark));
+      out_.warnings.push_back({WarningKind::kOther, {}, {}, std::move(remark)});
     out_.base_fit = base.pooled;
     out_.extended_fit = extended.pooled;
     for (std::size_t b = 0; b < problem_.layout().size(); ++b) {
@@ -247,7 +236,7 @@ class Diagnostician {
         if (block.channel != model.channel || block.role != BlockRole::kTrain) continue;
         floor.unit = block.unit;
         floor.sigma = NoiseFloorOf(block, noise, problem_.layout()) / block.weight;
-        floor.basis = block.sigma ? "stated by the data" : "what is left of the extended model";
+        floor.basis = block.sigma ? NoiseBasis::kStatedByData : NoiseBasis::kExtendedModel;
         break;
       }
       floor.rmse = count > 0 ? std::sqrt(squares / count) : 0;
@@ -272,18 +261,13 @@ class Diagnostician {
     out_.family_p_value = selection.family_p_value;
     if (selection.cross_validated) {
       out_.left_out = selection.left_out;
-      const std::size_t all = TrainingTrials(problem_).size();
-      const std::string some = fmt::format(" ({} of {} trials were searched)", selection.searched, all);
       out_.warnings.push_back(
-          "what is wrong dwarfs the noise, and the known effects do not explain all of it: causes were "
-          "chosen by what they predict for " +
-          Join(selection.left_out, "; ") + (all > selection.searched ? some : "") +
-          ", each left out of the fit in turn, and intervals show what leaving out one trial does");
+          {WarningKind::kCrossValidated,
+           {},
+           {static_cast<double>(selection.searched), static_cast<double>(TrainingTrials(problem_).size())},
+           {}});
     }
-    if (!e_.held_out.exists())
-      out_.warnings.push_back(
-          "there is no validation trial: no gain can be measured, and no cause withdrawn");
-    out_.sentences = DescribeDiagnosis(out_, e_.held_out.exists());
+    if (!e_.held_out.exists()) out_.warnings.push_back({WarningKind::kNoValidationTrial, {}, {}, {}});
   }
 
   const Problem& problem_;
@@ -317,6 +301,48 @@ const char* ToString(UnknownKind kind) {
       return "drift";
     case UnknownKind::kPeriodic:
       return "periodic";
+  }
+  return "?";
+}
+
+const char* ToString(NotJudged reason) {
+  switch (reason) {
+    case NotJudged::kNone:
+      return "";
+    case NotJudged::kNoDistinctChange:
+      return "no_distinct_change";
+  }
+  return "?";
+}
+
+const char* ToString(CauseKind kind) {
+  switch (kind) {
+    case CauseKind::kEffect:
+      return "effect";
+    case CauseKind::kQuantisation:
+      return "quantisation";
+  }
+  return "?";
+}
+
+const char* ToString(NoiseBasis basis) {
+  switch (basis) {
+    case NoiseBasis::kStatedByData:
+      return "stated_by_data";
+    case NoiseBasis::kExtendedModel:
+      return "extended_model";
+  }
+  return "?";
+}
+
+const char* ToString(Inconclusive reason) {
+  switch (reason) {
+    case Inconclusive::kNone:
+      return "";
+    case Inconclusive::kBaseFitNotConverged:
+      return "base_fit_not_converged";
+    case Inconclusive::kNoiseTooLarge:
+      return "noise_too_large";
   }
   return "?";
 }

@@ -4,18 +4,22 @@
 
 #include <array>
 #include <atomic>
+#include <cmath>
 #include <cstdint>
 #include <functional>
+#include <optional>
 #include <string>
 #include <vector>
 
 #include "base/error.h"
+#include "identify/diagnosis/discover/shape.h"
 #include "identify/effect.h"
 #include "identify/fit_quality.h"
 #include "identify/fit_setup.h"
 #include "identify/noise/noise_model.h"
 #include "identify/problem.h"
 #include "identify/solvers/solver.h"
+#include "identify/warning.h"
 
 namespace sinew {
 
@@ -26,13 +30,22 @@ enum class DiagnosisVerdict { kAdequate, kExplained, kAmbiguous, kUnexplained };
 
 [[nodiscard]] const char* ToString(DiagnosisVerdict verdict);
 
+/// What a diagnosis does, in this order.
+enum class DiagnosisStep { kBaseFit, kScore, kRefit, kCrossValidate, kDiscover };
+
+struct DiagnosisProgress {
+  DiagnosisStep step = DiagnosisStep::kBaseFit;
+  std::vector<std::string> effects = {};  ///< kCrossValidate: the best set of this size so far
+  double left_out_share = 0;              ///< ... and its error of left-out trials, over the base model's
+};
+
 struct DiagnosisOptions {
   std::string solver = "ceres";  ///< of the base fit; a global one where local minima trap
   double alarm_level = 0.05;     ///< chance of any alarm if nothing is wrong: one level for everything
   std::uint64_t seed = 1;
   int threads = 1;
   const std::atomic<bool>* interrupt = nullptr;
-  std::function<void(const std::string& step)> progress;  ///< what is done now, for a person
+  std::function<void(const DiagnosisProgress&)> progress;  ///< what is done now
 };
 
 /// A fitted value of one parameter.
@@ -46,19 +59,40 @@ struct DiagnosedParameter {
   std::string at_bound = {};  ///< "lower" or "upper": held there, std_error is NaN; else empty
 };
 
+/// Whether the data determine it: one that no channel responds to has a standard error of 0 or none.
+[[nodiscard]] inline bool IsDetermined(const DiagnosedParameter& parameter) {
+  return std::isfinite(parameter.std_error) && parameter.std_error > 0;
+}
+
+/// Why an effect was not judged.
+enum class NotJudged {
+  kNone,             ///< it was
+  kNoDistinctChange  ///< it changes no fitted channel, or nothing that the base parameters cannot compensate
+};
+
+/// "" (judged), "no_distinct_change".
+[[nodiscard]] const char* ToString(NotJudged reason);
+
+/// A parameter that stood at a value while others were scored.
+struct ProbeValue {
+  std::string parameter;
+  std::string unit;
+  double value = 0;
+};
+
 /// How one effect answers before any refit, and after it if it was tried.
 struct EffectScore {
   std::string effect;
   Level level = Level::kSensor;
-  bool known = true;      ///< false: an unknown term
-  std::string probe;      ///< where it was probed, "stribeck_velocity = 0.05 rad/s"; empty if at the null
-  int degrees = 1;        ///< parameters judged
+  bool known = true;              ///< false: an unknown term
+  std::vector<ProbeValue> probe;  ///< where it was probed; empty if at the null
+  int degrees = 1;                ///< parameters judged
   double statistic = 0;   ///< predicted drop of twice the negative log-likelihood, from the whitened score
   double unwhitened = 0;  ///< the same without whitening
   double p_value = 1;     ///< of this effect alone
   double family_p_value = 1;  ///< of an alarm by anything at least as strong, if nothing is wrong
-  bool judged = true;   ///< false: the base parameters can imitate it fully, or the data do not contain it
-  std::string why_not;  ///< if not judged, in words
+  bool judged = true;
+  NotJudged why_not = NotJudged::kNone;
   bool refitted = false;
   double delta_lr = 0;   ///< drop of twice the negative log-likelihood by the refit, each with its own noise
   double delta_bic = 0;  ///< BIC(base) - BIC(with it); above 0 favours the effect
@@ -73,7 +107,7 @@ struct Alternative {
   std::string instead_of;
   std::string effect;
   Level level = Level::kSensor;
-  std::string sentence;
+  std::string description;                     ///< of the effect, from the problem's library
   std::vector<DiagnosedParameter> parameters;  ///< of the effect, if it is put in place of the cause
   double delta_lr = 0;                         ///< by which the named cause fits better
   double delta_bic = 0;
@@ -88,10 +122,19 @@ struct Alternative {
   std::string separated_by;  ///< the experiment that would
 };
 
+/// kEffect: an effect of the problem's library. kQuantisation: a sensor rounds its readings, which is found
+/// without a test, and which no model can undo.
+enum class CauseKind { kEffect, kQuantisation };
+
+/// "effect", "quantisation".
+[[nodiscard]] const char* ToString(CauseKind kind);
+
 struct Cause {
+  CauseKind kind = CauseKind::kEffect;
   std::string effect;
   Level level = Level::kSensor;
-  std::string sentence;
+  std::string description;  ///< kEffect: of the effect, from the problem's library
+  std::string channel;      ///< kQuantisation: that is rounded
   std::vector<DiagnosedParameter> parameters;
   double p_value = 1;
   double delta_lr = 0;  ///< against the model without it
@@ -100,10 +143,21 @@ struct Cause {
   double left_out = 0;  ///< Diagnosis::left_out: error of left-out trials with it / without it; else 0
 };
 
-/// A cause that the fitted trials suggest and the held-out trials deny.
+/// Root mean square error of one held-out trace with and without a cause [unit].
+struct TraceErrors {
+  std::string trial;
+  std::string channel;
+  std::string unit;
+  double without = 0;
+  double with = 0;
+};
+
+/// A cause that improves the fitted trials but makes the held-out trials worse.
 struct WithdrawnCause {
   std::string effect;
-  std::string reason;
+  double delta_lr = 0;  ///< improvement of the fitted trials; NaN if causes were chosen by cross-validation
+  double held_out_loss = 0;  ///< deterioration of the held-out trials, in the same units; else NaN
+  std::optional<TraceErrors> worst = {};  ///< the trace that it makes worse most, if it does any
 };
 
 /// Where the residual is: share of its variance that a smooth curve of one signal predicts for trials that
@@ -113,7 +167,7 @@ struct Structure {
   std::string signal;
   std::string unit;  ///< of the signal
   double explained_fraction = 0;
-  std::string shape;  ///< in words: odd, step at zero, quadratic, ...
+  Shape shape = {};
   std::vector<double> knots;
   std::vector<double> curve;  ///< [knots, unit of the channel]
 };
@@ -126,12 +180,18 @@ struct ResidualTest {
   double p_value = 1;
 };
 
+/// What a noise floor rests on.
+enum class NoiseBasis { kStatedByData, kExtendedModel };
+
+/// "stated_by_data", "extended_model".
+[[nodiscard]] const char* ToString(NoiseBasis basis);
+
 struct NoiseFloor {
   std::string channel;
   std::string unit;
-  double sigma = 0;   ///< standard deviation of the noise, colour included
-  double rmse = 0;    ///< of the base model on the training trials
-  std::string basis;  ///< "stated by the data", "residual of the extended model", ...
+  double sigma = 0;  ///< standard deviation of the noise, colour included
+  double rmse = 0;   ///< of the base model on the training trials
+  NoiseBasis basis = NoiseBasis::kExtendedModel;
 };
 
 struct Gain {
@@ -141,7 +201,7 @@ struct Gain {
   double after = 0;              ///< of the extended model
   double reduction = 0;          ///< 1 - after / before
   std::array<double, 2> ci95{};  ///< of the reduction, block bootstrap
-  double gap_closed = 0;         ///< share of the way to the noise floor, of mean squares
+  double gap_closed = 0;  ///< share of the error above the noise floor that is removed, of mean squares
 };
 
 /// kCurve: a curve of a signal adds to a port. kDrift: a parameter is not constant in time. kPeriodic: a line
@@ -156,9 +216,9 @@ struct UnknownFinding {
   std::string port;  ///< or the parameter that is not constant, or the channel
   std::string signal;
   std::string signal_unit;
-  std::string unit;         ///< of the port
-  std::string shape;        ///< odd, even, step at zero, saturating, quadratic, ...; "1.6 Hz"
-  std::string nearest_law;  ///< the known effect whose curve is nearest, in words
+  std::string unit;      ///< of the port
+  Shape shape = {};      ///< kCurve
+  double frequency = 0;  ///< [Hz] kPeriodic
   double p_value = 1;
   double held_out_reduction = 0;  ///< of RMSE on held-out trials
   std::vector<double> knots;
@@ -178,11 +238,22 @@ struct TracePair {
   std::vector<double> after;
 };
 
+/// Why nothing can be concluded.
+enum class Inconclusive {
+  kNone,                 ///< something can
+  kBaseFitNotConverged,  ///< a cause named on top of it would be a guess
+  kNoiseTooLarge  ///< what the base model leaves is as large as what was measured, and looks like noise
+};
+
+/// "" (conclusive), "base_fit_not_converged", "noise_too_large".
+[[nodiscard]] const char* ToString(Inconclusive reason);
+
+/// Facts; text::Sentences and text::Warnings tell them (identify/text/diagnosis_sentences.h).
 struct Diagnosis {
   DiagnosisVerdict verdict = DiagnosisVerdict::kAdequate;
-  bool concluded = true;               ///< false: nothing can be concluded; the sentences say why
-  std::vector<std::string> sentences;  ///< for people, the most important first
-  std::vector<std::string> warnings;   ///< what limits the conclusion
+  Inconclusive inconclusive = Inconclusive::kNone;
+  std::vector<Warning> warnings;  ///< what limits the conclusion
+  bool has_held_out = false;      ///< some trial was not fitted: gains can be measured
 
   FitSetup setup;     ///< of the base fit
   SolverResult base;  ///< how the base fit ended
@@ -194,12 +265,12 @@ struct Diagnosis {
   std::vector<Structure> structure;  ///< strongest first
   double threshold = 0;              ///< on |t| of a single known effect, at the family-wise level
   double family_p_value = 1;         ///< of the strongest alarm
-  bool strongly_autocorrelated =
-      false;  ///< no alarm, but the residual wanders as noise of instruments rarely does
+  /// No alarm, but the residual is autocorrelated more strongly than the noise of instruments usually is.
+  bool strongly_autocorrelated = false;
 
-  /// Trials that were left out of the fit in turn, if causes had to be chosen by what they
-  /// predict there, since what is wrong dwarfs the noise.
-  std::vector<std::string> left_out;
+  /// Groups of trials that were left out of the fit in turn, if causes had to be chosen by what they predict
+  /// there, since the misfit is much larger than the noise.
+  std::vector<std::vector<std::string>> left_out;
   std::vector<EffectScore> scores;  ///< of every effect and unknown term, strongest first
   std::vector<Cause> causes;
   std::vector<Alternative> alternatives;
@@ -212,6 +283,8 @@ struct Diagnosis {
   Vector extended_point;  ///< [P]; the base point if nothing was found
   std::vector<TracePair> traces;
   double seconds = 0;
+
+  [[nodiscard]] bool concluded() const { return inconclusive == Inconclusive::kNone; }
 };
 
 /// Diagnoses a problem: fits the base parameters (from `setup`'s start) and goes through the steps of
@@ -219,7 +292,7 @@ struct Diagnosis {
 /// trials are used.
 ///
 /// Errors: nothing to fit or to compare; the base model cannot be predicted at all. A base fit that does not
-/// converge is no error: the diagnosis then says that it can conclude nothing.
+/// converge is no error: the diagnosis is then inconclusive.
 Result<Diagnosis> Diagnose(const Problem& problem, FitSetup setup, const DiagnosisOptions& options);
 
 }  // namespace sinew

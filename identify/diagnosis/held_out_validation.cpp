@@ -3,16 +3,15 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
+#include <optional>
 
-#include "base/numbers.h"
-#include "base/text.h"
 #include "identify/diagnosis/score/shortlist.h"
 
 namespace sinew::diagnosis {
 namespace {
 
-// What a cause changes in held-out trials, in units of their noise's variance, from which a loss there is a
-// denial: with the right cause it happens by chance in 1 of 75 cases.
+// What a cause changes in held-out trials, in units of their noise's variance, from which a loss there counts
+// against it: with the right cause it happens by chance in 1 of 75 cases.
 constexpr double kTelling = 20;
 constexpr double kFarLess = -2.33;      // standard deviations: chance 0.01
 constexpr double kTellingShare = 0.05;  // of what is left, if that dwarfs the noise
@@ -26,15 +25,15 @@ class Withdrawal {
     while (!selection_.causes.empty()) {
       SINEW_ASSIGN(const auto with, e_.held_out.Residuals(selection_.model.point));
       const double together = Gain(of_base, with);
-      const bool denied = together < 0 && IsTelling(of_base, with);
-      Rejection worst = FindWorst(with, denied);
+      const bool worse = together < 0 && IsTelling(of_base, with);
+      Rejection worst = FindWorst(with, worse);
       if (worst.cause == selection_.causes.size()) {
         if (StandsInForSomethingElse(of_base, with)) selection_.structure_left = true;
         break;
       }
       if (worst.gain >= 0) {
         worst.gain = together;
-        worst.where = WorstTrial(of_base, with);
+        worst.worst = WorstTrace(of_base, with);
       }
       Withdraw(std::move(worst));
     }
@@ -47,7 +46,7 @@ class Withdrawal {
     std::size_t cause = 0;
     double gain = 0;  // of held-out trials by the cause
     Refit without;
-    std::string where;  // it harms most
+    std::optional<TraceErrors> worst;  // the trace that it makes worse most
   };
 
   // How much better the held-out trials are with the model.
@@ -113,11 +112,11 @@ class Withdrawal {
     return (with - without).squaredNorm();
   }
 
-  // The cause that held-out trials miss least; the number of causes if they deny none.
-  [[nodiscard]] Rejection FindWorst(const std::vector<Vector>& with, bool denied_together) const {
+  // The cause without which held-out trials are predicted best; the number of causes if all are to be kept.
+  [[nodiscard]] Rejection FindWorst(const std::vector<Vector>& with, bool worse_together) const {
     Rejection worst;
     worst.cause = selection_.causes.size();
-    worst.gain = denied_together ? std::numeric_limits<double>::infinity() : 0;
+    worst.gain = worse_together ? std::numeric_limits<double>::infinity() : 0;
     for (std::size_t i = 0; i < selection_.causes.size(); ++i) {
       const int candidate = selection_.causes[i].candidate;
       if (!e_.candidate(candidate).trial.empty()) continue;
@@ -126,29 +125,28 @@ class Withdrawal {
       const auto before = e_.held_out.Residuals(without.point);
       if (!before) continue;
       const double gain = Gain(*before, with);
-      if (gain < worst.gain && (denied_together || IsTelling(*before, with)))
-        worst = {i, gain, std::move(without), WorstTrial(*before, with)};
+      if (gain < worst.gain && (worse_together || IsTelling(*before, with)))
+        worst = {i, gain, std::move(without), WorstTrace(*before, with)};
     }
     return worst;
   }
 
-  // "; most in trial 'fast': moment 6.4 -> 9.1 N*m RMSE", or empty if no trial's error grows.
-  [[nodiscard]] std::string WorstTrial(const std::vector<Vector>& before,
-                                       const std::vector<Vector>& with) const {
+  // Nothing if no trace's error grows.
+  [[nodiscard]] std::optional<TraceErrors> WorstTrace(const std::vector<Vector>& before,
+                                                      const std::vector<Vector>& with) const {
     double most = 0;
-    std::string text;
+    std::optional<TraceErrors> worst;
     for (std::size_t b = 0; b < before.size(); ++b) {
       const double more = with[b].squaredNorm() - before[b].squaredNorm();
       if (more <= most) continue;
       most = more;
       const Block& block = e_.problem.layout()[static_cast<std::size_t>(e_.held_out.blocks()[b])];
       const auto rmse = [&](const Vector& r) {
-        return Readable(r.norm() / std::sqrt(static_cast<double>(r.size())) / block.weight);
+        return r.norm() / std::sqrt(static_cast<double>(r.size())) / block.weight;
       };
-      text = fmt::format("; most in trial '{}': {} {} -> {}{} RMSE", block.trial, block.channel,
-                         rmse(before[b]), rmse(with[b]), block.unit == "1" ? "" : " " + block.unit);
+      worst = {block.trial, block.channel, block.unit, rmse(before[b]), rmse(with[b])};
     }
-    return text;
+    return worst;
   }
 
   [[nodiscard]] Refit Without(int candidate) const {
@@ -164,14 +162,10 @@ class Withdrawal {
 
   void Withdraw(Rejection rejection) {
     const ChosenCause cause = selection_.causes[rejection.cause];
-    withdrawn_.push_back(
-        {e_.candidate(cause.candidate).effect,
-         selection_.cross_validated
-             ? "it improves the fitted trials but makes the held-out trials worse" + rejection.where
-             : fmt::format(
-                   "it improves the fitted trials (delta LR {:.0f}) but makes the held-out trials worse "
-                   "(by {:.0f} in the same units){}",
-                   cause.delta_lr, -rejection.gain, rejection.where)});
+    constexpr double kNaN = std::numeric_limits<double>::quiet_NaN();
+    const bool likelihood = !selection_.cross_validated;  // else the units are no likelihoods
+    withdrawn_.push_back({e_.candidate(cause.candidate).effect, likelihood ? cause.delta_lr : kNaN,
+                          likelihood ? -rejection.gain : kNaN, rejection.worst});
     if (ReplaceByRival(rejection)) return;
     selection_.model = std::move(rejection.without);
     selection_.causes.erase(selection_.causes.begin() + static_cast<std::ptrdiff_t>(rejection.cause));
@@ -185,7 +179,7 @@ class Withdrawal {
   }
 
   // The others' rivals were fitted beside the cause that is gone. One that now explains more than what it
-  // would replace takes its place, if held-out trials do not deny that.
+  // would replace takes its place, unless that makes held-out trials worse.
   void RefitRivals(int gone) {
     std::vector<Rival> refitted;
     for (Rival& rival : selection_.rivals) {
@@ -245,7 +239,7 @@ class Withdrawal {
     }
   }
 
-  // The next of the set that does carry over.
+  // The next of the set that generalises.
   bool ReplaceByRival(const Rejection& rejection) {
     const ChosenCause cause = selection_.causes[rejection.cause];
     const auto before = e_.held_out.Residuals(rejection.without.point);

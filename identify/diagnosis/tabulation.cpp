@@ -51,7 +51,7 @@ class Tables {
     Cause cause;
     cause.effect = candidate.effect;
     cause.level = candidate.level;
-    cause.sentence = candidate.description;
+    cause.description = candidate.description;
     cause.parameters = ValuesOf(e_, e_.selection.model, covariance, candidate.parameters);
     cause.p_value = chosen.p_value;
     cause.left_out = chosen.left_out;
@@ -69,7 +69,7 @@ class Tables {
     other.instead_of = cause.effect;
     other.effect = candidate.effect;
     other.level = candidate.level;
-    other.sentence = candidate.description;
+    other.description = candidate.description;
     other.parameters = ValuesOf(e_, rival.refit, covariance, candidate.parameters);
     other.delta_lr = rival.delta_lr;
     other.delta_bic = rival.delta_lr + (static_cast<double>(candidate.parameters.size()) -
@@ -101,9 +101,7 @@ class Tables {
       score.known = candidate.known;
       if (best == nullptr) {
         score.judged = false;
-        score.why_not =
-            "these data do not show it, or the base parameters can imitate it fully: it changes no fitted "
-            "channel";
+        score.why_not = NotJudged::kNoDistinctChange;
       } else {
         FillScore(candidate, static_cast<int>(c), *best, score);
       }
@@ -121,7 +119,10 @@ class Tables {
 
   void FillScore(const Candidate& candidate, int c, const Score& best, EffectScore& score) const {
     const ScoredModel& base = e_.base;
-    score.probe = candidate.probes[static_cast<std::size_t>(best.probe)].words;
+    for (const auto& [index, value] : candidate.probes[static_cast<std::size_t>(best.probe)].at) {
+      const Parameter& p = base.refit.setup->parameters[static_cast<std::size_t>(index)];
+      score.probe.push_back({p.name, p.unit, value});
+    }
     score.degrees = static_cast<int>(best.directions.size());
     score.statistic = best.statistic;
     score.p_value = best.p_value;
@@ -152,7 +153,8 @@ class Tables {
       if (size <= 1) continue;
       Cause cause;
       cause.effect = rounding.effect;
-      cause.sentence = rounding.channel + ": the sensor rounds its reading; no model can undo that";
+      cause.kind = CauseKind::kQuantisation;
+      cause.channel = rounding.channel;
       cause.p_value = 0;
       cause.delta_lr = rounding.statistic;
       cause.delta_bic = rounding.statistic - log_rows_;

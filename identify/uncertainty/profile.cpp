@@ -50,25 +50,25 @@ class EndSearch {
   ProfileEnd Run() {
     const double here = minimum_[request_.variable];
     const double room = sign_ > 0 ? 1 - here : here;
-    if (room <= 0) return {here, true, {}};
+    if (room <= 0) return {here, true};
     double distance = std::min(request_.step, room);
     for (int i = 0; i < kMaxPoints; ++i) {
       if (interrupt_ != nullptr && interrupt_->load(std::memory_order_relaxed))
-        return Failure("it was stopped");
-      if (fit_.evaluations() >= last_) return Failure("its evaluations were used up");
+        return Failure(ProfileFailure::kInterrupted);
+      if (fit_.evaluations() >= last_) return Failure(ProfileFailure::kBudgetSpent);
       Point point = Evaluate(distance);
       if (std::abs(point.height - 1) <= end_tolerance_ || (point.height < 1 && distance >= room)) {
-        if (!point.converged) return Failure("a refit of the other values did not converge");
-        return {At(distance), point.height < 1 && distance >= room, {}};
+        if (!point.converged) return Failure(ProfileFailure::kRefitNotConverged);
+        return {At(distance), point.height < 1 && distance >= room};
       }
       Narrow(std::move(point));
       if (has_outer_ && outer_.distance - inner_.distance <= end_tolerance_ * outer_.distance) {
-        if (std::isinf(outer_.height)) return Failure("there is no prediction at its end");
-        return {At(outer_.distance), false, {}};  // the cost jumps here
+        if (std::isinf(outer_.height)) return Failure(ProfileFailure::kNoPrediction);
+        return {At(outer_.distance), false};  // the cost jumps here
       }
       distance = Next(room);
     }
-    return Failure("the cost is too rough");
+    return Failure(ProfileFailure::kRoughCost);
   }
 
   [[nodiscard]] double lowest() const { return lowest_; }
@@ -77,7 +77,7 @@ class EndSearch {
   [[nodiscard]] double At(double distance) const {
     return std::clamp(minimum_[request_.variable] + sign_ * distance, 0.0, 1.0);
   }
-  static ProfileEnd Failure(const char* why) { return {0, false, why}; }
+  static ProfileEnd Failure(ProfileFailure why) { return {0, false, why}; }
 
   /// Refits all others with this variable at a distance. They start from the straight line through the
   /// minimum and the point that is known next to it; from the tangent if there is none.

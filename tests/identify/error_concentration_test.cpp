@@ -12,7 +12,6 @@ namespace sinew {
 namespace {
 
 using testing::ElementsAre;
-using testing::HasSubstr;
 using testing::IsEmpty;
 
 constexpr int kSamples = 1000;
@@ -39,8 +38,10 @@ TEST(Concentration, OneBadStretchIsFoundWhereItIs) {
   const auto time = toy::MakeBlock("walk", "moment", kSamples, 1).prediction_time;
   EXPECT_NEAR(found[0].time, time[620], time[10] - time[0]);
   EXPECT_NEAR(found[0].share, 40 * 65.0 / (40 * 65 + 960), 0.05);
-  EXPECT_THAT(DescribeConcentrations(found),
-              ElementsAre(HasSubstr("% of the squared error of moment in trial 'walk' lie within")));
+  const Warning warning = ToWarning(found[0]);
+  EXPECT_EQ(warning.kind, WarningKind::kErrorConcentration);
+  EXPECT_THAT(warning.names, ElementsAre("moment", "walk"));
+  EXPECT_THAT(warning.numbers, ElementsAre(found[0].share, found[0].width, found[0].time));
 }
 
 TEST(Concentration, AtTheEndsToo) {

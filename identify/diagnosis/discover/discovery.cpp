@@ -7,8 +7,6 @@
 #include <utility>
 
 #include "base/constants.h"
-#include "base/numbers.h"
-#include "base/text.h"
 #include "identify/diagnosis/discover/linear_term.h"
 #include "identify/diagnosis/discover/shape.h"
 #include "identify/diagnosis/tabulation.h"
@@ -64,9 +62,7 @@ class Explorer {
     std::vector<double> sure;
     for (const double deviation : finding.deviation)
       sure.push_back(deviation > 0 ? 1 / (deviation * deviation) : 0);
-    const Shape shape = DescribeShape(finding.knots, finding.curve, sure, finding.signal);
-    finding.shape = shape.words;
-    finding.nearest_law = shape.law;
+    finding.shape = FindShape(finding.knots, finding.curve, sure);
     out_.unknown_terms.push_back(std::move(finding));
   }
 
@@ -86,7 +82,7 @@ class Explorer {
     return finding;
   }
 
-  // False: there is no such model, or held-out trials deny it.
+  // False: there is no such model, or it makes held-out trials worse.
   bool RefitCurve(int c, const ScoredModel& scored, UnknownFinding& finding) {
     std::vector<int> released = e_.selection.model.released;
     released.push_back(c);
@@ -141,7 +137,7 @@ class Explorer {
     finding.name = line.channel + "(period)";
     finding.signal = "time";
     finding.signal_unit = "s";
-    finding.shape = fmt::format("{} Hz", Readable(line.frequency));
+    finding.frequency = line.frequency;
     finding.p_value = scored.AlarmPValue();
     std::map<int, Vector> added;
     double weight = 1;
@@ -200,7 +196,6 @@ class Explorer {
     if (!AddToFirstOrder(c, noise, finding)) return;
     const double change = finding.curve.front();
     const double deviation = finding.deviation.front();
-    finding.shape = change > 0 ? "grows within a trial" : "shrinks within a trial";
     double longest = 0;
     for (const Block& block : e_.problem.layout())
       longest = std::max(longest, block.prediction_time.back() - block.prediction_time.front());

@@ -90,7 +90,7 @@ Structure Examine(const std::vector<Sample>& samples, int folds) {
   structure.curve.assign(weights.data(), weights.data() + weights.size());
   std::vector<double> sure(static_cast<std::size_t>(kKnots));
   for (int k = 0; k < kKnots; ++k) sure[static_cast<std::size_t>(k)] = all.normal(k, k);
-  structure.shape = DescribeShape(knots, structure.curve, sure, "").words;
+  structure.shape = FindShape(knots, structure.curve, sure);
   return structure;
 }
 

@@ -9,7 +9,6 @@
 namespace sinew::diagnosis {
 
 struct TrialFold {
-  std::string description;          ///< "walk", or "walk and 5 more"
   std::vector<std::string> trials;  ///< increasing
 
   [[nodiscard]] bool Has(const std::string& trial) const;

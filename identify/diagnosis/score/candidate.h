@@ -14,15 +14,14 @@ namespace sinew::diagnosis {
 struct Candidate {
   std::string effect;  ///< name of the effect, or of the unknown term
   Level level = Level::kSensor;
-  bool known = true;  ///< false: an unknown term
-  std::string description;
+  bool known = true;        ///< false: an unknown term
+  std::string description;  ///< of a known effect
   std::string revealing_experiment;
   std::string trial;            ///< the trial that alone shows it; empty: all
   std::vector<int> parameters;  ///< what a refit releases
   /// Parameters that mean nothing at the null stand at these values while the others are scored there.
   struct Probe {
-    std::vector<std::pair<int, double>> at;
-    std::string words;  ///< "stribeck_velocity = 0.05 rad/s"; empty at the null itself
+    std::vector<std::pair<int, double>> at;  ///< empty at the null itself
   };
   std::vector<Probe> probes;  ///< at least one
   /// >= 0: this parameter, which the model has, may not be constant but change with time within a trial (a

@@ -282,12 +282,11 @@ Result<CrossValidatedSearch::Outcome> CrossValidatedSearch::Run(const ScoredMode
       }
     }
     if (options_.progress) {
-      std::string text = fmt::format(
-          "{} together: left-out trials are missed by {:.3g} of what the base model misses:", size,
-          by_left_out.front().left_out_error / base_error);
+      DiagnosisProgress progress{DiagnosisStep::kCrossValidate};
+      progress.left_out_share = by_left_out.front().left_out_error / base_error;
       for (const int c : by_left_out.front().released)
-        text += " " + candidates_[static_cast<std::size_t>(c)].effect;
-      options_.progress(text);
+        progress.effects.push_back(candidates_[static_cast<std::size_t>(c)].effect);
+      options_.progress(progress);
     }
     ++without_gain;
     if (by_left_out.front().left_out_error < kWorthIt * best.left_out_error) {

@@ -110,7 +110,7 @@ class Selector {
     selection.cross_validated = true;
     selection.family_p_value = std::min(selection.family_p_value, options_.alarm_level);
     selection.structure_left = true;
-    for (const TrialFold& fold : search.folds()) selection.left_out.push_back(fold.description);
+    for (const TrialFold& fold : search.folds()) selection.left_out.push_back(fold.trials);
     selection.searched = TrainingTrials(search.searched()).size();
     selection.model = found.model;
     for (const auto& [c, share] : found.left_out_shares) {

@@ -33,8 +33,8 @@ struct Selection {
   /// What is wrong dwarfs the noise, and something of that kind is left: causes were chosen by what they
   /// predict for trials left out of the fit, not by likelihood.
   bool cross_validated = false;
-  std::vector<std::string> left_out;  ///< these trials, if gross
-  std::size_t searched = 0;           ///< of the training trials, if gross
+  std::vector<std::vector<std::string>> left_out;  ///< groups of trials, if cross_validated
+  std::size_t searched = 0;                        ///< of the training trials, if gross
   double family_p_value = 1;
   std::vector<ChosenCause> causes;  ///< most important first
   std::vector<Rival> rivals;

@@ -101,6 +101,10 @@ TEST_F(RunFileTest, ParametersAndUncertaintyStandBesideTheirNames) {
   EXPECT_THAT(*tree_.Find("parameters/name")->texts(), ElementsAre("offset", "slope"));
   EXPECT_THAT(tree_.Find("parameters/free")->array()->values, ElementsAre(1, 1));
   EXPECT_THAT(*tree_.Find("uncertainty/verdict")->texts(), ElementsAre("identifiable", "identifiable"));
+  EXPECT_THAT(*tree_.Find("uncertainty/reason_kind")->texts(), ElementsAre("determined", "determined"));
+  EXPECT_THAT(*tree_.Find("uncertainty/remedy_kind")->texts(), ElementsAre("none", "none"));
+  EXPECT_THAT(*tree_.Find("run/finding_kinds")->texts(),
+              ElementsAre("identifiable", "identifiable", "prediction"));
   EXPECT_THAT(tree_.Find("uncertainty/covariance")->array()->shape, ElementsAre(2, 2));
   EXPECT_EQ(tree_.Find("uncertainty/std_error")->array()->values[1],
             line_.uncertainty.parameters[1].std_error);
