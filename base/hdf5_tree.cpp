@@ -31,7 +31,7 @@ constexpr rlim_t kProcessorSeconds = 2;
 constexpr unsigned kSeconds = 30;  // with waiting for a disk and for other processes
 constexpr std::uintmax_t kBytesPerSecond = 1U << 20;
 
-// Held while a file is read or written: libhdf5 is not thread-safe in every build, and see SurvivesReading.
+// Held while a file is read or written: libhdf5 is not thread-safe in every build, and see ReadsWithoutCrash.
 std::mutex hdf5_mutex;
 
 // Closes an HDF5 identifier at the end of its scope.
@@ -166,7 +166,7 @@ Status ReadAttributes(hid_t object, const std::string& where, Hdf5Node& node) {
 
 // Takes so many values out of what the rest of the file may still hold: links that lead back to their own
 // group make an endless tree of a small file.
-Status TakeRoom(std::size_t values, const std::string& where, std::size_t& room) {
+Status ReserveValues(std::size_t values, const std::string& where, std::size_t& room) {
   if (values > room) return Fail("{}: announces more values than the file can hold", where);
   room -= values;
   return {};
@@ -177,7 +177,7 @@ Status ReadDataset(hid_t dataset, const std::string& where, std::size_t& room, H
   const Handle space(H5Dget_space(dataset), H5Sclose);
   if (!type || !space) return Fail("{}: cannot be read", where);
   SINEW_ASSIGN(const Extent extent, ReadExtent(space.get(), where));
-  SINEW_TRY(TakeRoom(extent.count, where, room));
+  SINEW_TRY(ReserveValues(extent.count, where, room));
   switch (H5Tget_class(type.get())) {
     case H5T_INTEGER:
     case H5T_FLOAT: {
@@ -207,7 +207,7 @@ Status ReadDataset(hid_t dataset, const std::string& where, std::size_t& room, H
 
 Status ReadNode(hid_t object, const std::string& where, int depth, std::size_t& room, Hdf5Node& node) {
   if (depth > kDeepest) return Fail("{}: groups nested more than {} deep", where, kDeepest);
-  SINEW_TRY(TakeRoom(kValuesPerNode, where, room));
+  SINEW_TRY(ReserveValues(kValuesPerNode, where, room));
   SINEW_TRY(ReadAttributes(object, where, node));
   if (H5Iget_type(object) == H5I_DATASET) return ReadDataset(object, where, room, node);
   if (H5Iget_type(object) != H5I_GROUP) return {};  // a named type: no data
@@ -277,7 +277,7 @@ Result<Hdf5Node> ReadTree(const std::string& path) {
 // copy needs is safe: no other thread is within libhdf5 (hdf5_mutex is held), the C library takes care of its
 // allocator and streams, and nothing else is called. Should it hang nevertheless, its alarm ends it. It
 // leaves through _exit, without the destructors and buffers of this process.
-Result<bool> SurvivesReading(const std::string& path) {
+Result<bool> ReadsWithoutCrash(const std::string& path) {
   const pid_t child = fork();
   if (child < 0) return Fail("{}: cannot be checked: no further process can be started", path);
   if (child == 0) ReadAndExit(path);
@@ -427,7 +427,7 @@ Result<Hdf5Node> ReadHdf5(const std::string& path) {
   const std::lock_guard lock(hdf5_mutex);
   H5Eset_auto2(H5E_DEFAULT, nullptr, nullptr);  // its errors become ours, not a stack trace on stderr
   if (H5Fis_hdf5(path.c_str()) <= 0) return Fail("{}: is not an HDF5 file", path);
-  SINEW_ASSIGN(const bool survives, SurvivesReading(path));
+  SINEW_ASSIGN(const bool survives, ReadsWithoutCrash(path));
   if (!survives) return Fail("{}: is damaged (HDF5 could not read it)", path);
   return ReadTree(path);
 }

@@ -130,7 +130,7 @@ Result<int> RunIdentify(const IdentifyWords& words) {
     // A checkpoint that cannot be written is no reason to stop: the answer itself will say so if it cannot
     // either.
     static_cast<void>(
-        WriteHdf5(words.out, UnfinishedRunTree(evaluator.problem(), as_asked, provenance, evaluator)));
+        WriteHdf5(words.out, UnfinishedRunTree(evaluator.fit(), as_asked, provenance, evaluator)));
     const double ended = evaluator.seconds();
     next_saving = ended + std::max(kCheckpointInterval, kCheckpointShare * (ended - began));
   };

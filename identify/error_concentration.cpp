@@ -11,8 +11,8 @@ namespace {
 
 constexpr int kMinSamples = 200;
 constexpr int kStretches = 20;
-constexpr double kTellingShare = 0.25;
-constexpr double kOutstanding = 2;  // times any other stretch
+constexpr double kMinChangeShare = 0.25;
+constexpr double kRatioToOthers = 2;  // times any other stretch
 
 // Largest sum of `count` neighbours that begin in [from, to); where it begins.
 std::pair<double, Eigen::Index> Largest(const Vector& sums, Eigen::Index count, Eigen::Index from,
@@ -40,11 +40,11 @@ std::vector<Concentration> FindConcentrations(const Layout& layout, const std::v
     }
     const Eigen::Index count = n / kStretches;
     const auto [most, first] = Largest(sums, count, 0, n - count + 1);
-    if (!(most > kTellingShare * sums[n])) continue;
+    if (!(most > kMinChangeShare * sums[n])) continue;
     const double others =
         std::max(Largest(sums, count, 0, std::max<Eigen::Index>(first - count + 1, 0)).first,
                  Largest(sums, count, std::min(first + count, n - count + 1), n - count + 1).first);
-    if (most < kOutstanding * others) continue;
+    if (most < kRatioToOthers * others) continue;
     const auto time = [&](Eigen::Index i) {
       return block.prediction_time[static_cast<std::size_t>(block.sample[static_cast<std::size_t>(i)])];
     };

@@ -42,7 +42,7 @@ Status CheckThatDataSuffice(const Problem& problem, const FitSetup& setup) {
 
 // Share of the variance of what was measured, about the mean of each training block, that is not innovations:
 // of the channel where it is largest, since one that says something is enough.
-double ShareThatIsNotNoise(const Problem& problem, const LeastSquares& fit, const noise::NoiseModel& noise) {
+double ExplainedShare(const Problem& problem, const LeastSquares& fit, const noise::NoiseModel& noise) {
   std::vector<double> variance(noise.channels.size(), 0);
   std::vector<double> innovations(noise.channels.size(), 0);
   for (std::size_t t = 0; t < fit.train_blocks().size(); ++t) {
@@ -59,9 +59,9 @@ double ShareThatIsNotNoise(const Problem& problem, const LeastSquares& fit, cons
   return largest;
 }
 
-class Diagnostician {
+class DiagnosisRun {
  public:
-  Diagnostician(const Problem& problem, const DiagnosisOptions& options)
+  DiagnosisRun(const Problem& problem, const DiagnosisOptions& options)
       : problem_(problem), options_(options), e_(problem, options) {}
 
   Result<Diagnosis> Run(FitSetup setup) {
@@ -117,7 +117,7 @@ class Diagnostician {
     Refit base = e_.refitter->Fit({}, {out_.base_point});
     SINEW_TRY(Continue());
     if (!base.usable()) return Fail("the base model: {}", base.failure);
-    const double share = ShareThatIsNotNoise(problem_, LeastSquares(problem_, *base.setup), base.noise);
+    const double share = ExplainedShare(problem_, LeastSquares(problem_, *base.setup), base.noise);
     if (share < kMinExplained) {
       ConcludeNothing(
           "what the base model leaves is about as large as what was measured, and varies from one "
@@ -127,7 +127,7 @@ class Diagnostician {
       return MeasureGain(base.noise);
     }
     if (base.noise_absorbs_misfit) {
-      e_.refitter->TakeErrorsForIndependent();
+      e_.refitter->AssumeIndependentErrors();
       out_.warnings.push_back(
           "the residual is so large and smooth that a noise model would take the model's place: errors of "
           "neighbouring samples count as independent, which makes p-values and intervals too small");
@@ -139,7 +139,7 @@ class Diagnostician {
     SINEW_TRY(DescribeResidual());
     if (e_.held_out.exists()) {
       SINEW_ASSIGN(const auto residuals, e_.held_out.Residuals(e_.base.refit.point));
-      SINEW_TRY(e_.held_out.LearnOwnNoise(residuals));
+      SINEW_TRY(e_.held_out.EstimateOwnNoise(residuals));
     }
     Say("refitting what answered");
     SINEW_ASSIGN(e_.selection, Select(problem_, *e_.refitter, e_.candidates, e_.base, options_));
@@ -320,7 +320,7 @@ const char* ToString(UnknownKind kind) {
 }
 
 Result<Diagnosis> Diagnose(const Problem& problem, FitSetup setup, const DiagnosisOptions& options) {
-  return diagnosis::Diagnostician(problem, options).Run(std::move(setup));
+  return diagnosis::DiagnosisRun(problem, options).Run(std::move(setup));
 }
 
 }  // namespace sinew

@@ -79,7 +79,7 @@ Result<std::vector<Vector>> HeldOut::Residuals(const Vector& point) const {
   return residuals;
 }
 
-Status HeldOut::LearnOwnNoise(const std::vector<Vector>& base) {
+Status HeldOut::EstimateOwnNoise(const std::vector<Vector>& base) {
   std::vector<noise::NoiseBlock> blocks;
   for (std::size_t i = 0; i < blocks_.size(); ++i) {
     if (block(i).group.empty()) continue;

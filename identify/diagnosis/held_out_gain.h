@@ -33,7 +33,7 @@ class HeldOut {
 
   /// Noise of the blocks that have one of their own, from the base model's residuals: what a cause does to
   /// them is judged against it. Errors: those of EstimateNoiseModel.
-  [[nodiscard]] Status LearnOwnNoise(const std::vector<Vector>& base);
+  [[nodiscard]] Status EstimateOwnNoise(const std::vector<Vector>& base);
 
   /// Sum of squared innovations of such residuals in units of their variance, by a noise model that was
   /// estimated on the training trials, or by their own.

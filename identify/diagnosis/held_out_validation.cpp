@@ -13,9 +13,9 @@ namespace {
 
 // What a cause changes in held-out trials, in units of their noise's variance, from which a loss there is a
 // denial: with the right cause it happens by chance in 1 of 75 cases.
-constexpr double kTelling = 20;
-constexpr double kFarLess = -2.33;      // standard deviations: chance 0.01
-constexpr double kTellingShare = 0.05;  // of what is left, if that dwarfs the noise
+constexpr double kMinChange = 20;
+constexpr double kLowQuantile = -2.33;    // standard deviations: chance 0.01
+constexpr double kMinChangeShare = 0.05;  // of what is left, if that dwarfs the noise
 
 class Withdrawal {
  public:
@@ -26,10 +26,10 @@ class Withdrawal {
     while (!selection_.causes.empty()) {
       SINEW_ASSIGN(const auto with, e_.held_out.Residuals(selection_.model.point));
       const double together = Gain(of_base, with);
-      const bool denied = together < 0 && IsTelling(of_base, with);
-      Rejection worst = FindWorst(with, denied);
+      const bool rejected = together < 0 && ChangesEnoughToJudge(of_base, with);
+      Rejection worst = FindWorst(with, rejected);
       if (worst.cause == selection_.causes.size()) {
-        if (StandsInForSomethingElse(of_base, with)) selection_.structure_left = true;
+        if (GainsFarLessThanExpected(of_base, with)) selection_.structure_left = true;
         break;
       }
       if (worst.gain >= 0) {
@@ -55,17 +55,18 @@ class Withdrawal {
     return e_.Loss(before, selection_.model.noise) - e_.Loss(with, selection_.model.noise);
   }
 
-  [[nodiscard]] bool IsTelling(const std::vector<Vector>& before, const std::vector<Vector>& with) const {
+  [[nodiscard]] bool ChangesEnoughToJudge(const std::vector<Vector>& before,
+                                          const std::vector<Vector>& with) const {
     const double loss = e_.Loss(Moved(before, with), selection_.model.noise);
-    if (selection_.cross_validated) return loss > kTellingShare * e_.Loss(with, selection_.model.noise);
-    if (loss <= kTelling) return false;
+    if (selection_.cross_validated) return loss > kMinChangeShare * e_.Loss(with, selection_.model.noise);
+    if (loss <= kMinChange) return false;
     double sum = 0;
     double squares = 0;
     for (const double gain : GainsOfGroups(before, with)) {
       sum += gain;
       squares += gain * gain;
     }
-    return squares == 0 || sum < kFarLess * std::sqrt(squares);
+    return squares == 0 || sum < kLowQuantile * std::sqrt(squares);
   }
 
   [[nodiscard]] static std::vector<Vector> Moved(std::vector<Vector> before,
@@ -84,7 +85,7 @@ class Withdrawal {
     return gains;
   }
 
-  [[nodiscard]] bool StandsInForSomethingElse(const std::vector<Vector>& before,
+  [[nodiscard]] bool GainsFarLessThanExpected(const std::vector<Vector>& before,
                                               const std::vector<Vector>& with) const {
     if (selection_.cross_validated) return false;
     const std::vector<Vector> moved = Moved(before, with);
@@ -97,7 +98,7 @@ class Withdrawal {
     double of_groups = 0;
     for (std::size_t g = 0; g < gains.size(); ++g) of_groups += std::pow(gains[g] - expected[g], 2);
     variance = std::max(variance, of_groups);
-    return Gain(before, with) - squared < kFarLess * std::sqrt(variance);
+    return Gain(before, with) - squared < kLowQuantile * std::sqrt(variance);
   }
 
   // What the causes change in the fitted trials, in units of the noise's variance; 0 if that cannot be said.
@@ -114,10 +115,10 @@ class Withdrawal {
   }
 
   // The cause that held-out trials miss least; the number of causes if they deny none.
-  [[nodiscard]] Rejection FindWorst(const std::vector<Vector>& with, bool denied_together) const {
+  [[nodiscard]] Rejection FindWorst(const std::vector<Vector>& with, bool rejected_together) const {
     Rejection worst;
     worst.cause = selection_.causes.size();
-    worst.gain = denied_together ? std::numeric_limits<double>::infinity() : 0;
+    worst.gain = rejected_together ? std::numeric_limits<double>::infinity() : 0;
     for (std::size_t i = 0; i < selection_.causes.size(); ++i) {
       const int candidate = selection_.causes[i].candidate;
       if (!e_.candidate(candidate).trial.empty()) continue;
@@ -126,7 +127,7 @@ class Withdrawal {
       const auto before = e_.held_out.Residuals(without.point);
       if (!before) continue;
       const double gain = Gain(*before, with);
-      if (gain < worst.gain && (denied_together || IsTelling(*before, with)))
+      if (gain < worst.gain && (rejected_together || ChangesEnoughToJudge(*before, with)))
         worst = {i, gain, std::move(without), WorstTrial(*before, with)};
     }
     return worst;

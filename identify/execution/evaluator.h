@@ -51,7 +51,7 @@ class Evaluator {
     std::chrono::steady_clock::time_point began = std::chrono::steady_clock::now();
   };
 
-  Evaluator(const LeastSquares& problem, Options options);
+  Evaluator(const LeastSquares& fit, Options options);
 
   /// What becomes of a point that violates a constraint of the problem. It is never best().
   enum class Infeasible {
@@ -74,7 +74,7 @@ class Evaluator {
   /// the point is rejected for that.
   [[nodiscard]] std::optional<std::string> Violated(const Vector& x) const;
 
-  [[nodiscard]] const LeastSquares& problem() const { return problem_; }
+  [[nodiscard]] const LeastSquares& fit() const { return fit_; }
   [[nodiscard]] long evaluations() const { return static_cast<long>(trace_.size()); }
   [[nodiscard]] long failures() const { return failures_; }
   [[nodiscard]] const std::string& first_failure() const { return first_failure_; }
@@ -110,7 +110,7 @@ class Evaluator {
   void Record(const Vector& x, double cost);
   Outcome RecordFailure(const Vector& x, const Error& error);
 
-  const LeastSquares& problem_;
+  const LeastSquares& fit_;
   Options options_;
   mutable LeastSquares::Workspace workspace_;  // scratch
   SparseJacobian gradient_jacobian_;

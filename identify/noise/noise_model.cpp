@@ -26,7 +26,7 @@ constexpr double kOrderTolerance = 1e-5;       // where orders are compared, who
 constexpr int kOrdersWithoutGain = 4;          // in a row, after which no higher one is tried
 constexpr double kSweepTolerance = 1e-6;
 constexpr int kMaxSweeps = 50;
-constexpr double kLoud = 1.5;    // times the stated noise: there is more in the residual than noise
+constexpr double kExcessOverStated = 1.5;  // times the stated noise: there is more in the residual than noise
 constexpr int kOrderSweeps = 2;  // of several channels: the order of the first depends on the others
 
 int RowsWithPast(const std::vector<const LaggedBlock*>& blocks, int past) {
@@ -80,7 +80,7 @@ struct Channel {
   double log_variance = 0;                 // of the innovation
   double first_log_variance = 0;           // of the ordinary residual
   double power = 0;                        // of the ordinary residual
-  double loud_power = 0;                   // above which that is more than the stated noise
+  double excess_power = 0;                 // above which that is more than the stated noise
 };
 
 class Estimator {
@@ -100,7 +100,7 @@ class Estimator {
       const auto samples = static_cast<double>(blocks[b].residual.size());
       const double stated = blocks[b].stated.value_or(std::numeric_limits<double>::infinity());
       found->power += blocks[b].residual.squaredNorm();
-      found->loud_power += samples * std::pow(kLoud * stated, 2);
+      found->excess_power += samples * std::pow(kExcessOverStated * stated, 2);
       found->white = found->white || blocks[b].white;
       found->largest_root = std::max(found->largest_root, blocks[b].largest_root);
       if (blocks[b].white)
@@ -178,7 +178,7 @@ class Estimator {
         channel.silent ? 2 * std::log(kSmallestDeviation) : std::log(power / std::max(rows, 1));
     channel.first_log_variance = channel.log_variance;
     channel.shape.resize(0);
-    if (!options_.white && !channel.white && !channel.silent && channel.power <= channel.loud_power) {
+    if (!options_.white && !channel.white && !channel.silent && channel.power <= channel.excess_power) {
       // Its part of what the regressors take.
       const double spent = static_cast<double>(columns_) * rows / samples_;
       for (int order = 1; order <= options_.largest_order; ++order) {

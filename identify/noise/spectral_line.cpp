@@ -16,9 +16,9 @@ namespace {
 constexpr int kMinimum = 64;
 constexpr double kUneven = 0.02;
 constexpr double kCycles = 4;
-constexpr double kHighest = 0.45;      // of the sampling rate
-constexpr std::size_t kNearest = 5;    // neighbours of a frequency: from so many bins away ...
-constexpr std::size_t kFarthest = 30;  // ... to so many; a bin is half of 1 / duration
+constexpr double kMaxFrequencyShare = 0.45;  // of the sampling rate
+constexpr std::size_t kNearest = 5;          // neighbours of a frequency: from so many bins away ...
+constexpr std::size_t kFarthest = 30;        // ... to so many; a bin is half of 1 / duration
 constexpr double kMinBelow = 4;
 constexpr double kBinsPerIndependent = 3;  // half-spaced bins of a Hann window
 
@@ -96,7 +96,7 @@ std::optional<SpectralLine> FindLine(const LeastSquares& fit, const Vector& resi
       step = std::max(step, duration / (block.samples() - 1));
     }
     const double bin = 0.5 / longest;
-    const auto count = static_cast<std::size_t>(kHighest / step / bin);
+    const auto count = static_cast<std::size_t>(kMaxFrequencyShare / step / bin);
     const auto first = static_cast<std::size_t>(std::ceil(kCycles / shortest / bin));
     std::vector<double> power(count, 0);
     for (const auto& train : blocks) {

@@ -2,8 +2,8 @@
 // on, free of charge, by being wrapped.
 //
 //   smooth(t)   = first-order low-pass of predicted(t), time constant low_pass
-//   seen(t)     = smooth(t - time_offset)
-//   reading(t)  = gain * seen(t) + offset + drift * (t - middle of the trial) + unknown terms of the port
+//   delayed(t)  = smooth(t - time_offset)
+//   reading(t)  = gain * delayed(t) + offset + drift * (t - middle of the trial) + unknown terms of the port
 //   observed(t) = reading(t), held within +-1/saturation, then rounded to a multiple of quantisation
 #pragma once
 
@@ -66,7 +66,7 @@ class SensorEffects final : public Problem {
     std::vector<ReadingPort::Term> terms;
   };
   /// A block as its sensor sees it.
-  struct SeenBlock {
+  struct ObservedBlock {
     int sensor = -1;               ///< index into sensors_; -1: passes as it is
     int first_of_trial = -1;       ///< index of the first parameter of its trial alone; -1: none
     Eigen::Index of_inner = 0;     ///< columns of the wrapped problem
@@ -90,8 +90,8 @@ class SensorEffects final : public Problem {
   std::vector<Constraint> constraints_;
   Layout layout_;
   std::vector<Sensor> sensors_;
-  std::vector<SeenBlock> seen_;  ///< per block
-  Eigen::Index longest_ = 0;     ///< most prediction times of a block
+  std::vector<ObservedBlock> observed_;  ///< per block
+  Eigen::Index longest_ = 0;             ///< most prediction times of a block
 };
 
 }  // namespace sinew

@@ -49,7 +49,7 @@ std::vector<Group> GroupByTrial(const LeastSquares& problem, const Vector& x, co
 class Iterate : public ceres::EvaluationCallback {
  public:
   Iterate(Evaluator& evaluator, const Vector& start)
-      : evaluator_(evaluator), x_(start), jacobian_(evaluator.problem().NewJacobian()) {}
+      : evaluator_(evaluator), x_(start), jacobian_(evaluator.fit().NewJacobian()) {}
 
   void SetGroups(const std::vector<Group>* groups) { groups_ = groups; }
 
@@ -290,13 +290,13 @@ Round SolveFace(Evaluator& evaluator, Iterate& iterate, std::vector<Group>& grou
 Search CeresSolver::DoSolve(Evaluator& evaluator, const Vector& start) const {
   SilenceGlog();
   const auto n = static_cast<std::size_t>(start.size());
-  const double cost_tolerance = std::max(cost_tolerance_, evaluator.problem().problem().cost_noise_level());
+  const double cost_tolerance = std::max(cost_tolerance_, evaluator.fit().problem().cost_noise_level());
   Iterate iterate(evaluator, start);
   Vector x = start;
   std::vector<bool> held(n, false);
   Search search;
   for (int rounds = 0; rounds < kMaxRounds; ++rounds) {
-    std::vector<Group> groups = GroupByTrial(evaluator.problem(), x, held);
+    std::vector<Group> groups = GroupByTrial(evaluator.fit(), x, held);
     Round round;
     if (!groups.empty()) {
       round = SolveFace(evaluator, iterate, groups, held, cost_tolerance);

@@ -25,7 +25,7 @@ class Program : public Ipopt::TNLP {
  public:
   Program(Evaluator& evaluator, const Vector& start)
       : evaluator_(evaluator),
-        problem_(evaluator.problem()),
+        problem_(evaluator.fit()),
         start_(start),
         x_(start),
         jacobian_(problem_.NewJacobian()),

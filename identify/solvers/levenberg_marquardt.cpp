@@ -21,8 +21,8 @@ constexpr double kSmallestStep = 1e-15;
 }  // namespace
 
 Search LevenbergMarquardt::DoSolve(Evaluator& evaluator, const Vector& start) const {
-  const double tolerance = std::max(cost_tolerance_, evaluator.problem().problem().cost_noise_level());
-  SparseJacobian jacobian = evaluator.problem().NewJacobian();
+  const double tolerance = std::max(cost_tolerance_, evaluator.fit().problem().cost_noise_level());
+  SparseJacobian jacobian = evaluator.fit().NewJacobian();
   Vector residuals;
   BoxQuadraticModel equations;
   Vector x = start;

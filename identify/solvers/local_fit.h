@@ -24,7 +24,7 @@ class LocalFit {
 
   /// @param penalty weight of the constraints; 0: fitted to the first point. Costs of two LocalFits can be
   /// compared if their penalties are the same.
-  explicit LocalFit(const LeastSquares& problem, double penalty = 0);
+  explicit LocalFit(const LeastSquares& least_squares, double penalty = 0);
 
   /// The search ends when the next step is predicted to gain less than absolute + relative * cost, or than
   /// the grain of the cost.
@@ -37,7 +37,7 @@ class LocalFit {
   /// residuals, with or without Jacobian.
   Outcome Minimize(const Vector& start, int held, Tolerance tolerance, long max_evaluations);
 
-  [[nodiscard]] const LeastSquares& problem() const { return problem_; }
+  [[nodiscard]] const LeastSquares& least_squares() const { return least_squares_; }
   [[nodiscard]] long evaluations() const { return evaluations_; }
   [[nodiscard]] double penalty() const { return penalty_; }
 
@@ -46,7 +46,7 @@ class LocalFit {
   Status CostAndDerivatives(const Vector& x, double& cost);
   void AddPenalties(const Vector& x, double& cost, bool derivatives);
 
-  const LeastSquares& problem_;
+  const LeastSquares& least_squares_;
   LeastSquares::Workspace workspace_;
   SparseJacobian jacobian_;
   Vector residuals_;

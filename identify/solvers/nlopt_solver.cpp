@@ -28,7 +28,7 @@ bool Contains(const std::string& name, const char* part) {
 // What NLopt's callbacks share.
 struct Call {
   Call(Evaluator& to, Evaluator::Infeasible infeasible, nlopt_opt of)
-      : evaluator(to), objective(to, infeasible), handle(of), workspace(to.problem().NewWorkspace()) {
+      : evaluator(to), objective(to, infeasible), handle(of), workspace(to.fit().NewWorkspace()) {
     if (to.has_best() && to.best().cost > 0) scale = 1 / to.best().cost;
   }
 
@@ -74,7 +74,7 @@ void ConstraintsForNlopt(unsigned m, double* values, unsigned n, const double* x
                          void* data) {
   Call& call = *static_cast<Call*>(data);
   const Vector at = Eigen::Map<const Vector>(x, n);
-  const Status status = call.evaluator.problem().Constraints(
+  const Status status = call.evaluator.fit().Constraints(
       at, call.workspace, call.constraint_values, gradient == nullptr ? nullptr : &call.constraint_jacobian);
   if (!status) {  // nothing can be said there, and the cost fails too
     std::fill_n(values, m, 1.0);
@@ -136,7 +136,7 @@ class NloptSolver : public Solver {
       SetStops(local.get());
       nlopt_set_local_optimizer(opt, local.get());
     }
-    const auto constraints = static_cast<unsigned>(evaluator.problem().constraints());
+    const auto constraints = static_cast<unsigned>(evaluator.fit().constraints());
     const bool aware = constraints > 0 && TakesConstraints();
     Call call(evaluator, aware ? Evaluator::Infeasible::kEvaluate : Evaluator::Infeasible::kReject, opt);
     if (aware) nlopt_add_inequality_mconstraint(opt, constraints, ConstraintsForNlopt, &call, nullptr);

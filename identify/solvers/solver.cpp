@@ -122,7 +122,7 @@ SolverResult Solver::Solve(Evaluator& evaluator, const Vector& start) const {
   if (!IsEvaluated(evaluator, start)) evaluator.Cost(start, cost);
 
   const bool evaluated = IsEvaluated(evaluator, start);
-  if (evaluated && evaluator.problem().variables() == 0) {
+  if (evaluated && evaluator.fit().variables() == 0) {
     result.stop = {Termination::kNothingFree, "no parameter is free; the start was evaluated"};
   } else if (!evaluator.MustStop() && CanBegin(evaluator, start)) {
     Search search = DoSolve(evaluator, start);

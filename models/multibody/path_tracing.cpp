@@ -42,7 +42,7 @@ class Tracer {
   }
 
   TracedPath Trace() {
-    const bool settled = corners_.size() < 2 || muscle_.wraps.empty() || LayOverAll();
+    const bool settled = corners_.size() < 2 || muscle_.wraps.empty() || WrapOverAll();
     return {std::move(corners_), settled};
   }
 
@@ -53,13 +53,13 @@ class Tracer {
   };
 
   // Whether the length came to rest.
-  bool LayOverAll() {
+  bool WrapOverAll() {
     std::vector<int> order;
     for (std::size_t i = 0; i < muscle_.wraps.size(); ++i) order.push_back(static_cast<int>(i));
     std::vector<WrapOutcome> outcomes(order.size(), WrapOutcome::kNone);
     double length = std::numeric_limits<double>::infinity();
     for (int round = 0; round < kMaxRounds; ++round) {
-      for (std::size_t i = 0; i < order.size(); ++i) outcomes[i] = LayOver(order[i]);
+      for (std::size_t i = 0; i < order.size(); ++i) outcomes[i] = WrapOver(order[i]);
       if (order.size() == 1) return true;  // nothing else moves its ends
       const double before = std::exchange(length, LengthOf(corners_));
       if (std::abs(length - before) < kLengthTolerance) return true;
@@ -72,7 +72,7 @@ class Tracer {
   }
 
   // Takes the path off the object and lays it over again; the outcome of the last segment looked at.
-  WrapOutcome LayOver(int index) {
+  WrapOutcome WrapOver(int index) {
     const TracedMuscle::Wrap& wrap = muscle_.wraps[static_cast<std::size_t>(index)];
     corners_.erase(std::remove_if(corners_.begin(), corners_.end(),
                                   [&](const PathCorner& corner) { return corner.wrap == index; }),

@@ -96,7 +96,7 @@ class ExcitationFilter {
 
   /// CEINMS stores its state twice per frame where it prepares fibre lengths: of the two last values one is
   /// forgotten.
-  void ForgetTheOneBefore() { before_ = last_; }
+  void DropPreviousState() { before_ = last_; }
 
  private:
   T beta1_;

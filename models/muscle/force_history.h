@@ -16,8 +16,8 @@ namespace sinew {
 template <class T>
 class ForceHistory {
  public:
-  static constexpr double kForgetting = 2;  ///< [s]
-  static constexpr double kMinimum = 0.05;  ///< the factor never falls below
+  static constexpr double kTimeConstant = 2;  ///< [s]
+  static constexpr double kMinimum = 0.05;    ///< the factor never falls below
 
   /// @param enhancement, depression per optimal length [1]
   ForceHistory(const T& enhancement, const T& depression)
@@ -28,7 +28,7 @@ class ForceHistory {
   void Pass(double time, const T& velocity) {
     if (any_) {
       const double step = time - time_;
-      const double kept = std::exp(-step / kForgetting);
+      const double kept = std::exp(-step / kTimeConstant);
       stretch_ = kept * stretch_ + (0.5 * step) * (Positive(velocity) + Positive(velocity_));
       shortening_ = kept * shortening_ + (0.5 * step) * (Positive(-velocity) + Positive(-velocity_));
     }

@@ -91,7 +91,7 @@ class Explorer {
   bool RefitCurve(int c, const ScoredModel& scored, UnknownFinding& finding) {
     std::vector<int> released = e_.selection.model.released;
     released.push_back(c);
-    const Refit refit = e_.Fit(released, StartsFor(scored, e_.candidates, c));
+    const Refit refit = e_.Fit(released, RefitStarts(scored, e_.candidates, c));
     if (!refit.usable()) return false;
     const auto covariance = e_.refitter->Covariance(refit);
     const Matrix none = Matrix::Zero(refit.x.size(), refit.x.size());

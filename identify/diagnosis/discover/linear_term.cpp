@@ -34,7 +34,7 @@ std::vector<Vector> PerBlock(const LeastSquares& fit, const Vector& rows) {
 
 /// Of values that are N(0, deviation^2) each and reach unit noise through columns with these eigenvalues of
 /// their Gram matrix and these scores along its eigenvectors: the deviation of greatest likelihood.
-double LikeliestDeviation(const Vector& eigenvalues, const Vector& scores) {
+double MaximumLikelihoodDeviation(const Vector& eigenvalues, const Vector& scores) {
   constexpr int kSteps = 120;
   const double most = eigenvalues.maxCoeff();
   double best = 0;
@@ -137,7 +137,8 @@ Result<LinearTerm> FitLinearTerm(const Problem& problem, const Refit& refit, con
   const Vector pull = -(left.transpose() * taken.TakenFrom(residual).col(0));
   const Vector turned = eigen.eigenvectors().transpose() * pull;
   const bool curve = candidate.drifting < 0;
-  answer.shrinkage = curve ? LikeliestDeviation(gram, turned) : std::numeric_limits<double>::infinity();
+  answer.shrinkage =
+      curve ? MaximumLikelihoodDeviation(gram, turned) : std::numeric_limits<double>::infinity();
   const double precision = 1 / (answer.shrinkage * answer.shrinkage);
   answer.values = Vector::Zero(gram.size());
   Vector variance = Vector::Zero(gram.size());

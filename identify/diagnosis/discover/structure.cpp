@@ -15,7 +15,7 @@ namespace {
 constexpr int kLags = 20;
 constexpr int kKnots = 8;
 constexpr double kRidge = 1e-3;
-constexpr double kWorthSaying = 0.01;
+constexpr double kMinReportedShare = 0.01;
 
 // One block's residual against one signal.
 struct Sample {
@@ -207,7 +207,7 @@ Result<std::vector<Structure>> FindStructure(const Problem& problem, const Vecto
       structure.channel = channel;
       structure.signal = signal;
       structure.unit = of.first;
-      if (structure.explained_fraction > kWorthSaying) found.push_back(std::move(structure));
+      if (structure.explained_fraction > kMinReportedShare) found.push_back(std::move(structure));
     }
   }
   std::stable_sort(found.begin(), found.end(), [](const Structure& a, const Structure& b) {

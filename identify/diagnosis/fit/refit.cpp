@@ -154,7 +154,7 @@ Refit Refitter::Fit(std::vector<int> released, const std::vector<Vector>& starts
   if (!refit.usable()) return refit;
   LeastSquares fit(problem_, *refit.setup);
   const Vector ordinary = refit.x;
-  Status status = independent_ ? Status() : Generalise(fit, refit);
+  Status status = independent_ ? Status() : FitGeneralised(fit, refit);
   if (status && !independent_) {
     auto workspace = fit.NewWorkspace();
     Vector residual;
@@ -172,7 +172,7 @@ Refit Refitter::Fit(std::vector<int> released, const std::vector<Vector>& starts
 }
 
 // Generalised least squares with the noise of its own residual.
-Status Refitter::Generalise(LeastSquares& fit, Refit& refit) const {
+Status Refitter::FitGeneralised(LeastSquares& fit, Refit& refit) const {
   const auto stretches = TrainStretches(fit);
   for (int round = 0; round < kNoiseRounds; ++round) {
     if (round > 0) {

@@ -27,7 +27,7 @@ struct Refit {
   bool converged = false;
   bool noise_absorbs_misfit = false;  ///< coloured noise would have taken the place of the model: errors
                                       ///< count as independent, the fit is ordinary least squares
-  std::string failure;  ///< why there is no such model; empty otherwise
+  std::string failure;                ///< why there is no such model; empty otherwise
 
   [[nodiscard]] bool usable() const { return failure.empty(); }
   [[nodiscard]] int parameters() const { return static_cast<int>(setup->free.size()); }
@@ -59,7 +59,7 @@ class Refitter {
 
   /// From now on all fits are ordinary and take errors for independent: models can be compared only if all of
   /// them do.
-  void TakeErrorsForIndependent() { independent_ = true; }
+  void AssumeIndependentErrors() { independent_ = true; }
 
   /// Standard deviations and covariance of the variables [n x n, unit box] under the refit's own noise; of
   /// variables on a bound 0. Errors: the problem's own.
@@ -69,7 +69,7 @@ class Refitter {
   /// Noise of the refit's residual; white if errors count as independent. @param like may be null
   [[nodiscard]] Status EstimateNoise(LeastSquares& fit, bool white, const noise::NoiseModel* like,
                                      Refit& refit) const;
-  [[nodiscard]] Status Generalise(LeastSquares& fit, Refit& refit) const;
+  [[nodiscard]] Status FitGeneralised(LeastSquares& fit, Refit& refit) const;
   [[nodiscard]] Status Finish(const LeastSquares& fit, Refit& refit) const;
 
   const Problem& problem_;

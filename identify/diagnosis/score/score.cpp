@@ -89,7 +89,7 @@ class TableMaker {
 
   ScoreTable Make() {
     const Vector before = columns_.colwise().norm();
-    TakeBaseAway();
+    ProjectOutBase();
     const auto count = columns_.cols();
     table_.length = columns_.colwise().norm();
     table_.kept = Vector::Zero(count);
@@ -118,7 +118,7 @@ class TableMaker {
     return x.candidate == y.candidate && x.probe == y.probe;
   }
 
-  void TakeBaseAway() {
+  void ProjectOutBase() {
     const ColumnSpace base(base_, kSingular);
     residual_ = base.TakenFrom(residual_);
     columns_ = base.TakenFrom(columns_);

@@ -66,9 +66,9 @@ Matrix LeadingDirections(const Design& design) {
 
 // A noise model of the residual of a model that lacks something swallows what it lacks; so everything that
 // might be there is among the regressors.
-Result<noise::NoiseModel> NoiseBehindCandidates(const LeastSquares& fit, const Vector& x,
-                                                const Design& design, const noise::NoiseModel& own,
-                                                bool white) {
+Result<noise::NoiseModel> NoiseWithCandidatesFitted(const LeastSquares& fit, const Vector& x,
+                                                    const Design& design, const noise::NoiseModel& own,
+                                                    bool white) {
   SINEW_ASSIGN(auto blocks, NoiseBlocks(fit, x));
   const Matrix directions = LeadingDirections(design);
   for (std::size_t t = 0; t < blocks.size(); ++t) {
@@ -110,8 +110,8 @@ Result<ScoredModel> ScoreModel(const Problem& problem, const std::vector<Candida
   const LeastSquares fit(problem, *scored.refit.setup);
   const noise::Whitening whitening(scored.refit.noise, TrainStretches(fit));
   SINEW_ASSIGN(scored.design, MakeDesign(fit, scored.refit.x, candidates, whitening));
-  SINEW_ASSIGN(scored.noise, NoiseBehindCandidates(fit, scored.refit.x, scored.design, scored.refit.noise,
-                                                   scored.refit.noise_absorbs_misfit));
+  SINEW_ASSIGN(scored.noise, NoiseWithCandidatesFitted(fit, scored.refit.x, scored.design, scored.refit.noise,
+                                                       scored.refit.noise_absorbs_misfit));
   const noise::Whitening behind(scored.noise, TrainStretches(fit));
   scored.whitened = MakeScores(fit, scored.design, candidates, &behind);
   scored.plain =
@@ -121,8 +121,8 @@ Result<ScoredModel> ScoreModel(const Problem& problem, const std::vector<Candida
   return scored;
 }
 
-std::vector<Vector> StartsFor(const ScoredModel& scored, const std::vector<Candidate>& candidates,
-                              int candidate) {
+std::vector<Vector> RefitStarts(const ScoredModel& scored, const std::vector<Candidate>& candidates,
+                                int candidate) {
   const Candidate& which = candidates[static_cast<std::size_t>(candidate)];
   const Score* whitened = scored.BestOf(candidate);
   const Score* plain = scored.BestOf(candidate, scored.plain);

@@ -33,7 +33,7 @@ Result<ScoredModel> ScoreModel(const Problem& problem, const std::vector<Candida
 /// Points from which a refit with `candidate` released should start: its estimate at the probe that answers
 /// best, whitened and not; at all probes and several sizes if what is wrong is large, where a local search
 /// from the null alone gets stuck. Never empty.
-[[nodiscard]] std::vector<Vector> StartsFor(const ScoredModel& scored,
-                                            const std::vector<Candidate>& candidates, int candidate);
+[[nodiscard]] std::vector<Vector> RefitStarts(const ScoredModel& scored,
+                                              const std::vector<Candidate>& candidates, int candidate);
 
 }  // namespace sinew::diagnosis

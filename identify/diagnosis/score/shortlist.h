@@ -31,12 +31,12 @@ class Shortlist {
   [[nodiscard]] std::vector<std::pair<int, int>> Pairs() const;
 
  private:
-  void FindTrialThatStandsOut();
+  void FindOutlyingTrial();
   [[nodiscard]] bool MayBeNamed(int c) const;
 
   const std::vector<Candidate>& candidates_;
   const ScoredModel& base_;
-  std::string trial_that_stands_out_;
+  std::string outlying_trial_;
 };
 
 }  // namespace sinew::diagnosis

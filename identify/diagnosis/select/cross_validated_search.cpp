@@ -16,7 +16,7 @@ namespace sinew::diagnosis {
 namespace {
 
 constexpr double kStronglyAutocorrelated = 0.97;  // root of the noise ...
-constexpr double kFarther = 5;                    // ... and deviation over that of its innovations
+constexpr double kProcessOverInnovation = 5;      // ... and deviation over that of its innovations
 constexpr double kTolerance = 1e-4;               // relative, of the cost, while searching ...
 constexpr double kFineTolerance = 1e-6;           // ... and of the answer
 constexpr std::size_t kMaxPromising = 10;
@@ -28,7 +28,7 @@ constexpr std::size_t kMaxSearched = 20;  // two in each fold
 constexpr double kSpread = 0.8;
 constexpr std::size_t kBeam = 2;  // by each of the two errors
 constexpr std::size_t kMaxCauses = 5;
-constexpr double kWorthIt = 0.97;  // error of left-out trials with a cause, as a share of that without
+constexpr double kMaxErrorRatio = 0.97;  // error of left-out trials with a cause, as a share of that without
 
 template <class F>
 void InParallel(int threads, std::size_t count, F&& one) {
@@ -71,7 +71,7 @@ bool MisfitDominatesNoise(const noise::NoiseModel& noise) {
   return std::any_of(noise.channels.begin(), noise.channels.end(),
                      [](const noise::ChannelNoiseModel& channel) {
                        return channel.LargestRoot() > kStronglyAutocorrelated &&
-                              channel.ProcessDeviation() > kFarther * channel.deviation;
+                              channel.ProcessDeviation() > kProcessOverInnovation * channel.deviation;
                      });
 }
 
@@ -157,7 +157,7 @@ void CrossValidatedSearch::Grow(const Trial& from, const ScoredModel& scored, st
     Set next = With(from.released, c);
     if (!seen_.insert(next).second) continue;
     trials.push_back({std::move(next), {}, 0, 0});
-    starts.push_back(StartsFor(scored, candidates_, c));
+    starts.push_back(RefitStarts(scored, candidates_, c));
   }
   FitAll(trials, starts);
   for (Trial& trial : trials) {
@@ -239,7 +239,7 @@ Result<CrossValidatedSearch::Outcome> CrossValidatedSearch::Conclude(Trial best,
   while (!best.released.empty()) {
     std::vector<Trial> smaller = OneLess(best);
     const auto least = std::min_element(smaller.begin(), smaller.end(), ByLeftOut<Trial>);
-    if (best.released.size() > 1 && best.left_out_error > kWorthIt * least->left_out_error) {
+    if (best.released.size() > 1 && best.left_out_error > kMaxErrorRatio * least->left_out_error) {
       best = *least;
       continue;
     }
@@ -302,7 +302,7 @@ Result<CrossValidatedSearch::Outcome> CrossValidatedSearch::Run(const ScoredMode
       options_.progress(text);
     }
     ++without_gain;
-    if (by_left_out.front().left_out_error < kWorthIt * best.left_out_error) {
+    if (by_left_out.front().left_out_error < kMaxErrorRatio * best.left_out_error) {
       best = by_left_out.front();
       without_gain = 0;
     }

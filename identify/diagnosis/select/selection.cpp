@@ -22,7 +22,7 @@ constexpr int kMaxExchanges = 8;        // each lowers the deviance, so they end
 constexpr double kFurtherLevel = 0.02;  // of an alarm after the first cause
 constexpr double kParsimony = 10.8;     // chi-squared with one degree: chance 0.001
 constexpr double kDouble = 0.97;        // correlation of traces above which they count as one
-constexpr double kWalk = 0.97;          // root of the noise above which it may well be an effect in disguise
+constexpr double kNearUnitRoot = 0.97;  // root of the noise above which it may well be an effect in disguise
 // Share of a score that its linearity costs, per square root of the score: 1 % at size 3, 4 % at size 12.
 constexpr double kCurvature = 1e-3;
 
@@ -44,7 +44,7 @@ class Selector {
     selection.family_p_value = base_.AlarmPValue();
     selection.alarm = selection.family_p_value <= options_.alarm_level;
     selection.model = base_.refit;
-    if (!selection.alarm && !MayHide()) return selection;
+    if (!selection.alarm && !NoiseMayAbsorbEffect()) return selection;
 
     std::vector<int> chosen;
     ScoredModel scored = base_;
@@ -75,7 +75,7 @@ class Selector {
     }
     if (!selection.alarm) return selection;
     Eliminate(chosen);
-    if (IsOutdoneByUnknown(chosen)) chosen.clear();
+    if (UnknownTermFitsBetter(chosen)) chosen.clear();
     for (int exchanges = 0;; ++exchanges) {
       selection.causes.clear();
       selection.rivals.clear();
@@ -88,7 +88,7 @@ class Selector {
     }
     SINEW_ASSIGN(scored, ScoreModel(problem_, candidates_, cache_.at(chosen), kFurtherLevel, options_.seed));
     selection.model = cache_.at(chosen);
-    Leftovers(scored, chosen.empty(), selection);
+    FindRemainingStructure(scored, chosen.empty(), selection);
     return selection;
   }
 
@@ -133,10 +133,11 @@ class Selector {
 
   // Coloured noise with a root near one, or much larger than its innovations, may be an effect that the noise
   // model has swallowed.
-  [[nodiscard]] bool MayHide() const {
+  [[nodiscard]] bool NoiseMayAbsorbEffect() const {
     const auto& channels = base_.refit.noise.channels;
-    return std::any_of(channels.begin(), channels.end(),
-                       [](const noise::ChannelNoiseModel& channel) { return channel.LargestRoot() > kWalk; });
+    return std::any_of(channels.begin(), channels.end(), [](const noise::ChannelNoiseModel& channel) {
+      return channel.LargestRoot() > kNearUnitRoot;
+    });
   }
 
   [[nodiscard]] double Price(const Set& released) const {
@@ -197,7 +198,7 @@ class Selector {
   Result<Set> Extend(const Set& chosen, const ScoredModel& scored) {
     std::map<Set, std::vector<Vector>> wanted;
     for (const int c : shortlist_.Singles(scored))
-      wanted[With(chosen, c)] = StartsFor(scored, candidates_, c);
+      wanted[With(chosen, c)] = RefitStarts(scored, candidates_, c);
     if (chosen.size() == 1) AddPairs(wanted);
     Fit(wanted);
     const Refit* best = nullptr;
@@ -251,8 +252,8 @@ class Selector {
 
   void AddPairs(std::map<Set, std::vector<Vector>>& wanted) const {
     for (const auto& [a, b] : shortlist_.Pairs()) {
-      Vector start = StartsFor(base_, candidates_, a).front();
-      const Vector second = StartsFor(base_, candidates_, b).front();
+      Vector start = RefitStarts(base_, candidates_, a).front();
+      const Vector second = RefitStarts(base_, candidates_, b).front();
       for (const int index : candidates_[static_cast<std::size_t>(b)].parameters)
         start[index] = second[index];
       wanted[With({a}, b)].push_back(std::move(start));
@@ -263,7 +264,7 @@ class Selector {
   // Compared at the base model, before any refit, and only if the refit agrees that the known ones explain
   // little more. Scores are linear: what they neglect grows with the effect. Where no noise model holds, they
   // compare nothing.
-  [[nodiscard]] bool IsOutdoneByUnknown(const Set& chosen) const {
+  [[nodiscard]] bool UnknownTermFitsBetter(const Set& chosen) const {
     if (chosen.empty() || base_.refit.noise_absorbs_misfit) return false;
     std::vector<const Score*> known;
     double parameters = 0;
@@ -350,7 +351,7 @@ class Selector {
       std::map<Set, std::vector<Vector>> wanted;
       for (const int other : shortlist_.Singles(scored)) {
         if (std::find(chosen.begin(), chosen.end(), other) == chosen.end())
-          wanted[With(rest, other)] = StartsFor(scored, candidates_, other);
+          wanted[With(rest, other)] = RefitStarts(scored, candidates_, other);
       }
       Fit(wanted);
       for (const auto& [released, starts] : wanted) {
@@ -423,7 +424,7 @@ class Selector {
     return first != nullptr && second != nullptr ? base_.whitened.Correlation(*first, *second) : 0;
   }
 
-  void Leftovers(const ScoredModel& scored, bool nothing_chosen, Selection& selection) const {
+  void FindRemainingStructure(const ScoredModel& scored, bool nothing_chosen, Selection& selection) const {
     std::vector<std::pair<double, int>> unknown;
     double smallest = 1;
     for (std::size_t i = 0; i < scored.whitened.scores.size(); ++i) {
