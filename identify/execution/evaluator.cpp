@@ -7,8 +7,8 @@ namespace sinew {
 namespace {
 
 constexpr double kInfinity = std::numeric_limits<double>::infinity();
-// A constraint counts as satisfied up to this share of the size of its terms: rounding, and the last step of
-// an interior-point search.
+// A constraint counts as satisfied up to this share of the size of its terms, which allows for rounding and
+// for the final tolerance of an interior-point method.
 constexpr double kConstraintTolerance = 1e-9;
 
 }  // namespace
@@ -49,7 +49,7 @@ bool Evaluator::MustStop() {
   if (options_.interrupt != nullptr && options_.interrupt->load(std::memory_order_relaxed)) {
     stop_cause_ = StopCause::kInterrupted;
   }
-  // Last: what was reached with the last evaluation is reached.
+  // After the other tests, so that a target reached by the last allowed evaluation counts as reached.
   if (has_best() && best().cost <= options_.target_cost) stop_cause_ = StopCause::kTarget;
   return stop_cause_ != StopCause::kNone;
 }
