@@ -1,4 +1,4 @@
-// The steps of a diagnosis, in order; what each means stands in docs/diagnosis.md.
+// The steps of a diagnosis, in order; docs/diagnosis.md explains them.
 #include <algorithm>
 #include <chrono>
 #include <cmath>
@@ -21,11 +21,12 @@ namespace sinew {
 namespace diagnosis {
 namespace {
 
-// A base fit that needs more of them has no minimum to speak of (it takes 10 to 200, 650 in a narrow valley).
+// Limit of evaluations of the base fit: usual fits need 10 to 200, 650 in a narrow valley, so that one that
+// needs more has no clear minimum.
 constexpr long kBaseEvaluations = 2000;
-constexpr long kMaxEvaluations = 200000;  // of another solver, which ends by its own rules
-// Of the variance of what was measured: a base model that explains less of it, and leaves the rest as
-// innovations, tells nothing from noise.
+constexpr long kMaxEvaluations = 200000;  // limit for other solvers, which have their own stopping rules
+// Least share of the measured variance that the base model must explain: below it, with the rest described as
+// innovations, misfit and noise cannot be distinguished.
 constexpr double kMinExplained = 0.1;
 
 Status CheckThatDataSuffice(const Problem& problem, const FitSetup& setup) {
@@ -40,8 +41,8 @@ Status CheckThatDataSuffice(const Problem& problem, const FitSetup& setup) {
   return {};
 }
 
-// Share of the variance of what was measured, about the mean of each training block, that is not innovations:
-// of the channel where it is largest, since one that says something is enough.
+// Share of the measured variance, about the mean of each training block, that is not innovations: that of the
+// channel where it is largest, because one informative channel is enough.
 double ExplainedShare(const Problem& problem, const LeastSquares& fit, const noise::NoiseModel& noise) {
   std::vector<double> variance(noise.channels.size(), 0);
   std::vector<double> innovations(noise.channels.size(), 0);
@@ -82,7 +83,7 @@ class DiagnosisRun {
     if (options_.progress) options_.progress(step);
   }
 
-  // Step 0. False: there is no usable base fit, and the diagnosis says so.
+  // Step 0. Returns false if there is no usable base fit; the diagnosis then has no conclusion.
   Result<bool> FitBase() {
     const LeastSquares fit(problem_, out_.setup);
     SolverOptions how;
@@ -159,7 +160,7 @@ class DiagnosisRun {
     return {};
   }
 
-  // What was interrupted half way is no answer.
+  // An interrupted diagnosis is an error: part of it is not a result.
   [[nodiscard]] Status Continue() const {
     if (options_.interrupt != nullptr && options_.interrupt->load()) return Fail("interrupted");
     return {};

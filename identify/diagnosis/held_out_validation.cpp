@@ -11,11 +11,12 @@
 namespace sinew::diagnosis {
 namespace {
 
-// What a cause changes in held-out trials, in units of their noise's variance, from which a loss there is a
-// denial: with the right cause it happens by chance in 1 of 75 cases.
+// Least change of the held-out residuals by a cause, in units of the noise variance, from which a worse
+// prediction rejects it: with the right cause this happens by chance in 1 of 75 cases.
 constexpr double kMinChange = 20;
-constexpr double kLowQuantile = -2.33;    // standard deviations: chance 0.01
-constexpr double kMinChangeShare = 0.05;  // of what is left, if that dwarfs the noise
+constexpr double kLowQuantile = -2.33;  // standard normal quantile of 0.01
+constexpr double kMinChangeShare =
+    0.05;  // the same as a share of the remaining error, if that dominates the noise
 
 class Withdrawal {
  public:
@@ -45,12 +46,12 @@ class Withdrawal {
  private:
   struct Rejection {
     std::size_t cause = 0;
-    double gain = 0;  // of held-out trials by the cause
+    double gain = 0;  // reduction of the held-out loss by the cause
     Refit without;
-    std::string where;  // it harms most
+    std::string where;  // trial with the largest increase of its error
   };
 
-  // How much better the held-out trials are with the model.
+  // Reduction of the held-out loss by the model.
   [[nodiscard]] double Gain(const std::vector<Vector>& before, const std::vector<Vector>& with) const {
     return e_.Loss(before, selection_.model.noise) - e_.Loss(with, selection_.model.noise);
   }
@@ -75,8 +76,8 @@ class Withdrawal {
     return before;
   }
 
-  // Where groups of samples share an error, noise says too little of what chance does: their gains do, which
-  // are independent.
+  // Gains per group of samples. Samples of a group share an error, so that the noise model underestimates the
+  // variation by chance; gains of groups are independent.
   [[nodiscard]] std::vector<double> GainsOfGroups(const std::vector<Vector>& before,
                                                   const std::vector<Vector>& with) const {
     std::vector<double> gains = e_.held_out.InnovationsOfGroups(before, selection_.model.noise);
@@ -101,7 +102,8 @@ class Withdrawal {
     return Gain(before, with) - squared < kLowQuantile * std::sqrt(variance);
   }
 
-  // What the causes change in the fitted trials, in units of the noise's variance; 0 if that cannot be said.
+  // Squared change of the training residuals by the causes, in units of the noise variance; 0 if it cannot be
+  // computed.
   [[nodiscard]] double FittedChange() const {
     LeastSquares fit(e_.problem, *selection_.model.setup);
     const noise::Whitening whitening(selection_.model.noise, TrainStretches(fit));
@@ -114,7 +116,7 @@ class Withdrawal {
     return (with - without).squaredNorm();
   }
 
-  // The cause that held-out trials miss least; the number of causes if they deny none.
+  // The cause whose removal increases the held-out loss least; the number of causes if none is rejected.
   [[nodiscard]] Rejection FindWorst(const std::vector<Vector>& with, bool rejected_together) const {
     Rejection worst;
     worst.cause = selection_.causes.size();
@@ -182,11 +184,11 @@ class Withdrawal {
     }
     selection_.rivals = std::move(others);
     RefitRivals(cause.candidate);
-    selection_.structure_left = true;  // what it had taken up in the fitted trials has no name now
+    selection_.structure_left = true;  // the error that it had explained has no cause now
   }
 
-  // The others' rivals were fitted beside the cause that is gone. One that now explains more than what it
-  // would replace takes its place, if held-out trials do not deny that.
+  // The rivals of the other causes were fitted together with the removed cause. A rival that now explains
+  // more than its cause replaces it if held-out trials do not reject that.
   void RefitRivals(int gone) {
     std::vector<Rival> refitted;
     for (Rival& rival : selection_.rivals) {
@@ -231,14 +233,15 @@ class Withdrawal {
     selection_.rivals = std::move(close);
   }
 
-  // Held-out trials are predicted no worse than with the model.
+  // True if held-out trials are predicted no worse than with the model.
   [[nodiscard]] bool Generalises(const Refit& refit) const {
     const auto now = e_.held_out.Residuals(selection_.model.point);
     const auto then = e_.held_out.Residuals(refit.point);
     return now && then && e_.Loss(*then, selection_.model.noise) <= e_.Loss(*now, selection_.model.noise);
   }
 
-  // What each cause explains beside those that are left; its p-value stays that of its choice.
+  // Likelihood ratio of each cause against the remaining set without it; its p-value stays that of its
+  // selection.
   void CompareWithTheRest() {
     for (ChosenCause& cause : selection_.causes) {
       const Refit without = Without(cause.candidate);
@@ -246,7 +249,7 @@ class Withdrawal {
     }
   }
 
-  // The next of the set that does carry over.
+  // Replaces the cause by the next alternative of its set that generalises.
   bool ReplaceByRival(const Rejection& rejection) {
     const ChosenCause cause = selection_.causes[rejection.cause];
     const auto before = e_.held_out.Residuals(rejection.without.point);

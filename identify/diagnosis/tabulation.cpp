@@ -94,7 +94,7 @@ class Tables {
     for (std::size_t c = 0; c < e_.candidates.size(); ++c) {
       const Candidate& candidate = e_.candidates[c];
       const Score* best = e_.base.BestOf(static_cast<int>(c));
-      // What drifts must be in the model first.
+      // A drift is scored only if its parameter is in the model.
       if (best == nullptr && candidate.drifting >= 0) continue;
       EffectScore score;
       score.effect = candidate.effect;
@@ -165,7 +165,8 @@ class Tables {
                            reach / kNormal95,
                            {rounding.step - reach, rounding.step + reach},
                            0}};
-      // The others come as they were chosen: a fact goes before those that explain less.
+      // The other causes stay in the order of their selection: a quantisation, which is certain, is inserted
+      // before those that explain less.
       const auto less = std::find_if(out_.causes.begin(), out_.causes.end(),
                                      [&](const Cause& other) { return other.delta_lr < cause.delta_lr; });
       out_.causes.insert(less, std::move(cause));
@@ -198,7 +199,7 @@ std::vector<DiagnosedParameter> ValuesOf(const Examination& examination, const R
     one.unit = p.unit;
     one.value = refit.point[index];
     one.before = examination.base.refit.point[index];
-    if (!(covariance(v, v) > 0)) {  // held by its bound, or nothing responds
+    if (!(covariance(v, v) > 0)) {  // held at its bound, or without any effect
       one.std_error = kUnknown;
       one.ci95 = {kUnknown, kUnknown};
       if (one.value <= p.lower || one.value >= p.upper)

@@ -74,7 +74,7 @@ std::string AlternativeSentence(const Cause& cause, const Alternative& other) {
   return text;
 }
 
-// What became of a base parameter; empty where that tells nobody anything.
+// Change of a base parameter by the extension; empty if it is not worth a sentence.
 std::string Moved(const Diagnosis& d, const DiagnosedParameter& base, const DiagnosedParameter& now) {
   const std::string moves = fmt::format("With {}, {} moves from {} to {}{}: what was missing had ",
                                         d.causes.size() == 1 ? "it" : "them", now.name, Readable(base.value),
@@ -119,7 +119,7 @@ std::vector<std::string> Worsened(const Diagnosis& d) {
   return sentences;
 }
 
-// Each explains what is left on its own: all but the first are alternatives.
+// A discrepancy term explains the remaining error on its own: all but the first are alternatives.
 std::string UnknownSentence(const UnknownFinding& unknown, bool alternative) {
   std::string text = alternative ? "Or instead: " : "Not in the library: ";
   switch (unknown.kind) {

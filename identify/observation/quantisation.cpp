@@ -14,8 +14,8 @@ constexpr double kSmallestStep = 1e-6;    // of the largest value
 constexpr double kEqualTolerance = 1e-9;  // of the largest value: closer values count as one
 constexpr int kMaxSteps = 12;
 
-// The step of which almost all `values` are multiples if `guess` is about right. Values come in increasing
-// magnitude, so that the step is known well enough for the next one when it comes.
+// The step of which almost all `values` are multiples, given an approximate `trial_step`. Values come in
+// increasing magnitude, so that the step is known well enough for each next multiple.
 std::optional<double> Refine(const std::vector<double>& values, double trial_step) {
   const auto allowed =
       static_cast<std::size_t>((1 - kMinShareOfMultiples) * static_cast<double>(values.size()));
@@ -30,7 +30,7 @@ std::optional<double> Refine(const std::vector<double>& values, double trial_ste
       if (++misses > allowed) return std::nullopt;
       continue;
     }
-    if (multiple == 0) continue;  // zero is on every lattice, and resting signals have many
+    if (multiple == 0) continue;  // zero is a multiple of every step, and signals at rest have many
     ++hits;
     products += value * multiple;
     squares += multiple * multiple;
@@ -47,7 +47,7 @@ void SortByMagnitude(std::vector<double>& values) {
   });
 }
 
-// Distances of neighbouring values, increasing; empty if there are too few levels.
+// Differences of neighbouring values, increasing; empty if there are too few levels.
 std::vector<double> Gaps(const std::vector<double>& sorted, double same) {
   std::vector<double> gaps;
   for (std::size_t i = 1; i < sorted.size(); ++i) {
@@ -69,7 +69,8 @@ std::optional<double> QuantisationStep(const std::vector<double>& values) {
   const std::vector<double> gaps = Gaps(sorted, kEqualTolerance * largest);
   if (gaps.empty()) return std::nullopt;
 
-  // A gap is a small multiple of the step; the smallest ones may be due to values that are off the lattice.
+  // A difference is a small multiple of the step; the smallest ones may be due to values that are not
+  // multiples.
   std::vector<double> trial_steps;
   for (const double quantile : {0.0, 0.01, 0.02, 0.05, 0.1, 0.25, 0.5}) {
     const double gap = gaps[static_cast<std::size_t>(quantile * static_cast<double>(gaps.size() - 1))];
@@ -79,7 +80,8 @@ std::optional<double> QuantisationStep(const std::vector<double>& values) {
   }
   std::sort(trial_steps.begin(), trial_steps.end(), std::greater<>());
 
-  // From the median outwards first: near it multiples are small, however far the values are from zero.
+  // First in the order of distance from the median: near it the multiples are small, however far the values
+  // are from zero.
   std::vector<double> around = sorted;
   const double median = sorted[sorted.size() / 2];
   for (double& value : around) value -= median;

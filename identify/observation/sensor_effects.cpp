@@ -9,7 +9,7 @@
 
 namespace sinew {
 
-// Scratch of one thread; vectors hold the longest block.
+// Scratch memory of one thread; vectors have the size of the longest block.
 struct SensorEffects::SensorWorkspace final : Problem::Workspace {
   std::unique_ptr<Problem::Workspace> inner;
   Prediction prediction;
@@ -19,9 +19,9 @@ struct SensorEffects::SensorWorkspace final : Problem::Workspace {
   Vector spline;      // second derivatives
   Vector delayed;     // the signal after low-pass and time offset
   Vector slope;       // its time derivative
-  Vector lag_slope;   // its derivative for the low-pass
+  Vector lag_slope;   // its derivative with respect to the low-pass
   Vector column;      // any other signal
-  Vector unused;      // a time derivative nobody asked for
+  Vector unused;      // a time derivative that is not needed
   Vector factor;      // d reading / d delayed
   Vector clip_slope;  // d observed / d saturation where it is clipped
   std::vector<bool> clipped;
@@ -42,7 +42,7 @@ struct SensorEffects::SensorWorkspace final : Problem::Workspace {
         clipped(static_cast<std::size_t>(longest)) {}
 };
 
-// One block's sensor at one point, and what is wanted of it.
+// The sensor parameters of one block at one point, and the derivatives that are needed.
 struct SensorEffects::Observation {
   double offset = 0;
   double drift = 0;
@@ -53,7 +53,7 @@ struct SensorEffects::Observation {
   double quantisation = 0;
   double shared_gain = 1;
   double trial_gain = 1;
-  bool want_slope = false;      // for a time offset
+  bool want_slope = false;      // the slope is needed for the time offset
   bool want_lag_slope = false;  // for the low-pass
   bool any_clipped = false;
 
@@ -279,7 +279,7 @@ void SensorEffects::ObserveDerivatives(const Query& query, int b, const Observat
       case kLowPass:
         column.array() = factor * scratch.lag_slope.head(n).array();
         break;
-      default:  // saturation changes only what it clips; for the rounding see the class
+      default:  // saturation changes only clipped samples; for quantisation see the class
         column.setZero();
         break;
     }

@@ -12,10 +12,11 @@
 namespace sinew {
 namespace {
 
-// Standard deviation of a hop, as a share of the box.
+// Standard deviation of a displacement, as a share of the box.
 constexpr double kHop = 0.05;
 constexpr int kHopsAtOnce = 4;
-// A search that has not come to a lower cost by then rarely does: the next hop is worth more.
+// A local search that has not reached a lower cost after this many evaluations rarely does; the next
+// displacement is more likely to.
 constexpr long kEvaluationsPerHop = 60;
 constexpr double kImprovement = 1e-3;
 
@@ -23,7 +24,7 @@ Vector Displaced(const Vector& x, Random& random) {
   Vector y = x;
   for (double& value : y) {
     value += kHop * random.Normal();
-    // Mirrored, as many good points lie on a bound.
+    // Reflected into the box, because many good points lie on a bound.
     if (value < 0) value = -value;
     if (value > 1) value = 2 - value;
     value = std::clamp(value, 0.0, 1.0);

@@ -8,11 +8,11 @@
 namespace sinew {
 namespace {
 
-// Nearly Gauss-Newton: refits start close to their answer, where full steps are right.
+// Close to Gauss-Newton: refits start near their solution, where full steps are best.
 constexpr double kFirstDamping = 1e-8;
 constexpr double kLargestDamping = 1e8;
-// A violation of a constraint by a share e of its span costs as much as moving the steepest variable by 100
-// e.
+// Penalty scale: violating a constraint by a share e of its span costs as much as moving the variable with
+// the largest gradient by 100 e.
 constexpr double kPenalty = 1e4;
 
 }  // namespace
@@ -50,7 +50,7 @@ Status LocalFit::CostAndDerivatives(const Vector& x, double& cost) {
   SINEW_TRY(least_squares_.Evaluate(x, workspace_, residuals_, &jacobian_));
   cost = 0.5 * residuals_.squaredNorm();
   if (!equations_.Set(x.size(), residuals_, jacobian_)) return Fail("a derivative is not finite");
-  // Fixed at the first point: a search needs one and the same cost throughout.
+  // Set at the first point and then constant, because a search needs one cost function.
   if (penalty_ == 0) penalty_ = kPenalty * equations_.normal.diagonal().maxCoeff();
   AddPenalties(x, cost, true);
   return {};

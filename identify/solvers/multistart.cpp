@@ -12,7 +12,7 @@ namespace sinew {
 namespace {
 
 constexpr long kUnlimited = std::numeric_limits<long>::max();
-// Fewer evaluations do not polish anything.
+// Least evaluations of a useful local search.
 constexpr long kSmallestShare = 20;
 
 std::vector<PolishingStart> MakeStarts(const Vector& first, int count, long budget, std::uint64_t seed) {

@@ -8,7 +8,7 @@ namespace {
 
 constexpr double kInfinity = std::numeric_limits<double>::infinity();
 
-// A link of a chain begins where the one before ended: that point is not predicted again.
+// A solver of a chain starts at the best point of the one before: that point is not predicted again.
 bool IsEvaluated(const Evaluator& evaluator, const Vector& x) {
   if (evaluator.has_best() && evaluator.best().x == x) return true;
   return !evaluator.trace().empty() && evaluator.trace().front().x == x;

@@ -17,7 +17,7 @@ namespace sinew::diagnosis {
 namespace {
 
 constexpr std::size_t kMaxUnknown = 3;
-constexpr double kLarge = 2000;  // statistic above which a linear estimate is only a hint
+constexpr double kLarge = 2000;  // statistic above which a linear estimate is only a start value
 constexpr double kNaN = std::numeric_limits<double>::quiet_NaN();
 
 double Squares(const std::vector<Vector>& residuals) {
@@ -54,7 +54,7 @@ class Explorer {
   }
 
  private:
-  // To first order, unless the curve is so large that it moves the system elsewhere.
+  // Adds a curve, to first order unless it is so large that the linearisation is not valid.
   void AddCurve(int c, double p_value, const ScoredModel& scored) {
     UnknownFinding finding = NameCurve(c);
     finding.p_value = p_value;
@@ -87,7 +87,7 @@ class Explorer {
     return finding;
   }
 
-  // False: there is no such model, or held-out trials deny it.
+  // Returns false if the refit failed or held-out trials reject it.
   bool RefitCurve(int c, const ScoredModel& scored, UnknownFinding& finding) {
     std::vector<int> released = e_.selection.model.released;
     released.push_back(c);
@@ -134,7 +134,7 @@ class Explorer {
     constexpr int kPoints = 17;
     const noise::SpectralLine& line = *scored.line;
     const LeastSquares fit(e_.problem, *scored.refit.setup);
-    // The residual is predicted minus measured.
+    // The sign is negative because the residual is predicted minus measured.
     const Vector amplitudes = -noise::LineAmplitudes(fit, scored.design.residual, line);
     UnknownFinding finding;
     finding.kind = UnknownKind::kPeriodic;
@@ -218,8 +218,8 @@ class Explorer {
 
   Examination& e_;
   Diagnosis& out_;
-  std::optional<std::vector<Vector>> before_;  // held-out residuals without any unknown term
-  bool extended_ = false;                      // the extended model has one already
+  std::optional<std::vector<Vector>> before_;  // held-out residuals without any discrepancy term
+  bool extended_ = false;                      // the extended model contains one already
 };
 
 }  // namespace

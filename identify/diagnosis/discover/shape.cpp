@@ -12,13 +12,13 @@
 namespace sinew::diagnosis {
 namespace {
 
-constexpr double kWell = 0.85;    // share of the variance that makes a shape worth naming
-constexpr double kBetter = 0.05;  // a law with one more number must explain so much more
+constexpr double kWell = 0.85;    // least explained share of the variance for a shape to be named
+constexpr double kBetter = 0.05;  // least gain in that share per further coefficient
 
 struct Law {
   std::string words;
   std::string name;
-  int numbers = 1;  // besides the mean
+  int numbers = 1;  // coefficients besides the mean
   Matrix columns;
 };
 

@@ -17,14 +17,14 @@ constexpr int kKnots = 8;
 constexpr double kRidge = 1e-3;
 constexpr double kMinReportedShare = 0.01;
 
-// One block's residual against one signal.
+// Residual and signal at one sample of a block.
 struct Sample {
   int fold = 0;
   double signal = 0;
   double residual = 0;
 };
 
-// A fit of hats by least squares, accumulated sample by sample.
+// A least-squares fit of linear basis functions, accumulated sample by sample.
 struct Curve {
   Matrix normal = Matrix::Zero(kKnots, kKnots);
   Vector pull = Vector::Zero(kKnots);

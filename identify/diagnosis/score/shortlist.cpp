@@ -10,8 +10,8 @@ namespace {
 constexpr std::size_t kMinSurvivors = 4;
 constexpr std::size_t kMaxSurvivors = 14;
 constexpr std::size_t kMaxPairs = 8;
-constexpr double kOutlyingRatio = 3;       // times the answer of any other trial beside it ...
-constexpr double kOutlyingDifference = 6;  // ... and so much more
+constexpr double kOutlyingRatio = 3;       // least ratio to the score of any other trial fitted beside it ...
+constexpr double kOutlyingDifference = 6;  // ... and least difference
 
 }  // namespace
 
@@ -20,8 +20,9 @@ Shortlist::Shortlist(const std::vector<Candidate>& candidates, const ScoredModel
   FindOutlyingTrial();
 }
 
-// Of a kind of effect that every trial has, one trial's may be named if no other's answers once it is in.
-// (The base model meets a fault of one trial half way, so that all the others seem to have its opposite.)
+// Among the effects of one kind that every trial has, one trial is outlying if its score stays far above
+// those of the others once it is released. (The base model compensates a fault of one trial by half, so that
+// before the release all other trials show the opposite fault.)
 void Shortlist::FindOutlyingTrial() {
   std::map<std::string, std::vector<const Score*>> of_kind;  // effect without its trial
   for (std::size_t c = 0; c < candidates_.size(); ++c) {

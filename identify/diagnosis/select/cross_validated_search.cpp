@@ -22,13 +22,14 @@ constexpr double kFineTolerance = 1e-6;           // ... and of the answer
 constexpr std::size_t kMaxPromising = 10;
 constexpr std::size_t kMaxLeftOut = 6;
 constexpr int kDraws = 40;
-// Fits take longer with more trials, and many trials leave fewer poor places to stop at.
+// Fits take longer with more trials, and with many trials local searches end in poor local minima less often.
 constexpr double kFewTrials = 6;
 constexpr std::size_t kMaxSearched = 20;  // two in each fold
 constexpr double kSpread = 0.8;
-constexpr std::size_t kBeam = 2;  // by each of the two errors
+constexpr std::size_t kBeam = 2;  // sets that are extended, by each of the two errors
 constexpr std::size_t kMaxCauses = 5;
-constexpr double kMaxErrorRatio = 0.97;  // error of left-out trials with a cause, as a share of that without
+constexpr double kMaxErrorRatio =
+    0.97;  // largest error of left-out trials with a cause, as a share of that without it
 
 template <class F>
 void InParallel(int threads, std::size_t count, F&& one) {
@@ -118,7 +119,7 @@ double CrossValidatedSearch::LeftOutError(const Set& released, const Vector& sta
   return std::sqrt(squares / Rows());
 }
 
-// Shared by all trials, known, and among the best by the linear prediction.
+// Candidates that all trials share, that are known, and that are among the best by the linear prediction.
 std::vector<int> CrossValidatedSearch::Promising(const ScoredModel& scored, const Set& have) const {
   std::vector<std::pair<double, int>> ranking;
   for (std::size_t c = 0; c < candidates_.size(); ++c) {
@@ -165,8 +166,8 @@ void CrossValidatedSearch::Grow(const Trial& from, const ScoredModel& scored, st
   }
 }
 
-// Local searches stop in poor places: every set is tried again from what the others found for the parameters
-// that they share, and from random places around its own.
+// Local searches end in local minima: every set is fitted again from the values that the other sets found for
+// the parameters they share, and from random points around its own solution.
 void CrossValidatedSearch::Polish(const ScoredModel& base, std::vector<Trial>& sets) const {
   std::vector<Trial> again = sets;
   std::vector<std::vector<Vector>> starts(sets.size());
@@ -231,8 +232,8 @@ std::vector<CrossValidatedSearch::Trial> CrossValidatedSearch::OneLess(const Tri
   return smaller;
 }
 
-// What the prediction of left-out trials does not need goes; what is left of the set is judged one by
-// one.
+// Removes the causes that do not improve the prediction of left-out trials; the remaining ones are judged one
+// by one.
 Result<CrossValidatedSearch::Outcome> CrossValidatedSearch::Conclude(Trial best, double base_error) const {
   Outcome outcome;
   outcome.base_error = base_error;
