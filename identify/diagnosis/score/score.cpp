@@ -12,7 +12,7 @@ namespace sinew::diagnosis {
 namespace {
 
 constexpr double kNothingLeft =
-    1e-3;  // share of a column that the base cannot imitate, below which it is none
+    1e-3;  // share of a column outside the span of the base, below which it counts as zero
 constexpr int kUnknownDirections = 5;  // principal components per smooth curve: more of them reduce the power
 constexpr double kSecondaryWeight =
     5;  // discrepancy terms and single-trial effects share a fifth of the level
