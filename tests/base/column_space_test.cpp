@@ -70,7 +70,7 @@ TEST(ColumnSpace, ZeroAndDependentColumnsCountOnce) {
   EXPECT_LT((columns * space.Solve(rows) - Projected(columns, rows)).norm(), 1e-9);
 }
 
-TEST(ColumnSpace, OfNothingIsNothing) {
+TEST(ColumnSpace, OfNoColumnsIsEmpty) {
   const Matrix rows = RandomRows(20, 2);
   const ColumnSpace space(Matrix::Zero(20, 3), kThreshold);
   EXPECT_EQ(space.rank(), 0);

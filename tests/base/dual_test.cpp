@@ -70,7 +70,7 @@ TEST(Dual, TangentLeavesTheValueOut) {
   EXPECT_EQ(Tangent(3.0), 0);
 }
 
-TEST(Dual, AConstantDependsOnNothing) {
+TEST(Dual, AConstantHasZeroDerivatives) {
   const Dual<4> x = 2;
   for (const double d : x.d) EXPECT_EQ(d, 0);
 }

@@ -82,7 +82,7 @@ TEST(FitQuality, PoolsTheTrialsOfARoleByQuantity) {
   EXPECT_EQ(full.pooled[2].n, 2);
 }
 
-TEST(FitQuality, WhatIsNotMeasuredIsPredictedAndNotJudged) {
+TEST(FitQuality, UnmeasuredChannelsArePredictedButNotCompared) {
   const auto full = *PredictAll(
       Constant({MakeBlock("t", "w", 3, 1, BlockRole::kPredicted), Measured("t", "y", {1, 2})}), Values({4}));
   ASSERT_EQ(full.values.size(), 2U);

@@ -115,7 +115,7 @@ TEST(Layout, ColumnsMustBeParametersInOrder) {
   EXPECT_EQ(ErrorAfter([](Block& b) { b.columns = {-1}; }), "block walk/force: bad parameter column 0");
 }
 
-TEST(Prediction, HasOnePlacePerBlockAndBeginsWithPoisonedValues) {
+TEST(Prediction, HasOnePlacePerBlockAndStartsWithNaN) {
   Block wide = GoodBlock();
   wide.columns = {0, 1, 2};
   wide.prediction_time = {0, 1};

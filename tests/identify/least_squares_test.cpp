@@ -99,7 +99,7 @@ TEST(LeastSquaresVariables, VariablesAndParametersAreInverse) {
   }
 }
 
-TEST(LeastSquaresVariables, ParametersThatAreNotFreeRest) {
+TEST(LeastSquaresVariables, FixedParametersKeepTheirValue) {
   const ToyProblem problem = DecayProblem({MakeBlock("t", "y", 3, 1)});
   FitRequest request;
   request.fix = {{"a", 4}};

@@ -12,7 +12,7 @@ double Value(const std::vector<double>& knots, const Vector& weights, double x) 
   return basis.left * weights[basis.first] + (basis.right == 0 ? 0 : basis.right * weights[basis.first + 1]);
 }
 
-TEST(LinearBasis, InterpolateBetweenKnotsAndAreConstantBeyond) {
+TEST(LinearBasis, InterpolatesBetweenKnotsAndIsConstantBeyond) {
   const std::vector<double> knots{-1, 0, 2};
   const Vector weights = toy::Values({3, 5, -1});
   EXPECT_EQ(Value(knots, weights, -7), 3);
@@ -26,7 +26,7 @@ TEST(LinearBasis, InterpolateBetweenKnotsAndAreConstantBeyond) {
   EXPECT_EQ(LinearBasisAt(knots, 3).left_slope, 0);
 }
 
-TEST(Problem, DeclaresNothingUnlessItSaysSo) {
+TEST(Problem, HasNoOptionalPartsByDefault) {
   const toy::ToyProblem problem({toy::MakeParameter("a", 0, 1, 0.25)}, {}, {});
   EXPECT_TRUE(problem.effects().empty());
   EXPECT_TRUE(problem.ports().empty());

@@ -101,7 +101,7 @@ TEST(SensorEffects, AreReleasedByName) {
   }
 }
 
-TEST(SensorEffects, TheNullPassesToTheLastBit) {
+TEST(SensorEffects, TheNullChangesNothingToTheLastBit) {
   const auto bare = Sines();
   const SensorEffects problem(Sines());
   Random random(1);
@@ -271,7 +271,7 @@ TEST(SensorEffects, LowPassComesBeforeTheTimeOffsetAndGainAfterBoth) {
   EXPECT_LT((all.array() - 1.5 * late.array() - 0.25).abs().maxCoeff(), kRounding);
 }
 
-TEST(SensorEffects, TheLowPassAtItsNullAnswersByTheNegativeSlope) {
+TEST(SensorEffects, DerivativeForTheLowPassAtItsNullIsTheNegativeSlope) {
   // Straight pieces: the slope of the piece before, half a sample off (h/2 w^2 = 0.2).
   const SensorEffects problem(Sines());
   const Prediction at = PredictAt(problem, RestPoint(problem));
@@ -286,7 +286,7 @@ TEST(SensorEffects, TheLowPassAtItsNullAnswersByTheNegativeSlope) {
   }
 }
 
-TEST(SensorEffects, SaturationClipsTheReadingAndSilencesAllElse) {
+TEST(SensorEffects, SaturationClipsTheReadingAndItsDerivatives) {
   constexpr double kStep = 1e-6;
   constexpr double kTolerance = 1e-8;  // differences: kStep^2, eps / kStep
   const SensorEffects problem(Sines());
@@ -321,7 +321,7 @@ TEST(SensorEffects, SaturationClipsTheReadingAndSilencesAllElse) {
   }
 }
 
-TEST(SensorEffects, QuantisationRoundsAndHandsTheSlopesOfTheReadingOn) {
+TEST(SensorEffects, QuantisationRoundsAndKeepsTheDerivativesOfTheReading) {
   const SensorEffects problem(Sines());
   EXPECT_TRUE(problem.parameters()[kOfY + kQuantisation].probes.empty()) << "these values are continuous";
   Vector p = RestPoint(problem);
@@ -351,7 +351,7 @@ TEST(SensorEffects, AHalfStepIsRoundedAwayFromZero) {
   EXPECT_EQ(PredictAt(problem, p).values(0)[3], -1);
 }
 
-TEST(SensorEffects, RoundedMeasurementsOfferTheirStep) {
+TEST(SensorEffects, QuantisedMeasurementsGiveTheProbeValue) {
   constexpr double kStep = 0.125;
   auto inner = Sines();
   // Noise before the rounding, as in a sensor.

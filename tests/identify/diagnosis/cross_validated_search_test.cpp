@@ -56,7 +56,7 @@ LinearLaws::Truth Hidden() {
   return truth;
 }
 
-TEST(CrossValidatedSearch, GrossIsWhatWandersFartherThanItsInnovations) {
+TEST(CrossValidatedSearch, MisfitDominatesIfStronglyAutocorrelated) {
   noise::NoiseModel noise;
   noise.channels = {{"a", {}, 1}};
   EXPECT_FALSE(MisfitDominatesNoise(noise));
@@ -68,7 +68,7 @@ TEST(CrossValidatedSearch, GrossIsWhatWandersFartherThanItsInnovations) {
   EXPECT_FALSE(MisfitDominatesNoise(noise));
 }
 
-TEST(CrossValidatedSearch, AnUnknownWanderIsGrossAndNoiseIsNot) {
+TEST(CrossValidatedSearch, MisfitDominatesForAnUnknownSlowErrorButNotForNoise) {
   const LinearLaws wandering(Hidden(), 1, 8, 0);
   EXPECT_TRUE(MisfitDominatesNoise(Case(wandering).Base().noise));
   LinearLaws::Truth truth;
@@ -89,7 +89,7 @@ TEST(CrossValidatedSearch, FoldsAreTheFittedTrials) {
   EXPECT_FALSE(Case(one).search->possible());
 }
 
-TEST(CrossValidatedSearch, ManyTrialsAreDealtToTenFolds) {
+TEST(CrossValidatedSearch, ManyTrialsFormTenFolds) {
   const LinearLaws many({}, 1, 23, 1);
   const std::vector<TrialFold> folds = FoldsOf(many);
   ASSERT_EQ(folds.size(), 10U);
@@ -118,7 +118,7 @@ TEST(CrossValidatedSearch, OfManyTrialsTwentyAreSearched) {
 }
 
 // By normal equations on the other trials.
-TEST(CrossValidatedSearch, LeftOutErrorIsTheOneByHand) {
+TEST(CrossValidatedSearch, LeftOutErrorMatchesAHandCalculation) {
   const LinearLaws problem(Hidden(), 2, 6, 2, 100);
   const Case one(problem);
   const LeastSquares fit(problem, one.setup);
@@ -147,7 +147,7 @@ TEST(CrossValidatedSearch, LeftOutErrorIsTheOneByHand) {
   EXPECT_NEAR(one.search->LeftOutError({}, one.setup.rest), by_hand, 1e-4 * by_hand);
 }
 
-TEST(CrossValidatedSearch, TrialsOwnValuesAreNoObstacle) {
+TEST(CrossValidatedSearch, NuisanceOfLeftOutTrialsIsFitted) {
   LinearLaws::Truth truth;
   truth.starts = true;
   const LinearLaws problem(truth, 2, 4, 0);
@@ -157,7 +157,7 @@ TEST(CrossValidatedSearch, TrialsOwnValuesAreNoObstacle) {
   EXPECT_NEAR(one.search->LeftOutError({}, one.setup.rest), truth.noise, 3 * truth.noise / std::sqrt(2000.0));
 }
 
-TEST(CrossValidatedSearch, FindsACauseThatShowsOnceAnotherIsIn) {
+TEST(CrossValidatedSearch, FindsACauseThatImprovesOnlyTogetherWithAnother) {
   int right = 0;
   constexpr int kCases = 2;
   for (std::uint64_t seed = 1; seed <= kCases; ++seed) {
@@ -185,7 +185,7 @@ TEST(CrossValidatedSearch, FindsACauseThatShowsOnceAnotherIsIn) {
 }
 
 // What fits the fitted trials a little better and predicts nothing stays out.
-TEST(CrossValidatedSearch, FindsNothingThatLeftOutTrialsDoNotNeed) {
+TEST(CrossValidatedSearch, AddsNoCauseThatLeftOutTrialsDoNotNeed) {
   LinearLaws::Truth truth = Hidden();
   truth.effects.clear();
   truth.wander = 1;
@@ -203,7 +203,7 @@ TEST(CrossValidatedSearch, FindsNothingThatLeftOutTrialsDoNotNeed) {
   }
 }
 
-TEST(CrossValidatedSearch, DiagnosisSaysWhatItLeftOut) {
+TEST(CrossValidatedSearch, DiagnosisListsTheLeftOutTrials) {
   const LinearLaws problem(Hidden(), 1, 6, 2, 100);
   const auto setup = MakeFitSetup(problem, {});
   ASSERT_TRUE(setup);

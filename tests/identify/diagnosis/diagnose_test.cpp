@@ -25,7 +25,7 @@ bool InStatedSet(const Diagnosis& d, const std::string& effect) {
          std::any_of(d.alternatives.begin(), d.alternatives.end(), is);
 }
 
-TEST(Diagnose, SaysAdequateWhenNothingIsWrongAsOftenAsItClaims) {
+TEST(Diagnose, FalseAlarmsHaveTheStatedRate) {
   // 400 cases at 5 %: 20 expected, standard deviation 4.4; four of them above or below is the limit.
   for (const double correlation : {0.0, 0.8}) {
     int alarms = 0;
@@ -56,7 +56,7 @@ TEST(Diagnose, NamesOneEffectAndMeasuresItsGain) {
   EXPECT_TRUE(d.withdrawn.empty());
 }
 
-TEST(Diagnose, TwinsAreStatedTogether) {
+TEST(Diagnose, IndistinguishableEffectsAreStatedTogether) {
   LinearLaws::Truth truth;
   truth.effects = {{"step_size", 0.05}};
   const Diagnosis d = Examine(LinearLaws(truth, 3));
@@ -80,7 +80,7 @@ TEST(Diagnose, FindsTwoCausesAtOnce) {
   EXPECT_TRUE(InStatedSet(d, "drift"));
 }
 
-TEST(Diagnose, BlamesTheOneTrialThatStandsOut) {
+TEST(Diagnose, NamesTheEffectOfAnOutlyingTrial) {
   LinearLaws::Truth truth;
   truth.effects = {{"offset_size", 0.1}};
   truth.only_trial = "trial_3";
@@ -90,7 +90,7 @@ TEST(Diagnose, BlamesTheOneTrialThatStandsOut) {
 }
 
 // The base model meets such a fault half way: the other trials seem to have its opposite.
-TEST(Diagnose, BlamesOneTrialWhoseFaultTheOthersShare) {
+TEST(Diagnose, NamesTheEffectOfOneTrialThatTheBaseModelSpreadsOverAll) {
   int blamed = 0;
   for (std::uint64_t seed = 1; seed <= 20; ++seed) {
     LinearLaws::Truth truth;
@@ -106,7 +106,7 @@ TEST(Diagnose, BlamesOneTrialWhoseFaultTheOthersShare) {
 
 // Cycles that were never fitted scatter more than the noise of fitted ones says: what they deny by chance is
 // no denial, what all of them deny is.
-TEST(Diagnose, HeldOutCyclesDenyNoMoreThanTheirScatterAllows) {
+TEST(Diagnose, HeldOutCyclesRejectCausesOnlyBeyondTheirScatter) {
   int withdrawn = 0;
   int denied = 0;
   for (std::uint64_t seed = 1; seed <= 20; ++seed) {
@@ -123,7 +123,7 @@ TEST(Diagnose, HeldOutCyclesDenyNoMoreThanTheirScatterAllows) {
   EXPECT_GE(denied, 17);
 }
 
-TEST(Diagnose, SaysThatTheCauseIsNotInTheLibrary) {
+TEST(Diagnose, ReportsThatTheCauseIsNotInTheLibrary) {
   LinearLaws::Truth truth;
   truth.unknown = 0.1;
   const Diagnosis d = Examine(LinearLaws(truth, 5));
@@ -133,7 +133,7 @@ TEST(Diagnose, SaysThatTheCauseIsNotInTheLibrary) {
   EXPECT_GT(d.unknown_terms[0].held_out_reduction, 0.05);
 }
 
-TEST(Diagnose, ARicherLawThatContainsTheCauseMakesNothingAmbiguous) {
+TEST(Diagnose, AMoreGeneralLawDoesNotMakeTheVerdictAmbiguous) {
   LinearLaws::Truth truth;
   truth.lopsided = true;
   truth.effects = {{"quadratic_size", 0.3}};
@@ -148,7 +148,7 @@ TEST(Diagnose, ARicherLawThatContainsTheCauseMakesNothingAmbiguous) {
       << "no experiment takes a law out of one that contains it";
 }
 
-TEST(Diagnose, TheRicherLawIsNamedWhereItIsNeeded) {
+TEST(Diagnose, TheMoreGeneralLawIsNamedWhereItIsNeeded) {
   LinearLaws::Truth truth;
   truth.lopsided = true;
   truth.effects = {{"lopsided_size", 0.3}};
@@ -157,7 +157,7 @@ TEST(Diagnose, TheRicherLawIsNamedWhereItIsNeeded) {
   EXPECT_EQ(d.causes[0].effect, "lopsided");
 }
 
-TEST(Diagnose, ACauseThatHelpsHeldOutTrialsTooLittleStandsInForSomethingElse) {
+TEST(Diagnose, ACauseWithTooLittleHeldOutGainLeavesTheErrorUnexplained) {
   LinearLaws::Truth truth;
   truth.effects = {{"quadratic_size", 0.2}};
   EXPECT_EQ(Examine(LinearLaws(truth, 7)).verdict, DiagnosisVerdict::kExplained);
@@ -177,7 +177,7 @@ TEST(Diagnose, ACauseThatHelpsHeldOutTrialsTooLittleStandsInForSomethingElse) {
 
 // What differs from trial to trial and hides from every effect raises no alarm under a noise model that took
 // it up; but no instrument has such noise.
-TEST(Diagnose, AResidualThatWandersIsNotAdequate) {
+TEST(Diagnose, AStronglyAutocorrelatedResidualIsNotAdequate) {
   int strongly_autocorrelated = 0;
   for (std::uint64_t seed = 1; seed <= 20; ++seed) {
     LinearLaws::Truth truth;
@@ -216,7 +216,7 @@ class Impatient final : public Problem {
   mutable std::atomic<bool> pressed_{false};
 };
 
-TEST(Diagnose, WhatWasInterruptedIsNoAnswer) {
+TEST(Diagnose, AnInterruptedDiagnosisIsAnError) {
   LinearLaws::Truth truth;
   truth.effects = {{"quadratic_size", 0.05}, {"drift_size", 0.01}};
   const LinearLaws laws(truth, 5);
@@ -244,7 +244,7 @@ TEST(Diagnose, WhatWasInterruptedIsNoAnswer) {
   }
 }
 
-TEST(Diagnose, JudgesNothingThatTheDataDoNotContain) {
+TEST(Diagnose, EffectsWithoutInfluenceOnTheDataAreNotJudged) {
   const Diagnosis d = Examine(LinearLaws({}, 2));
   const auto absent = std::find_if(d.scores.begin(), d.scores.end(),
                                    [](const EffectScore& score) { return score.effect == "absent"; });
@@ -253,7 +253,7 @@ TEST(Diagnose, JudgesNothingThatTheDataDoNotContain) {
   EXPECT_FALSE(absent->why_not.empty());
 }
 
-TEST(Diagnose, SaysWhatAMissingValidationTrialMeans) {
+TEST(Diagnose, WarnsWithoutValidationTrials) {
   LinearLaws::Truth truth;
   truth.effects = {{"quadratic_size", 0.2}};
   const Diagnosis d = Examine(LinearLaws(truth, 5, 4, 0));

@@ -54,7 +54,7 @@ double Widening(double trials) {
   return std::pow(statistics::StudentTQuantile(0.975, trials - 1) / 1.959964, 2);
 }
 
-TEST(Jackknife, IsWhatLeavingOutEachTrialByHandGives) {
+TEST(Jackknife, MatchesLeavingOutEachTrialByHand) {
   constexpr int kTrials = 6;
   LinearLaws::Truth truth;
   truth.wander = 0.4;  // not noise: that is what it is for
@@ -110,7 +110,7 @@ TEST(Jackknife, AgreesWithTheCovarianceOfALinearModel) {
 }
 
 // Where the residual is not noise, its samples count for far less than as many.
-TEST(Jackknife, CoversWhatIsNotNoise) {
+TEST(Jackknife, CoversTheTruthUnderMisfit) {
   constexpr int kCases = 100;
   LinearLaws::Truth truth;
   truth.noise = 0.001;

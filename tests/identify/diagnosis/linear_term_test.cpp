@@ -81,7 +81,7 @@ TEST(Drift, ChangeIsWithinItsInterval) {
   }
 }
 
-TEST(Drift, IsNothingWhereNothingChanges) {
+TEST(Drift, IsZeroForAConstantParameter) {
   constexpr int kCases = 100;
   int within = 0;
   for (std::uint64_t seed = 1; seed <= kCases; ++seed) {
@@ -128,7 +128,7 @@ TEST(Drift, WithoutHeldOutTrialsThereIsNothingToCompare) {
   EXPECT_TRUE(drift->after.empty());
 }
 
-TEST(Drift, OfWhatIsNotInTheModelIsAnError) {
+TEST(Drift, OfAParameterThatIsNotInTheModelIsAnError) {
   // The effect rests at its null: its parameter is not free, so nothing says what a change of it would do.
   const auto drift = Examined(LinearLaws({}, 3), "quadratic_size(time)");
   ASSERT_FALSE(drift);
@@ -186,7 +186,7 @@ TEST(Curve, StandardDeviationsAreThoseOfTheError) {
 }
 
 // One short trial sees few of the knots: without shrinking, those that it hardly sees go wild elsewhere.
-TEST(Curve, OfFewDataStaysNearZeroWhereTheyDoNotReach) {
+TEST(Curve, StaysNearZeroWhereThereAreNoData) {
   constexpr int kCases = 40;
   double worst = 0;
   for (std::uint64_t seed = 1; seed <= kCases; ++seed) {
@@ -198,7 +198,7 @@ TEST(Curve, OfFewDataStaysNearZeroWhereTheyDoNotReach) {
   EXPECT_LT(worst, 2);
 }
 
-TEST(Curve, IsFlatWhereThereIsNone) {
+TEST(Curve, IsZeroForDataWithoutACurve) {
   constexpr int kCases = 100;
   int flat = 0;
   for (std::uint64_t seed = 1; seed <= kCases; ++seed) {
@@ -209,7 +209,7 @@ TEST(Curve, IsFlatWhereThereIsNone) {
   EXPECT_GE(flat, 90);
 }
 
-TEST(Drift, DiagnosisSaysThatTheParameterIsNotConstant) {
+TEST(Drift, DiagnosisReportsThatTheParameterIsNotConstant) {
   int named = 0;
   constexpr int kCases = 3;
   for (std::uint64_t seed = 1; seed <= kCases; ++seed) {

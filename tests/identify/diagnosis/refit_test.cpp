@@ -89,7 +89,7 @@ TEST(Deviance, IsThatOfTheWholeRecordForAnyOrder) {
   }
 }
 
-TEST(Deviance, DoesNotChangeWithAnOrderThatSaysNothing) {
+TEST(Deviance, DoesNotChangeWithZeroCoefficients) {
   const Constant problem;
   const Fit fit(problem);
   const Vector residual = SomeResidual();

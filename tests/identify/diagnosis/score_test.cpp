@@ -54,7 +54,7 @@ LinearLaws::Truth Bump(int knots) {
 
 // Five smooth directions of a curve hardly see a bump at one of 24 knots; windows do, though each may spend a
 // fifth of the level that the whole curve may.
-TEST(Score, WindowsSeeWhatIsNarrow) {
+TEST(Score, WindowsDetectLocalErrors) {
   int sharper = 0;
   constexpr int kCases = 20;
   for (std::uint64_t seed = 1; seed <= kCases; ++seed) {

@@ -20,7 +20,7 @@ std::vector<std::string> Sentences(const std::function<void(Diagnosis&)>& change
   return DescribeDiagnosis(d, true);
 }
 
-TEST(Wording, SaysWhatTheCauseHadDoneToABaseParameter) {
+TEST(Wording, ReportsTheBiasOfABaseParameter) {
   const auto moved = [](double before, double now, const std::string& bound) {
     return Sentences([&](Diagnosis& d) {
       d.base_parameters = {Diagnosed("rate", before, 0.1, before)};
@@ -37,7 +37,7 @@ TEST(Wording, SaysWhatTheCauseHadDoneToABaseParameter) {
   EXPECT_THAT(moved(5, 1.2, "upper"), Contains(HasSubstr("had driven it to its upper bound.")));
 }
 
-TEST(Wording, AValueAtItsBoundIsSaidToBe) {
+TEST(Wording, AValueAtItsBoundIsMarked) {
   EXPECT_EQ(DescribeParameters({Diagnosed("delay", 0.5, 0.1, 0)}), "delay = 0.500 N +-0.20");
   DiagnosedParameter held = Diagnosed("delay", 0.5, NAN, 0);
   held.at_bound = "upper";

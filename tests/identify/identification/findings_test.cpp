@@ -61,7 +61,7 @@ TEST_F(FindingsTest, AValueOutsideItsIntervalIsNotCalledIdentifiable) {
                           "search go on."));
 }
 
-TEST_F(FindingsTest, ABoundThatWasHitIsSaid) {
+TEST_F(FindingsTest, ABoundThatWasHitIsReported) {
   Judge(0, Verdict::kAtBound, "the cost still falls beyond 100");
   EXPECT_THAT(Findings(), ElementsAre("a = 12.3 N/m: AT BOUND: the cost still falls beyond 100."));
 }
@@ -99,7 +99,7 @@ TEST_F(FindingsTest, RemediesThatDifferInFiguresOnlyAreOne) {
                   "would measuring z."));
 }
 
-TEST_F(FindingsTest, DirectionsThatAreLeftOpenAreSaid) {
+TEST_F(FindingsTest, UndeterminedDirectionsAreReported) {
   identification_.uncertainty.directions = {"a and b can grow together"};
   EXPECT_THAT(Findings(), ElementsAre("Not determined: a and b can grow together."));
 }

@@ -56,7 +56,7 @@ TEST(Stepwise, IsNotTheFitOfEverything) {
   EXPECT_NEAR(fit->parameters[0], 2, 1e-6);
 }
 
-TEST(Stepwise, WhatCannotBeDoneIsSaid) {
+TEST(Stepwise, ImpossibleRequestsAreErrors) {
   Sum problem;
   FitRequest request;
   request.fix = {{"a", 3}};

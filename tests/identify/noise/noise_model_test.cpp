@@ -294,7 +294,7 @@ TEST(NoiseModel, DependentRegressorsCountOnce) {
   EXPECT_NEAR(again.channels[0].coefficients[0], once.channels[0].coefficients[0], 1e-5);
 }
 
-TEST(NoiseModel, StaysStationaryOnWalksAndCurves) {
+TEST(NoiseModel, StaysStationaryOnRandomWalksAndCurves) {
   Random random(4);
   auto blocks = SmoothTrials(random, kWhite, 2, 200, 1);
   for (NoiseBlock& block : blocks) {
@@ -325,7 +325,7 @@ TEST(NoiseModel, FewSamplesAreAnErrorOrWhite) {
   EXPECT_FALSE(Estimated(SmoothTrials(random, kFirstOrder, 1, 14, 3)).IsColoured());
 }
 
-TEST(NoiseModel, OptionsAreObeyed) {
+TEST(NoiseModel, OptionsAreUsed) {
   Random random(6);
   const auto blocks = SmoothTrials(random, {{0.9}, {}, 1}, 4, 500, 3);
   NoiseModelOptions options;
@@ -340,7 +340,7 @@ TEST(NoiseModel, OptionsAreObeyed) {
 }
 
 // Three short trials, as stances on a force plate are; what is wrong is a constant.
-TEST(NoiseModel, WhatIsLouderThanTheStatedNoiseIsNotCalledNoise) {
+TEST(NoiseModel, ResidualsAboveTheStatedNoiseGetOrderZero) {
   Random random(11);
   auto blocks = SmoothTrials(random, kWhite, 3, 32, 2);
   for (NoiseBlock& block : blocks) {
@@ -362,7 +362,7 @@ TEST(NoiseModel, WhatIsLouderThanTheStatedNoiseIsNotCalledNoise) {
   EXPECT_EQ(Estimated(coloured).channels[0].coefficients, free.channels[0].coefficients);
 }
 
-TEST(NoiseModel, AChannelWithoutAnyErrorIsNoObstacle) {
+TEST(NoiseModel, AChannelWithoutErrorsIsAccepted) {
   Random random(6);
   auto blocks = SmoothTrials(random, kFirstOrder, 1, 400, 1, "position");
   blocks.push_back(SmoothTrials(random, kWhite, 1, 400, 1, "force").front());
@@ -375,7 +375,7 @@ TEST(NoiseModel, AChannelWithoutAnyErrorIsNoObstacle) {
 }
 
 // What a fit inside the prediction has taken from the residual must not count as quiet or coloured noise.
-TEST(NoiseModel, AWhiteBlockKeepsToItsStatedLevel) {
+TEST(NoiseModel, AWhiteBlockHasAtLeastItsStatedLevel) {
   Random random(8);
   std::vector<NoiseBlock> blocks = SmoothTrials(random, kFirstOrder, 4, 200, 3);
   ASSERT_FALSE(Estimated(blocks).channels[0].coefficients.empty());
@@ -395,7 +395,7 @@ TEST(NoiseModel, AWhiteBlockKeepsToItsStatedLevel) {
   EXPECT_EQ(loud.channels[0].least_deviation, 0.1);
 }
 
-TEST(NoiseModel, NoRootLastsLongerThanTheNoiseIsKnownTo) {
+TEST(NoiseModel, RootsAreLimitedByTheNoiseMemory) {
   constexpr double kLargest = 0.7;
   Random random(4);
   std::vector<NoiseBlock> blocks = SmoothTrials(random, {{0.5}, {}, 0}, 4, 300, 3);
@@ -413,7 +413,7 @@ TEST(NoiseModel, NoRootLastsLongerThanTheNoiseIsKnownTo) {
   EXPECT_NEAR(RestrictedDeviance(blocks, within), RestrictedDeviance(blocks, Estimated(blocks)), 1);
 }
 
-TEST(NoiseModel, OrdersOfALikeOneAreKept) {
+TEST(NoiseModel, OrdersOfAGivenModelAreUsed) {
   for (const double largest : {1.0, 0.97}) {
     Random random(5);
     std::vector<NoiseBlock> blocks = SmoothTrials(random, {{1.2, -0.5}, {}, 0}, 3, 300, 3);

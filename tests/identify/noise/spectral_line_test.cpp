@@ -123,7 +123,7 @@ TEST(SpectralLine, SmoothSpectraHaveNone) {
 // A twentieth of the level of 5 % is the share of the line in a diagnosis.
 constexpr double kLevel = 0.0025;
 
-TEST(SpectralLine, FindsWhatAnOracleFindsEasily) {
+TEST(SpectralLine, DetectsALineWellAboveTheDetectableSize) {
   constexpr int kCases = 20;
   const Recording recording(4, 250);
   const FitSetup setup;
@@ -156,7 +156,7 @@ TEST(SpectralLine, SumsOverTrialsOfDifferentLengths) {
   EXPECT_NEAR(line->frequency, 20, kBin);
 }
 
-TEST(SpectralLine, BlocksThatTellNothingGiveNothing) {
+TEST(SpectralLine, UnsuitableBlocksAreLeftOut) {
   const FitSetup setup;
   const auto line_of = [&](const Recording& recording) {
     const LeastSquares fit(recording, setup);
@@ -178,7 +178,7 @@ TEST(SpectralLine, BlocksThatTellNothingGiveNothing) {
 }
 
 // Two cycles per block are a curve, not a line.
-TEST(SpectralLine, KeepsAwayFromTheTrialsOwnDuration) {
+TEST(SpectralLine, LeavesOutFrequenciesOfAFewCyclesPerTrial) {
   const Recording recording(4, 250);
   const FitSetup setup;
   const LeastSquares fit(recording, setup);
@@ -188,7 +188,7 @@ TEST(SpectralLine, KeepsAwayFromTheTrialsOwnDuration) {
   EXPECT_GT(line->p_value, 0.01);
 }
 
-TEST(SpectralLine, NothingIsThereWhereNothingIsLeft) {
+TEST(SpectralLine, AZeroResidualHasNone) {
   const Recording recording(2, 128);
   const FitSetup setup;
   const LeastSquares fit(recording, setup);

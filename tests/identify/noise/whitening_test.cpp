@@ -29,7 +29,7 @@ Matrix FirstOrderCovariance(double a, int n) {
   return covariance;
 }
 
-TEST(Whitening, RootsFollowFromHowFastNoiseIsForgotten) {
+TEST(Whitening, LargestRootFollowsFromTheNoiseMemory) {
   Block block;
   for (int i = 0; i < 10; ++i) {
     block.prediction_time.push_back(0.01 * i);
@@ -101,7 +101,7 @@ TEST(ChannelNoiseModel, RootsAndStationarity) {
   EXPECT_TRUE(std::isinf((ChannelNoiseModel{"x", {1.01}, 1}).ProcessDeviation()));
 }
 
-TEST(Whitening, NeverReachesAcrossAGap) {
+TEST(Whitening, DoesNotPredictAcrossGaps) {
   NoiseModel model;
   model.channels = {{"force", {0.5, 0.2}, 2}, {"speed", {}, 4}};
   model.channel_of = {0, 1};

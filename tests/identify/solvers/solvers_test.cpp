@@ -246,7 +246,7 @@ TEST(MultiStart, ThreadsDoNotChangeAnswerOrTrace) {
   }
 }
 
-TEST(MultiStart, SaysWhenTheBudgetAllowsFewerStarts) {
+TEST(MultiStart, ReportsWhenTheBudgetAllowsFewerStarts) {
   FunctionProblem problem;
   Judge::MakeProblem(problem);
   const Fit fit(problem);

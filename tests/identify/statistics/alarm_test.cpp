@@ -41,7 +41,7 @@ TEST(GroupPValue, IsTheChiSquaredTailOfTheRank) {
   EXPECT_NEAR(GroupPValue(r, t, {{0, 1}, false, 1}), std::exp(-statistic / 2), kRounding);
 }
 
-TEST(GroupPValue, ClassMatesCountOnce) {
+TEST(GroupPValue, EqualColumnsCountOnce) {
   Matrix r = Matrix::Identity(3, 3);
   r(0, 1) = r(1, 0) = -1;
   Vector t(3);
@@ -65,7 +65,7 @@ TEST(AlarmLevel, OfIndependentTestsIsSidak) {
   EXPECT_NEAR(alarm.Threshold(0.05) / sidak, 1, 3 * deviation / 0.05);
 }
 
-TEST(AlarmLevel, OfOneThingUnderManyNamesIsItsOwnLevel) {
+TEST(AlarmLevel, OfEqualGroupsIsThatOfOne) {
   const int n = 30;
   Matrix r(n, n);
   std::vector<AlarmGroup> groups;
@@ -104,7 +104,7 @@ TEST(AlarmLevel, SameSeedSameAnswer) {
   EXPECT_NE(AlarmLevel(r, groups, 9).FamilyPValue(0.3), AlarmLevel(r, groups, 10).FamilyPValue(0.3));
 }
 
-TEST(AlarmLevel, NothingToJudgeNeverAlarms) {
+TEST(AlarmLevel, NoGroupsRaiseNoAlarm) {
   const AlarmLevel alarm(Matrix(0, 0), {}, 1);
   EXPECT_EQ(alarm.FamilyPValue(1e-9), 1);
 }

@@ -78,7 +78,7 @@ TEST(Remedy, NamesTheChannelThatFixesEveryFriction) {
   }
 }
 
-TEST(Remedy, ErrorIsTheOneThatMeasuringItGives) {
+TEST(Remedy, ErrorIsThatOfAFitWithTheAddition) {
   // Said before, against found after, with the noise that was stated.
   Block tangential = MakeBlock("stance", "force_x", 50, 1.5, BlockRole::kPredicted);
   tangential.sigma = 3;
@@ -131,7 +131,7 @@ TEST(Remedy, NamesAPairWhenNoSingleChannelIsEnough) {
               StartsWith("measuring sum and measuring difference together would fix it"));
 }
 
-TEST(Remedy, SaysWhenNothingHelps) {
+TEST(Remedy, ReportsWhenNoAdditionHelps) {
   const Uncertainty answer =
       Analyse(FootProblem({MakeBlock("stance", "force_y", 50, 1.5),
                            MakeBlock("stance", "temperature", 50, 1.5, BlockRole::kPredicted)}));

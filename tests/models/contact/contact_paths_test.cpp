@@ -142,7 +142,7 @@ TEST(ContactPaths, JacobianAgreesWithDifferences) {
   EXPECT_LT(worst, kTolerance);
 }
 
-TEST(ContactPaths, AskingForLessGivesTheSameNumbers) {
+TEST(ContactPaths, PartialRequestsGiveTheSameNumbers) {
   Random random(4);
   const ContactRegion region = Sole();
   for (int state = 0; state < 50; ++state) {
@@ -155,7 +155,7 @@ TEST(ContactPaths, AskingForLessGivesTheSameNumbers) {
   }
 }
 
-TEST(ContactPaths, SidesAndTopCarryNothingIfOnlyTheBottomHasSprings) {
+TEST(ContactPaths, SidesAndTopHaveNoForceIfOnlyTheBottomHasSprings) {
   ContactRegion region;
   region.mesh = *BoxMesh({0.2, 0.02, 0.1}, 4, 4);
   BodyMotion motion;

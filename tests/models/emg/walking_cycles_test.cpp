@@ -95,7 +95,7 @@ TEST(WalkingCyclesTest, StridesAreThoseOfTheHeelStrikes) {
   }
 }
 
-TEST(WalkingCyclesTest, SaysThatTheAnklesHighestPointWanders) {
+TEST(WalkingCyclesTest, ReportsThatTheAnklesHighestPointVaries) {
   SKIP_WITHOUT_WALKING();
   const Table angles = Read("walk36/ik.sto");
   const auto found = FindCycles(angles.at("time"), angles.at("ankle_angle_r"), {});

@@ -84,7 +84,7 @@ TEST(InverseKinematics, FindsEveryHeading) {
   }
 }
 
-TEST(InverseKinematics, SkipsMarkersThatAreNotSeen) {
+TEST(InverseKinematics, SkipsMissingMarkers) {
   const MultibodyModel model = BuildModel(kLeg);
   const auto motion = LegMotion(model, 20);
   auto markers = Measure(model, motion);
@@ -95,7 +95,7 @@ TEST(InverseKinematics, SkipsMarkersThatAreNotSeen) {
   EXPECT_LT(WorstError(result, motion), kRecovery);
 }
 
-TEST(InverseKinematics, LeavesAGapWhereNoMarkerIsSeen) {
+TEST(InverseKinematics, LeavesAGapInFramesWithoutMarkers) {
   const MultibodyModel model = BuildModel(kLeg);
   const auto motion = LegMotion(model, 5);
   auto markers = Measure(model, motion);

@@ -101,7 +101,7 @@ TEST(OsimMuscleReader, PointsAndObjectsOnOffsetFrames) {
   EXPECT_LT((ball.location - Vec3(0, 2, 1)).norm(), 1e-15);
 }
 
-TEST(OsimMuscleReader, WrongInputIsOneSentenceWithItsLine) {
+TEST(OsimMuscleReader, WrongInputIsAnErrorWithItsLine) {
   EXPECT_EQ(ErrorOf(kText, "helyx"), "test.osim: there is no muscle 'helyx'; did you mean 'helix'?");
   EXPECT_EQ(Read(kText, {"helix", "helix"}).error().message, "muscle 'helix' is asked for twice");
   const std::string line = "test\\.osim:[0-9]+: ";
