@@ -9,7 +9,7 @@
 namespace sinew {
 namespace {
 
-// Everything that Dual can do, of three variables; on double it is the same text.
+// All functions of Dual, of three variables; the same text compiles for double.
 template <class T>
 T Anything(const T& x, const T& y, const T& z) {
   T sum = x * y + 2.0 * z - y / x + 3.0;

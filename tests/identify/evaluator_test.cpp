@@ -204,7 +204,7 @@ TEST_F(EvaluatorTest, ProgressIsReportedAtEveryEvaluation) {
   EXPECT_EQ(best, (std::vector<double>{kInfinity, 0.5, 0.5}));
 }
 
-// A search that depends on every cost it is told, to the last bit.
+// A search that depends on every cost, to the last bit.
 void AutocorrelationExcess(Evaluator& evaluator, int steps) {
   Random random(5);
   double cost = 0;

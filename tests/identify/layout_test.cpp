@@ -128,7 +128,7 @@ TEST(Prediction, HasOnePlacePerBlockAndStartsWithNaN) {
   ASSERT_EQ(prediction.values(1).size(), 2);
   ASSERT_EQ(prediction.derivatives(1).cols(), 3);
 
-  // Every place is its own: what is written to one is not read from another.
+  // Entries do not overlap: a value written to one is not read from another.
   prediction.values(0).setConstant(1);
   prediction.derivatives(0).setConstant(2);
   EXPECT_TRUE(prediction.values(1).array().isNaN().all());

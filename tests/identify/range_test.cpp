@@ -58,7 +58,7 @@ TEST(Range, FarthestIsBoundedFromAboveByAHundredthOfTheWidth) {
   ExpectSlopesAgree(FarthestFrom, range, Values({1.49, 1.495, 0.505, 1}));
 }
 
-// y = a is measured at 3; z = 2 a, which nobody measured, should stay below 4.
+// y = a is measured at 3; z = 2 a is not measured and should stay below 4.
 ToyProblem Pulled(bool strict, double tolerance) {
   Block z = MakeBlock("t", "z", 4, 1);
   z.role = BlockRole::kPredicted;

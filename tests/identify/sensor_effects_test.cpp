@@ -241,8 +241,8 @@ Vector DifferenceOf(const Problem& problem, const Vector& p, int k, double step)
 }
 
 TEST(SensorEffects, ALowPassIsExactForItsRampAndLagsASine) {
-  // A sine through a first-order lag, once the start has died away (8 time constants: 3e-4 of the start's
-  // error); straight pieces of 0.01 s miss a sine by h^2 w^2 / 8 = 5e-4.
+  // A sine through a first-order lag, after the initial transient (8 time constants: 3e-4 of its size);
+  // linear pieces of 0.01 s deviate from a sine by h^2 w^2 / 8 = 5e-4.
   constexpr double kTolerance = 1e-3;
   constexpr double kTimeConstant = 0.1;  // [s]
   const SensorEffects problem(Sines());
@@ -367,7 +367,7 @@ TEST(SensorEffects, QuantisedMeasurementsGiveTheProbeValue) {
   EXPECT_EQ(rounding.null_step, rounding.probes[0]);
   EXPECT_TRUE(problem.parameters()[kOfZ + kQuantisation].probes.empty());
 
-  // The rounded prediction explains what the smooth one leaves.
+  // The rounded prediction explains the quantised data better than the smooth one.
   const auto sum_of_squares = [&](double step) {
     Vector p = RestPoint(problem);
     p.head(2) << 2, 0.1;

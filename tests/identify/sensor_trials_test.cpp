@@ -1,4 +1,4 @@
-// Sensors in several trials: effects of one trial alone, and the port where something unknown may enter.
+// Sensors in several trials: effects of one trial alone, and the port for discrepancy terms.
 #include <gtest/gtest.h>
 
 #include <algorithm>

@@ -89,7 +89,7 @@ TEST(Diagnose, NamesTheEffectOfAnOutlyingTrial) {
   EXPECT_EQ(d.causes[0].effect, "offset@trial_3");
 }
 
-// The base model meets such a fault half way: the other trials seem to have its opposite.
+// The base model compensates such a fault by half: the other trials seem to have its opposite.
 TEST(Diagnose, NamesTheEffectOfOneTrialThatTheBaseModelSpreadsOverAll) {
   int blamed = 0;
   for (std::uint64_t seed = 1; seed <= 20; ++seed) {
@@ -104,8 +104,8 @@ TEST(Diagnose, NamesTheEffectOfOneTrialThatTheBaseModelSpreadsOverAll) {
   EXPECT_GE(blamed, 17);
 }
 
-// Cycles that were never fitted scatter more than the noise of fitted ones says: what they deny by chance is
-// no denial, what all of them deny is.
+// Held-out cycles scatter more than the noise of fitted ones: a loss within that scatter rejects nothing, a
+// loss in all of them does.
 TEST(Diagnose, HeldOutCyclesRejectCausesOnlyBeyondTheirScatter) {
   int withdrawn = 0;
   int denied = 0;
@@ -175,14 +175,14 @@ TEST(Diagnose, ACauseWithTooLittleHeldOutGainLeavesTheErrorUnexplained) {
   EXPECT_THAT(denied.withdrawn[0].reason, testing::ContainsRegex("most in trial '.*': .* -> .* RMSE"));
 }
 
-// What differs from trial to trial and hides from every effect raises no alarm under a noise model that took
-// it up; but no instrument has such noise.
+// An error that differs from trial to trial and has no score raises no alarm under a noise model that
+// absorbed it; but no instrument has such noise.
 TEST(Diagnose, AStronglyAutocorrelatedResidualIsNotAdequate) {
   int strongly_autocorrelated = 0;
   for (std::uint64_t seed = 1; seed <= 20; ++seed) {
     LinearLaws::Truth truth;
     truth.noise = 0.02;
-    truth.wander = 1;
+    truth.slow_error = 1;
     const Diagnosis d = Examine(LinearLaws(truth, seed));
     EXPECT_NE(d.verdict, DiagnosisVerdict::kAdequate) << seed;
     if (!d.strongly_autocorrelated) continue;
@@ -195,7 +195,7 @@ TEST(Diagnose, AStronglyAutocorrelatedResidualIsNotAdequate) {
   EXPECT_GT(strongly_autocorrelated, 0);
 }
 
-// A problem during whose n-th prediction somebody presses Ctrl-C.
+// A problem that sets the interrupt during its n-th prediction.
 class Impatient final : public Problem {
  public:
   Impatient(const LinearLaws& laws, long predictions) : laws_(laws), left_(predictions) {}
@@ -235,9 +235,9 @@ TEST(Diagnose, AnInterruptedDiagnosisIsAnError) {
     const auto diagnosis = Diagnose(problem, *setup, options);
     if (!diagnosis) {
       EXPECT_EQ(diagnosis.error().message, "interrupted") << stop;
-    } else if (diagnosis->concluded) {  // after the last fit: nothing was left out
+    } else if (diagnosis->concluded) {  // after the last fit: the diagnosis is complete
       EXPECT_EQ(diagnosis->sentences, whole->sentences) << stop;
-    } else {  // in the base fit, whose parameters may be told
+    } else {  // in the base fit, whose parameters are still reported
       EXPECT_EQ(diagnosis->base.stop.kind, Termination::kInterrupted) << stop;
     }
     EXPECT_GT(problem.left(), -100) << "it goes on after " << stop;

@@ -28,7 +28,7 @@ class RunFileTest : public testing::Test {
     EXPECT_EQ(ErrorOf(WriteHdf5(file_.path(), tree)), "");
     return ReadRun(file_.path());
   }
-  /// What ReadRun says of the tree after it was damaged.
+  /// The error of ReadRun for the damaged tree.
   [[nodiscard]] std::string ErrorAfter(const std::function<void(Hdf5Node&)>& damage) const {
     Hdf5Node tree = tree_;
     damage(tree);

@@ -12,7 +12,7 @@ namespace {
 using testing::ElementsAre;
 using toy::MakeParameter;
 
-// A problem with parameters a .. e, and an identification that says nothing yet.
+// A problem with parameters a .. e, and an identification without any results.
 class FindingsTest : public testing::Test {
  protected:
   FindingsTest() : problem_(Parameters(), {}, {}) {

@@ -112,7 +112,7 @@ TEST(Whitening, DoesNotPredictAcrossGaps) {
   for (const int t : {2, 3, 4, 7, 8, 10}) {
     EXPECT_NEAR(white(t, 1), (x(t, 1) - 0.5 * x(t - 1, 1) - 0.2 * x(t - 2, 1)) / 2, kRounding) << t;
   }
-  // Each stretch as if it stood alone.
+  // Each stretch like a separate block.
   const Whitening alone(model, {{0}, {0}});
   Matrix second = x.bottomRows(6);
   alone.Apply(0, second);

@@ -29,7 +29,7 @@ class NoisyCost : public FunctionProblem {
   double stated_;
 };
 
-// Without a word on the grain, it damps its steps again and again for gains that are none.
+// Without a stated noise level it increases its damping again and again for random changes of the cost.
 TEST(LocalFitTest, StopsAtTheNoiseLevelOfTheCost) {
   const auto evaluations = [](const NoisyCost& problem) {
     const Fit prepared(problem);

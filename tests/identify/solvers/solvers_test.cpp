@@ -1,4 +1,4 @@
-// What single solvers promise beyond the conformance suite.
+// Properties of single solvers beyond the conformance suite.
 #include <gtest/gtest.h>
 
 #include <atomic>

@@ -109,7 +109,7 @@ TEST(AlarmLevel, NoGroupsRaiseNoAlarm) {
   EXPECT_EQ(alarm.FamilyPValue(1e-9), 1);
 }
 
-// The level is kept for designs as the diagnosis has them: correlated columns, signs, groups, class mates,
+// The level holds for designs like those of a diagnosis: correlated columns, signs, groups, equal columns,
 // weights; every case has its own design and its own draws.
 TEST(AlarmLevel, FalseAlarmsHaveTheStatedRate) {
   constexpr int kCases = 1000;

@@ -176,7 +176,7 @@ TEST(Uncertainty, CollinearParametersNameEachOtherAndTheirDirection) {
 }
 
 TEST(Uncertainty, NearlyCollinearParametersHaveWideIntervals) {
-  // exp(-t) with 1 - t over a short time: only the curvature tells them apart, and it is within the noise.
+  // exp(-t) and 1 - t over a short time differ only in their curvature, which is within the noise.
   ToyProblem problem({MakeParameter("decay", 0, 20, 5), MakeParameter("ramp", 0, 20, 5)},
                      {MakeBlock("one", "height", 40, 0.2)},
                      [](const Block&, double t, const Vector& p, Vector* gradient) -> Result<double> {
@@ -250,7 +250,7 @@ TEST(Uncertainty, BoundThatIsHitIsNamed) {
 }
 
 TEST(Uncertainty, NuisanceIsProjectedOutAndNotReported) {
-  // One slope, and an offset per trial that nobody asks for.
+  // One slope, and an offset per trial as nuisance.
   const auto formula = [](const Block& block, double t, const Vector& p, Vector* gradient) -> Result<double> {
     const int offset = block.trial == "one" ? 1 : 2;
     if (gradient != nullptr) {

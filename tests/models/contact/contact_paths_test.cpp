@@ -1,4 +1,4 @@
-// The fast path, the equations face by face, and Simbody's own force must be one and the same force.
+// The fast path, the equations face by face, and Simbody's own force give the same force.
 #include <gtest/gtest.h>
 
 #include <Eigen/Geometry>

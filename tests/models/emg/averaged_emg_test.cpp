@@ -137,7 +137,7 @@ TEST(AveragedEmgTest, AgreesWithAPlainImplementation) {
   }
 }
 
-// Cycles that follow the model: the law is found to rounding, predictions at unseen speeds are right.
+// Cycles that follow the model: the law is recovered to rounding, and predictions at other speeds are exact.
 TEST(AveragedEmgTest, PredictsOtherSpeedsOfDataThatFollowTheModel) {
   const auto shape = [](std::size_t k) {
     const double x = static_cast<double>(k) / 1999;

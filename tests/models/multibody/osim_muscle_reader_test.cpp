@@ -143,7 +143,7 @@ TEST(OsimMuscleReader, WrongInputIsAnErrorWithItsLine) {
               HasSubstr("there is no <Model>"));
 }
 
-// Whatever the bytes, there is an answer and no crash, also from a path that was accepted.
+// Arbitrary bytes give muscles or an error, never a crash, also for a path that was accepted.
 TEST(OsimMuscleReader, SurvivesDamagedFiles) {
   constexpr int kRounds = 3000;
   const std::string texts[] = {kText, MusclesOver("ball", "-x", "0.1", "1 2"), MusclesOver("drum", "z")};

@@ -9,7 +9,7 @@
 namespace sinew {
 namespace {
 
-// A fibre at its optimal length stands at the angle that is stated there.
+// A fibre at its optimal length has the stated pennation.
 TEST(HillMuscleTest, PennationIsThatOfConstantThickness) {
   const auto muscle = Soleus();
   const double sine = std::sin(0.436);

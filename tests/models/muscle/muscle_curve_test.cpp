@@ -84,7 +84,7 @@ TEST(MuscleCurveTest, WrongPointsAreErrors) {
   EXPECT_THAT(MuscleCurve::Smooth({0, 1}, {0, 1}, -1).error().message, testing::HasSubstr("window"));
 }
 
-// What the curves mean: greatest active force near the optimal length, a tendon that pulls only when taut.
+// Properties of muscle curves: greatest active force near the optimal length, a tendon force only when taut.
 TEST(MuscleCurveTest, DefaultCurvesAreThoseOfAMuscle) {
   const MuscleCurves curves = MuscleCurves::Default();
   EXPECT_NEAR(curves.active_force_length(1), 0.99, 0.02);
