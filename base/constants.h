@@ -1,4 +1,4 @@
-// Numbers that C++17's library lacks.
+// Mathematical constants that the C++17 library does not have.
 #pragma once
 
 namespace sinew {

@@ -20,13 +20,14 @@ namespace {
 
 constexpr std::size_t kMaxValues = std::size_t{1}
                                    << 28;  // 2 GiB of doubles: beyond it a header is surely corrupt
-// A byte holds at most so many values: deflate compresses no more than 1032 to 1, and a value has a byte.
+// Largest number of values per byte of a file: deflate compresses at most 1032 to 1, and a value has at least
+// one byte.
 constexpr std::size_t kMaxValuesPerByte = 1032;
-constexpr std::size_t kSmallFile = 4096;    // [bytes] so that a dataset that was never written may be there
-constexpr std::size_t kValuesPerNode = 64;  // what a group or dataset itself counts for: its place in memory
+constexpr std::size_t kSmallFile = 4096;    // [bytes] allowance for datasets without stored values
+constexpr std::size_t kValuesPerNode = 64;  // values that a group or dataset itself counts as, for its memory
 constexpr int kDeepest = 32;
-// A damaged file can send libhdf5 in circles. Seconds that a reading may take, and one more for every
-// kBytesPerSecond of the file (a sound one is read a hundred times as fast).
+// A damaged file can put libhdf5 into an endless loop. Time limit of a reading [s], with one more second for
+// every kBytesPerSecond of the file (an intact one is read a hundred times as fast).
 constexpr rlim_t kProcessorSeconds = 2;
 constexpr unsigned kSeconds = 30;  // with waiting for a disk and for other processes
 constexpr std::uintmax_t kBytesPerSecond = 1U << 20;
@@ -164,7 +165,7 @@ Status ReadAttributes(hid_t object, const std::string& where, Hdf5Node& node) {
   return {};
 }
 
-// Takes so many values out of what the rest of the file may still hold: links that lead back to their own
+// Subtracts the values from the number that the rest of the file can still hold: links back to their own
 // group make an endless tree of a small file.
 Status ReserveValues(std::size_t values, const std::string& where, std::size_t& room) {
   if (values > room) return Fail("{}: announces more values than the file can hold", where);
@@ -242,9 +243,8 @@ Result<Hdf5Node> ReadTree(const std::string& path) {
   return root;
 }
 
-// What the forked process does: nothing of it may be seen or reach its parent. noexcept: an exception, such
-// as too little memory, ends it like a crash does.
-// NOLINTNEXTLINE(bugprone-exception-escape)
+// The work of the forked process, of which nothing may reach its parent. noexcept: an exception, such as too
+// little memory, ends it like a crash.
 [[noreturn]] void ReadAndExit(const std::string& path) noexcept {
   for (const int signal : {SIGALRM, SIGXCPU, SIGSEGV, SIGBUS, SIGFPE, SIGILL, SIGABRT})
     std::signal(signal, SIG_DFL);
@@ -269,14 +269,14 @@ Result<Hdf5Node> ReadTree(const std::string& path) {
   _exit(0);
 }
 
-// Whether reading the file leaves a process alive. libhdf5 1.10 trusts sizes and offsets in a file, and
-// damaged ones crash it; so the file is read in a forked process first, whose death does no harm. The two
-// processes are equal up to there, and so do the same.
+// Whether the file can be read without a crash. libhdf5 1.10 does not check all sizes and offsets in a file,
+// and damaged ones crash it; so the file is read in a forked process first. The two processes are equal up to
+// there, and so behave equally.
 //
-// Fork copies the calling thread only: a lock that another thread holds stays locked in the copy. What the
-// copy needs is safe: no other thread is within libhdf5 (hdf5_mutex is held), the C library takes care of its
-// allocator and streams, and nothing else is called. Should it hang nevertheless, its alarm ends it. It
-// leaves through _exit, without the destructors and buffers of this process.
+// Fork copies the calling thread only: a lock held by another thread stays locked in the copy. The functions
+// that the copy calls are safe: no other thread is within libhdf5 (hdf5_mutex is held), the C library handles
+// its allocator and streams, and nothing else is called. If it should hang nevertheless, its alarm ends it.
+// It ends by _exit, without the destructors and buffers of this process.
 Result<bool> ReadsWithoutCrash(const std::string& path) {
   const pid_t child = fork();
   if (child < 0) return Fail("{}: cannot be checked: no further process can be started", path);

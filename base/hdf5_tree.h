@@ -54,8 +54,8 @@ struct Hdf5Node {
 /// than the file can hold or than 2^28, a dataset that is neither numbers nor text.
 Result<Hdf5Node> ReadHdf5(const std::string& path);
 
-/// Writes beside the target and renames over it. Errors: the folder cannot be written; the old file then
-/// still stands.
+/// Writes a temporary file beside the target and renames it. Errors: the folder cannot be written; the old
+/// file is then unchanged.
 Status WriteHdf5(const std::string& path, const Hdf5Node& root);
 
 }  // namespace sinew

@@ -27,7 +27,7 @@ enum class WrenchParts {
 /// forces n [N m].
 using ContactLoad = Eigen::Matrix<double, 6, 1>;
 enum ContactLoadRow { kForceX, kForceY, kForceZ, kMomentY, kFirstMomentX, kFirstMomentZ };
-/// Derivatives of a ContactLoad for k, c, mu_s, mu_d, mu_v.
+/// Derivatives of a ContactLoad with respect to k, c, mu_s, mu_d, mu_v.
 using ContactLoadJacobian = Eigen::Matrix<double, 6, 5>;
 
 class ContactSums {

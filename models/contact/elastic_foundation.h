@@ -31,9 +31,9 @@ struct ElasticFoundation {
 
 /// Which faces of a mesh carry a spring.
 enum class SpringFaces {
-  kBottom,  ///< those that look down in the frame of the mesh: a sole that sinks deep is not carried by its
+  kBottom,  ///< those that face down in the frame of the mesh: a sole that sinks deep is not supported by its
             ///< sides and top
-  kAll      ///< the whole closed mesh, as Simbody has it
+  kAll      ///< the whole closed mesh, as in Simbody
 };
 
 /// A sole mesh on a body.
@@ -55,9 +55,9 @@ struct Floor {
   double velocity_z = 0;
 };
 
-/// What the kinematics say of every spring of a region at every instant, touching or not.
+/// Kinematics of every spring of a region at every instant, touching or not.
 ///
-/// Arrays are [instants x faces], row-major: all faces of one instant lie together.
+/// Arrays are [instants x faces], row-major: all faces of one instant are adjacent.
 struct ContactKinematics {
   int instants = 0;
   int faces = 0;
@@ -82,8 +82,8 @@ struct ContactWrench {
   Vec3 moment = Vec3::Zero();  ///< [N m]
 };
 
-/// One instant straight from the equations, face by face: what the fast path is checked against and what
-/// draws pressures.
+/// One instant directly from the equations, face by face: the reference for the fast path, and the source of
+/// pressure figures.
 struct FaceLoad {
   double pressure = 0;  ///< [Pa]
   double slip = 0;      ///< [m/s]
