@@ -25,7 +25,7 @@ struct FitRequest {
 struct FitSetup {
   std::vector<Parameter> parameters;  ///< as the problem's, with the requested bounds and starts
   std::vector<int> free;              ///< indices, increasing
-  Vector rest;  ///< [P] start of every free parameter, value of every other one
+  Vector rest;                        ///< [P] start of every free parameter, value of every other one
 
   [[nodiscard]] bool IsFree(int parameter) const;
 };

@@ -46,11 +46,12 @@ class RowTransform {
 /// exactly at 0 and 1.
 ///
 /// Residuals [m], one row each, in this order:
-/// 1. data_rows() rows of the training blocks, in the order of the layout: weight_i (predicted_i - measured_i), after the transform if one is set;
+/// 1. data_rows() rows of the training blocks, in the order of the layout:
+///    weight_i (predicted_i - measured_i), after the transform if one is set;
 /// 2. one row per free parameter with a prior: (p - mean) / deviation, of log p on a logarithmic scale;
 /// 3. one row per block with a range that is not strict: weight * distance from the range.
-/// Cost = half their squared norm. With weights of one over the noise level it is the negative logarithm of a
-/// Gaussian likelihood times the priors, up to a constant.
+/// Cost = half their squared norm. With weights of one over the noise level it is the negative logarithm of
+/// the posterior density (Gaussian likelihood times priors), up to a constant.
 ///
 /// Immutable but for set_transform: all const members may be called from several threads, each with its own
 /// Workspace.
@@ -66,8 +67,8 @@ class LeastSquares {
     Vector slopes;  // derivative of a range's distance
   };
 
-  /// Keeps references: both must outlive this object. Parameters that are not free stay at setup.rest. @pre
-  /// the setup was made for this problem.
+  /// Keeps references: both must outlive this object. Parameters that are not free stay at setup.rest.
+  /// @pre the setup was made for this problem.
   LeastSquares(const Problem& problem, const FitSetup& setup);
 
   [[nodiscard]] int variables() const { return static_cast<int>(setup_.free.size()); }

@@ -39,7 +39,8 @@ struct Parameter {
   std::string trial;           ///< the only trial that depends on it; empty if all share it
   std::string effect;          ///< kEffect: the effect that releases it
   double null_value = 0;       ///< kEffect: where the effect vanishes, within the bounds
-  std::vector<double> probes;  ///< kEffect: values to score at if the prediction does not depend on the parameter at the null (a Stribeck velocity)
+  std::vector<double> probes;  ///< kEffect: values to score at if the prediction does not depend on the
+                               ///< parameter at the null (a Stribeck velocity)
   /// kEffect: if > 0, the prediction is not differentiable at the null (backlash has a kink there) or does
   /// not change near it: the reported slope there is a secant over about this step [unit].
   double null_step = 0;

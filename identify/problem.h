@@ -18,7 +18,8 @@ namespace sinew {
 
 /// One request to Problem::Predict: the point, the blocks, and the derivatives that are wanted.
 struct Query {
-  const Vector& parameters;         ///< [P] all parameters in the order of parameters(), fixed ones too, within bounds
+  const Vector&
+      parameters;  ///< [P] all parameters in the order of parameters(), fixed ones too, within bounds
   const std::vector<bool>& blocks;  ///< [layout size] true for the blocks to be predicted
   bool derivatives = false;         ///< true: fill Prediction::derivatives of these blocks too
   /// [P] true for the parameters whose derivatives are wanted (the free ones); nullptr: all. Not read unless
@@ -88,8 +89,8 @@ class Problem {
   ///
   /// A parameter that is not in Block::columns must not change the block; otherwise its effect on the cost is
   /// missing from the gradient. Derivatives are those of the values returned: solvers stop too early, or
-  /// reject every step, where they are not. Documented departures: Parameter::null_step, and roundings such as
-  /// a quantised reading.
+  /// reject every step, where they are not. Documented departures: Parameter::null_step, and roundings such
+  /// as a quantised reading.
   ///
   /// All entries that are asked for have to be set: `prediction` is reused and holds old values or NaN.
   /// Values that are not finite make the point fail.

@@ -56,10 +56,11 @@ struct EffectScore {
   double unwhitened = 0;  ///< the same without whitening
   double p_value = 1;     ///< of this effect alone
   double family_p_value = 1;  ///< family-wise: of any test at least as significant
-  bool judged = true;   ///< false: its effect is a combination of those of the base parameters, or zero in these data
+  bool judged =
+      true;  ///< false: its effect is a combination of those of the base parameters, or zero in these data
   std::string why_not;  ///< reason if not judged
   bool refitted = false;
-  double delta_lr = 0;   ///< likelihood ratio: drop of -2 log-likelihood by the refit, each with its own noise
+  double delta_lr = 0;  ///< likelihood ratio: drop of -2 log-likelihood by the refit, each with its own noise
   double delta_bic = 0;  ///< BIC(base) - BIC(with it); above 0 favours the effect
   double smallest_detectable =
       0;  ///< size of its first parameter that is detected with probability 95 %; 0: not known
@@ -76,8 +77,9 @@ struct Alternative {
   std::vector<DiagnosedParameter> parameters;  ///< of the effect, fitted in place of the cause
   double delta_lr = 0;                         ///< likelihood ratio in favour of the named cause
   double delta_bic = 0;
-  double correlation = 0;   ///< of the two signatures, projected off the base parameters
-  bool same_class = false;  ///< declared class, |correlation| > 0.97: not distinguishable by data of this kind
+  double correlation = 0;  ///< of the two signatures, projected off the base parameters
+  bool same_class =
+      false;  ///< declared class, |correlation| > 0.97: not distinguishable by data of this kind
   /// It is a more general law with the cause as a special case. No experiment can exclude it, so it counts as
   /// an alternative only if it fits better.
   bool contains_cause = false;

@@ -11,8 +11,8 @@ namespace sinew {
 /// instrument was on before its record began. The recursion is exact for any sampling.
 ///
 ///   e_0 = -time_constant (x_1 - x_0) / h_1
-///   e_i = E e_{i-1} - (time_constant / h) (1 - E) (x_i - x_{i-1}),   y = x + e,   E = exp(-h /
-///   time_constant)
+///   e_i = E e_{i-1} - (time_constant / h) (1 - E) (x_i - x_{i-1}),   y = x + e,
+///   E = exp(-h / time_constant)
 ///
 /// At a time constant of 0 the signal is unchanged, and its derivative with respect to the time constant is
 /// the limit -dx/dt, with dx/dt of the interval that ends at the sample (at the first: that begins there).

@@ -2,8 +2,8 @@
 //
 //   smooth(t)   = first-order low-pass of predicted(t), time constant low_pass
 //   delayed(t)  = smooth(t - time_offset)
-//   reading(t)  = gain * delayed(t) + offset + drift * (t - middle of the trial) + discrepancy terms of the
-//   port observed(t) = reading(t), clipped at +-1/saturation, then rounded to a multiple of quantisation
+//   reading(t)  = gain * delayed(t) + offset + drift * (t - middle of the trial) + discrepancy terms
+//   observed(t) = reading(t), clipped at +-1/saturation, then rounded to a multiple of quantisation
 #pragma once
 
 #include <memory>

@@ -1,11 +1,11 @@
 // The fast path of the elastic foundation: forces, moments and their exact derivatives for any parameters,
-// from sums over the touching faces that were prepared once.
+// from sums over the touching faces that are computed once.
 //
-// With the geometry given, the wrench is linear in everything but the dissipation:
-//   w_i = a_i x_i max(0, 1 + c v_i),     F_y = k sum w_i,     F_x = -k sum w_i (mu_s S_i + mu_d D_i + mu_v
-//   V_i) e_x,i
-// where S, D, V hold the slip's part of the friction law and e its direction. So one instant is a handful of
-// dot products over contiguous arrays. A parameter that moves the geometry (floor height, tilt) starts from
+// With the geometry given, the wrench is linear in all parameters but the dissipation:
+//   w_i = a_i x_i max(0, 1 + c v_i),  F_y = k sum w_i,
+//   F_x = -k sum w_i (mu_s S_i + mu_d D_i + mu_v V_i) e_x,i
+// where S, D, V are the slip's part of the friction law and e its direction. So one instant takes a few dot
+// products over contiguous arrays. A parameter that changes the geometry (floor height, tilt) uses
 // ContactKinematics instead, which keeps every face, touching or not.
 #pragma once
 

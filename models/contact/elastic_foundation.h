@@ -1,14 +1,13 @@
 // The elastic foundation: a bed of springs, one at the centre of each face of the sole, with Hollars
 // friction.
 //
-//   normal force of a face    n = k a x (1 + c v), never pulling          (thesis eq 5.1; Simbody
-//   ElasticFoundationForce) friction of a face        n ( min(s/vt, 1) (mu_d + 2 (mu_s - mu_d) / (1 +
-//   (s/vt)^2)) + mu_v s )       (eq 5.2, Hollars)
+//   normal force of a face  n = k a x (1 + c v), never tensile
+//   friction of a face      n ( min(s/vt, 1) (mu_d + 2 (mu_s - mu_d) / (1 + (s/vt)^2)) + mu_v s )
 //
-// a area, x depth, v depth rate, s slip speed. With prescribed motion
-// the force of a stance is an algebraic function of the kinematics: what follows separates what depends on
-// the kinematics alone (ContactKinematics, computed once) from what depends on the parameters (ContactSums, a
-// few sums per instant).
+// a area, x depth, v depth rate, s slip speed. Thesis eq 5.1 (as Simbody's ElasticFoundationForce) and 5.2
+// (Hollars). With prescribed motion the force of a stance is an algebraic function of the kinematics: the
+// part that depends on the kinematics alone (ContactKinematics, computed once) is separated from the part
+// that depends on the parameters (ContactSums, a few sums per instant).
 #pragma once
 
 #include <string>

@@ -11,7 +11,8 @@
 namespace sinew::diagnosis {
 
 struct LinearTerm {
-  Vector values;         ///< [K] of a curve at its knots; of a drift one value: half the change from begin to end [its unit]
+  Vector values;  ///< [K] of a curve at its knots; of a drift one value: half the change from begin to end
+                  ///< [its unit]
   Vector deviations;     ///< [K] standard deviations of `values`
   double shrinkage = 0;  ///< prior standard deviation of a curve's values [its unit]; infinite for a drift
   std::vector<Vector> train;  ///< residuals of the training blocks with the term [blocks][samples], weighted
