@@ -6,9 +6,9 @@
 #include <vector>
 
 #include "base/text.h"
+#include "identify/diagnosis/diagnosis_state.h"
 #include "identify/diagnosis/discover/discovery.h"
 #include "identify/diagnosis/discover/structure.h"
-#include "identify/diagnosis/examination.h"
 #include "identify/diagnosis/held_out_validation.h"
 #include "identify/diagnosis/score/quantised_channels.h"
 #include "identify/diagnosis/select/cross_validated_search.h"
@@ -63,17 +63,17 @@ double ExplainedShare(const Problem& problem, const LeastSquares& fit, const noi
 class DiagnosisRun {
  public:
   DiagnosisRun(const Problem& problem, const DiagnosisOptions& options)
-      : problem_(problem), options_(options), e_(problem, options) {}
+      : problem_(problem), options_(options), state_(problem, options) {}
 
   Result<Diagnosis> Run(FitSetup setup) {
     const auto began = std::chrono::steady_clock::now();
     SINEW_TRY(CheckThatDataSuffice(problem_, setup));
     out_.setup = std::move(setup);
-    e_.candidates = ListCandidates(problem_, out_.setup);
-    RemoveQuantisation(problem_, e_.candidates);
+    state_.candidates = ListCandidates(problem_, out_.setup);
+    RemoveQuantisation(problem_, state_.candidates);
     Say("fitting the base model");
     SINEW_ASSIGN(const bool fitted, FitBase());
-    if (fitted) SINEW_TRY(Investigate());
+    if (fitted) SINEW_TRY(RunSteps());
     out_.seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - began).count();
     return std::move(out_);
   }
@@ -104,7 +104,7 @@ class DiagnosisRun {
                       "bounds, or fix what the data cannot tell.");
       return false;
     }
-    e_.refitter = std::make_unique<Refitter>(problem_, out_.setup, e_.candidates, options_.interrupt);
+    state_.refitter = std::make_unique<Refitter>(problem_, out_.setup, state_.candidates, options_.interrupt);
     return true;
   }
 
@@ -114,8 +114,8 @@ class DiagnosisRun {
     out_.sentences = {"Nothing can be concluded: " + why + ".", what_to_do};
   }
 
-  Status Investigate() {
-    Refit base = e_.refitter->Fit({}, {out_.base_point});
+  Status RunSteps() {
+    Refit base = state_.refitter->Fit({}, {out_.base_point});
     SINEW_TRY(Continue());
     if (!base.usable()) return Fail("the base model: {}", base.failure);
     const double share = ExplainedShare(problem_, LeastSquares(problem_, *base.setup), base.noise);
@@ -128,34 +128,35 @@ class DiagnosisRun {
       return MeasureGain(base.noise);
     }
     if (base.noise_absorbs_misfit) {
-      e_.refitter->AssumeIndependentErrors();
+      state_.refitter->AssumeIndependentErrors();
       out_.warnings.push_back(
           "the residual is so large and smooth that a noise model would take the model's place: errors of "
           "neighbouring samples count as independent, which makes p-values and intervals too small");
     }
     out_.base_point = base.point;
     Say("scoring the library");
-    SINEW_ASSIGN(e_.base,
-                 ScoreModel(problem_, e_.candidates, std::move(base), options_.alarm_level, options_.seed));
+    SINEW_ASSIGN(state_.base, ScoreModel(problem_, state_.candidates, std::move(base), options_.alarm_level,
+                                         options_.seed));
     SINEW_TRY(DescribeResidual());
-    if (e_.held_out.exists()) {
-      SINEW_ASSIGN(const auto residuals, e_.held_out.Residuals(e_.base.refit.point));
-      SINEW_TRY(e_.held_out.EstimateOwnNoise(residuals));
+    if (state_.held_out.exists()) {
+      SINEW_ASSIGN(const auto residuals, state_.held_out.Residuals(state_.base.refit.point));
+      SINEW_TRY(state_.held_out.EstimateOwnNoise(residuals));
     }
     Say("refitting what answered");
-    SINEW_ASSIGN(e_.selection, Select(problem_, *e_.refitter, e_.candidates, e_.base, options_));
+    SINEW_ASSIGN(state_.selection,
+                 Select(problem_, *state_.refitter, state_.candidates, state_.base, options_));
     SINEW_TRY(Continue());
-    if (e_.held_out.exists() && !e_.selection.causes.empty()) {
-      SINEW_ASSIGN(out_.withdrawn, RejectUnsupportedCauses(e_));
+    if (state_.held_out.exists() && !state_.selection.causes.empty()) {
+      SINEW_ASSIGN(out_.withdrawn, RejectUnsupportedCauses(state_));
     }
-    out_.extended_point = e_.selection.model.point;
-    SINEW_TRY(Tabulate(e_, out_));
-    if (e_.selection.structure_left) {
+    out_.extended_point = state_.selection.model.point;
+    SINEW_TRY(Tabulate(state_, out_));
+    if (state_.selection.structure_left) {
       Say("looking for a term that nobody thought of");
-      SINEW_TRY(DiscoverUnknown(e_, out_));
+      SINEW_TRY(DiscoverUnknown(state_, out_));
     }
     SINEW_TRY(Continue());
-    SINEW_TRY(MeasureGain(e_.selection.model.noise));
+    SINEW_TRY(MeasureGain(state_.selection.model.noise));
     Conclude();
     return {};
   }
@@ -168,12 +169,12 @@ class DiagnosisRun {
 
   // Steps 1 and 2.
   Status DescribeResidual() {
-    const LeastSquares fit(problem_, *e_.base.refit.setup);
-    SINEW_ASSIGN(const auto residuals, NoiseBlocks(fit, e_.base.refit.x));
+    const LeastSquares fit(problem_, *state_.base.refit.setup);
+    SINEW_ASSIGN(const auto residuals, NoiseBlocks(fit, state_.base.refit.x));
     out_.tests = TestResiduals(residuals);
-    SINEW_ASSIGN(out_.structure, FindStructure(problem_, e_.base.refit.point));
-    out_.threshold = e_.base.family.threshold;
-    out_.family_p_value = e_.base.family.p_value;
+    SINEW_ASSIGN(out_.structure, FindStructure(problem_, state_.base.refit.point));
+    out_.threshold = state_.base.family.threshold;
+    out_.family_p_value = state_.base.family.p_value;
     return {};
   }
 
@@ -183,7 +184,7 @@ class DiagnosisRun {
     SINEW_ASSIGN(out_.extended_point, FitHeldOutNuisance(problem_, out_.extended_point));
     SINEW_ASSIGN(const FullPrediction base, PredictAll(problem_, out_.base_point));
     SINEW_ASSIGN(FullPrediction extended, PredictAll(problem_, out_.extended_point));
-    for (const auto& [b, residual] : e_.added) {
+    for (const auto& [b, residual] : state_.added) {
       const Block& block = problem_.layout()[static_cast<std::size_t>(b)];
       for (std::size_t i = 0; i < block.sample.size(); ++i)
         extended.values[static_cast<std::size_t>(b)][block.sample[i]] =
@@ -209,15 +210,15 @@ class DiagnosisRun {
       out_.traces.push_back(std::move(trace));
     }
     ReportNoise(noise);
-    if (!e_.held_out.exists()) return {};
+    if (!state_.held_out.exists()) return {};
     std::vector<Vector> before;
     std::vector<Vector> after;
-    for (const int b : e_.held_out.blocks()) {
+    for (const int b : state_.held_out.blocks()) {
       const Block& block = problem_.layout()[static_cast<std::size_t>(b)];
       before.push_back(WeightedResidual(block, base.values[static_cast<std::size_t>(b)]));
       after.push_back(WeightedResidual(block, extended.values[static_cast<std::size_t>(b)]));
     }
-    out_.gain = e_.held_out.Gains(before, after, noise, options_.seed);
+    out_.gain = state_.held_out.Gains(before, after, noise, options_.seed);
     return {};
   }
 
@@ -255,8 +256,8 @@ class DiagnosisRun {
   }
 
   void Conclude() {
-    const Selection& selection = e_.selection;
-    out_.strongly_autocorrelated = !selection.alarm && MisfitDominatesNoise(e_.base.refit.noise);
+    const Selection& selection = state_.selection;
+    out_.strongly_autocorrelated = !selection.alarm && MisfitDominatesNoise(state_.base.refit.noise);
     if (out_.strongly_autocorrelated) {
       out_.verdict = DiagnosisVerdict::kUnexplained;
     } else if (!selection.alarm) {
@@ -279,15 +280,15 @@ class DiagnosisRun {
           Join(selection.left_out, "; ") + (all > selection.searched ? some : "") +
           ", each left out of the fit in turn, and intervals show what leaving out one trial does");
     }
-    if (!e_.held_out.exists())
+    if (!state_.held_out.exists())
       out_.warnings.push_back(
           "there is no validation trial: no gain can be measured, and no cause withdrawn");
-    out_.sentences = DescribeDiagnosis(out_, e_.held_out.exists());
+    out_.sentences = DescribeDiagnosis(out_, state_.held_out.exists());
   }
 
   const Problem& problem_;
   const DiagnosisOptions& options_;
-  Examination e_;
+  DiagnosisState state_;
   Diagnosis out_;
 };
 

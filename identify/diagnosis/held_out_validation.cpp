@@ -18,14 +18,14 @@ constexpr double kLowQuantile = -2.33;  // standard normal quantile of 0.01
 constexpr double kMinChangeShare =
     0.05;  // the same as a share of the remaining error, if that dominates the noise
 
-class Withdrawal {
+class HeldOutValidation {
  public:
-  explicit Withdrawal(Examination& examination) : e_(examination), selection_(examination.selection) {}
+  explicit HeldOutValidation(DiagnosisState& state) : state_(state), selection_(state.selection) {}
 
   Result<std::vector<WithdrawnCause>> Run() {
-    SINEW_ASSIGN(const auto of_base, e_.held_out.Residuals(e_.base.refit.point));
+    SINEW_ASSIGN(const auto of_base, state_.held_out.Residuals(state_.base.refit.point));
     while (!selection_.causes.empty()) {
-      SINEW_ASSIGN(const auto with, e_.held_out.Residuals(selection_.model.point));
+      SINEW_ASSIGN(const auto with, state_.held_out.Residuals(selection_.model.point));
       const double together = Gain(of_base, with);
       const bool rejected = together < 0 && ChangesEnoughToJudge(of_base, with);
       Rejection worst = FindWorst(with, rejected);
@@ -53,13 +53,13 @@ class Withdrawal {
 
   // Reduction of the held-out loss by the model.
   [[nodiscard]] double Gain(const std::vector<Vector>& before, const std::vector<Vector>& with) const {
-    return e_.Loss(before, selection_.model.noise) - e_.Loss(with, selection_.model.noise);
+    return state_.Loss(before, selection_.model.noise) - state_.Loss(with, selection_.model.noise);
   }
 
   [[nodiscard]] bool ChangesEnoughToJudge(const std::vector<Vector>& before,
                                           const std::vector<Vector>& with) const {
-    const double loss = e_.Loss(Moved(before, with), selection_.model.noise);
-    if (selection_.cross_validated) return loss > kMinChangeShare * e_.Loss(with, selection_.model.noise);
+    const double loss = state_.Loss(Moved(before, with), selection_.model.noise);
+    if (selection_.cross_validated) return loss > kMinChangeShare * state_.Loss(with, selection_.model.noise);
     if (loss <= kMinChange) return false;
     double sum = 0;
     double squares = 0;
@@ -80,8 +80,8 @@ class Withdrawal {
   // variation by chance; gains of groups are independent.
   [[nodiscard]] std::vector<double> GainsOfGroups(const std::vector<Vector>& before,
                                                   const std::vector<Vector>& with) const {
-    std::vector<double> gains = e_.held_out.InnovationsOfGroups(before, selection_.model.noise);
-    const std::vector<double> left = e_.held_out.InnovationsOfGroups(with, selection_.model.noise);
+    std::vector<double> gains = state_.held_out.InnovationsOfGroups(before, selection_.model.noise);
+    const std::vector<double> left = state_.held_out.InnovationsOfGroups(with, selection_.model.noise);
     for (std::size_t g = 0; g < gains.size(); ++g) gains[g] -= left[g];
     return gains;
   }
@@ -90,11 +90,11 @@ class Withdrawal {
                                               const std::vector<Vector>& with) const {
     if (selection_.cross_validated) return false;
     const std::vector<Vector> moved = Moved(before, with);
-    const double squared = e_.Loss(moved, selection_.model.noise);
+    const double squared = state_.Loss(moved, selection_.model.noise);
     const double fitted = FittedChange();
     if (!(squared > 0 && fitted > 0)) return false;
     double variance = 4 * (1 + squared / fitted) * squared;
-    const std::vector<double> expected = e_.held_out.InnovationsOfGroups(moved, selection_.model.noise);
+    const std::vector<double> expected = state_.held_out.InnovationsOfGroups(moved, selection_.model.noise);
     const std::vector<double> gains = GainsOfGroups(before, with);
     double of_groups = 0;
     for (std::size_t g = 0; g < gains.size(); ++g) of_groups += std::pow(gains[g] - expected[g], 2);
@@ -105,14 +105,14 @@ class Withdrawal {
   // Squared change of the training residuals by the causes, in units of the noise variance; 0 if it cannot be
   // computed.
   [[nodiscard]] double FittedChange() const {
-    LeastSquares fit(e_.problem, *selection_.model.setup);
+    LeastSquares fit(state_.problem, *selection_.model.setup);
     const noise::Whitening whitening(selection_.model.noise, TrainStretches(fit));
     fit.set_transform(&whitening);
     auto workspace = fit.NewWorkspace();
     Vector with;
     Vector without;
     if (!fit.Evaluate(selection_.model.x, workspace, with, nullptr)) return 0;
-    if (!fit.Evaluate(fit.Variables(e_.base.refit.point), workspace, without, nullptr)) return 0;
+    if (!fit.Evaluate(fit.Variables(state_.base.refit.point), workspace, without, nullptr)) return 0;
     return (with - without).squaredNorm();
   }
 
@@ -123,10 +123,10 @@ class Withdrawal {
     worst.gain = rejected_together ? std::numeric_limits<double>::infinity() : 0;
     for (std::size_t i = 0; i < selection_.causes.size(); ++i) {
       const int candidate = selection_.causes[i].candidate;
-      if (!e_.candidate(candidate).trial.empty()) continue;
+      if (!state_.candidate(candidate).trial.empty()) continue;
       Refit without = Without(candidate);
       if (!without.usable()) continue;
-      const auto before = e_.held_out.Residuals(without.point);
+      const auto before = state_.held_out.Residuals(without.point);
       if (!before) continue;
       const double gain = Gain(*before, with);
       if (gain < worst.gain && (rejected_together || ChangesEnoughToJudge(*before, with)))
@@ -144,7 +144,7 @@ class Withdrawal {
       const double more = with[b].squaredNorm() - before[b].squaredNorm();
       if (more <= most) continue;
       most = more;
-      const Block& block = e_.problem.layout()[static_cast<std::size_t>(e_.held_out.blocks()[b])];
+      const Block& block = state_.problem.layout()[static_cast<std::size_t>(state_.held_out.blocks()[b])];
       const auto rmse = [&](const Vector& r) {
         return Readable(r.norm() / std::sqrt(static_cast<double>(r.size())) / block.weight);
       };
@@ -159,16 +159,17 @@ class Withdrawal {
     for (const int c : selection_.model.released) {
       if (c != candidate) rest.push_back(c);
     }
-    if (rest.empty()) return e_.base.refit;
+    if (rest.empty()) return state_.base.refit;
     Vector start = selection_.model.point;
-    for (const int index : e_.candidate(candidate).parameters) start[index] = e_.base.refit.point[index];
-    return e_.Fit(rest, {start});
+    for (const int index : state_.candidate(candidate).parameters)
+      start[index] = state_.base.refit.point[index];
+    return state_.Fit(rest, {start});
   }
 
   void Withdraw(Rejection rejection) {
     const ChosenCause cause = selection_.causes[rejection.cause];
     withdrawn_.push_back(
-        {e_.candidate(cause.candidate).effect,
+        {state_.candidate(cause.candidate).effect,
          selection_.cross_validated
              ? "it improves the fitted trials but makes the held-out trials worse" + rejection.where
              : fmt::format(
@@ -198,8 +199,8 @@ class Withdrawal {
       }
       std::sort(released.begin(), released.end());
       Vector start = rival.refit.point;
-      for (const int index : e_.candidate(gone).parameters) start[index] = e_.base.refit.point[index];
-      rival.refit = e_.Fit(released, {start});
+      for (const int index : state_.candidate(gone).parameters) start[index] = state_.base.refit.point[index];
+      rival.refit = state_.Fit(released, {start});
       if (rival.refit.usable()) refitted.push_back(std::move(rival));
     }
     selection_.rivals = std::move(refitted);
@@ -224,8 +225,8 @@ class Withdrawal {
       rival.delta_lr = rival.refit.deviance - selection_.model.deviance;
       const bool is_cause = std::any_of(selection_.causes.begin(), selection_.causes.end(),
                                         [&](const ChosenCause& c) { return c.candidate == rival.candidate; });
-      const double more = static_cast<double>(e_.candidate(rival.candidate).parameters.size()) -
-                          static_cast<double>(e_.candidate(rival.instead_of).parameters.size());
+      const double more = static_cast<double>(state_.candidate(rival.candidate).parameters.size()) -
+                          static_cast<double>(state_.candidate(rival.instead_of).parameters.size());
       if (!is_cause && rival.delta_lr >= 0 &&
           rival.delta_lr + kPerParameter * more <= SetWidth(selection_.model))
         close.push_back(std::move(rival));
@@ -235,9 +236,10 @@ class Withdrawal {
 
   // True if held-out trials are predicted no worse than with the model.
   [[nodiscard]] bool Generalises(const Refit& refit) const {
-    const auto now = e_.held_out.Residuals(selection_.model.point);
-    const auto then = e_.held_out.Residuals(refit.point);
-    return now && then && e_.Loss(*then, selection_.model.noise) <= e_.Loss(*now, selection_.model.noise);
+    const auto now = state_.held_out.Residuals(selection_.model.point);
+    const auto then = state_.held_out.Residuals(refit.point);
+    return now && then &&
+           state_.Loss(*then, selection_.model.noise) <= state_.Loss(*now, selection_.model.noise);
   }
 
   // Likelihood ratio of each cause against the remaining set without it; its p-value stays that of its
@@ -252,11 +254,11 @@ class Withdrawal {
   // Replaces the cause by the next alternative of its set that generalises.
   bool ReplaceByRival(const Rejection& rejection) {
     const ChosenCause cause = selection_.causes[rejection.cause];
-    const auto before = e_.held_out.Residuals(rejection.without.point);
+    const auto before = state_.held_out.Residuals(rejection.without.point);
     for (const Rival& rival : selection_.rivals) {
       if (rival.instead_of != cause.candidate || !before) continue;
-      const auto with = e_.held_out.Residuals(rival.refit.point);
-      if (!with || e_.Loss(*before, rival.refit.noise) <= e_.Loss(*with, rival.refit.noise)) continue;
+      const auto with = state_.held_out.Residuals(rival.refit.point);
+      if (!with || state_.Loss(*before, rival.refit.noise) <= state_.Loss(*with, rival.refit.noise)) continue;
       const int next = rival.candidate;
       selection_.model = rival.refit;
       selection_.causes[rejection.cause] = {next, cause.delta_lr - rival.delta_lr, cause.p_value};
@@ -272,15 +274,15 @@ class Withdrawal {
     return false;
   }
 
-  Examination& e_;
+  DiagnosisState& state_;
   Selection& selection_;
   std::vector<WithdrawnCause> withdrawn_;
 };
 
 }  // namespace
 
-Result<std::vector<WithdrawnCause>> RejectUnsupportedCauses(Examination& examination) {
-  return Withdrawal(examination).Run();
+Result<std::vector<WithdrawnCause>> RejectUnsupportedCauses(DiagnosisState& state) {
+  return HeldOutValidation(state).Run();
 }
 
 }  // namespace sinew::diagnosis

@@ -3,7 +3,7 @@
 
 #include <vector>
 
-#include "identify/diagnosis/examination.h"
+#include "identify/diagnosis/diagnosis_state.h"
 
 namespace sinew::diagnosis {
 
@@ -17,6 +17,6 @@ namespace sinew::diagnosis {
 /// fit. A far smaller reduction shows that the causes compensate for something else
 /// (Selection::structure_left).
 /// Errors: those of Problem::Predict on the held-out trials.
-Result<std::vector<WithdrawnCause>> RejectUnsupportedCauses(Examination& examination);
+Result<std::vector<WithdrawnCause>> RejectUnsupportedCauses(DiagnosisState& state);
 
 }  // namespace sinew::diagnosis

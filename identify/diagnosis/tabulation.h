@@ -2,21 +2,21 @@
 // library.
 #pragma once
 
-#include "identify/diagnosis/examination.h"
+#include "identify/diagnosis/diagnosis_state.h"
 
 namespace sinew::diagnosis {
 
 /// Values and intervals of parameters in a refit; parameters that it does not free are left out. A parameter
 /// that the data do not determine has a standard error and bounds of NaN.
 /// @param covariance [n x n] of the refit's variables @param which [P indices]
-[[nodiscard]] std::vector<DiagnosedParameter> ValuesOf(const Examination& examination, const Refit& refit,
+[[nodiscard]] std::vector<DiagnosedParameter> ValuesOf(const DiagnosisState& state, const Refit& refit,
                                                        const Matrix& covariance,
                                                        const std::vector<int>& which);
 
 /// Fills in parameters before and after, causes, alternatives and scores. A quantised channel is added here:
 /// it is recognised without a test, and it is a cause if its share of the residual exceeds the size that a
 /// test of this effect alone detects. Errors: those of Problem::Predict.
-Status Tabulate(Examination& examination, Diagnosis& diagnosis);
+Status Tabulate(DiagnosisState& state, Diagnosis& diagnosis);
 
 /// Inserts a score at its place, most significant first.
 void Insert(EffectScore score, std::vector<EffectScore>& scores);

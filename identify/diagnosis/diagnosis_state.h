@@ -12,8 +12,8 @@
 
 namespace sinew::diagnosis {
 
-struct Examination {
-  Examination(const Problem& of, const DiagnosisOptions& how) : problem(of), options(how), held_out(of) {}
+struct DiagnosisState {
+  DiagnosisState(const Problem& of, const DiagnosisOptions& how) : problem(of), options(how), held_out(of) {}
 
   const Problem& problem;
   const DiagnosisOptions& options;
