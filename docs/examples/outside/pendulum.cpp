@@ -1,8 +1,8 @@
-// Somebody else's model in about 100 lines: a pendulum that swings out, seen by a camera.
+// A user's model in about 100 lines: a damped pendulum, recorded by a camera.
 //
 //   angle(t) = amplitude * exp(-damping t) * cos(frequency t + phase),    frequency = sqrt(g / length)
 //
-// One class says what the parameters are, how the channel follows from them, and what its derivatives are.
+// One class declares the parameters, the prediction of the channel, and its derivatives.
 // Solvers, verdicts and sensor effects come with it.
 #include <sinew/sinew.h>
 
@@ -22,7 +22,7 @@ class Pendulum final : public Problem {
                    BaseParameter("damping", "1/s", "rate of decay", 0.0, 2.0, 0.1),
                    BaseParameter("amplitude", "rad", "of the swing at t = 0", 0.01, 1.0, 0.2),
                    BaseParameter("phase", "rad", "of the swing at t = 0", -1.5, 1.5, 0.0),
-                   // It does not show in the angle: sinew will say so.
+                   // The angle does not depend on it: sinew reports this.
                    BaseParameter("mass", "kg", "at the end", 0.1, 10.0, 1.0)};
     Block block;
     block.trial = "swing";
