@@ -1,6 +1,7 @@
 #include "base/hdf5_tree.h"
 
 #include <fcntl.h>
+#define H5_USE_110_API  // H5Oget_info has other arguments since 1.12
 #include <hdf5.h>
 #include <sys/resource.h>
 #include <sys/wait.h>
@@ -9,10 +10,10 @@
 #include <algorithm>
 #include <cerrno>
 #include <csignal>
-#include <cstdio>
 #include <filesystem>
 #include <mutex>
 
+#include "base/replace_file.h"
 #include "base/text.h"
 
 namespace sinew {
@@ -26,6 +27,7 @@ constexpr std::size_t kMaxValuesPerByte = 1032;
 constexpr std::size_t kSmallFile = 4096;    // [bytes] allowance for datasets without stored values
 constexpr std::size_t kValuesPerNode = 64;  // values that a group or dataset itself counts as, for its memory
 constexpr int kDeepest = 32;
+constexpr std::size_t kImageGrowth = std::size_t{1} << 20;  // [bytes] by which a file grows while it is made
 // A damaged file can put libhdf5 into an endless loop. Time limit of a reading [s], with one more second for
 // every kBytesPerSecond of the file (an intact one is read a hundred times as fast).
 constexpr rlim_t kProcessorSeconds = 2;
@@ -371,6 +373,25 @@ bool WriteNode(hid_t parent, const std::string& name, const Hdf5Node& node) {
          H5Dwrite(dataset.get(), type, H5S_ALL, H5S_ALL, H5P_DEFAULT, pointers.data()) >= 0;
 }
 
+// The bytes of the file. They are made in memory and written by ourselves: where the disk is full, libhdf5
+// cannot close a file of its own, keeps it, and crashes on it when the process ends.
+bool MakeImage(const Hdf5Node& root, std::string& image) {
+  const Handle in_memory(H5Pcreate(H5P_FILE_ACCESS), H5Pclose);
+  if (!in_memory || H5Pset_fapl_core(in_memory.get(), kImageGrowth, false) < 0) return false;
+  // Nothing is made under this name, but libhdf5 first looks whether it can be opened.
+  const Handle file(H5Fcreate("/dev/null/image.h5", H5F_ACC_TRUNC, H5P_DEFAULT, in_memory.get()), H5Fclose);
+  if (!file) return false;
+  {
+    const Handle group(H5Gopen2(file.get(), "/", H5P_DEFAULT), H5Gclose);
+    if (!group || !WriteGroup(group.get(), root)) return false;
+  }
+  if (H5Fflush(file.get(), H5F_SCOPE_GLOBAL) < 0) return false;
+  const ssize_t size = H5Fget_file_image(file.get(), nullptr, 0);
+  if (size <= 0) return false;
+  image.resize(static_cast<std::size_t>(size));
+  return H5Fget_file_image(file.get(), image.data(), image.size()) == size;
+}
+
 }  // namespace
 
 Hdf5Node& Hdf5Node::At(std::string_view path) {
@@ -424,6 +445,8 @@ Result<Hdf5Node> ReadHdf5(const std::string& path) {
   std::error_code code;
   if (!std::filesystem::exists(path, code)) return Fail("{}: no such file", path);
   if (std::filesystem::is_directory(path, code)) return Fail("{}: is a folder, expected an HDF5 file", path);
+  if (!std::filesystem::is_regular_file(path, code))
+    return Fail("{}: is a device, a pipe or a socket, expected an HDF5 file", path);
   const std::lock_guard lock(hdf5_mutex);
   H5Eset_auto2(H5E_DEFAULT, nullptr, nullptr);  // its errors become ours, not a stack trace on stderr
   if (H5Fis_hdf5(path.c_str()) <= 0) return Fail("{}: is not an HDF5 file", path);
@@ -433,21 +456,13 @@ Result<Hdf5Node> ReadHdf5(const std::string& path) {
 }
 
 Status WriteHdf5(const std::string& path, const Hdf5Node& root) {
-  const std::lock_guard lock(hdf5_mutex);
-  H5Eset_auto2(H5E_DEFAULT, nullptr, nullptr);
-  const std::string beside = path + "." + std::to_string(getpid()) + ".tmp";
-  bool written = false;
+  std::string image;
   {
-    const Handle file(H5Fcreate(beside.c_str(), H5F_ACC_TRUNC, H5P_DEFAULT, H5P_DEFAULT), H5Fclose);
-    if (!file) return Fail("{}: cannot be written (does its folder exist?)", path);
-    const Handle group(H5Gopen2(file.get(), "/", H5P_DEFAULT), H5Gclose);
-    written = group && WriteGroup(group.get(), root) && H5Fflush(file.get(), H5F_SCOPE_GLOBAL) >= 0;
+    const std::lock_guard lock(hdf5_mutex);
+    H5Eset_auto2(H5E_DEFAULT, nullptr, nullptr);
+    if (!MakeImage(root, image)) return Fail("{}: cannot be made (too little memory?)", path);
   }
-  if (!written || std::rename(beside.c_str(), path.c_str()) != 0) {
-    std::remove(beside.c_str());
-    return Fail("{}: cannot be written (disk full, or no permission)", path);
-  }
-  return {};
+  return ReplaceFile(path, image);
 }
 
 }  // namespace sinew

@@ -54,8 +54,7 @@ struct Hdf5Node {
 /// than the file can hold or than 2^28, a dataset that is neither numbers nor text.
 Result<Hdf5Node> ReadHdf5(const std::string& path);
 
-/// Writes a temporary file beside the target and renames it. Errors: the folder cannot be written; the old
-/// file is then unchanged.
+/// Made in memory, then written by ReplaceFile. Errors: those of ReplaceFile; the old file is then unchanged.
 Status WriteHdf5(const std::string& path, const Hdf5Node& root);
 
 }  // namespace sinew

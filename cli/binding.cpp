@@ -1,7 +1,5 @@
 #include "cli/binding.h"
 
-#include <tbb/global_control.h>
-
 #include "base/text.h"
 #include "cli/terminal.h"
 #include "datasets/dataset_hash.h"
@@ -9,9 +7,6 @@
 
 namespace sinew {
 namespace {
-
-// Every seed is a whole number in the run file, in JSON and in HDF5's readers.
-constexpr std::uint64_t kMaxSeed = std::uint64_t{1} << 53;
 
 // What is recorded, or predicted, in another file, in place of each trial's excitations.
 Status ReplaceExcitations(const std::string& path, Dataset& data) {
@@ -46,13 +41,9 @@ void FitOptions::AddChoiceTo(Command command) {
 }
 
 void FitOptions::AddWorkTo(Command command) {
-  command.Add("--seed", seed, "Seed of everything random")
-      .Between(std::uint64_t{0}, kMaxSeed, "SEED")
-      .ShowsDefault();
-  command.Add("--threads", threads, "Threads; the answer does not depend on it")
-      .Between(1, 1024)
-      .ShowsDefault();
-  command.AddFlag("--quiet", quiet, "Print no progress");
+  AddSeedTo(command);
+  AddThreadsTo(command);
+  AddQuietTo(command);
 }
 
 void FitOptions::AddTo(Command command) {
@@ -108,11 +99,6 @@ SolverOptions FitOptions::ToSolverOptions() const {
   options.seed = seed;
   options.threads = threads;
   return options;
-}
-
-std::shared_ptr<void> FitOptions::LimitThreads() const {
-  return std::make_shared<tbb::global_control>(tbb::global_control::max_allowed_parallelism,
-                                               static_cast<std::size_t>(threads));
 }
 
 Provenance Binding::ToProvenance(const BindingOptions& options) const {

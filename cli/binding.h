@@ -10,6 +10,7 @@
 #include <vector>
 
 #include "cli/command.h"
+#include "cli/work_options.h"
 #include "identify/files/run_file.h"
 #include "identify/fit_setup.h"
 #include "identify/solvers/solver.h"
@@ -27,17 +28,14 @@ struct BindingOptions {
 };
 
 /// The words of a command that say what is fitted and how.
-struct FitOptions {
+struct FitOptions : WorkOptions {
   std::vector<std::string> free;
   std::vector<std::string> fix;
   std::vector<std::string> bounds;
   std::vector<std::string> start;
   std::vector<std::string> release;
-  std::uint64_t seed = 1;
-  int threads = 1;
   std::optional<long> max_evaluations;
   std::optional<double> max_seconds;
-  bool quiet = false;
   void AddTo(Command command);
   /// Only what chooses the base parameters and where they begin.
   void AddChoiceTo(Command command);
@@ -48,8 +46,6 @@ struct FitOptions {
   [[nodiscard]] Result<FitRequest> Request() const;
   [[nodiscard]] Budget ToBudget() const;
   [[nodiscard]] SolverOptions ToSolverOptions() const;
-  /// Until the result is destroyed, nothing in the program uses more threads.
-  [[nodiscard]] std::shared_ptr<void> LimitThreads() const;
 };
 
 /// Data, settings and problem, bound together.

@@ -49,6 +49,15 @@ CommandWord& CommandWord::AtLeastZero() {
   return *this;
 }
 
+CommandWord& CommandWord::NotEmpty() {
+  option_->check(CLI::Validator(
+      [](const std::string& word) {
+        return word.empty() ? std::string("expected a name, not an empty word") : std::string();
+      },
+      ""));
+  return *this;
+}
+
 Command Command::AddCommand(const std::string& name, const std::string& meaning) {
   return *app_->add_subcommand(name, meaning);
 }

@@ -41,6 +41,8 @@ class CommandWord {
   /// @param type what the help shows; empty: the range.
   CommandWord& Between(std::uint64_t low, std::uint64_t high, const std::string& type = "");
   CommandWord& AtLeastZero();
+  /// An empty word is an error.
+  CommandWord& NotEmpty();
 
  private:
   CLI::Option* option_;

@@ -5,6 +5,7 @@
 #include "base/text.h"
 #include "cli/binding.h"
 #include "cli/command.h"
+#include "cli/command_files.h"
 #include "cli/diagnosis_text.h"
 #include "cli/terminal.h"
 #include "identify/files/diagnosis_file.h"
@@ -80,10 +81,7 @@ int NotUsable(const std::string& why) {
 
 Result<int> RunDiagnose(const DiagnoseWords& words) {
   const auto limit = words.fit.LimitThreads();
-  const std::vector<std::string> inputs{words.binding.data, words.binding.config, words.from};
-  SINEW_TRY(CheckOutput(words.out, inputs));
-  SINEW_TRY(CheckOutput(words.json.empty() ? "-" : words.json,
-                        {words.binding.data, words.binding.config, words.from, words.out}));
+  SINEW_TRY(CheckFiles({{words.binding.data, words.binding.config, words.from}, {words.out}, words.json}));
   SINEW_ASSIGN(const Binding binding, Bind(words.binding, true));
   const Provenance provenance = binding.ToProvenance(words.binding);
   SINEW_ASSIGN(FitRequest request, words.fit.Request());
@@ -138,7 +136,7 @@ void AddDiagnoseCommand(Command app, const RunAction& run) {
       .ShowsDefault()
       .Shows("S");
   command.Add("--out", words->out, "Diagnosis file to write (docs/run_file.md)").Required().Shows("DIAG.h5");
-  command.Add("--json", words->json, "Result for machines; - for standard output").Shows("FILE|-");
+  AddJsonTo(command, words->json);
   command.Runs(run, [=] { return RunDiagnose(*words); });
 }
 

@@ -7,6 +7,7 @@
 #include "base/text.h"
 #include "cli/binding.h"
 #include "cli/command.h"
+#include "cli/command_files.h"
 #include "cli/terminal.h"
 #include "identify/identification/identification.h"
 #include "identify/identification/stepwise.h"
@@ -98,9 +99,7 @@ void PrintFindings(const IdentifyWords& words, const Binding& binding, const Ide
 
 Result<int> RunIdentify(const IdentifyWords& words) {
   const auto limit = words.fit.LimitThreads();
-  SINEW_TRY(CheckOutput(words.out, {words.binding.data, words.binding.config}));
-  SINEW_TRY(CheckOutput(words.json.empty() ? "-" : words.json,
-                        {words.binding.data, words.binding.config, words.out}));
+  SINEW_TRY(CheckFiles({{words.binding.data, words.binding.config}, {words.out}, words.json}));
   SINEW_ASSIGN(const Binding binding, Bind(words.binding, !words.fit.release.empty()));
   SINEW_ASSIGN(const FitRequest request, words.fit.Request());
   SINEW_ASSIGN(FitSetup setup, MakeFitSetup(binding.problem(), request));
@@ -122,15 +121,22 @@ Result<int> RunIdentify(const IdentifyWords& words) {
 
   ProgressLine line("identify " + words.solver, words.fit.quiet);
   double next_saving = kCheckpointInterval;
+  bool unsaved_noted = false;
   const IdentificationOptions as_asked = options;
   options.evaluator.progress = [&](const Progress& progress, const Evaluator& evaluator) {
     line.Show(progress, as_asked.evaluator.budget);
     if (progress.seconds < next_saving) return;
     const double began = evaluator.seconds();
-    // A checkpoint that cannot be written is no reason to stop: the answer itself will say so if it cannot
-    // either.
-    static_cast<void>(
-        WriteHdf5(words.out, UnfinishedRunTree(evaluator.fit(), as_asked, provenance, evaluator)));
+    // A checkpoint that cannot be written is no reason to stop: the answer itself may find room again.
+    const Status saved =
+        WriteHdf5(words.out, UnfinishedRunTree(evaluator.fit(), as_asked, provenance, evaluator));
+    if (!saved && !unsaved_noted) {
+      line.Clear();
+      std::fputs(
+          Wrapped("warning: this run goes on without being saved: " + saved.error().message, 0).c_str(),
+          stderr);
+    }
+    unsaved_noted = !saved;
     const double ended = evaluator.seconds();
     next_saving = ended + std::max(kCheckpointInterval, kCheckpointShare * (ended - began));
   };
@@ -169,7 +175,7 @@ void AddIdentifyCommand(Command app, const RunAction& run) {
            "How 95 % intervals are found: profile likelihood, or from the curvature alone (much faster)")
       .Shows("profile|linear");
   command.AddFlag("--stepwise", words->stepwise, "Fit in the steps that the settings list");
-  command.Add("--json", words->json, "Result for machines; - for standard output").Shows("FILE|-");
+  AddJsonTo(command, words->json);
   command.Runs(run, [=] { return RunIdentify(*words); });
 }
 

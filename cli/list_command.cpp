@@ -6,6 +6,8 @@
 #include "base/text.h"
 #include "cli/binding.h"
 #include "cli/command.h"
+#include "cli/command_files.h"
+#include "cli/list_json.h"
 #include "cli/terminal.h"
 #include "identify/solvers/solver.h"
 #include "models/mechanisms/integrator.h"
@@ -13,10 +15,6 @@
 
 namespace sinew {
 namespace {
-
-void Print(const std::string& text) {
-  std::fputs(text.c_str(), stdout);
-}
 
 std::string ListProblems() {
   std::vector<std::vector<std::string>> rows;
@@ -39,17 +37,20 @@ std::string ListIntegrators() {
   return Table(rows, 0) + "What uses them: sinew mbs.\n";
 }
 
+const std::vector<FormatEntry> kFormats{
+    {".h5", true, true, "data sets and runs of sinew (docs/dataset_file.md, docs/run_file.md)"},
+    {".trc", true, false, "markers"},
+    {".mot .sto", true, true, "forces, coordinates, anything over time (OpenSim, SIMM, CEINMS)"},
+    {".csv .txt", true, false, "anything, with an import map (docs/import.md)"},
+    {".osim", true, false, "OpenSim models 2.x to 4.x: bodies, joints, couplers, markers"},
+    {".xml", true, false, "OpenSim external loads and inverse kinematics setups"},
+    {".obj", true, false, "soles"}};
+
 std::string ListFormats() {
-  return Table(
-      {{"format", "read", "written", "holds"},
-       {".h5", "yes", "yes", "data sets and runs of sinew (docs/dataset_file.md, docs/run_file.md)"},
-       {".trc", "yes", "no", "markers"},
-       {".mot .sto", "yes", "yes", "forces, coordinates, anything over time (OpenSim, SIMM, CEINMS)"},
-       {".csv .txt", "yes", "no", "anything, with an import map (docs/import.md)"},
-       {".osim", "yes", "no", "OpenSim models 2.x to 4.x: bodies, joints, couplers, markers"},
-       {".xml", "yes", "no", "OpenSim external loads and inverse kinematics setups"},
-       {".obj", "yes", "no", "soles"}},
-      0);
+  std::vector<std::vector<std::string>> rows{{"format", "read", "written", "holds"}};
+  for (const FormatEntry& format : kFormats)
+    rows.push_back({format.name, format.read ? "yes" : "no", format.written ? "yes" : "no", format.holds});
+  return Table(rows, 0);
 }
 
 std::string ListParameters(const ProblemEntry& entry) {
@@ -109,50 +110,73 @@ Result<BoundProblem> BindToSynthetic(const ProblemEntry& entry) {
   return entry.bind(data, reader, true);
 }
 
-Result<std::string> ListEffects(const ProblemEntry& entry, const std::string& data) {
-  BoundProblem bound;
+// Of the data, or of synthetic ones.
+Result<BoundProblem> BindForEffects(const ProblemEntry& entry, const std::string& data) {
   if (data.empty()) {
     auto synthetic = BindToSynthetic(entry);
     if (!synthetic) {
       return Fail("list effects {}: depends on data, give --data F.h5 (synthetic data alone do not do: {})",
                   entry.name, synthetic.error().message);
     }
-    bound = std::move(*synthetic);
-  } else {
-    BindingOptions options;
-    options.problem = entry.name;
-    options.data = data;
-    SINEW_ASSIGN(Binding binding, Bind(options, true));
-    bound = std::move(binding.bound);
+    return synthetic;
   }
-  return DescribeEffects(*bound.problem) + "`sinew identify " + entry.name +
+  BindingOptions options;
+  options.problem = entry.name;
+  options.data = data;
+  SINEW_ASSIGN(Binding binding, Bind(options, true));
+  return std::move(binding.bound);
+}
+
+std::string ListEffects(const ProblemEntry& entry, const Problem& problem) {
+  return DescribeEffects(problem) + "`sinew identify " + entry.name +
          " --release EFFECT` fits one; `sinew diagnose` asks which are needed.\n";
 }
 
 const std::vector<std::string> kSubjects{"problems", "solvers",    "integrators", "formats",
                                          "effects",  "parameters", "channels"};
 
-Result<int> List(const std::string& what, const std::string& problem, const std::string& data) {
-  if (std::find(kSubjects.begin(), kSubjects.end(), what) == kSubjects.end())
-    return Fail("list: '{}' does not exist{}", what, Suggestion(what, kSubjects));
-  if (what == "solvers") {
-    Print(ListSolvers());
-  } else if (what == "integrators") {
-    Print(ListIntegrators());
-  } else if (what == "formats") {
-    Print(ListFormats());
-  } else if (what == "problems") {
-    Print(ListProblems());
-  } else {
-    if (problem.empty())
-      return Fail("list {}: expected a problem, such as `sinew list {} contact`", what, what);
-    SINEW_ASSIGN(const ProblemEntry* entry, FindProblem(problem));
-    if (what == "parameters") Print(ListParameters(*entry));
-    if (what == "channels") Print(entry->channels);
-    if (what == "effects") {
-      SINEW_ASSIGN(const std::string text, ListEffects(*entry, data));
-      Print(text);
-    }
+struct ListWords {
+  std::string what = "problems";
+  std::string problem;
+  std::string data;
+  std::string json;
+};
+
+// What there is of a problem: text for people or, if `as_json`, for machines.
+Result<std::string> ListOfProblem(const ListWords& words, bool as_json) {
+  if (words.problem.empty())
+    return Fail("list {}: expected a problem, such as `sinew list {} contact`", words.what, words.what);
+  SINEW_ASSIGN(const ProblemEntry* entry, FindProblem(words.problem));
+  if (words.what == "parameters") return as_json ? ParametersJson(*entry) : ListParameters(*entry);
+  if (words.what == "channels") return as_json ? ChannelsJson(*entry) : entry->channels;
+  SINEW_ASSIGN(const BoundProblem bound, BindForEffects(*entry, words.data));
+  return as_json ? EffectsJson(*entry, *bound.problem) : ListEffects(*entry, *bound.problem);
+}
+
+Result<std::string> ListOf(const ListWords& words, bool as_json) {
+  if (std::find(kSubjects.begin(), kSubjects.end(), words.what) == kSubjects.end())
+    return Fail("list: '{}' does not exist{}", words.what, Suggestion(words.what, kSubjects));
+  const bool of_problem = words.what == "effects" || words.what == "parameters" || words.what == "channels";
+  if (!words.problem.empty() && !of_problem)
+    return Fail("list {}: unexpected argument '{}'", words.what, words.problem);
+  if (!words.data.empty() && words.what != "effects")
+    return Fail("--data: list {} takes none, only list effects does", words.what);
+  if (words.what == "solvers") return as_json ? SolversJson() : ListSolvers();
+  if (words.what == "integrators") return as_json ? IntegratorsJson() : ListIntegrators();
+  if (words.what == "formats") return as_json ? FormatsJson(kFormats) : ListFormats();
+  if (words.what == "problems") return as_json ? ProblemsJson() : ListProblems();
+  return ListOfProblem(words, as_json);
+}
+
+Result<int> List(const ListWords& words) {
+  SINEW_TRY(CheckFiles({{words.data}, {}, words.json}));
+  if (!words.json.empty()) {
+    SINEW_ASSIGN(const std::string json, ListOf(words, true));
+    SINEW_TRY(WriteText(words.json, json));
+  }
+  if (words.json != "-") {
+    SINEW_ASSIGN(const std::string text, ListOf(words, false));
+    std::fputs(text.c_str(), stdout);
   }
   return kDone;
 }
@@ -162,13 +186,12 @@ Result<int> List(const std::string& what, const std::string& problem, const std:
 void AddListCommand(Command app, const RunAction& run) {
   Command command =
       app.AddCommand("list", "What there is: problems, solvers, formats, and a problem's parts");
-  auto what = std::make_shared<std::string>("problems");
-  auto problem = std::make_shared<std::string>();
-  command.Add("what", *what, "One of " + Join(kSubjects, ", ")).ShowsDefault();
-  command.Add("problem", *problem, "For effects, parameters and channels");
-  auto data = std::make_shared<std::string>();
-  command.Add("--data", *data, "For effects: of these data; else of synthetic ones").Shows("F.h5");
-  command.Runs(run, [=] { return List(*what, *problem, *data); });
+  auto words = std::make_shared<ListWords>();
+  command.Add("what", words->what, "One of " + Join(kSubjects, ", ")).ShowsDefault();
+  command.Add("problem", words->problem, "For effects, parameters and channels");
+  command.Add("--data", words->data, "For effects: of these data; else of synthetic ones").Shows("F.h5");
+  AddJsonTo(command, words->json);
+  command.Runs(run, [=] { return List(*words); });
 }
 
 }  // namespace sinew

@@ -81,7 +81,10 @@ int Run(int argc, char** argv) {
 
 int main(int argc, char** argv) {
   try {
-    return Run(argc, argv);
+    const int status = Run(argc, argv);
+    // What was printed may have been waiting until now.
+    if (status != sinew::kDone || (std::fflush(stdout) == 0 && std::ferror(stdout) == 0)) return status;
+    return Fail("standard output cannot be written (disk full?)");
   } catch (const std::exception& exception) {
     std::fprintf(stderr, "sinew: error: unexpected: %s\n", exception.what());
     return sinew::kBadInput;

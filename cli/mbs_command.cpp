@@ -1,12 +1,15 @@
 // sinew mbs: the simulator against mechanisms whose motion is known.
 #include <cmath>
 #include <cstdio>
+#include <filesystem>
 #include <nlohmann/json.hpp>
 
 #include "base/numbers.h"
 #include "base/text.h"
 #include "cli/command.h"
+#include "cli/command_files.h"
 #include "cli/terminal.h"
+#include "cli/work_options.h"
 #include "models/mechanisms/integrator.h"
 #include "models/mechanisms/mechanism_error.h"
 
@@ -19,6 +22,7 @@ struct MbsWords {
   std::string formulation;
   std::string reference;
   std::string json;
+  WorkOptions work;
   std::optional<double> accuracy;
   std::optional<double> longest_seconds;
 };
@@ -48,6 +52,16 @@ Result<std::vector<Mechanism>> Chosen(const MbsWords& words) {
   if (words.which == "all") return MechanismRegistry();
   SINEW_ASSIGN(const Mechanism mechanism, FindMechanism(words.which));
   return std::vector<Mechanism>{mechanism};
+}
+
+// What may be read of the folder of --reference.
+std::vector<std::string> ReferenceFiles(const MbsWords& words) {
+  std::vector<std::string> files;
+  std::error_code code;
+  for (const auto& entry : std::filesystem::directory_iterator(words.reference, code)) {
+    if (entry.path().extension() == ".csv") files.push_back(entry.path().string());
+  }
+  return files;
 }
 
 Result<Outcome> Examine(const Mechanism& mechanism, const MbsWords& words) {
@@ -144,14 +158,18 @@ nlohmann::ordered_json ToJson(const Outcome& o) {
 
 Result<int> RunMbs(const MbsWords& words) {
   SINEW_ASSIGN(const auto mechanisms, Chosen(words));
-  if (!words.json.empty() && words.json != "-") SINEW_TRY(CheckOutput(words.json, {}));
+  SINEW_TRY(CheckFiles({ReferenceFiles(words), {}, words.json}));
+  ProgressLine line("mbs", words.work.quiet);
+  int done = 0;
   std::vector<Outcome> outcomes;
   for (const Mechanism& mechanism : mechanisms) {
     // The test set's start has its own answer, whatever the folder holds.
     if (words.which == "all" && mechanism.name == "A03-IVP" && !words.reference.empty()) continue;
+    line.Show(done++, static_cast<int>(mechanisms.size()));
     SINEW_ASSIGN(Outcome outcome, Examine(mechanism, words));
     outcomes.push_back(std::move(outcome));
   }
+  line.Clear();
   if (!words.json.empty()) {
     nlohmann::ordered_json json{{"schema", "sinew.mbs/1"}};
     for (const Outcome& outcome : outcomes) json["runs"].push_back(ToJson(outcome));
@@ -185,7 +203,8 @@ void AddMbsCommand(Command app, const RunAction& run) {
       .Add("--reference", words->reference,
            "Folder with NAME_reference_COORDINATE.csv instead of what is built in")
       .Shows("DIR");
-  command.Add("--json", words->json, "Result for machines; - for standard output").Shows("FILE|-");
+  AddJsonTo(command, words->json);
+  words->work.AddQuietTo(command);
   command.Runs(run, [=] { return RunMbs(*words); });
 }
 

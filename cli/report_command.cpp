@@ -6,6 +6,7 @@
 #include <filesystem>
 
 #include "cli/command.h"
+#include "cli/work_options.h"
 
 namespace sinew {
 namespace {
@@ -29,11 +30,11 @@ Result<std::string> FindScript() {
       "program");
 }
 
-Result<int> RunReport(const std::vector<std::string>& files, const std::string& out_dir) {
+Result<int> RunReport(const std::vector<std::string>& files, const std::string& out_dir, int threads) {
   SINEW_ASSIGN(const std::string script, FindScript());
   std::vector<std::string> words{kPython, script};
   words.insert(words.end(), files.begin(), files.end());
-  words.insert(words.end(), {"--out-dir", out_dir});
+  words.insert(words.end(), {"--out-dir", out_dir, "--threads", std::to_string(threads)});
   std::vector<char*> arguments;
   for (std::string& word : words) arguments.push_back(word.data());
   arguments.push_back(nullptr);
@@ -66,7 +67,10 @@ void AddReportCommand(Command app, const RunAction& run) {
       "report", "An executed notebook and a self-contained HTML page of runs, diagnoses and studies");
   command.Add("files", *files, "Run, diagnosis or study files").Required().Shows("FILE.h5");
   command.Add("--out-dir", *out_dir, "Folder for the notebook and the page").Required().Shows("DIR");
-  command.Runs(run, [=] { return RunReport(*files, *out_dir); });
+  auto work = std::make_shared<WorkOptions>();
+  work->AddThreadsTo(command);
+  work->AddQuietTo(command);
+  command.Runs(run, [=] { return RunReport(*files, *out_dir, work->threads); });
 }
 
 }  // namespace sinew

@@ -1,11 +1,14 @@
 // sinew simulate: what a model predicts at given parameters.
+#include <cmath>
 #include <cstdio>
 #include <filesystem>
+#include <nlohmann/json.hpp>
 
 #include "base/text.h"
 #include "cli/binding.h"
 #include "cli/command.h"
-#include "cli/excitation_mode.h"
+#include "cli/command_files.h"
+#include "cli/mode_options.h"
 #include "cli/terminal.h"
 #include "datasets/io/dataset_file.h"
 #include "datasets/io/storage_file.h"
@@ -13,12 +16,20 @@
 namespace sinew {
 namespace {
 
+namespace fs = std::filesystem;
+
 struct SimulateWords {
   BindingOptions binding;
-  ModeWords mode;
+  ModeOptions mode;
+  WorkOptions work;
   std::vector<std::string> set;
   std::string from;
   std::string out;
+  std::string json;
+
+  [[nodiscard]] CommandFiles Files() const {
+    return {{binding.data, binding.config, from, binding.excitations}, {out}, json};
+  }
 };
 
 // @param left_out if not null, how many values of the run were of trials that these data do not have
@@ -73,7 +84,10 @@ std::map<std::string, Trial> ToTrials(const Binding& binding, const FullPredicti
   return trials;
 }
 
-Status WriteStorages(const std::string& out, const std::map<std::string, Trial>& trials) {
+// One file per grid; with more than one, trial and grid are added to the name.
+std::vector<std::pair<std::string, Storage>> ToStorages(const std::string& out,
+                                                        const std::map<std::string, Trial>& trials) {
+  std::vector<std::pair<std::string, Storage>> storages;
   std::size_t grids = 0;
   for (const auto& [name, trial] : trials) grids += trial.grids.size();
   for (const auto& [name, trial] : trials) {
@@ -86,25 +100,73 @@ Status WriteStorages(const std::string& out, const std::map<std::string, Trial>&
         storage.names.push_back(channel);
         storage.columns.push_back(values.values);
       }
-      std::filesystem::path path(out);
+      fs::path path(out);
       if (grids > 1) {
         path.replace_filename(fmt::format("{}_{}{}.sto", path.stem().string(), name,
                                           trial.grids.size() > 1 ? "_" + grid_name : ""));
       }
-      SINEW_TRY(WriteStorage(path.string(), storage));
-      std::printf("%s\n", path.string().c_str());
+      storages.emplace_back(path.string(), std::move(storage));
     }
   }
-  return {};
+  return storages;
+}
+
+// @return the names of the files written.
+Result<std::vector<std::string>> WritePrediction(const SimulateWords& words, const Binding& binding,
+                                                 const std::map<std::string, Trial>& trials) {
+  if (fs::path(words.out).extension() == ".h5") {
+    Dataset out;
+    out.title = "simulated: " + binding.data.title;
+    out.source = "sinew simulate " + words.binding.problem + " on " + words.binding.data;
+    out.synthetic = true;
+    out.trials = trials;
+    SINEW_TRY(WriteDataset(words.out, out));
+    return std::vector<std::string>{words.out};
+  }
+  const auto storages = ToStorages(words.out, trials);
+  CommandFiles files = words.Files();
+  files.written.clear();
+  for (const auto& [path, storage] : storages) files.written.push_back(path);
+  SINEW_TRY(CheckFiles(files));
+  for (const auto& [path, storage] : storages) SINEW_TRY(WriteStorage(path, storage));
+  return files.written;
+}
+
+// As JSON: how well what was measured is predicted, and the files that were written.
+std::string SimulationJson(const SimulateWords& words, const FullPrediction& prediction,
+                           const std::vector<std::string>& files) {
+  nlohmann::ordered_json json{{"schema", "sinew.simulation/1"},
+                              {"problem", words.binding.problem},
+                              {"data", words.binding.data},
+                              {"files", files},
+                              {"fit", nlohmann::ordered_json::array()}};
+  const auto finite = [](double value) {
+    return std::isfinite(value) ? nlohmann::ordered_json(value) : nlohmann::ordered_json(nullptr);
+  };
+  for (const FitQuality& q : prediction.quality) {
+    json["fit"].push_back({{"trial", q.trial},
+                           {"role", ToString(q.role)},
+                           {"channel", q.channel},
+                           {"unit", q.unit},
+                           {"rmse", finite(q.rmse)},
+                           {"mae", finite(q.mae)},
+                           {"r2", finite(q.r2)},
+                           {"n", q.n}});
+  }
+  return json.dump(2, ' ', false, nlohmann::ordered_json::error_handler_t::replace);
 }
 
 // Sensor effects look beyond the samples, so the problem that has them predicts a margin: it is bound only if
 // a parameter is asked for that the problem alone does not have.
 // Where excitations are found, `mode` keeps how, and the problem is always bare.
 Result<Binding> BindFor(const SimulateWords& words, std::unique_ptr<ExcitationMode>& mode) {
-  SINEW_TRY(words.mode.CheckFor(words.binding.problem));
   if (words.binding.problem == "nms") {
-    SINEW_ASSIGN(Binding moded, BindWithMode(words.binding, words.mode, mode));
+    const auto bind = [&](const Dataset& data, const YamlReader& settings) -> Result<BoundProblem> {
+      SINEW_ASSIGN(BoundMode made, BindWithMode(data, settings, words.mode.change));
+      mode = std::move(made.mode);
+      return std::move(made.bound);
+    };
+    SINEW_ASSIGN(Binding moded, Bind(words.binding, bind));
     if (mode != nullptr) return moded;
   }
   SINEW_ASSIGN(Binding bare, Bind(words.binding, false));
@@ -112,46 +174,7 @@ Result<Binding> BindFor(const SimulateWords& words, std::unique_ptr<ExcitationMo
   return Bind(words.binding, true);
 }
 
-Result<int> RunSimulate(const SimulateWords& words) {
-  const std::string extension = std::filesystem::path(words.out).extension().string();
-  if (extension != ".h5" && extension != ".sto")
-    return Fail("--out {}: expected a name that ends with .h5 or .sto", words.out);
-  SINEW_TRY(CheckOutput(words.out,
-                        {words.binding.data, words.binding.config, words.from, words.binding.excitations}));
-  if (!words.binding.excitations.empty() && words.binding.problem != "nms")
-    return Fail("--excitations: the problem '{}' takes none, only nms does", words.binding.problem);
-  std::unique_ptr<ExcitationMode> mode;
-  SINEW_ASSIGN(const Binding binding, BindFor(words, mode));
-  int left_out = 0;
-  SINEW_ASSIGN(const Vector parameters, Parameters(words, binding.problem(), &left_out));
-  if (mode != nullptr) {
-    const Status found = mode->Find(parameters);
-    if (!found) return Fail("{}: {}", words.binding.data, found.error().message);
-  }
-  const auto prediction = PredictAll(binding.problem(), parameters);
-  if (!prediction) {
-    std::fprintf(stderr, "sinew: no usable answer: %s\n", prediction.error().message.c_str());
-    return kNotUsable;
-  }
-  std::vector<std::vector<std::string>> rows{{"trial", "role", "channel", "RMSE", "unit", "R2"}};
-  for (const FitQuality& q : prediction->quality) {
-    rows.push_back({q.trial, ToString(q.role), q.channel, fmt::format("{:.4g}", q.rmse), q.unit,
-                    fmt::format("{:.4f}", q.r2)});
-  }
-  auto trials = ToTrials(binding, *prediction);
-  if (mode != nullptr) SINEW_TRY(mode->AddTo(trials, parameters));
-  if (extension == ".sto") {
-    SINEW_TRY(WriteStorages(words.out, trials));
-  } else {
-    Dataset out;
-    out.title = "simulated: " + binding.data.title;
-    out.source = "sinew simulate " + words.binding.problem + " on " + words.binding.data;
-    out.synthetic = true;
-    out.trials = trials;
-    SINEW_TRY(WriteDataset(words.out, out));
-    std::printf("%s\n", words.out.c_str());
-  }
-  std::fputs(Table(rows, 2).c_str(), stdout);
+void PrintNotes(const SimulateWords& words, const Binding& binding, int left_out) {
   if (left_out > 0) {
     std::fputs(
         Wrapped(fmt::format("note: {} nuisance values of {} belong to trials that these data do not have",
@@ -161,7 +184,51 @@ Result<int> RunSimulate(const SimulateWords& words) {
         stderr);
   }
   for (const std::string& note : binding.bound.notes) std::fputs(Wrapped("note: " + note, 0).c_str(), stderr);
-  if (mode != nullptr) mode->Print();
+}
+
+void PrintQuality(const FullPrediction& prediction, const std::vector<std::string>& files) {
+  std::vector<std::vector<std::string>> rows{{"trial", "role", "channel", "RMSE", "unit", "R2"}};
+  for (const FitQuality& q : prediction.quality) {
+    rows.push_back({q.trial, ToString(q.role), q.channel, fmt::format("{:.4g}", q.rmse), q.unit,
+                    fmt::format("{:.4f}", q.r2)});
+  }
+  for (const std::string& file : files) std::printf("%s\n", file.c_str());
+  std::fputs(Table(rows, 2).c_str(), stdout);
+}
+
+Result<int> RunSimulate(SimulateWords& words) {
+  const auto limit = words.work.LimitThreads();
+  const std::string extension = fs::path(words.out).extension().string();
+  if (extension != ".h5" && extension != ".sto")
+    return Fail("--out {}: expected a name that ends with .h5 or .sto", words.out);
+  SINEW_TRY(CheckFiles(words.Files()));
+  if (!words.binding.excitations.empty() && words.binding.problem != "nms")
+    return Fail("--excitations: the problem '{}' takes none, only nms does", words.binding.problem);
+  SINEW_TRY(words.mode.CheckFor(words.binding.problem));
+  ProgressLine line("simulate", words.work.quiet);
+  std::unique_ptr<ExcitationMode> mode;
+  SINEW_ASSIGN(const Binding binding, BindFor(words, mode));
+  int left_out = 0;
+  SINEW_ASSIGN(const Vector parameters, Parameters(words, binding.problem(), &left_out));
+  if (mode != nullptr) {
+    line.Show("finding excitations");
+    const Status found = mode->Find(parameters);
+    if (!found) return Fail("{}: {}", words.binding.data, found.error().message);
+  }
+  line.Show("predicting");
+  const auto prediction = PredictAll(binding.problem(), parameters);
+  line.Clear();
+  if (!prediction) {
+    std::fprintf(stderr, "sinew: no usable answer: %s\n", prediction.error().message.c_str());
+    return kNotUsable;
+  }
+  auto trials = ToTrials(binding, *prediction);
+  if (mode != nullptr) SINEW_TRY(mode->AddTo(trials, parameters));
+  SINEW_ASSIGN(const std::vector<std::string> files, WritePrediction(words, binding, trials));
+  if (!words.json.empty()) SINEW_TRY(WriteText(words.json, SimulationJson(words, *prediction, files)));
+  if (words.json != "-") PrintQuality(*prediction, files);
+  PrintNotes(words, binding, left_out);
+  if (mode != nullptr) PrintExcitations(*mode, words.json != "-");
   return kDone;
 }
 
@@ -182,6 +249,9 @@ void AddSimulateCommand(Command app, const RunAction& run) {
       .Shows("EMG.h5");
   words->mode.AddTo(command);
   command.Add("--out", words->out, "Predicted channels").Required().Shows("OUT.h5|OUT.sto");
+  AddJsonTo(command, words->json);
+  words->work.AddThreadsTo(command);
+  words->work.AddQuietTo(command);
   command.Runs(run, [=] { return RunSimulate(*words); });
 }
 

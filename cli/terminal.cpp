@@ -3,14 +3,17 @@
 #include <unistd.h>
 
 #include <algorithm>
+#include <cerrno>
 #include <cmath>
 #include <csignal>
 #include <cstdio>
+#include <cstring>
 #include <filesystem>
 #include <fstream>
 #include <sstream>
 
 #include "base/numbers.h"
+#include "base/replace_file.h"
 #include "base/text.h"
 
 namespace sinew {
@@ -129,34 +132,10 @@ std::string Table(const std::vector<std::vector<std::string>>& rows, int indent)
   return text;
 }
 
-Status CheckOutput(const std::string& path, const std::vector<std::string>& inputs) {
-  namespace fs = std::filesystem;
-  if (path == "-") return {};
-  if (path.empty()) return Fail("the name of a file to write is empty");
-  std::error_code code;
-  for (const std::string& input : inputs) {
-    if (path == input || fs::equivalent(path, input, code))
-      return Fail("{}: is read by this command, expected another file to write", path);
-  }
-  if (fs::is_directory(path, code)) return Fail("{}: is a folder, expected a file to write", path);
-  const fs::path parent = fs::path(path).parent_path();
-  const std::string folder = parent.empty() ? "." : parent.string();
-  if (!fs::is_directory(folder, code))
-    return Fail("{}: cannot be written: there is no folder '{}'", path, folder);
-  if (access(folder.c_str(), W_OK) != 0)
-    return Fail("{}: cannot be written: no permission to write to the folder '{}'", path, folder);
-  return {};
-}
-
 Status WriteText(const std::string& path, const std::string& text) {
-  if (path == "-") {
-    std::fputs((text + "\n").c_str(), stdout);
-    return {};
-  }
-  std::ofstream file(path);
-  file << text << "\n";
-  if (!file) return Fail("{}: cannot be written (does its folder exist?)", path);
-  return {};
+  if (path != "-") return ReplaceFile(path, text + "\n");
+  const bool written = std::fputs((text + "\n").c_str(), stdout) >= 0 && std::fflush(stdout) == 0;
+  return written ? Status() : Fail("standard output cannot be written: {}", std::strerror(errno));
 }
 
 Result<std::string> ReadText(const std::string& path) {

@@ -49,10 +49,6 @@ class ProgressLine {
 /// Columns padded to equal width; the first row is the header.
 [[nodiscard]] std::string Table(const std::vector<std::vector<std::string>>& rows, int indent);
 
-/// Whether a file can be written there, asked before long work. Errors: it is one of the `inputs`, or a
-/// folder, or its folder does not exist or may not be written to.
-Status CheckOutput(const std::string& path, const std::vector<std::string>& inputs);
-
 /// Writes text to a file, or to standard output if the name is "-".
 Status WriteText(const std::string& path, const std::string& text);
 

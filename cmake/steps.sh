@@ -25,31 +25,69 @@ step() {
   rm -f "$log"
 }
 
+# packages_of SECTION...: the names in these sections of packages.txt.
+packages_of() {
+  awk -v wanted=" $* " '
+    { sub(/#.*/, "") }
+    /^\[/ { section = $1; gsub(/[][]/, "", section); next }
+    NF && index(wanted, " " section " ") { print $1 }' packages.txt
+}
+
+is_installed() { dpkg-query -W -f '${Status}' "$1" 2>/dev/null | grep -q 'install ok installed'; }
+
+as_root() { if ((EUID == 0)); then "$@"; else sudo "$@"; fi; }
+
+# install_packages SECTION...: what is missing of these sections. A package of the section `format` may be absent from
+# this release of Debian.
 install_packages() {
   local wanted missing=() package
-  wanted=$(grep -v '^#' packages.txt)
+  wanted=$(packages_of "$@")
   for package in $wanted; do
-    dpkg-query -W -f '${Status}' "$package" 2>/dev/null | grep -q 'install ok installed' || missing+=("$package")
+    is_installed "$package" || missing+=("$package")
   done
+  if ((${#missing[@]} > 0)); then
+    as_root apt-get update
+    for package in $(packages_of format); do
+      if [[ " ${missing[*]} " == *" $package "* ]] && ! apt-cache show "$package" >/dev/null 2>&1; then
+        mapfile -t missing < <(printf '%s\n' "${missing[@]}" | grep -vx "$package")
+        echo "$package is not in this release of Debian"
+      fi
+    done
+  fi
   echo "summary: $(wc -w <<<"$wanted") packages, ${#missing[@]} installed now"
   ((${#missing[@]} == 0)) && return 0
-  local as_root=()
-  if ((EUID != 0)); then as_root=(sudo); fi
-  "${as_root[@]}" apt-get update
-  "${as_root[@]}" env DEBIAN_FRONTEND=noninteractive apt-get install -y --no-install-recommends "${missing[@]}"
+  as_root env DEBIAN_FRONTEND=noninteractive apt-get install -y --no-install-recommends "${missing[@]}"
 }
 
 configure() { cmake --preset "$1" "${@:2}"; }
 
-# Users get the program alone; tests and benchmarks are left to ./check.
+# Users get the program alone; tests and benchmarks, and the packages that they need, are left to ./check. Both build in
+# build/release with the same flags, so that the one goes on from what the other has built.
 build_program() {
-  configure release
+  configure release -DSINEW_BUILD_TESTS=OFF -DSINEW_BUILD_BENCHMARKS=OFF
   cmake --build --preset release --target sinew_program
 }
 
 build_everything() {
   configure release
   cmake --build --preset release
+  refuse_warnings
+}
+
+# Warnings of the compiler stop ./check and nobody else. -Werror would be another command line for every file, so that
+# ./demo and ./check would each build anew what the other has built; instead keep_warnings.sh leaves what the compiler
+# said beside each object, of builds long ago as well, and here it counts.
+refuse_warnings() {
+  local object count=0
+  while read -r object; do
+    # Not those of files that are built no longer.
+    ninja -C build/release -t targets all | grep -qF "$object:" || continue
+    cat "build/release/$object.warnings"
+    count=$((count + 1))
+  done < <(cd build/release && find . -name '*.warnings' -printf '%P\n' | sed 's/\.warnings$//')
+  ((count == 0)) && return 0
+  echo "compiler warnings in $count files"
+  return 1
 }
 
 run_preset() {
@@ -59,6 +97,10 @@ run_preset() {
 
 check_format() {
   local files
+  if ! command -v clang-format-14 >/dev/null; then
+    echo "summary: skipped, this release of Debian has no clang-format-14 (Debian 12 has)"
+    return 0
+  fi
   mapfile -t files < <(git ls-files '*.h' '*.cpp')
   clang-format-14 --dry-run --Werror "${files[@]}"
 }

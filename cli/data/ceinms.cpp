@@ -3,9 +3,13 @@
 #include <cstdio>
 
 #include "base/hdf5_tree.h"
+#include "base/replace_file.h"
 #include "base/text.h"
+#include "cli/command_files.h"
 #include "cli/data/data_commands.h"
+#include "cli/data/dataset_json.h"
 #include "cli/terminal.h"
+#include "cli/work_options.h"
 #include "datasets/io/dataset_file.h"
 #include "datasets/io/text_file.h"
 #include "problems/nms/ceinms/project.h"
@@ -18,17 +22,24 @@ struct ProjectWords {
   std::string out;
   std::string execution;
   std::vector<std::string> validate;
+  std::string json;
 };
 
 Result<int> ImportProject(const ProjectWords& words) {
-  SINEW_TRY(CheckOutput(words.out, {words.setup, words.execution}));
+  CommandFiles files{{words.setup, words.execution}, {words.out}, words.json};
+  SINEW_TRY(CheckFiles(files));
+  const TextFilesRead read;
   SINEW_ASSIGN(const CeinmsProject project, ReadCeinmsProject(words.setup, words.validate, words.execution));
+  files.read = read.paths();  // now with all that the setup names
+  SINEW_TRY(CheckFiles(files));
   SINEW_TRY(WriteDataset(words.out, project.data));
   for (const std::string& note : project.notes) std::fputs(Wrapped("note: " + note, 0).c_str(), stderr);
   std::size_t train = 0;
   for (const auto& [name, trial] : project.data.trials) train += trial.role == Role::kTrain ? 1 : 0;
-  std::printf("%s: %zu trials to fit, %zu to predict, subject.xml and nms.yaml\n", words.out.c_str(), train,
-              project.data.trials.size() - train);
+  SINEW_TRY(Report(
+      words.json, [&] { return DatasetJson(project.data); },
+      fmt::format("{}: {} trials to fit, {} to predict, subject.xml and nms.yaml\n", words.out, train,
+                  project.data.trials.size() - train)));
   return kDone;
 }
 
@@ -38,12 +49,12 @@ struct SubjectWords {
 };
 
 Result<int> WriteSubject(const SubjectWords& words) {
-  SINEW_TRY(CheckOutput(words.out, {words.run}));
+  SINEW_TRY(CheckFiles({{words.run}, {words.out}, ""}));
   SINEW_ASSIGN(const Hdf5Node root, ReadHdf5(words.run));
   const Hdf5Node* node = root.Find("details/subject");
   const std::string* text = node == nullptr ? nullptr : node->text();
   if (text == nullptr) return Fail("{}: holds no subject: expected a run of `sinew identify nms`", words.run);
-  SINEW_TRY(WriteTextFile(words.out, *text));
+  SINEW_TRY(ReplaceFile(words.out, *text));
   std::printf("%s: the subject of %s\n", words.out.c_str(), words.run.c_str());
   return kDone;
 }
@@ -69,6 +80,7 @@ void AddCeinmsCommand(Command data, const RunAction& run) {
            "CEINMS-RT's execution file, which knows the tendon; default: executionRT.xml beside SETUP.xml")
       .Shows("EXECUTION.xml");
   command.Add("--out", words->out, "Data set to write").Required().Shows("F.h5");
+  AddJsonTo(command, words->json);
   command.Runs(run, [words] { return ImportProject(*words); });
 }
 

@@ -2,11 +2,13 @@
 #include "datasets/cut.h"
 
 #include <algorithm>
-#include <cstdio>
 
 #include "base/numbers.h"
 #include "base/text.h"
+#include "cli/command_files.h"
 #include "cli/data/data_commands.h"
+#include "cli/data/dataset_json.h"
+#include "cli/work_options.h"
 #include "datasets/io/dataset_file.h"
 
 namespace sinew {
@@ -19,6 +21,7 @@ struct CutWords {
   std::string as;
   std::string role;
   std::vector<std::string> only;
+  std::string json;
 };
 
 // Drops the measured channels of grids that hold none of the wanted prefixes' forces: a stance belongs to one
@@ -39,6 +42,7 @@ void KeepPlates(Trial& trial, const std::vector<std::string>& plates) {
 }
 
 Result<int> Cut(const CutWords& words) {
+  SINEW_TRY(CheckInPlace(words.path, "", {}, words.json));
   SINEW_ASSIGN(Dataset data, ReadDataset(words.path));
   const auto ends = Split(words.window, ':');
   const auto first = ends.size() == 2 ? ParseNumber(ends[0]) : std::nullopt;
@@ -62,12 +66,15 @@ Result<int> Cut(const CutWords& words) {
     KeepPlates(data.trials[words.as], words.only);
   }
   SINEW_TRY(WriteDataset(words.path, data));
-  std::printf("%s: trial %s is %s s to %s s of %s\n", words.path.c_str(), words.as.c_str(),
-              Readable(*first).c_str(), Readable(*last).c_str(), words.trial.c_str());
+  SINEW_TRY(Report(
+      words.json, [&] { return DatasetJson(data); },
+      fmt::format("{}: trial {} is {} s to {} s of {}\n", words.path, words.as, Readable(*first),
+                  Readable(*last), words.trial)));
   return kDone;
 }
 
-Result<int> Drop(const std::string& path, const std::string& trial) {
+Result<int> Drop(const std::string& path, const std::string& trial, const std::string& json) {
+  SINEW_TRY(CheckInPlace(path, "", {}, json));
   SINEW_ASSIGN(Dataset data, ReadDataset(path));
   if (data.trials.erase(trial) == 0) {
     std::vector<std::string> names;
@@ -75,6 +82,8 @@ Result<int> Drop(const std::string& path, const std::string& trial) {
     return Fail("{}: trial '{}' does not exist{}", path, trial, Suggestion(trial, names));
   }
   SINEW_TRY(WriteDataset(path, data));
+  SINEW_TRY(Report(
+      json, [&] { return DatasetJson(data); }, ""));
   return kDone;
 }
 
@@ -89,16 +98,19 @@ void AddCutCommand(Command data, const RunAction& run) {
   command.Add("--as", words->as, "Name of the new trial").Required();
   command.Add("--role", words->role, "train or validate; default: that of the source");
   command.Add("--plate", words->only, "Keep the forces of these plates only").Split(',').Shows("PLATE");
+  AddJsonTo(command, words->json);
   command.Runs(run, [=] { return Cut(*words); });
 }
 
 void AddDropCommand(Command data, const RunAction& run) {
   auto path = std::make_shared<std::string>();
   auto trial = std::make_shared<std::string>();
+  auto json = std::make_shared<std::string>();
   Command command = data.AddCommand("drop", "Remove a trial (the recording that stances were cut from)");
   command.Add("file", *path).Required().Shows("F.h5");
   command.Add("--trial", *trial).Required();
-  command.Runs(run, [=] { return Drop(*path, *trial); });
+  AddJsonTo(command, *json);
+  command.Runs(run, [=] { return Drop(*path, *trial, *json); });
 }
 
 }  // namespace sinew

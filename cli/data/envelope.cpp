@@ -5,10 +5,13 @@
 #include <filesystem>
 
 #include "base/text.h"
+#include "cli/command_files.h"
 #include "cli/data/data_commands.h"
-#include "cli/data/excitations.h"
+#include "cli/data/dataset_json.h"
 #include "cli/terminal.h"
+#include "cli/work_options.h"
 #include "datasets/io/dataset_file.h"
+#include "problems/nms/emg_excitations.h"
 
 namespace sinew {
 namespace {
@@ -24,6 +27,7 @@ struct EnvelopeWords {
   std::string normalise = "all";
   std::optional<double> rate;
   std::optional<double> longest_gap;
+  std::string json;
 };
 
 constexpr const char* kNormalise =
@@ -78,15 +82,15 @@ Result<ExcitationSettings> ParseSettings(const EnvelopeWords& words) {
 
 Result<int> MakeEnvelope(const EnvelopeWords& words) {
   SINEW_ASSIGN(const ExcitationSettings settings, ParseSettings(words));
-  if (!words.out.empty()) SINEW_TRY(CheckOutput(words.out, {}));
+  SINEW_TRY(CheckInPlace(words.path, words.out, {}, words.json));
   SINEW_ASSIGN(Dataset data, ReadDataset(words.path));
   const auto report = AddExcitations(data, settings);
   if (!report) return Fail("{}: {}", words.path, report.error().message);
   const std::string& out = words.out.empty() ? words.path : words.out;
   SINEW_TRY(WriteDataset(out, data));
   for (const std::string& note : report->notes) std::fputs(Wrapped("note: " + note, 0).c_str(), stderr);
-  std::printf("%s: %s\n", out.c_str(), report->lines.front().c_str());
-  for (std::size_t i = 1; i < report->lines.size(); ++i) std::printf("  %s\n", report->lines[i].c_str());
+  SINEW_TRY(Report(
+      words.json, [&] { return DatasetJson(data); }, out + ": " + Join(report->lines, "\n  ") + "\n"));
   return kDone;
 }
 
@@ -96,7 +100,7 @@ void AddEnvelopeCommand(Command data, const RunAction& run) {
   auto words = std::make_shared<EnvelopeWords>();
   Command command = data.AddCommand("envelope", "Raw EMG becomes excitations (docs/envelopes.md)");
   command.Add("file", words->path).Required().Shows("F.h5");
-  command.Add("--out", words->out, "Data set to write; default: F.h5 itself").Shows("G.h5");
+  command.Add("--out", words->out, "Data set to write; default: F.h5 itself").NotEmpty().Shows("G.h5");
   command
       .Add("--grid", words->grids,
            "Grids with raw EMG; default: named *emg*, else the one with channels in V")
@@ -123,6 +127,7 @@ void AddEnvelopeCommand(Command data, const RunAction& run) {
   command.Add("--rate", words->rate, "Of the excitations in Hz; 0: as recorded; default: 200").AtLeastZero();
   command.Add("--longest-gap", words->longest_gap, "Gaps up to here are bridged, in s; default: 0.05")
       .AtLeastZero();
+  AddJsonTo(command, words->json);
   command.Runs(run, [=] { return MakeEnvelope(*words); });
 }
 

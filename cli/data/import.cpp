@@ -4,8 +4,11 @@
 #include <cstdio>
 #include <filesystem>
 
+#include "cli/command_files.h"
 #include "cli/data/data_commands.h"
+#include "cli/data/dataset_json.h"
 #include "cli/terminal.h"
+#include "cli/work_options.h"
 #include "datasets/io/dataset_file.h"
 #include "models/multibody/multibody_model.h"
 #include "models/multibody/osim_reader.h"
@@ -29,6 +32,7 @@ struct ImportWords {
   std::string subject;
   std::string source;
   std::string licence;
+  std::string json;
   bool append = false;
 };
 
@@ -54,7 +58,9 @@ Result<std::shared_ptr<const MultibodyModel>> FindModel(const ImportWords& words
 }
 
 Result<int> Import(const ImportWords& words) {
-  SINEW_TRY(CheckOutput(words.out, words.files));
+  std::vector<std::string> read = words.files;
+  read.insert(read.end(), {words.map, words.external_loads});
+  SINEW_TRY(CheckFiles({read, {words.out}, words.json}));
   Dataset data;
   if (words.append && std::filesystem::exists(words.out)) {
     SINEW_ASSIGN(data, ReadDataset(words.out));
@@ -90,7 +96,9 @@ Result<int> Import(const ImportWords& words) {
   SINEW_TRY(ImportFiles(words.files, options, data, notes));
   SINEW_TRY(WriteDataset(words.out, data));
   PrintNotes(notes);
-  std::printf("%s: %zu trials, %zu files\n", words.out.c_str(), data.trials.size(), data.files.size());
+  SINEW_TRY(Report(
+      words.json, [&] { return DatasetJson(data); },
+      fmt::format("{}: {} trials, {} files\n", words.out, data.trials.size(), data.files.size())));
   return kDone;
 }
 
@@ -113,6 +121,7 @@ void AddImportCommand(Command data, const RunAction& run) {
   command.Add("--subject", words->subject, "Whose");
   command.Add("--source", words->source, "From where");
   command.Add("--licence", words->licence, "Under which terms");
+  AddJsonTo(command, words->json);
   command.Runs(run, [=] { return Import(*words); });
 }
 

@@ -1,9 +1,11 @@
 // sinew data muscles: lengths and moment arms of muscles along the joint angles of every trial.
-#include <cstdio>
 #include <memory>
 
+#include "cli/command_files.h"
 #include "cli/data/data_commands.h"
+#include "cli/data/dataset_json.h"
 #include "cli/terminal.h"
+#include "cli/work_options.h"
 #include "datasets/io/dataset_file.h"
 #include "problems/nms/muscle_grids.h"
 
@@ -16,11 +18,13 @@ struct MusclesWords {
   std::vector<std::string> muscles;
   std::vector<std::string> joints;
   std::string out;
+  std::string json;
+  WorkOptions work;
 };
 
 Result<int> Muscles(const MusclesWords& words) {
   const std::string out = words.out.empty() ? words.path : words.out;
-  if (!words.out.empty()) SINEW_TRY(CheckOutput(out, {words.path}));
+  SINEW_TRY(CheckInPlace(words.path, words.out, {words.model}, words.json));
   SINEW_ASSIGN(Dataset data, ReadDataset(words.path));
   if (!words.model.empty()) {
     SINEW_ASSIGN(data.files["model.osim"], ReadText(words.model));
@@ -33,6 +37,8 @@ Result<int> Muscles(const MusclesWords& words) {
                          words.muscles, words.joints, "--joints"));
   std::string report;
   bool any = false;
+  int done = 0;
+  ProgressLine line("muscles", words.work.quiet);
   for (auto& [name, trial] : data.trials) {
     const Grid* motion = grids.FindMotion(trial);
     if (motion == nullptr) {
@@ -43,7 +49,9 @@ Result<int> Muscles(const MusclesWords& words) {
     const auto said = grids.Add(*motion, trial);
     if (!said) return Fail("{}: trial '{}': {}", words.path, name, said.error().message);
     report += name + ": " + *said;
+    line.Show(++done, static_cast<int>(data.trials.size()));
   }
+  line.Clear();
   if (!any) {
     return Fail(
         "{}: no trial holds a coordinate of the model; import joint angles, or run `sinew data "
@@ -51,7 +59,8 @@ Result<int> Muscles(const MusclesWords& words) {
         words.path);
   }
   SINEW_TRY(WriteDataset(out, data));
-  std::fputs(report.c_str(), stdout);
+  SINEW_TRY(Report(
+      words.json, [&] { return DatasetJson(data); }, report));
   return kDone;
 }
 
@@ -72,7 +81,9 @@ void AddMusclesCommand(Command data, const RunAction& run) {
       .Split(',')
       .Required()
       .Shows("ankle_angle_r,knee_angle_r");
-  command.Add("--out", words->out, "Data set to write; default: the same").Shows("G.h5");
+  command.Add("--out", words->out, "Data set to write; default: the same").NotEmpty().Shows("G.h5");
+  AddJsonTo(command, words->json);
+  words->work.AddQuietTo(command);
   command.Runs(run, [=] { return Muscles(*words); });
 }
 

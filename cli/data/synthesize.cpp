@@ -1,10 +1,9 @@
 // sinew data synthesize: an experiment that never happened.
-#include <cstdio>
-
 #include "base/text.h"
 #include "cli/binding.h"
+#include "cli/command_files.h"
 #include "cli/data/data_commands.h"
-#include "cli/terminal.h"
+#include "cli/data/dataset_json.h"
 #include "datasets/io/dataset_file.h"
 
 namespace sinew {
@@ -15,7 +14,8 @@ struct SynthesizeWords {
   std::string out;
   std::vector<std::string> set;
   std::vector<std::string> effects;
-  std::uint64_t seed = 1;
+  WorkOptions work;
+  std::string json;
   std::optional<double> noise;
 };
 
@@ -33,10 +33,11 @@ Result<std::pair<std::string, std::map<std::string, double>>> ParseEffect(const 
 }
 
 Result<int> Synthesize(const SynthesizeWords& words) {
+  const auto limit = words.work.LimitThreads();
   SINEW_ASSIGN(const ProblemEntry* entry, FindProblem(words.problem));
-  SINEW_TRY(CheckOutput(words.out, {}));
+  SINEW_TRY(CheckFiles({{}, {words.out}, words.json}));
   SynthesisRequest request;
-  request.seed = words.seed;
+  request.seed = words.work.seed;
   request.noise = words.noise;
   for (const std::string& text : words.set) {
     SINEW_ASSIGN(const auto assignment, ParseAssignment("--set", text));
@@ -48,7 +49,9 @@ Result<int> Synthesize(const SynthesizeWords& words) {
   }
   SINEW_ASSIGN(const Dataset data, entry->synthesize(request));
   SINEW_TRY(WriteDataset(words.out, data));
-  std::printf("%s: %zu trials, synthetic (%s)\n", words.out.c_str(), data.trials.size(), data.title.c_str());
+  SINEW_TRY(Report(
+      words.json, [&] { return DatasetJson(data); },
+      fmt::format("{}: {} trials, synthetic ({})\n", words.out, data.trials.size(), data.title)));
   return kDone;
 }
 
@@ -59,11 +62,14 @@ void AddSynthesizeCommand(Command data, const RunAction& run) {
   Command command = data.AddCommand("synthesize", "An experiment that never happened, marked synthetic");
   command.Add("problem", words->problem).Required().Shows("PROBLEM");
   command.Add("--out", words->out, "Data set to write").Required().Shows("F.h5");
-  command.Add("--seed", words->seed, "Seed").Between(std::uint64_t{0}, std::uint64_t{1} << 53).ShowsDefault();
   command.Add("--set", words->set, "True parameters and the experiment (`sinew list parameters PROBLEM`)")
       .Shows("NAME=VALUE");
   command.Add("--effect", words->effects, "Something wrong with the measurement").Shows("NAME:PARAM=VALUE");
   command.Add("--noise", words->noise, "Factor on all noise; 0 for none").Shows("X");
+  AddJsonTo(command, words->json);
+  words->work.AddSeedTo(command);
+  words->work.AddThreadsTo(command);
+  words->work.AddQuietTo(command);
   command.Runs(run, [=] { return Synthesize(*words); });
 }
 

@@ -26,7 +26,7 @@ class ReportFailed(Exception):
     """The input is fine, yet the report could not be made."""
 
 
-def publish(paths, out_dir):
+def publish(paths, out_dir, threads=os.cpu_count() or 1):
     """Writes the report and returns the path of the page to open first.
 
     One file: index.ipynb and index.html. Several: a pair per file, named like it, and an index that compares them.
@@ -43,13 +43,13 @@ def publish(paths, out_dir):
     folder = os.path.realpath(out_dir)
     made = _make_folder(out_dir, folder)
     try:
-        return _publish_into(folder, out_dir, files)
+        return _publish_into(folder, out_dir, files, threads)
     except BaseException:
         _remove_empty(made)
         raise
 
 
-def _publish_into(folder, out_dir, files):
+def _publish_into(folder, out_dir, files, threads):
     notebooks = {}
     if len(files) == 1:
         notebooks[OVERVIEW] = _notebook_of(files[0], folder)
@@ -58,8 +58,9 @@ def _publish_into(folder, out_dir, files):
         for file, name in zip(files, names):
             notebooks[name] = _notebook_of(file, folder)
         notebooks[OVERVIEW] = _overview(files, names, folder)
+    _check_inputs_stay(files, folder, notebooks)
     try:
-        _execute_apart(notebooks, folder)
+        _execute_apart(notebooks, folder, threads)
     except notebook.NotebookFailed as error:
         raise ReportFailed(str(error)) from error
 
@@ -114,6 +115,15 @@ def _names(files):
     return names
 
 
+def _check_inputs_stay(files, folder, names):
+    """No page may take the place of a file that it shows, whatever that is called."""
+    written = {os.path.realpath(os.path.join(folder, name + ending)) for name in names for ending in (".ipynb", ".html")}
+    for file in files:
+        if os.path.realpath(file.path) in written:
+            raise run_file.BadInput(f"{file.path}: is read by this command and would be overwritten; expected another "
+                                    "--out-dir")
+
+
 def _relative(path, folder):
     return os.path.relpath(os.path.realpath(path), folder)
 
@@ -135,7 +145,7 @@ def _overview(files, names, folder):
                            "DIAGNOSIS_FILES": paths[run_file.DIAGNOSIS]})
 
 
-def _execute_apart(notebooks, folder):
+def _execute_apart(notebooks, folder, threads):
     """Executes all notebooks in a thread of its own, so that a Ctrl-C ends the kernels in order."""
     begun = threading.Event()
     running = {}
@@ -143,7 +153,7 @@ def _execute_apart(notebooks, folder):
     async def work():
         running["loop"], running["task"] = asyncio.get_running_loop(), asyncio.current_task()
         begun.set()
-        await _execute_all(notebooks, folder)
+        await _execute_all(notebooks, folder, threads)
 
     with ThreadPoolExecutor(max_workers=1) as pool:
         outcome = pool.submit(lambda: asyncio.run(work()))
@@ -157,9 +167,9 @@ def _execute_apart(notebooks, folder):
     outcome.result()
 
 
-async def _execute_all(notebooks, folder):
-    """As many kernels at once as the machine has processors; the first failure ends all."""
-    free = asyncio.Semaphore(os.cpu_count() or 1)
+async def _execute_all(notebooks, folder, threads):
+    """As many kernels at once as there are threads; the first failure ends all."""
+    free = asyncio.Semaphore(threads)
 
     async def execute(name, content):
         async with free:

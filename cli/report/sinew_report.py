@@ -1,6 +1,6 @@
 """sinew report: executed notebooks and HTML pages of run, diagnosis and study files.
 
-    sinew_report.py FILE.h5... --out-dir DIR
+    sinew_report.py FILE.h5... --out-dir DIR [--threads N]
 
 Exit status: 0 done; 1 the report could not be made (the message says why); 2 bad input or usage, one line on stderr.
 Nothing is written unless everything could be made.
@@ -31,7 +31,11 @@ def parse(arguments):
     parser = OneLineParser(prog="sinew report", description="Draws run, diagnosis and study files: executed notebooks and HTML.")
     parser.add_argument("files", nargs="+", metavar="FILE.h5", help="what sinew identify, diagnose or compare wrote")
     parser.add_argument("--out-dir", required=True, metavar="DIR", help="the folder for notebooks and pages")
-    return parser.parse_args(arguments)
+    parser.add_argument("--threads", type=int, default=os.cpu_count() or 1, metavar="N", help="notebooks executed at once")
+    options = parser.parse_args(arguments)
+    if options.threads < 1:
+        parser.error(f"--threads {options.threads}: expected at least 1")
+    return options
 
 
 def make(options):
@@ -43,7 +47,7 @@ def make(options):
               "(the list is in packages.txt)", file=sys.stderr)
         return FAILED
     try:
-        entry = publish.publish(options.files, options.out_dir)
+        entry = publish.publish(options.files, options.out_dir, options.threads)
     except BadInput as error:
         print(f"sinew: error: {error}", file=sys.stderr)
         return BAD_INPUT

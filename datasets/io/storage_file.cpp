@@ -5,6 +5,7 @@
 #include <iterator>
 #include <set>
 
+#include "base/replace_file.h"
 #include "base/text.h"
 #include "datasets/io/cells.h"
 #include "datasets/io/sample_times.h"
@@ -254,7 +255,7 @@ Status WriteStorage(const std::string& path, const Storage& storage) {
     for (const auto& column : storage.columns) fmt::format_to(out, "\t{}", column[row]);
   }
   fmt::format_to(out, "\n");
-  return WriteTextFile(path, std::string_view(text.data(), text.size()));
+  return ReplaceFile(path, std::string_view(text.data(), text.size()));
 }
 
 }  // namespace sinew

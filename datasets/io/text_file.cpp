@@ -1,8 +1,5 @@
 #include "datasets/io/text_file.h"
 
-#include <unistd.h>
-
-#include <cstdio>
 #include <filesystem>
 #include <fstream>
 #include <sstream>
@@ -14,9 +11,25 @@ bool StartsWith(std::string_view text, std::string_view start) {
   return text.substr(0, start.size()) == start;
 }
 
+thread_local TextFilesRead* innermost = nullptr;
+
 }  // namespace
 
+TextFilesRead::TextFilesRead() : outer_(innermost) {
+  innermost = this;
+}
+
+TextFilesRead::~TextFilesRead() {
+  innermost = outer_;
+}
+
+void TextFilesRead::Remember(const std::string& path) {
+  paths_.push_back(path);
+  if (outer_ != nullptr) outer_->Remember(path);
+}
+
 Result<std::string> ReadTextFile(const std::string& path) {
+  if (innermost != nullptr) innermost->Remember(path);
   std::error_code code;
   if (!std::filesystem::exists(path, code)) return Fail("{}: no such file", path);
   if (std::filesystem::is_directory(path, code)) return Fail("{}: is a folder, expected a file", path);
@@ -33,19 +46,6 @@ Result<std::string> ReadTextFile(const std::string& path) {
   }
   if (StartsWith(text, "\xEF\xBB\xBF")) text.erase(0, 3);
   return text;
-}
-
-Status WriteTextFile(const std::string& path, std::string_view text) {
-  const std::string beside = path + "." + std::to_string(getpid()) + ".tmp";
-  std::ofstream file(beside, std::ios::binary);
-  if (!file) return Fail("{}: cannot be written (does its folder exist?)", path);
-  file.write(text.data(), static_cast<std::streamsize>(text.size()));
-  file.close();
-  if (!file || std::rename(beside.c_str(), path.c_str()) != 0) {
-    std::remove(beside.c_str());
-    return Fail("{}: cannot be written (disk full, or no permission)", path);
-  }
-  return {};
 }
 
 bool LineReader::Next(std::string_view& line) {

@@ -1,8 +1,9 @@
-// Text files: read whole, taken apart into numbered lines, replaced in one step.
+// Text files: read whole, taken apart into numbered lines.
 #pragma once
 
 #include <string>
 #include <string_view>
+#include <vector>
 
 #include "base/error.h"
 
@@ -11,9 +12,25 @@ namespace sinew {
 /// The text of a file without a byte-order mark. Errors: no such file, a folder, not readable, empty, UTF-16.
 Result<std::string> ReadTextFile(const std::string& path);
 
-/// Writes beside the target and renames over it. Errors: the folder cannot be written; the old file then
-/// still stands.
-Status WriteTextFile(const std::string& path, std::string_view text);
+/// The names of the files that this thread asks ReadTextFile for while the object lives: files that name
+/// other files, as a CEINMS setup does, are read in many places, and none of them may be overwritten by what
+/// is made of them.
+class TextFilesRead {
+ public:
+  TextFilesRead();
+  ~TextFilesRead();
+  TextFilesRead(const TextFilesRead&) = delete;
+  TextFilesRead& operator=(const TextFilesRead&) = delete;
+
+  [[nodiscard]] const std::vector<std::string>& paths() const { return paths_; }
+
+ private:
+  friend Result<std::string> ReadTextFile(const std::string& path);
+  void Remember(const std::string& path);
+
+  TextFilesRead* outer_;
+  std::vector<std::string> paths_;
+};
 
 /// Walks over the lines of a text; lines end with \n, \r\n or \r.
 class LineReader {

@@ -9,7 +9,6 @@
 namespace sinew::diagnosis {
 namespace {
 
-constexpr double kDetectable = 3.605;   // see Cause::size
 constexpr double kPower = 1.645;        // 95 % above a threshold
 constexpr double kSeparation = 0.4165;  // see Alternative::separating_size
 constexpr double kSameClass = 0.97;
@@ -17,7 +16,7 @@ constexpr double kContained = 0.9999;
 constexpr double kNormal95 = 1.959964;
 
 double SizeOf(double statistic) {
-  return statistic > 0 ? std::sqrt(statistic) / kDetectable : 0;
+  return statistic > 0 ? std::sqrt(statistic) / kDetectableLength : 0;
 }
 
 std::vector<int> Findings(const Refit& refit) {

@@ -3,10 +3,11 @@
 #include <algorithm>
 #include <cmath>
 
+#include "base/constants.h"
+
 namespace sinew {
 namespace {
 
-constexpr double kInfinity = std::numeric_limits<double>::infinity();
 // A constraint counts as satisfied up to this share of the size of its terms, which allows for rounding and
 // for the final tolerance of an interior-point method.
 constexpr double kConstraintTolerance = 1e-9;

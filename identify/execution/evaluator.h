@@ -14,8 +14,10 @@
 
 namespace sinew {
 
+inline constexpr long kUnlimitedEvaluations = std::numeric_limits<long>::max();
+
 struct Budget {
-  long max_evaluations = std::numeric_limits<long>::max();
+  long max_evaluations = kUnlimitedEvaluations;
   double max_seconds = std::numeric_limits<double>::infinity();
 };
 

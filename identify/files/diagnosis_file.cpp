@@ -4,13 +4,12 @@
 #include <limits>
 #include <type_traits>
 
+#include "base/constants.h"
 #include "identify/files/diagnosis_json.h"
 #include "identify/files/run_groups.h"
 
 namespace sinew {
 namespace {
-
-constexpr double kNaN = std::numeric_limits<double>::quiet_NaN();
 
 // A group with one dataset per column: texts, or numbers (0 and 1 for bool).
 template <class Row>

@@ -4,13 +4,12 @@
 #include <cmath>
 #include <limits>
 
+#include "base/constants.h"
 #include "base/text.h"
 #include "identify/files/run_groups.h"
 
 namespace sinew {
 namespace {
-
-constexpr double kNaN = std::numeric_limits<double>::quiet_NaN();
 
 std::vector<std::string> FreeNames(const FitSetup& setup) {
   std::vector<std::string> names;

@@ -3,16 +3,11 @@
 #include <algorithm>
 #include <limits>
 
+#include "base/constants.h"
 #include "base/text.h"
 #include "base/version.h"
 
 namespace sinew {
-namespace {
-
-constexpr double kNaN = std::numeric_limits<double>::quiet_NaN();
-
-}  // namespace
-
 void WriteProvenance(const Provenance& provenance, const std::string& solver, std::uint64_t seed,
                      Hdf5Node& run) {
   run.attributes["sinew_schema"] = std::string("run/1");

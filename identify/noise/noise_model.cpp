@@ -1,11 +1,11 @@
 #include "identify/noise/noise_model.h"
 
-#include <Eigen/Eigenvalues>
 #include <algorithm>
 #include <cmath>
 #include <limits>
 #include <optional>
 
+#include "base/decompositions.h"
 #include "identify/noise/autoregression.h"
 #include "identify/noise/lagged_products.h"
 #include "identify/noise/quasi_newton.h"

@@ -1,11 +1,11 @@
 #include "identify/noise/restricted_likelihood.h"
 
-#include <Eigen/Cholesky>
 #include <algorithm>
 #include <cmath>
 #include <limits>
 #include <numeric>
 
+#include "base/decompositions.h"
 #include "base/sparse_cholesky.h"
 
 namespace sinew::noise {

@@ -5,9 +5,9 @@
 namespace sinew {
 namespace {
 
-constexpr double kLatest = 0.1;     // [s]
-constexpr double kSlowest = 0.1;    // [s]
-constexpr double kGainReach = 0.9;  // [1]
+constexpr double kLargestInputOffset = 0.1;  // [s]
+constexpr double kSlowestInput = 0.1;        // [s]
+constexpr double kInputGainReach = 0.9;      // [1]
 
 }  // namespace
 
@@ -31,13 +31,13 @@ InputSensor AddInputSensor(const std::string& input, const std::string& unit, do
       add("drift", unit + "/s", -steepest, 0, steepest, "the reading of this input drifts with time",
           "rest phases at the begin and at the end of a long trial");
   sensor.gain =
-      add("gain", "1", 1 - kGainReach, 1, 1 + kGainReach,
+      add("gain", "1", 1 - kInputGainReach, 1, 1 + kInputGainReach,
           "the sensor of this input reads too much by a factor", "a known load on the sensor of the input");
-  sensor.time_offset = add("time_offset", "s", -kLatest, 0, kLatest,
+  sensor.time_offset = add("time_offset", "s", -kLargestInputOffset, 0, kLargestInputOffset,
                            "the clock of this input is late against the other instruments",
                            "one sharp event that all instruments see, at a high sampling rate");
   sensor.low_pass =
-      add("low_pass", "s", 0, 0, kSlowest, "the recorded input is smoothed by a first-order low-pass",
+      add("low_pass", "s", 0, 0, kSlowestInput, "the recorded input is smoothed by a first-order low-pass",
           "a sudden event recorded without the filter, at a high sampling rate");
   return sensor;
 }

@@ -5,10 +5,11 @@
 #include <limits>
 #include <vector>
 
+#include "base/constants.h"
+
 namespace sinew {
 namespace {
 
-constexpr double kInfinity = std::numeric_limits<double>::infinity();
 // Between these shares of accepted moves a step length stays as it is (Corana et al., eq. for g).
 constexpr double kTooManyAccepted = 0.6;
 constexpr double kTooFewAccepted = 0.4;

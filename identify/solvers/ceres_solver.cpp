@@ -16,11 +16,11 @@ namespace sinew {
 namespace {
 
 // Below this a step in the unit box is rounding.
-constexpr double kStepTolerance = 1e-14;
+constexpr double kCeresStepTolerance = 1e-14;
 // A projected gradient of this share of the first cost per unit of the box is rounding.
 constexpr double kGradientTolerance = 1e-16;
 // Never reached by a search that makes progress; users limit a search by its evaluations.
-constexpr int kMaxIterations = 100000;
+constexpr int kMaxCeresIterations = 100000;
 // Limit for the changes of the active set (the variables held at a bound).
 constexpr int kMaxRounds = 100;
 
@@ -270,9 +270,9 @@ Round SolveFace(Evaluator& evaluator, Iterate& iterate, std::vector<Group>& grou
   options.linear_solver_type = groups.size() > 1 ? ceres::SPARSE_NORMAL_CHOLESKY : ceres::DENSE_QR;
   options.num_threads = 1;
   options.logging_type = ceres::SILENT;
-  options.max_num_iterations = kMaxIterations;
+  options.max_num_iterations = kMaxCeresIterations;
   options.function_tolerance = cost_tolerance;
-  options.parameter_tolerance = kStepTolerance;
+  options.parameter_tolerance = kCeresStepTolerance;
   options.gradient_tolerance = kGradientTolerance * evaluator.best().cost;
   IterationEnd end(evaluator, iterate, held);
   options.callbacks.push_back(&end);

@@ -5,8 +5,6 @@
 namespace sinew {
 namespace {
 
-constexpr long kUnlimited = std::numeric_limits<long>::max();
-
 // Four fifths in equal parts to the solvers before the last: a final local search needs few evaluations, but
 // it must get these.
 long ShareOfLink(long remaining, std::size_t links_left) {
@@ -19,7 +17,7 @@ long ShareOfLink(long remaining, std::size_t links_left) {
 Search Chain::DoSolve(Evaluator& evaluator, const Vector& start) const {
   Search search;
   Vector from = start;
-  const bool limited = evaluator.options().budget.max_evaluations != kUnlimited;
+  const bool limited = evaluator.options().budget.max_evaluations != kUnlimitedEvaluations;
   for (std::size_t i = 0; i < links_.size(); ++i) {
     if (i > 0 && evaluator.MustStop()) break;
     const long before = evaluator.evaluations();

@@ -13,8 +13,8 @@ namespace {
 using Ipopt::Index;
 using Ipopt::Number;
 
-constexpr double kTolerance = 1e-10;
-constexpr int kMaxIterations = 3000;
+constexpr double kIpoptTolerance = 1e-10;
+constexpr int kMaxIpoptIterations = 3000;
 // A start on a bound is moved inside by this share of the box; Ipopt's default of 1e-2 would undo most of an
 // earlier search.
 constexpr double kBoundPush = 1e-6;
@@ -206,7 +206,8 @@ Stop StopFromIpopt(Ipopt::ApplicationReturnStatus status, Ipopt::IpoptApplicatio
   statistics->ScaledInfeasibilities(dual, violation, complementarity, error);
   switch (status) {
     case Ipopt::Solve_Succeeded:
-      return {Termination::kGradient, fmt::format("optimality error {:.3g} <= {:.3g}", error, kTolerance)};
+      return {Termination::kGradient,
+              fmt::format("optimality error {:.3g} <= {:.3g}", error, kIpoptTolerance)};
     case Ipopt::Solved_To_Acceptable_Level:
       return {Termination::kGradient,
               fmt::format("optimality error {:.3g} at 15 iterates, acceptable to Ipopt", error)};
@@ -228,8 +229,8 @@ Search IpoptSolver::DoSolve(Evaluator& evaluator, const Vector& start) const {
   options->SetIntegerValue("print_level", 0);
   options->SetStringValue("sb", "yes");
   options->SetStringValue("linear_solver", "mumps");
-  options->SetNumericValue("tol", kTolerance);
-  options->SetIntegerValue("max_iter", kMaxIterations);
+  options->SetNumericValue("tol", kIpoptTolerance);
+  options->SetIntegerValue("max_iter", kMaxIpoptIterations);
   options->SetNumericValue("bound_relax_factor", 0);
   options->SetNumericValue("bound_push", kBoundPush);
   options->SetNumericValue("bound_frac", kBoundPush);

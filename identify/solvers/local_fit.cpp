@@ -9,8 +9,8 @@ namespace sinew {
 namespace {
 
 // Close to Gauss-Newton: refits start near their solution, where full steps are best.
-constexpr double kFirstDamping = 1e-8;
-constexpr double kLargestDamping = 1e8;
+constexpr double kFirstRefitDamping = 1e-8;
+constexpr double kLargestRefitDamping = 1e8;
 // Penalty scale: violating a constraint by a share e of its span costs as much as moving the variable with
 // the largest gradient by 100 e.
 constexpr double kPenalty = 1e4;
@@ -67,7 +67,7 @@ LocalFit::Outcome LocalFit::Minimize(const Vector& start, int held, Tolerance to
     outcome.cost = std::numeric_limits<double>::infinity();
     return outcome;
   }
-  double damping = kFirstDamping;
+  double damping = kFirstRefitDamping;
   while (true) {
     double predicted = 0;
     const Vector step = equations_.BoxStep(outcome.x, held, damping, predicted);
@@ -78,7 +78,7 @@ LocalFit::Outcome LocalFit::Minimize(const Vector& start, int held, Tolerance to
       outcome.converged = true;
       return outcome;
     }
-    if (evaluations_ >= last || damping > kLargestDamping) return outcome;
+    if (evaluations_ >= last || damping > kLargestRefitDamping) return outcome;
     Vector next = (outcome.x + step).cwiseMax(0).cwiseMin(1);
     double cost = 0;
     if (!Cost(next, cost) || !(cost < outcome.cost)) {
@@ -88,7 +88,7 @@ LocalFit::Outcome LocalFit::Minimize(const Vector& start, int held, Tolerance to
     const double gained = outcome.cost - cost;
     outcome.x = std::move(next);
     outcome.cost = cost;
-    damping = std::max(damping / 10, kFirstDamping);
+    damping = std::max(damping / 10, kFirstRefitDamping);
     if (gained <= enough) {
       outcome.converged = true;
       return outcome;

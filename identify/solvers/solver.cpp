@@ -3,10 +3,10 @@
 #include <cmath>
 #include <limits>
 
+#include "base/constants.h"
+
 namespace sinew {
 namespace {
-
-constexpr double kInfinity = std::numeric_limits<double>::infinity();
 
 // A solver of a chain starts at the best point of the one before: that point is not predicted again.
 bool IsEvaluated(const Evaluator& evaluator, const Vector& x) {

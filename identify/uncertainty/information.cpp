@@ -1,11 +1,11 @@
 #include "identify/uncertainty/information.h"
 
-#include <Eigen/SVD>
 #include <algorithm>
 #include <cmath>
 #include <iterator>
 
 #include "base/column_space.h"
+#include "base/decompositions.h"
 #include "identify/uncertainty/verdict.h"
 
 namespace sinew {

@@ -10,6 +10,7 @@
 #include <limits>
 #include <utility>
 
+#include "base/constants.h"
 #include "identify/solvers/local_fit.h"
 
 namespace sinew {
@@ -22,7 +23,6 @@ constexpr double kEndTolerance = 2e-3;
 constexpr double kRefitTolerance = 1e-3;
 constexpr int kMaxPoints = 30;
 constexpr long kMaxRefitEvaluations = 60;
-constexpr double kInfinity = std::numeric_limits<double>::infinity();
 
 /// A point on the profile: distance from the minimum, and root of the rise of the cost over the one allowed.
 struct Point {

@@ -5,6 +5,7 @@
 #include <limits>
 #include <optional>
 
+#include "base/constants.h"
 #include "base/decompositions.h"
 #include "base/text.h"
 #include "identify/uncertainty/interval.h"
@@ -13,7 +14,6 @@
 namespace sinew {
 namespace {
 
-constexpr double kInfinity = std::numeric_limits<double>::infinity();
 // Above this many additions, pairs of them cost more than they are worth.
 constexpr std::size_t kMaxForPairs = 12;
 // More than three ways to fix one parameter only bore.

@@ -7,6 +7,7 @@
 #include <optional>
 #include <utility>
 
+#include "base/constants.h"
 #include "base/decompositions.h"
 #include "base/text.h"
 #include "identify/solvers/local_fit.h"
@@ -22,7 +23,6 @@
 namespace sinew {
 namespace {
 
-constexpr double kInfinity = std::numeric_limits<double>::infinity();
 constexpr double kUpperProbability = 0.975;  // of a two-sided 95 % interval
 constexpr long kPolishEvaluations = 100;
 // Gain in cost at which the local search stops, over that which one standard error makes: a millionth of an

@@ -11,7 +11,7 @@ constexpr double kFourthDifference = 8.366600265340756;  // sqrt(1 + 16 + 36 + 1
 constexpr double kShallowest = 0.05;                     // of the swing
 constexpr double kDeepest = 0.2;
 constexpr double kNoiseInDepth = 6;
-constexpr std::size_t kMinSamples = 8;
+constexpr std::size_t kMinSamplesPerTurn = 8;
 constexpr double kNearest = 0.49;
 
 // A curve that is turned over where it has a lowest point.
@@ -45,7 +45,7 @@ class Peak {
     double depth = std::clamp(kNoiseInDepth * noise, kShallowest * swing, kDeepest * swing);
     for (; depth < kDeepest * swing; depth = std::min(2 * depth, kDeepest * swing)) {
       Widen(top_ - depth);
-      if (right_ - left_ > kMinSamples) break;
+      if (right_ - left_ > kMinSamplesPerTurn) break;
     }
     Widen(top_ - 2 * depth - 2 * noise);
     const double shallow = Centroid(top_ - depth);

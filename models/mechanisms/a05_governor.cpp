@@ -14,12 +14,12 @@ using SimTK::Vec3;
 
 constexpr double kDensity = 3000;
 constexpr double kBall = 5;
-constexpr double kStiffness = 8e5;    // [N/m]
-constexpr double kDamping = 4e4;      // [N s/m]
-constexpr double kRestLength = 0.5;   // [m]
-constexpr double kHalfGap = 0.05;     // [m] of the hinges from the axis
-constexpr double kShaft = 1;          // [m]
-constexpr double kSliderStart = 0.5;  // [m] above the foot of the shaft
+constexpr double kStiffness = 8e5;      // [N/m]
+constexpr double kDamping = 4e4;        // [N s/m]
+constexpr double kCouplerLength = 0.5;  // [m]
+constexpr double kHalfGap = 0.05;       // [m] of the hinges from the axis
+constexpr double kShaft = 1;            // [m]
+constexpr double kSliderStart = 0.5;    // [m] above the foot of the shaft
 const Vec3 kRodSize(1, 0.01, 0.01);
 const Vec3 kShaftSize(0.01, kShaft, 0.01);
 const Vec3 kSliderSize(0.1, 0.1, 0.1);
@@ -99,7 +99,7 @@ std::unique_ptr<MechanismSystem> BuildGovernor() {
                            SimTK::Transform());
     const Vec3 of_rod(side * kRodSize[0] / 2, 0, 0);
     const Vec3 of_slider(side * kHalfGap, 0, 0);
-    SimTK::Force::TwoPointLinearSpring(m->forces, rod, of_rod, slider, of_slider, kStiffness, kRestLength);
+    SimTK::Force::TwoPointLinearSpring(m->forces, rod, of_rod, slider, of_slider, kStiffness, kCouplerLength);
     SimTK::Force::TwoPointLinearDamper(m->forces, rod, of_rod, slider, of_slider, kDamping);
     rods.push_back(rod);
     dampers.push_back({rod, slider, of_rod, of_slider});

@@ -2,24 +2,25 @@
 #include <algorithm>
 #include <cmath>
 
+#include "base/constants.h"
 #include "models/multibody/wrap_contact.h"
 
 namespace sinew {
 namespace {
 
-constexpr double kTurn = 6.283185307179586;
+constexpr double kCylinderTurn = 2 * kPi;
 // Angles this little short of a full turn are a touch in one point, spoilt by rounding. [rad]
 constexpr double kTouch = 1e-9;
 
 // From `from` on to `to`, counter-clockwise, in 0..2 pi.
 double Turn(double from, double to) {
-  const double turn = std::remainder(to - from, kTurn);
+  const double turn = std::remainder(to - from, kCylinderTurn);
   if (turn >= 0) return turn;
-  return turn > -kTouch ? 0 : turn + kTurn;
+  return turn > -kTouch ? 0 : turn + kCylinderTurn;
 }
 
 double Between(double from, double to) {
-  return std::abs(std::remainder(to - from, kTurn));
+  return std::abs(std::remainder(to - from, kCylinderTurn));
 }
 
 // In the projection along the axis: a point outside of a circle and its two tangents.
@@ -116,7 +117,7 @@ WrapContact FindCylinderContact(const OsimWrapObject& cylinder, const Vec3& from
   const Passing passing(from, to, radius);
   const Outside start(from, radius);
   const Outside end(to, radius);
-  bool counter = Turn(start.direction, end.direction) <= kTurn / 2;
+  bool counter = Turn(start.direction, end.direction) <= kCylinderTurn / 2;
   contact.outcome = passing.crosses ? WrapOutcome::kMandatory : WrapOutcome::kNone;
   if (cylinder.side != 0) {
     contact.outcome = OutcomeOnSide(cylinder, from, to, passing);

@@ -2,12 +2,13 @@
 #include <algorithm>
 #include <cmath>
 
+#include "base/constants.h"
 #include "models/multibody/wrap_contact.h"
 
 namespace sinew {
 namespace {
 
-constexpr double kTurn = 6.283185307179586;
+constexpr double kSphereTurn = 2 * kPi;
 // Below this sine of the angle between the points their plane is not determined.
 constexpr double kOpposite = 1e-9;
 
@@ -46,7 +47,7 @@ WrapContact FindSphereContact(const OsimWrapObject& sphere, const Vec3& from, co
     contact.first =
         radius * (std::cos(start_opening) * start + side * std::sin(start_opening) * start_across);
     contact.last = radius * (std::cos(end_opening) * end + side * std::sin(end_opening) * end_across);
-    const double turn = side > 0 ? angle : kTurn - angle;
+    const double turn = side > 0 ? angle : kSphereTurn - angle;
     contact.arc = radius * std::max(0.0, turn - start_opening - end_opening);
   };
 

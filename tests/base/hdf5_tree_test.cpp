@@ -2,6 +2,7 @@
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
+#include <sys/stat.h>
 #include <unistd.h>
 
 #include <filesystem>
@@ -71,6 +72,10 @@ TEST_F(Hdf5Tree, ReportsWhatIsWrongWithAFile) {
   std::ofstream(Path("text.h5")) << "time,force\n";
   EXPECT_THAT(ReadHdf5(Path("text.h5")).error().message, HasSubstr("is not an HDF5 file"));
   EXPECT_THAT(ReadHdf5(folder_.string()).error().message, HasSubstr("is a folder"));
+  ASSERT_EQ(mkfifo(Path("pipe.h5").c_str(), 0600), 0);
+  for (const std::string& path : {std::string("/dev/null"), Path("pipe.h5")})
+    EXPECT_THAT(ReadHdf5(path).error().message, HasSubstr("expected an HDF5 file"))
+        << "nobody would answer a pipe";
 }
 
 TEST_F(Hdf5Tree, ATruncatedFileIsAnErrorAtEveryLength) {
@@ -116,6 +121,16 @@ TEST_F(Hdf5Tree, AFailedWriteLeavesTheOldFileAndNothingElse) {
   ASSERT_TRUE(WriteHdf5(Path("a.h5"), Hdf5Node{}));  // replaced whole
   EXPECT_TRUE(ReadHdf5(Path("a.h5"))->children.empty());
   EXPECT_EQ(std::distance(std::filesystem::directory_iterator(folder_), {}), 1);
+}
+
+TEST_F(Hdf5Tree, TheSameTreeGivesTheSameBytes) {
+  ASSERT_TRUE(WriteHdf5(Path("a.h5"), Example()));
+  ASSERT_TRUE(WriteHdf5(Path("b.h5"), Example()));
+  const auto bytes = [&](const std::string& name) {
+    std::ifstream file(Path(name), std::ios::binary);
+    return std::string{std::istreambuf_iterator<char>(file), {}};
+  };
+  EXPECT_EQ(bytes("a.h5"), bytes("b.h5"));
 }
 
 }  // namespace

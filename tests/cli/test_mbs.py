@@ -18,7 +18,7 @@ TENTH_OF_THESIS = {"A01": 3.6e-4, "A02": 9.8e-5, "A03": 4.7e-3, "A04": 6.4e-5, "
 
 class Mbs(ProgramTest):
     def runs(self, *words):
-        return json.loads(self.succeeds("mbs", *words, "--json", "-"))["runs"]
+        return json.loads(self.succeeds("mbs", *words, "--json", "-", "--quiet"))["runs"]
 
     def test_all_mechanisms_come_with_their_figures(self):
         runs = self.runs()

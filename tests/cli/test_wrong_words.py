@@ -147,7 +147,7 @@ class Outputs(ProgramTest):
     def test_onto_what_is_read(self):
         for command in self.commands("./stances.h5")[:3]:
             self.fails("./stances.h5: is read by this command, expected another file to write", *command)
-        self.fails("run.h5: is read by this command, expected another file to write", *IDENTIFY, "--json", "run.h5")
+        self.fails("run.h5: would be written twice by this command, expected different files", *IDENTIFY, "--json", "run.h5")
 
     def test_of_a_simulation_have_a_known_format(self):
         self.fails("--out sim.csv: expected a name that ends with .h5 or .sto", "simulate", "contact", "--data",

@@ -18,7 +18,6 @@ namespace {
 
 constexpr std::size_t kMaxUnknown = 3;
 constexpr double kLarge = 2000;  // statistic above which a linear estimate is only a start value
-constexpr double kNaN = std::numeric_limits<double>::quiet_NaN();
 
 double Squares(const std::vector<Vector>& residuals) {
   double sum = 0;

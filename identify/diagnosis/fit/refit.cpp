@@ -1,10 +1,10 @@
 #include "identify/diagnosis/fit/refit.h"
 
-#include <Eigen/Cholesky>
 #include <algorithm>
 #include <cmath>
 #include <limits>
 
+#include "base/decompositions.h"
 #include "identify/diagnosis/score/design.h"
 #include "identify/noise/autoregression.h"
 

@@ -6,9 +6,8 @@
 namespace sinew::diagnosis {
 namespace {
 
-constexpr double kDetectable =
-    3.605;  // length of a signature that a test at the 5 % level detects with probability 95 %
-constexpr double kWellSized = 2.5;  // accepted ratio of a secant's length to that, or its inverse
+constexpr double kWellSized =
+    2.5;  // accepted ratio of a secant's length to kDetectableLength, or its inverse
 constexpr int kSecantTries = 12;
 
 // Predicts at points near one point, and turns predictions into rows of the training blocks.
@@ -203,9 +202,9 @@ class DesignMaker {
       const Vector rows = Secant(point, index, p.null_value + direction * step);
       if (rows.size() > 0) best = rows;
       const double norm = rows.size() > 0 ? step * WhitenedNorm(fit_, whitening_, rows) : 0;
-      if (norm > kDetectable / kWellSized && norm < kDetectable * kWellSized) break;
+      if (norm > kDetectableLength / kWellSized && norm < kDetectableLength * kWellSized) break;
       const double next =
-          norm > 0 ? step * std::clamp(kDetectable / norm, 0.1, 10.0) : std::min(4 * step, reach);
+          norm > 0 ? step * std::clamp(kDetectableLength / norm, 0.1, 10.0) : std::min(4 * step, reach);
       if (!(next > 0) || next > reach || next == step) break;
       step = next;
     }

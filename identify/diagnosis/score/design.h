@@ -11,6 +11,10 @@
 
 namespace sinew::diagnosis {
 
+/// Length of a whitened signature that a test for it alone at the 5 % level detects with probability 95 %:
+/// 1.960 + 1.645.
+inline constexpr double kDetectableLength = 3.605;
+
 /// One column of a design: the change of the weighted residuals per unit of one parameter of a candidate.
 struct DesignColumn {
   int candidate = 0;

@@ -1,11 +1,11 @@
 #include "identify/diagnosis/score/score.h"
 
-#include <Eigen/SVD>
 #include <algorithm>
 #include <array>
 #include <cmath>
 
 #include "base/column_space.h"
+#include "base/decompositions.h"
 #include "identify/statistics/chi_squared.h"
 
 namespace sinew::diagnosis {
@@ -182,7 +182,7 @@ class TableMaker {
     Matrix basis(columns_.rows(), static_cast<Eigen::Index>(score.columns.size()));
     for (std::size_t k = 0; k < score.columns.size(); ++k)
       basis.col(static_cast<Eigen::Index>(k)) = columns_.col(score.columns[k]);
-    const Eigen::SelfAdjointEigenSolver<Matrix> eigen(basis.transpose() * basis);
+    const Eigen::SelfAdjointEigenSolver<Matrix> eigen(Matrix(basis.transpose() * basis));
     const auto last = eigen.eigenvalues().size() - 1;
     for (Eigen::Index i = 0; i <= std::min<Eigen::Index>(last, kUnknownDirections - 1); ++i) {
       const double value = eigen.eigenvalues()[last - i];

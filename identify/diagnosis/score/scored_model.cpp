@@ -4,13 +4,13 @@
 #include <cmath>
 
 #include "base/column_space.h"
+#include "base/decompositions.h"
 
 namespace sinew::diagnosis {
 namespace {
 
 constexpr double kLarge = 150;  // statistic above which linear estimates are only start values
 constexpr double kVeryLarge = 2000;
-constexpr double kDetectable = 3.605;
 
 // The refit's point with a candidate at one of its probes, at `factor` times its linear estimate.
 Vector StartAt(const ScoredModel& scored, const ScoreTable& table, const Candidate& candidate,
@@ -24,7 +24,7 @@ Vector StartAt(const ScoredModel& scored, const ScoreTable& table, const Candida
   for (const int column : score.columns) {
     const DesignColumn& one = scored.design.columns[static_cast<std::size_t>(column)];
     const Parameter& p = parameters[static_cast<std::size_t>(one.parameter)];
-    const double detectable = kDetectable / std::max(table.length[column], 1e-300);
+    const double detectable = kDetectableLength / std::max(table.length[column], 1e-300);
     double change = factor * table.estimate[column];
     if (one.positive) change = std::max(change, 0.3 * detectable);
     if (one.negative) change = std::min(change, -0.3 * detectable);
@@ -38,18 +38,18 @@ Vector StartAt(const ScoredModel& scored, const ScoreTable& table, const Candida
 constexpr Eigen::Index kRowsPerDirection = 50;
 constexpr Eigen::Index kMaxDirections = 40;
 constexpr double kRejected = 10;  // deviance
-constexpr double kSingular = 1e-8;
+constexpr double kSingularCovariance = 1e-8;
 constexpr double kMinShare = 1e-4;  // smallest eigenvalue that counts, as a share of the largest
 
 // Leading directions of the columns of all candidates, projected off the base, unit length [m x r].
 Matrix LeadingDirections(const Design& design) {
   const Vector before = design.candidates.colwise().norm();
-  Matrix columns = ColumnSpace(design.base, kSingular).TakenFrom(design.candidates);
+  Matrix columns = ColumnSpace(design.base, kSingularCovariance).TakenFrom(design.candidates);
   for (Eigen::Index k = 0; k < columns.cols(); ++k) {
     const double left = columns.col(k).norm();
     columns.col(k) *= left > 1e-3 * before[k] ? 1 / left : 0;
   }
-  const Eigen::SelfAdjointEigenSolver<Matrix> eigen(columns.transpose() * columns);
+  const Eigen::SelfAdjointEigenSolver<Matrix> eigen(Matrix(columns.transpose() * columns));
   const auto last = eigen.eigenvalues().size() - 1;
   const Eigen::Index most = std::min(kMaxDirections, columns.rows() / kRowsPerDirection);
   Eigen::Index count = 0;

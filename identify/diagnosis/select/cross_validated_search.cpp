@@ -27,7 +27,7 @@ constexpr double kFewTrials = 6;
 constexpr std::size_t kMaxSearched = 20;  // two in each fold
 constexpr double kSpread = 0.8;
 constexpr std::size_t kBeam = 2;  // sets that are extended, by each of the two errors
-constexpr std::size_t kMaxCauses = 5;
+constexpr std::size_t kMaxSearchedCauses = 5;
 constexpr double kMaxErrorRatio =
     0.97;  // largest error of left-out trials with a cause, as a share of that without it
 
@@ -263,7 +263,7 @@ Result<CrossValidatedSearch::Outcome> CrossValidatedSearch::Run(const ScoredMode
   Trial best = nothing;
   std::vector<Trial> beam{nothing};
   std::size_t without_gain = 0;
-  for (std::size_t size = 1; size <= kMaxCauses && without_gain < 2; ++size) {
+  for (std::size_t size = 1; size <= kMaxSearchedCauses && without_gain < 2; ++size) {
     std::vector<Trial> made;
     for (const Trial& from : beam) {
       if (from.released.empty()) {

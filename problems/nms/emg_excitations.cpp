@@ -1,4 +1,4 @@
-#include "cli/data/excitations.h"
+#include "problems/nms/emg_excitations.h"
 
 #include <algorithm>
 #include <cmath>

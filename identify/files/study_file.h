@@ -1,0 +1,18 @@
+// The file and the JSON that a comparison of solvers leaves: docs/run_file.md.
+#pragma once
+
+#include <string>
+
+#include "base/hdf5_tree.h"
+#include "identify/files/run_file.h"
+#include "identify/solvers/study.h"
+
+namespace sinew {
+
+/// Group /study, schema study/1.
+[[nodiscard]] Hdf5Node StudyTree(const Problem& problem, const Study& study, const Provenance& provenance);
+
+/// JSON of `compare`, schema sinew.study/1.
+[[nodiscard]] std::string StudyJson(const Problem& problem, const Study& study, const Provenance& provenance);
+
+}  // namespace sinew

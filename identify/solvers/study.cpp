@@ -1,0 +1,127 @@
+#include "identify/solvers/study.h"
+
+#include <algorithm>
+#include <cmath>
+
+#include "base/random.h"
+
+namespace sinew {
+namespace {
+
+constexpr double kNaN = std::numeric_limits<double>::quiet_NaN();
+constexpr double kTargetShare = 1.01;   // success: within 1 % of the best cost that any solver found
+constexpr long kDefaultBudget = 20000;  // evaluations of a run
+
+Vector StartOf(const LeastSquares& problem, std::uint64_t seed, int repeat) {
+  Vector start = problem.Start();
+  if (repeat == 0) return start;
+  Random random(Random::StreamSeed(seed, static_cast<std::uint64_t>(repeat)));
+  for (double& x : start) x = random.Uniform();
+  return start;
+}
+
+double Median(std::vector<double> values) {
+  values.erase(std::remove_if(values.begin(), values.end(), [](double v) { return std::isnan(v); }),
+               values.end());
+  if (values.empty()) return kNaN;
+  std::sort(values.begin(), values.end());
+  const std::size_t n = values.size();
+  return n % 2 == 1 ? values[n / 2] : 0.5 * (values[n / 2 - 1] + values[n / 2]);
+}
+
+Result<StudyRun> RunOnce(const LeastSquares& problem, const StudyOptions& options, const std::string& name,
+                         int repeat) {
+  SolverOptions how = options.solver_options;
+  how.seed += static_cast<std::uint64_t>(repeat);
+  SINEW_ASSIGN(const auto solver, MakeSolver(name, how));
+  Evaluator::Options evaluation;
+  if (options.budget) {
+    evaluation.budget = *options.budget;
+  } else {
+    evaluation.budget.max_evaluations = kDefaultBudget;
+  }
+  evaluation.interrupt = options.interrupt;
+  Evaluator evaluator(problem, std::move(evaluation));
+  const SolverResult result = solver->Solve(evaluator, StartOf(problem, options.solver_options.seed, repeat));
+  StudyRun run{name, how.seed, result.stop, result.cost, evaluator.seconds(), evaluator.trace(), {}};
+  if (result.stop.usable()) run.parameters = problem.Parameters(result.x);
+  return run;
+}
+
+SolverSummary SummaryOf(const std::string& solver, const Study& study) {
+  SolverSummary summary;
+  summary.solver = solver;
+  std::vector<double> cost, evaluations, to_target, seconds, seconds_to_target;
+  std::vector<std::vector<double>> values(study.free.size());
+  for (const StudyRun& run : study.runs) {
+    if (run.solver != solver) continue;
+    const StudyRun::Effort effort = run.ToTarget(study.target);
+    ++summary.repeats;
+    summary.successes += run.cost <= study.target ? 1 : 0;
+    cost.push_back(run.cost);
+    evaluations.push_back(static_cast<double>(run.trace.size()));
+    to_target.push_back(effort.evaluations);
+    seconds.push_back(run.seconds);
+    seconds_to_target.push_back(effort.seconds);
+    for (std::size_t k = 0; k < study.free.size() && run.parameters.size() > 0; ++k)
+      values[k].push_back(run.parameters[study.free[k]]);
+  }
+  summary.cost_median = Median(cost);
+  summary.cost_worst = *std::max_element(cost.begin(), cost.end());
+  summary.evaluations = Median(evaluations);
+  summary.evaluations_to_target = Median(to_target);
+  summary.seconds = Median(seconds);
+  summary.seconds_to_target = Median(seconds_to_target);
+  for (const auto& v : values) {
+    double mean = 0;
+    double squares = 0;
+    for (const double value : v) mean += value / static_cast<double>(v.size());
+    for (const double value : v) squares += (value - mean) * (value - mean);
+    summary.mean.push_back(v.empty() ? kNaN : mean);
+    summary.deviation.push_back(v.size() < 2 ? 0 : std::sqrt(squares / static_cast<double>(v.size() - 1)));
+  }
+  return summary;
+}
+
+}  // namespace
+
+StudyRun::Effort StudyRun::ToTarget(double target) const {
+  for (std::size_t i = 0; i < trace.size(); ++i) {
+    if (trace[i].cost <= target) return {static_cast<double>(i + 1), trace[i].seconds};
+  }
+  return {kNaN, kNaN};
+}
+
+Result<Study> CompareSolvers(const LeastSquares& problem, const StudyOptions& options) {
+  for (const std::string& name : options.solvers) {
+    SINEW_TRY(MakeSolver(name, options.solver_options));
+    if (std::count(options.solvers.begin(), options.solvers.end(), name) > 1)
+      return Fail("solver '{}' is named twice", name);
+  }
+  Study study;
+  study.free = problem.setup().free;
+  const int all = static_cast<int>(options.solvers.size()) * options.repeats;
+  for (const std::string& name : options.solvers) {
+    for (int repeat = 0; repeat < options.repeats; ++repeat) {
+      if (options.interrupt != nullptr && options.interrupt->load()) break;
+      SINEW_ASSIGN(StudyRun run, RunOnce(problem, options, name, repeat));
+      if (run.stop.usable()) study.best = std::min(study.best, run.cost);
+      study.runs.push_back(std::move(run));
+      if (options.progress) options.progress(static_cast<int>(study.runs.size()), all);
+    }
+  }
+  study.target = options.target.value_or(kTargetShare * study.best);
+  return study;
+}
+
+std::vector<SolverSummary> Summarise(const Study& study) {
+  std::vector<SolverSummary> summaries;
+  for (const StudyRun& run : study.runs) {
+    const bool is_there = std::any_of(summaries.begin(), summaries.end(),
+                                      [&](const SolverSummary& s) { return s.solver == run.solver; });
+    if (!is_there) summaries.push_back(SummaryOf(run.solver, study));
+  }
+  return summaries;
+}
+
+}  // namespace sinew

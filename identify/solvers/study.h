@@ -1,0 +1,77 @@
+// Solvers against each other on one problem: every solver from the same starts, and what came of it.
+#pragma once
+
+#include <atomic>
+#include <cstdint>
+#include <functional>
+#include <limits>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "base/error.h"
+#include "identify/execution/evaluator.h"
+#include "identify/solvers/solver.h"
+
+namespace sinew {
+
+/// One solver from one start.
+struct StudyRun {
+  std::string solver;
+  std::uint64_t seed = 0;
+  Stop stop;
+  double cost = 0;
+  double seconds = 0;
+  std::vector<TraceEntry> trace;
+  Vector parameters;  ///< all of the problem; empty if there is no usable answer
+
+  struct Effort {
+    double evaluations;
+    double seconds;
+  };
+  /// What it took until the cost was at or below the target for the first time; NaN if it never was.
+  [[nodiscard]] Effort ToTarget(double target) const;
+};
+
+struct StudyOptions {
+  std::vector<std::string> solvers;  ///< names as MakeSolver takes them
+  int repeats = 5;                   ///< runs of each solver [>= 1]
+  SolverOptions solver_options;      ///< the seed is that of the first repeat; each further one adds 1
+  /// Of each run. Without any limit, 20,000 evaluations: a global solver need not end by itself.
+  std::optional<Budget> budget;
+  std::optional<double> target;  ///< cost that counts as success; default: within 1 % of the best of all runs
+  const std::atomic<bool>* interrupt = nullptr;
+  std::function<void(int done, int all)> progress;
+};
+
+struct Study {
+  std::vector<int> free;  ///< indices of the parameters that were fitted
+  std::vector<StudyRun> runs;
+  double best = std::numeric_limits<double>::infinity();  ///< cost; infinite if no run has a usable answer
+  double target = 0;
+};
+
+/// The first repeat starts where the problem says, each further one at a random point of the box, the same
+/// for every solver. Interrupted, it holds the runs so far. Errors: a solver that does not exist, or is named
+/// twice.
+Result<Study> CompareSolvers(const LeastSquares& problem, const StudyOptions& options);
+
+/// All runs of one solver. Medians are over the runs for which the number exists; NaN if there is none.
+struct SolverSummary {
+  std::string solver;
+  int repeats = 0;
+  int successes = 0;
+  double cost_median = 0;
+  double cost_worst = 0;
+  double evaluations = 0;            ///< median
+  double evaluations_to_target = 0;  ///< median
+  double seconds = 0;                ///< median
+  double seconds_to_target = 0;      ///< median
+  std::vector<double> mean;          ///< of each free parameter
+  std::vector<double> deviation;     ///< of each free parameter: standard deviation over the repeats
+};
+
+/// One summary per solver that ran, in the order in which they first ran.
+[[nodiscard]] std::vector<SolverSummary> Summarise(const Study& study);
+
+}  // namespace sinew

@@ -1,0 +1,89 @@
+"""What ./demo and ./check install, and whom the compiler's warnings stop.
+
+    /usr/bin/python3 -B -m unittest discover -s tests/cli -p test_build_scripts.py
+"""
+import json
+import os
+import subprocess
+import tempfile
+import unittest
+from pathlib import Path
+
+ROOT = Path(__file__).resolve().parents[2]
+# Debian's tools, so that nothing is installed: a package of $installed is there, one of $known can be had.
+WITHOUT_DEBIAN = """
+source cmake/steps.sh
+dpkg-query() { [[ " $installed " == *" ${@: -1} "* ]] && echo "install ok installed"; }
+apt-cache() { [[ " $known " == *" ${@: -1} "* ]]; }
+apt-get() { echo "apt-get $*"; }
+env() { shift; "$@"; }
+sudo() { "$@"; }
+"""
+
+
+def bash(script, **variables):
+    done = subprocess.run(["bash", "-euc", WITHOUT_DEBIAN + script], cwd=ROOT, env={**os.environ, "installed": "", "known": "",
+                          **variables}, capture_output=True, text=True, check=True)
+    return done.stdout
+
+
+def packages(*sections):
+    return bash("packages_of " + " ".join(sections)).split()
+
+
+class Packages(unittest.TestCase):
+    def test_of_the_demo_are_those_of_building_and_running(self):
+        for name in packages("build"):
+            self.assertNotRegex(name, "clang|gtest|gmock|benchmark|^git$")
+        self.assertIn("libsimbody-dev", packages("build"))
+
+    def test_are_each_in_one_section(self):
+        every = packages("build", "check", "format", "full")
+        self.assertEqual(len(set(every)), len(every))
+        lines = (line.split("#")[0].split() for line in (ROOT / "packages.txt").read_text().splitlines())
+        self.assertEqual(sorted(every), sorted(words[0] for words in lines if words and not words[0].startswith("[")))
+
+    def test_that_are_missing_are_installed(self):
+        done = bash("install_packages check", installed="git libgtest-dev")
+        self.assertIn("apt-get install -y --no-install-recommends libbenchmark-dev libgmock-dev\n", done)
+        self.assertIn("summary: 4 packages, 2 installed now", done)
+        self.assertNotIn("apt-get", bash("install_packages check", installed=" ".join(packages("check"))))
+
+    def test_of_the_format_are_left_out_where_debian_has_none(self):
+        formatter, = packages("format")
+        without = bash("install_packages check format", installed="git libgtest-dev")
+        self.assertNotIn(formatter, without.split("install -y")[1])
+        self.assertIn(f"{formatter} is not in this release of Debian", without)
+        self.assertIn(f"libgmock-dev {formatter}\n", bash("install_packages check format", installed="git libgtest-dev",
+                                                         known=formatter))
+        only = bash("install_packages format")
+        self.assertNotIn("apt-get install", only)
+        self.assertIn("summary: skipped", bash("command() { return 1; }; check_format"))
+
+
+class Warnings(unittest.TestCase):
+    def test_do_not_stop_a_users_build(self):
+        presets = {p["name"]: p for p in json.loads((ROOT / "CMakePresets.json").read_text())["configurePresets"]}
+        self.assertEqual(presets["release"]["cacheVariables"]["SINEW_WERROR"], "OFF")
+        self.assertEqual(presets["release"]["cacheVariables"]["SINEW_KEEP_WARNINGS"], "ON")
+
+    def test_are_kept_beside_the_object_until_it_has_none(self):
+        with tempfile.TemporaryDirectory() as folder:
+            source, kept = Path(folder, "a.cpp"), Path(folder, "a.o.warnings")
+
+            def compile_it(text):
+                source.write_text(text)
+                done = subprocess.run([ROOT / "cmake" / "keep_warnings.sh", "c++", "-Wall", "-c", "a.cpp", "-o", "a.o"],
+                                      cwd=folder, capture_output=True, text=True, check=False)
+                return done.returncode, done.stderr
+
+            status, said = compile_it("int f() { int unused; return 1; }\n")
+            self.assertEqual((status, kept.read_text()), (0, said))
+            self.assertIn("unused variable", said)
+            self.assertEqual(compile_it("int f() { return 1; }\n"), (0, ""))
+            self.assertFalse(kept.exists())
+            self.assertEqual(compile_it("int f( {}\n")[0], 1)
+
+
+if __name__ == "__main__":
+    unittest.main()

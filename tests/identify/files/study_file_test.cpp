@@ -1,0 +1,127 @@
+#include "identify/files/study_file.h"
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <nlohmann/json.hpp>
+
+#include "identify/solvers/study.h"
+#include "tests/identify/support/error_of.h"
+#include "tests/identify/support/line_fit.h"
+
+namespace sinew {
+namespace {
+
+using testing::ElementsAre;
+using testing::HasSubstr;
+
+const Provenance kProvenance{"line", "data.h5", "0123456789abcdef", "a line", "line: {}\n", true};
+
+class SolverStudy : public testing::Test {
+ protected:
+  [[nodiscard]] Study Compared(const std::vector<std::string>& solvers, int repeats) const {
+    StudyOptions options;
+    options.solvers = solvers;
+    options.repeats = repeats;
+    return CompareSolvers(fit_, options).value();
+  }
+
+  const toy::ToyProblem problem_ = toy::LineProblem();
+  const FitSetup setup_ = MakeFitSetup(problem_, {}).value();
+  const LeastSquares fit_{problem_, setup_};
+};
+
+StudyRun MadeUp(const std::string& solver, std::vector<double> costs, double parameter) {
+  StudyRun run;
+  run.solver = solver;
+  run.stop.kind = Termination::kCostChange;
+  for (std::size_t i = 0; i < costs.size(); ++i)
+    run.trace.push_back({0.5 * static_cast<double>(i + 1), costs[i], Vector()});
+  run.cost = costs.back();
+  run.seconds = run.trace.back().seconds;
+  run.parameters = toy::Values({parameter});
+  return run;
+}
+
+TEST_F(SolverStudy, EverySolverBeginsAtTheSamePlacesOfWhichTheFirstIsTheProblemsOwn) {
+  const Study study = Compared({"ceres", "lm"}, 3);
+  ASSERT_EQ(study.runs.size(), 6U);
+  EXPECT_EQ(study.runs[0].trace.front().x, fit_.Start());
+  EXPECT_NE(study.runs[1].trace.front().x, fit_.Start());
+  for (std::size_t i = 0; i < 3; ++i) {
+    EXPECT_EQ(study.runs[i].solver, "ceres");
+    EXPECT_EQ(study.runs[i + 3].solver, "lm");
+    EXPECT_EQ(study.runs[i].trace.front().x, study.runs[i + 3].trace.front().x);
+    EXPECT_EQ(study.runs[i].seed, 1 + i);
+  }
+}
+
+TEST_F(SolverStudy, TheTargetIsOnePercentAboveTheBestCost) {
+  const Study study = Compared({"lm"}, 2);
+  EXPECT_EQ(study.best, std::min(study.runs[0].cost, study.runs[1].cost));
+  EXPECT_DOUBLE_EQ(study.target, 1.01 * study.best);
+}
+
+TEST_F(SolverStudy, AnInterruptedOneHoldsTheRunsSoFar) {
+  std::atomic<bool> interrupt{false};
+  StudyOptions options;
+  options.solvers = {"lm", "ceres"};
+  options.interrupt = &interrupt;
+  options.progress = [&](int done, int all) {
+    EXPECT_EQ(all, 10);
+    if (done == 2) interrupt = true;
+  };
+  const auto study = CompareSolvers(fit_, options);
+  ASSERT_TRUE(study);
+  EXPECT_EQ(study->runs.size(), 2U);
+}
+
+TEST_F(SolverStudy, AWrongNameIsKnownBeforeAnyRun) {
+  StudyOptions options;
+  options.solvers = {"lm", "cerez"};
+  options.progress = [](int, int) { FAIL() << "ran"; };
+  EXPECT_THAT(ErrorOf(CompareSolvers(fit_, options)), HasSubstr("'cerez' does not exist"));
+  options.solvers = {"lm", "ceres", "lm"};
+  EXPECT_EQ(ErrorOf(CompareSolvers(fit_, options)), "solver 'lm' is named twice");
+}
+
+TEST(SolverSummaries, AreMediansOverTheRunsThatHaveTheNumber) {
+  Study study;
+  study.free = {0};
+  study.target = 2;
+  study.runs = {MadeUp("a", {9, 2, 1}, 1), MadeUp("a", {9, 8, 7, 6, 5}, 3), MadeUp("b", {3}, 5),
+                MadeUp("a", {2}, 2)};
+  const auto summaries = Summarise(study);
+  ASSERT_EQ(summaries.size(), 2U);
+  const SolverSummary& a = summaries[0];
+  EXPECT_EQ(a.solver, "a");
+  EXPECT_EQ(a.repeats, 3);
+  EXPECT_EQ(a.successes, 2);
+  EXPECT_EQ(a.cost_median, 2);
+  EXPECT_EQ(a.cost_worst, 5);
+  EXPECT_EQ(a.evaluations, 3);
+  EXPECT_EQ(a.evaluations_to_target, 1.5);  // of the two that reached it: 2 and 1
+  EXPECT_EQ(a.seconds_to_target, 0.75);
+  EXPECT_THAT(a.mean, ElementsAre(2));
+  EXPECT_THAT(a.deviation, ElementsAre(1));
+  EXPECT_EQ(summaries[1].deviation[0], 0) << "of a single run";
+  EXPECT_TRUE(std::isnan(summaries[1].evaluations_to_target));
+}
+
+TEST_F(SolverStudy, FileAndJsonHoldTheSameNumbers) {
+  const Study study = Compared({"lm"}, 2);
+  const Hdf5Node tree = StudyTree(problem_, study, kProvenance);
+  const auto json = nlohmann::json::parse(StudyJson(problem_, study, kProvenance));
+  EXPECT_EQ(json["schema"], "sinew.study/1");
+  EXPECT_EQ(tree.Find("study")->Text("sinew_schema"), "study/1");
+  EXPECT_EQ(json["best_cost"].get<double>(), tree.Find("study")->Number("best_cost", 0));
+  EXPECT_EQ(json["target"].get<double>(), tree.Find("study")->Number("target", 0));
+  EXPECT_THAT(*tree.Find("study/runs/solver")->texts(), ElementsAre("lm", "lm"));
+  const auto& values = tree.Find("study/runs/values")->array()->values;
+  ASSERT_EQ(values.size(), 4U);
+  EXPECT_DOUBLE_EQ(json["solvers"][0]["parameters"][1]["mean"].get<double>(), 0.5 * (values[1] + values[3]));
+}
+
+}  // namespace
+}  // namespace sinew
