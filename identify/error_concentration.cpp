@@ -11,7 +11,7 @@ namespace {
 
 constexpr int kMinSamples = 200;
 constexpr int kStretches = 20;
-constexpr double kMinChangeShare = 0.25;
+constexpr double kMinConcentratedShare = 0.25;
 constexpr double kRatioToOthers = 2;  // least ratio to any stretch that does not overlap it
 
 // Largest sum of `count` neighbours that begin in [from, to), and where it begins.
@@ -40,7 +40,7 @@ std::vector<Concentration> FindConcentrations(const Layout& layout, const std::v
     }
     const Eigen::Index count = n / kStretches;
     const auto [most, first] = Largest(sums, count, 0, n - count + 1);
-    if (!(most > kMinChangeShare * sums[n])) continue;
+    if (!(most > kMinConcentratedShare * sums[n])) continue;
     const double others =
         std::max(Largest(sums, count, 0, std::max<Eigen::Index>(first - count + 1, 0)).first,
                  Largest(sums, count, std::min(first + count, n - count + 1), n - count + 1).first);
