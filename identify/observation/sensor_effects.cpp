@@ -157,19 +157,19 @@ Status SensorEffects::Predict(const Query& query, Workspace& workspace, Predicti
 }
 
 void SensorEffects::Observe(const Query& query, int b, SensorWorkspace& scratch, Prediction& observed) const {
-  const ObservedBlock& observed = observed_[static_cast<std::size_t>(b)];
+  const ObservedBlock& block = observed_[static_cast<std::size_t>(b)];
   const Prediction& inner = scratch.prediction;
   auto values = observed.values(b);
   values = inner.values(b);
   auto derivatives = observed.derivatives(b);
   const auto& columns = layout_[static_cast<std::size_t>(b)].columns;
-  for (Eigen::Index c = 0; c < observed.of_inner; ++c) {
+  for (Eigen::Index c = 0; c < block.of_inner; ++c) {
     if (query.Differentiates(columns[static_cast<std::size_t>(c)])) {
       derivatives.col(c) = inner.derivatives(b).col(c);
     }
   }
-  if (observed.sensor < 0) return;
-  Observation o(query, sensors_[static_cast<std::size_t>(observed.sensor)].first, observed.first_of_trial);
+  if (block.sensor < 0) return;
+  Observation o(query, sensors_[static_cast<std::size_t>(block.sensor)].first, block.first_of_trial);
   ObserveValues(query, b, o, scratch, values);
   if (query.derivatives) ObserveDerivatives(query, b, o, scratch, derivatives);
 }
