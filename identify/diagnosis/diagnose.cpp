@@ -5,7 +5,7 @@
 #include <limits>
 #include <vector>
 
-#include "base/text.h"
+#include "identify/check_problem.h"
 #include "identify/diagnosis/diagnosis_state.h"
 #include "identify/diagnosis/discover/discovery.h"
 #include "identify/diagnosis/discover/structure.h"
@@ -142,10 +142,10 @@ class DiagnosisRun {
       SINEW_ASSIGN(out_.withdrawn, RejectUnsupportedCauses(state_));
     }
     out_.extended_point = state_.selection.model.point;
-    SINEW_TRY(Tabulate(e_, out_));
+    SINEW_TRY(Tabulate(state_, out_));
     if (state_.selection.structure_left) {
       Say(DiagnosisStep::kDiscover);
-      SINEW_TRY(DiscoverUnknown(e_, out_));
+      SINEW_TRY(DiscoverUnknown(state_, out_));
     }
     SINEW_TRY(Continue());
     SINEW_TRY(MeasureGain(state_.selection.model.noise));

@@ -5,6 +5,7 @@
 #include <limits>
 #include <optional>
 
+#include "base/constants.h"
 #include "identify/diagnosis/score/shortlist.h"
 
 namespace sinew::diagnosis {

@@ -52,7 +52,7 @@ class Tables {
     cause.effect = candidate.effect;
     cause.level = candidate.level;
     cause.description = candidate.description;
-    cause.parameters = ValuesOf(e_, state_.selection.model, covariance, candidate.parameters);
+    cause.parameters = ValuesOf(state_, state_.selection.model, covariance, candidate.parameters);
     cause.p_value = chosen.p_value;
     cause.left_out = chosen.left_out;
     cause.delta_lr = chosen.delta_lr;
@@ -70,7 +70,7 @@ class Tables {
     other.effect = candidate.effect;
     other.level = candidate.level;
     other.description = candidate.description;
-    other.parameters = ValuesOf(e_, rival.refit, covariance, candidate.parameters);
+    other.parameters = ValuesOf(state_, rival.refit, covariance, candidate.parameters);
     other.delta_lr = rival.delta_lr;
     other.delta_bic = rival.delta_lr + (static_cast<double>(candidate.parameters.size()) -
                                         static_cast<double>(cause.parameters.size())) *
