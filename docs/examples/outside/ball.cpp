@@ -84,6 +84,6 @@ int main() {
     std::fprintf(stderr, "%s\n", result.error().message.c_str());
     return 1;
   }
-  for (const std::string& finding : result->findings) std::printf("%s\n", finding.c_str());
+  for (const text::Sentence& finding : text::Findings(*result)) std::printf("%s\n", finding.text.c_str());
   return result->result.stop.converged() && std::abs(result->parameters[0] - 0.8) < 0.005 ? 0 : 1;
 }
