@@ -23,8 +23,8 @@ struct Sums {
   }
 };
 
-// Deviations are taken from the mean of the block itself, also where blocks are pooled: otherwise two trials
-// that differ in level would look well predicted by two constants.
+// Deviations are taken from the mean of each block, also where blocks are pooled: with a common mean, two
+// trials that differ only in level would get a high r2 from two constants.
 Sums Compare(const Block& block, const Vector& predicted) {
   Sums sums;
   sums.n = block.samples();

@@ -84,7 +84,8 @@ Prediction::Prediction(const Layout& layout) {
     derivative_offset_.push_back(size);
     size += block.predictions() * columns_.back();
   }
-  // Pages of columns that nobody asks for are never touched: with a hundred effects that is most of them.
+  // Derivatives stay uninitialised: memory pages of columns that are never requested are then never touched,
+  // and with a hundred effects these are most.
   data_.resize(size);
   data_.head(values_).setConstant(std::numeric_limits<double>::quiet_NaN());
 }

@@ -14,7 +14,7 @@ double ToParameter(const Parameter& p, double x) {
   if (x == 1) return p.upper;
   const double value = p.scale == Scale::kLog ? p.lower * std::exp(x * std::log(p.upper / p.lower))
                                               : p.lower + x * (p.upper - p.lower);
-  return std::clamp(value, p.lower, p.upper);  // next to a bound, rounding would carry it across
+  return std::clamp(value, p.lower, p.upper);  // rounding can put a value next to a bound beyond it
 }
 
 double ToVariable(const Parameter& p, double value) {

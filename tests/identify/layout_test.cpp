@@ -122,7 +122,7 @@ TEST(Layout, ColumnsMustBeParametersInOrder) {
             "block walk/force: columns[0] = -1: expected increasing indices of the 4 parameters");
 }
 
-TEST(Prediction, HasOnePlacePerBlockAndBeginsWithPoisonedValues) {
+TEST(Prediction, HasOnePlacePerBlockAndStartsWithNaN) {
   Block wide = GoodBlock();
   wide.columns = {0, 1, 2};
   wide.prediction_time = {0, 1};
@@ -135,7 +135,7 @@ TEST(Prediction, HasOnePlacePerBlockAndBeginsWithPoisonedValues) {
   ASSERT_EQ(prediction.values(1).size(), 2);
   ASSERT_EQ(prediction.derivatives(1).cols(), 3);
 
-  // Every place is its own: what is written to one is not read from another.
+  // Entries do not overlap: a value written to one is not read from another.
   prediction.values(0).setConstant(1);
   prediction.derivatives(0).setConstant(2);
   EXPECT_TRUE(prediction.values(1).array().isNaN().all());

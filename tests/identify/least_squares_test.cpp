@@ -65,7 +65,7 @@ TEST(LeastSquaresVariables, BoundsAreExactAtZeroAndOneAndClampedBeyond) {
   EXPECT_EQ(fit.view.Variables(upper), Vector::Ones(3));
 }
 
-// A Query promises parameters within bounds; next to a bound, rounding must not carry them across.
+// The parameters of a Query are within bounds, also where rounding next to a bound would put them beyond it.
 TEST(LeastSquaresVariables, NoPointOfTheBoxLeavesTheBounds) {
   Random random(1);
   const double near_one = std::nextafter(1.0, 0.0);
@@ -100,7 +100,7 @@ TEST(LeastSquaresVariables, VariablesAndParametersAreInverse) {
   }
 }
 
-TEST(LeastSquaresVariables, ParametersThatAreNotFreeRest) {
+TEST(LeastSquaresVariables, FixedParametersKeepTheirValue) {
   const ToyProblem problem = DecayProblem({MakeBlock("t", "y", 3, 1)});
   FitRequest request;
   request.fix = {{"a", 4}};
