@@ -19,6 +19,7 @@
 #include "identify/identification/identification.h"
 #include "identify/observation/sensor_effects.h"
 #include "identify/problem.h"
+#include "identify/text/diagnosis_overview.h"
 #include "identify/text/diagnosis_sentences.h"
 #include "identify/text/findings.h"
 #include "identify/text/warnings.h"
