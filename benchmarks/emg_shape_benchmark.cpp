@@ -1,4 +1,4 @@
-// One person's model: five muscles at six speeds, nine cycles each to learn from.
+// One person's model: five muscles at six speeds, nine cycles each.
 #include <benchmark/benchmark.h>
 
 #include "identify/execution/evaluator.h"

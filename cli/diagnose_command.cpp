@@ -6,10 +6,11 @@
 #include "cli/binding.h"
 #include "cli/command.h"
 #include "cli/command_files.h"
-#include "cli/diagnosis_text.h"
 #include "cli/terminal.h"
 #include "identify/files/diagnosis_file.h"
 #include "identify/files/diagnosis_json.h"
+#include "identify/text/diagnosis_overview.h"
+#include "identify/text/diagnosis_sentences.h"
 
 namespace sinew {
 namespace {
@@ -70,7 +71,9 @@ Result<std::vector<std::string>> StartFrom(const DiagnoseWords& words, const Pro
 void PrintDiagnosis(const DiagnoseWords& words, const Binding& binding, const Diagnosis& diagnosis) {
   std::printf("diagnose %s on %s (%s)\n", words.binding.problem.c_str(), words.binding.data.c_str(),
               binding.DescribeData().c_str());
-  std::fputs(DiagnosisText(diagnosis).c_str(), stdout);
+  constexpr int kWidth = 100;  // columns
+  for (const text::Line& line : text::Overview(diagnosis))
+    std::fputs(Wrapped(line.text, line.indent, kWidth).c_str(), stdout);
   std::printf("  Diagnosis file: %s\n", words.out.c_str());
 }
 
@@ -101,24 +104,21 @@ Result<int> RunDiagnose(const DiagnoseWords& words) {
   options.threads = words.fit.threads;
   options.interrupt = &InterruptFlag();
   ProgressLine line("diagnose", words.fit.quiet);
-  options.progress = [&](const std::string& step) { line.Show(step); };
+  options.progress = [&](const DiagnosisProgress& now) { line.Show(text::ProgressText(now)); };
   auto result = Diagnose(binding.problem(), std::move(setup), options);
   line.Clear();
   const bool interrupted = InterruptFlag().load();
   if (!result && interrupted) return NotUsable("interrupted");
   if (!result) return tl::unexpected(result.error());
   Diagnosis& diagnosis = *result;
-  diagnosis.warnings.insert(diagnosis.warnings.end(), notes.begin(), notes.end());
+  for (const std::string& note : notes) diagnosis.warnings.push_back({WarningKind::kOther, {}, {}, note});
 
   SINEW_ASSIGN(const Hdf5Node tree, DiagnosisTree(binding.problem(), diagnosis, provenance, options));
   SINEW_TRY(WriteHdf5(words.out, tree));
   if (words.json != "-") PrintDiagnosis(words, binding, diagnosis);
   if (!words.json.empty()) SINEW_TRY(WriteText(words.json, DiagnosisJson(diagnosis, provenance, options)));
   if (interrupted) return NotUsable("interrupted");
-  if (!diagnosis.base.stop.converged()) {
-    return NotUsable("the base model was not fitted: " + diagnosis.base.stop.test);
-  }
-  if (!diagnosis.concluded) return NotUsable("noise hides what could be wrong");
+  if (!diagnosis.concluded()) return NotUsable(text::WhyInconclusive(diagnosis));
   return kDone;
 }
 

@@ -11,6 +11,8 @@
 #include "cli/terminal.h"
 #include "identify/identification/identification.h"
 #include "identify/identification/stepwise.h"
+#include "identify/text/findings.h"
+#include "identify/text/warnings.h"
 
 namespace sinew {
 namespace {
@@ -91,8 +93,9 @@ void PrintFindings(const IdentifyWords& words, const Binding& binding, const Ide
   std::printf("identify %s on %s (%s)\n", words.binding.problem.c_str(), words.binding.data.c_str(),
               binding.DescribeData().c_str());
   std::fputs(Wrapped(Headline(identification), 2).c_str(), stdout);
-  for (const std::string& finding : identification.findings) std::fputs(Wrapped(finding, 2).c_str(), stdout);
-  for (const std::string& warning : identification.warnings)
+  for (const text::Sentence& finding : text::Findings(identification))
+    std::fputs(Wrapped(finding.text, 2).c_str(), stdout);
+  for (const std::string& warning : text::Warnings(identification))
     std::fputs(Wrapped("warning: " + warning, 2).c_str(), stdout);
   std::printf("  Run file: %s\n", words.out.c_str());
 }
@@ -129,7 +132,7 @@ Result<int> RunIdentify(const IdentifyWords& words) {
     const double began = evaluator.seconds();
     // A checkpoint that cannot be written is no reason to stop: the answer itself may find room again.
     const Status saved =
-        WriteHdf5(words.out, UnfinishedRunTree(evaluator.problem(), as_asked, provenance, evaluator));
+        WriteHdf5(words.out, UnfinishedRunTree(evaluator.fit(), as_asked, provenance, evaluator));
     if (!saved && !unsaved_noted) {
       line.Clear();
       std::fputs(
@@ -144,7 +147,8 @@ Result<int> RunIdentify(const IdentifyWords& words) {
                words.stepwise ? IdentifyStepwise(binding.problem(), request, options)
                               : Identify(binding.problem(), std::move(setup), std::move(options)));
   line.Clear();
-  for (const std::string& note : binding.bound.notes) identification.warnings.push_back(note);
+  for (const std::string& note : binding.bound.notes)
+    identification.warnings.push_back({WarningKind::kOther, {}, {}, note});
 
   SINEW_ASSIGN(const Hdf5Node tree, RunTree(binding.problem(), identification, provenance));
   SINEW_TRY(WriteHdf5(words.out, tree));

@@ -1,5 +1,5 @@
-// What might be wrong with a model: named groups of parameters that can be released, places where a term that
-// nobody knows may enter, and constraints.
+// What can be missing from a model: effects (named groups of parameters that can be released), ports at which
+// a model discrepancy term can be added, and linear constraints.
 #pragma once
 
 #include <optional>
@@ -20,15 +20,17 @@ enum class Level { kHuman, kRobot, kBoundary, kSensor };
 struct Effect {
   std::string name;
   Level level = Level::kSensor;
-  std::string description;  ///< the cause as a sentence: "the force plate reads too much by a constant"
-  std::string revealing_experiment;  ///< the experiment that would show it
+  std::string description;  ///< the cause as a sentence: "the force plate reads too high by a constant"
+  std::string revealing_experiment;  ///< an experiment in which the effect is large
   std::vector<int> parameters;       ///< indices into Problem::parameters()
-  std::string trial = {};            ///< the trial that alone shows it; empty: all of them (the default)
+  std::string trial = {};            ///< the only trial that it acts in; empty: all (the default)
 };
 
-/// A smooth function of one signal that may be added at a port: sum of weights times linear hats over the
-/// knots, constant beyond the outer ones. The weights are parameters (kEffect, null 0) whose `effect` is this
-/// term's name, so that a term is scored, released and refitted like any effect.
+/// A model discrepancy term: a smooth function of one signal that can be added at a port, piecewise linear
+/// between the knots and constant beyond the outer ones (weights times linear basis functions). The weights
+/// are parameters (kEffect, null 0) whose `effect` is this term's name, so that a term is scored, released
+/// and refitted like any effect.
+/// Source: Kennedy, O'Hagan (2001), J. R. Stat. Soc. B 63:425-464, for the discrepancy term.
 struct DiscrepancyTerm {
   std::string name;    ///< PORT(SIGNAL), such as torque(position)
   std::string signal;  ///< position, velocity, command, time, ...
@@ -37,8 +39,8 @@ struct DiscrepancyTerm {
   std::vector<int> parameters;  ///< [K] indices into Problem::parameters(): the weights [unit of the port]
 };
 
-/// A place where something that nobody thought of may enter (a joint torque, the output itself), and what it
-/// may depend on there.
+/// A place where a discrepancy term can be added (a joint torque, the output itself), with one term per
+/// signal that it can depend on there.
 struct DiscrepancyPort {
   std::string name;
   std::string unit;

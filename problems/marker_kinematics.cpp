@@ -1,11 +1,11 @@
 #include "problems/marker_kinematics.h"
 
-#include <tbb/parallel_for.h>
-
 #include <algorithm>
 #include <cmath>
 #include <mutex>
 #include <optional>
+
+#include "identify/execution/executor.h"
 
 namespace sinew {
 namespace {
@@ -93,7 +93,7 @@ Result<std::vector<MarkerFit>> AddCoordinates(const MultibodyModel& model, const
     if (progress) progress(done, frames);
   };
   std::vector<std::optional<Result<MarkerFit>>> fits(trials.size());
-  tbb::parallel_for(std::size_t{0}, trials.size(), [&](std::size_t i) {
+  CurrentExecutor().ForEach(trials.size(), [&](std::size_t i, std::size_t) {
     auto& [name, trial] = trials[i];
     const MarkerTrajectories markers = MarkersOf(trial->grids.at("markers"));
     const auto solved = SolveInverseKinematics(model, markers, setup, options);

@@ -85,8 +85,12 @@ const std::vector<ProblemEntry>& ProblemRegistry() {
 }
 
 Result<const ProblemEntry*> FindProblem(const std::string& name) {
+  return FindProblem(ProblemRegistry(), name);
+}
+
+Result<const ProblemEntry*> FindProblem(const std::vector<ProblemEntry>& problems, const std::string& name) {
   std::vector<std::string> names;
-  for (const ProblemEntry& entry : ProblemRegistry()) {
+  for (const ProblemEntry& entry : problems) {
     if (entry.name == name) return &entry;
     names.push_back(entry.name);
   }

@@ -14,6 +14,7 @@
 
 namespace sinew {
 
+/// `synthesize`, `parameters` and `experiment` may be nullptr: a user's own problem need not have them.
 struct ProblemEntry {
   std::string name;
   std::string description;  ///< one line for `sinew list problems`
@@ -33,5 +34,6 @@ struct ProblemEntry {
 
 /// Errors: no such problem, with a suggestion.
 Result<const ProblemEntry*> FindProblem(const std::string& name);
+Result<const ProblemEntry*> FindProblem(const std::vector<ProblemEntry>& problems, const std::string& name);
 
 }  // namespace sinew

@@ -81,7 +81,7 @@ Result<Options> ReadOptions(const std::vector<std::string>& words) {
   return options;
 }
 
-// Streams of the seed: each choice has its own, so that one does not move the others.
+// Random streams of the seed: one per choice, so that a choice does not influence the others.
 enum Stream : std::uint64_t { kJoint = 1, kNoise, kChoice, kExperiment, kAlso };
 
 Random StreamOf(const Options& options, std::uint64_t stream) {
@@ -108,7 +108,7 @@ Result<DrivePlan> DrawPlan(const Options& options) {
   return PlanDrive(request);
 }
 
-/// What was chosen, and how plain it is to the oracle.
+/// The chosen effect, and its size for the oracle.
 struct Hidden {
   std::string name;
   DriveTruth alone;  ///< the joint with this effect only
@@ -184,7 +184,7 @@ Status Generate(const Options& options) {
   SINEW_ASSIGN(const Oracle oracle, Oracle::Make(plan));
   SINEW_ASSIGN(const std::vector<Hidden> hidden, Hide(options, oracle, plan));
 
-  // What comes on top is drawn after the effect was sized, and changes none of the ordinary trials.
+  // Further trials are drawn after the effect was sized, and do not change the ordinary trials.
   SINEW_ASSIGN(DrivePlan further, PlanFurther(plan, options.also, Random::StreamSeed(options.seed, kAlso)));
   const DriveTruth joint = plan.truth;
   for (const Hidden& one : hidden) {
@@ -215,7 +215,7 @@ Status Generate(const Options& options) {
   truth["effects"] = nlohmann::json::array();
   const Vector noise = oracle.Noise();
   for (const Hidden& one : hidden) {
-    // The model knows the compression by the largest command that was recorded.
+    // The model's compression is given by the largest command that was recorded.
     DriveTruth stated = one.alone;
     stated[kCompression] *= scale / plan.trials.front().command_scale;
     nlohmann::json effect{

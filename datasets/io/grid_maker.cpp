@@ -29,7 +29,7 @@ Channel MakeChannel(const ColumnMeaning& meaning, std::vector<double> values) {
   return channel;
 }
 
-// What the map says about a channel, on top of what is known of its column.
+// The map's entry for a channel, in addition to what its column states.
 ColumnMeaning Refine(ColumnMeaning meaning, const MappedChannel& mapped) {
   if (mapped.unit) {
     meaning.unit = mapped.unit->si_unit;

@@ -1,4 +1,4 @@
-// The steps of a diagnosis, in order; what each means stands in docs/diagnosis.md.
+// The steps of a diagnosis, in order; docs/diagnosis.md explains them.
 #include <algorithm>
 #include <chrono>
 #include <cmath>
@@ -6,14 +6,13 @@
 #include <vector>
 
 #include "base/text.h"
+#include "identify/diagnosis/diagnosis_state.h"
 #include "identify/diagnosis/discover/discovery.h"
 #include "identify/diagnosis/discover/structure.h"
-#include "identify/diagnosis/examination.h"
 #include "identify/diagnosis/held_out_validation.h"
 #include "identify/diagnosis/score/quantised_channels.h"
 #include "identify/diagnosis/select/cross_validated_search.h"
 #include "identify/diagnosis/tabulation.h"
-#include "identify/diagnosis/wording.h"
 #include "identify/error_concentration.h"
 #include "identify/solvers/held_out_nuisance.h"
 
@@ -21,11 +20,12 @@ namespace sinew {
 namespace diagnosis {
 namespace {
 
-// A base fit that needs more of them has no minimum to speak of (it takes 10 to 200, 650 in a narrow valley).
+// Limit of evaluations of the base fit: usual fits need 10 to 200, 650 in a narrow valley, so that one that
+// needs more has no clear minimum.
 constexpr long kBaseEvaluations = 2000;
-constexpr long kMaxEvaluations = 200000;  // of another solver, which ends by its own rules
-// Of the variance of what was measured: a base model that explains less of it, and leaves the rest as
-// innovations, tells nothing from noise.
+constexpr long kMaxEvaluations = 200000;  // limit for other solvers, which have their own stopping rules
+// Least share of the measured variance that the base model must explain: below it, with the rest described as
+// innovations, misfit and noise cannot be distinguished.
 constexpr double kMinExplained = 0.1;
 
 Status CheckThatDataSuffice(const Problem& problem, const FitSetup& setup) {
@@ -40,9 +40,9 @@ Status CheckThatDataSuffice(const Problem& problem, const FitSetup& setup) {
   return {};
 }
 
-// Share of the variance of what was measured, about the mean of each training block, that is not innovations:
-// of the channel where it is largest, since one that says something is enough.
-double ShareThatIsNotNoise(const Problem& problem, const LeastSquares& fit, const noise::NoiseModel& noise) {
+// Share of the measured variance, about the mean of each training block, that is not innovations: that of the
+// channel where it is largest, because one informative channel is enough.
+double ExplainedShare(const Problem& problem, const LeastSquares& fit, const noise::NoiseModel& noise) {
   std::vector<double> variance(noise.channels.size(), 0);
   std::vector<double> innovations(noise.channels.size(), 0);
   for (std::size_t t = 0; t < fit.train_blocks().size(); ++t) {
@@ -59,30 +59,32 @@ double ShareThatIsNotNoise(const Problem& problem, const LeastSquares& fit, cons
   return largest;
 }
 
-class Diagnostician {
+class DiagnosisRun {
  public:
-  Diagnostician(const Problem& problem, const DiagnosisOptions& options)
-      : problem_(problem), options_(options), e_(problem, options) {}
+  DiagnosisRun(const Problem& problem, const DiagnosisOptions& options)
+      : problem_(problem), options_(options), state_(problem, options) {}
 
   Result<Diagnosis> Run(FitSetup setup) {
     const auto began = std::chrono::steady_clock::now();
+    SINEW_TRY(CheckProblem(problem_, setup));
     SINEW_TRY(CheckThatDataSuffice(problem_, setup));
     out_.setup = std::move(setup);
-    e_.candidates = ListCandidates(problem_, out_.setup);
-    RemoveQuantisation(problem_, e_.candidates);
-    Say("fitting the base model");
+    out_.has_held_out = state_.held_out.exists();
+    state_.candidates = ListCandidates(problem_, out_.setup);
+    RemoveQuantisation(problem_, state_.candidates);
+    Say(DiagnosisStep::kBaseFit);
     SINEW_ASSIGN(const bool fitted, FitBase());
-    if (fitted) SINEW_TRY(Investigate());
+    if (fitted) SINEW_TRY(RunSteps());
     out_.seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - began).count();
     return std::move(out_);
   }
 
  private:
-  void Say(const std::string& step) const {
-    if (options_.progress) options_.progress(step);
+  void Say(DiagnosisStep step) const {
+    if (options_.progress) options_.progress({step});
   }
 
-  // Step 0. False: there is no usable base fit, and the diagnosis says so.
+  // Step 0. Returns false if there is no usable base fit; the diagnosis then has no conclusion.
   Result<bool> FitBase() {
     const LeastSquares fit(problem_, out_.setup);
     SolverOptions how;
@@ -98,68 +100,60 @@ class Diagnostician {
     out_.base_point = fit.Parameters(out_.base.x);
     out_.extended_point = out_.base_point;
     if (!out_.base.stop.usable() || !out_.base.stop.converged()) {
-      ConcludeNothing(fmt::format("the base fit did not converge ({})", out_.base.stop.test),
-                      "A cause named on top of an unfinished fit would be a guess. Give better starts or "
-                      "bounds, or fix what the data cannot tell.");
+      ConcludeNothing(Inconclusive::kBaseFitNotConverged);
       return false;
     }
-    e_.refitter = std::make_unique<Refitter>(problem_, out_.setup, e_.candidates, options_.interrupt);
+    state_.refitter = std::make_unique<Refitter>(problem_, out_.setup, state_.candidates, options_.interrupt);
     return true;
   }
 
-  void ConcludeNothing(const std::string& why, const std::string& what_to_do) {
+  void ConcludeNothing(Inconclusive why) {
     out_.verdict = DiagnosisVerdict::kUnexplained;
-    out_.concluded = false;
-    out_.sentences = {"Nothing can be concluded: " + why + ".", what_to_do};
+    out_.inconclusive = why;
   }
 
-  Status Investigate() {
-    Refit base = e_.refitter->Fit({}, {out_.base_point});
+  Status RunSteps() {
+    Refit base = state_.refitter->Fit({}, {out_.base_point});
     SINEW_TRY(Continue());
     if (!base.usable()) return Fail("the base model: {}", base.failure);
-    const double share = ShareThatIsNotNoise(problem_, LeastSquares(problem_, *base.setup), base.noise);
+    const double share = ExplainedShare(problem_, LeastSquares(problem_, *base.setup), base.noise);
     if (share < kMinExplained) {
-      ConcludeNothing(
-          "what the base model leaves is about as large as what was measured, and varies from one "
-          "sample to the next as noise does",
-          "An effect that hides in such noise cannot be named. Reduce the noise, excite the system "
-          "more, or give the base model better starts.");
+      ConcludeNothing(Inconclusive::kNoiseTooLarge);
       return MeasureGain(base.noise);
     }
     if (base.noise_absorbs_misfit) {
-      e_.refitter->TakeErrorsForIndependent();
-      out_.warnings.push_back(
-          "the residual is so large and smooth that a noise model would take the model's place: errors of "
-          "neighbouring samples count as independent, which makes p-values and intervals too small");
+      state_.refitter->AssumeIndependentErrors();
+      out_.warnings.push_back({WarningKind::kNoiseAbsorbsMisfit, {}, {}, {}});
     }
     out_.base_point = base.point;
-    Say("scoring the library");
-    SINEW_ASSIGN(e_.base,
-                 ScoreModel(problem_, e_.candidates, std::move(base), options_.alarm_level, options_.seed));
+    Say(DiagnosisStep::kScore);
+    SINEW_ASSIGN(state_.base, ScoreModel(problem_, state_.candidates, std::move(base), options_.alarm_level,
+                                         options_.seed));
     SINEW_TRY(DescribeResidual());
-    if (e_.held_out.exists()) {
-      SINEW_ASSIGN(const auto residuals, e_.held_out.Residuals(e_.base.refit.point));
-      SINEW_TRY(e_.held_out.LearnOwnNoise(residuals));
+    if (state_.held_out.exists()) {
+      SINEW_ASSIGN(const auto residuals, state_.held_out.Residuals(state_.base.refit.point));
+      SINEW_TRY(state_.held_out.EstimateOwnNoise(residuals));
     }
-    Say("refitting what answered");
-    SINEW_ASSIGN(e_.selection, Select(problem_, *e_.refitter, e_.candidates, e_.base, options_));
+    Say(DiagnosisStep::kRefit);
+    SINEW_ASSIGN(state_.selection,
+                 Select(problem_, *state_.refitter, state_.candidates, state_.base, options_));
     SINEW_TRY(Continue());
-    if (e_.held_out.exists() && !e_.selection.causes.empty()) {
-      SINEW_ASSIGN(out_.withdrawn, RejectUnsupportedCauses(e_));
+    if (state_.held_out.exists() && !state_.selection.causes.empty()) {
+      SINEW_ASSIGN(out_.withdrawn, RejectUnsupportedCauses(state_));
     }
-    out_.extended_point = e_.selection.model.point;
+    out_.extended_point = state_.selection.model.point;
     SINEW_TRY(Tabulate(e_, out_));
-    if (e_.selection.structure_left) {
-      Say("looking for a term that nobody thought of");
+    if (state_.selection.structure_left) {
+      Say(DiagnosisStep::kDiscover);
       SINEW_TRY(DiscoverUnknown(e_, out_));
     }
     SINEW_TRY(Continue());
-    SINEW_TRY(MeasureGain(e_.selection.model.noise));
+    SINEW_TRY(MeasureGain(state_.selection.model.noise));
     Conclude();
     return {};
   }
 
-  // What was interrupted half way is no answer.
+  // An interrupted diagnosis is an error: part of it is not a result.
   [[nodiscard]] Status Continue() const {
     if (options_.interrupt != nullptr && options_.interrupt->load()) return Fail("interrupted");
     return {};
@@ -167,12 +161,12 @@ class Diagnostician {
 
   // Steps 1 and 2.
   Status DescribeResidual() {
-    const LeastSquares fit(problem_, *e_.base.refit.setup);
-    SINEW_ASSIGN(const auto residuals, NoiseBlocks(fit, e_.base.refit.x));
+    const LeastSquares fit(problem_, *state_.base.refit.setup);
+    SINEW_ASSIGN(const auto residuals, NoiseBlocks(fit, state_.base.refit.x));
     out_.tests = TestResiduals(residuals);
-    SINEW_ASSIGN(out_.structure, FindStructure(problem_, e_.base.refit.point));
-    out_.threshold = e_.base.family.threshold;
-    out_.family_p_value = e_.base.family.p_value;
+    SINEW_ASSIGN(out_.structure, FindStructure(problem_, state_.base.refit.point));
+    out_.threshold = state_.base.family.threshold;
+    out_.family_p_value = state_.base.family.p_value;
     return {};
   }
 
@@ -182,18 +176,17 @@ class Diagnostician {
     SINEW_ASSIGN(out_.extended_point, FitHeldOutNuisance(problem_, out_.extended_point));
     SINEW_ASSIGN(const FullPrediction base, PredictAll(problem_, out_.base_point));
     SINEW_ASSIGN(FullPrediction extended, PredictAll(problem_, out_.extended_point));
-    for (const auto& [b, residual] : e_.added) {
+    for (const auto& [b, residual] : state_.added) {
       const Block& block = problem_.layout()[static_cast<std::size_t>(b)];
       for (std::size_t i = 0; i < block.sample.size(); ++i)
         extended.values[static_cast<std::size_t>(b)][block.sample[i]] =
             block.measured[i] + residual[static_cast<Eigen::Index>(i)] / block.WeightOf(i);
     }
     Assess(problem_.layout(), extended);
-    for (std::string& sentence :
-         DescribeConcentrations(FindConcentrations(problem_.layout(), extended.values)))
-      out_.warnings.push_back(std::move(sentence));
+    for (const Concentration& found : FindConcentrations(problem_.layout(), extended.values))
+      out_.warnings.push_back(ToWarning(found));
     for (std::string& remark : problem_.WarningsAt(out_.extended_point))
-      out_.warnings.push_back(std::move(remark));
+      out_.warnings.push_back({WarningKind::kOther, {}, {}, std::move(remark)});
     out_.base_fit = base.pooled;
     out_.extended_fit = extended.pooled;
     for (std::size_t b = 0; b < problem_.layout().size(); ++b) {
@@ -208,15 +201,15 @@ class Diagnostician {
       out_.traces.push_back(std::move(trace));
     }
     ReportNoise(noise);
-    if (!e_.held_out.exists()) return {};
+    if (!state_.held_out.exists()) return {};
     std::vector<Vector> before;
     std::vector<Vector> after;
-    for (const int b : e_.held_out.blocks()) {
+    for (const int b : state_.held_out.blocks()) {
       const Block& block = problem_.layout()[static_cast<std::size_t>(b)];
       before.push_back(WeightedResidual(block, base.values[static_cast<std::size_t>(b)]));
       after.push_back(WeightedResidual(block, extended.values[static_cast<std::size_t>(b)]));
     }
-    out_.gain = e_.held_out.Gains(before, after, noise, options_.seed);
+    out_.gain = state_.held_out.Gains(before, after, noise, options_.seed);
     return {};
   }
 
@@ -245,7 +238,7 @@ class Diagnostician {
         if (block.channel != model.channel || block.role != BlockRole::kTrain) continue;
         floor.unit = block.unit;
         floor.sigma = NoiseFloorOf(block, noise, problem_.layout()) / block.weight;
-        floor.basis = block.sigma ? "stated by the data" : "what is left of the extended model";
+        floor.basis = block.sigma ? NoiseBasis::kStatedByData : NoiseBasis::kExtendedModel;
         break;
       }
       floor.rmse = count > 0 ? std::sqrt(squares / count) : 0;
@@ -254,8 +247,8 @@ class Diagnostician {
   }
 
   void Conclude() {
-    const Selection& selection = e_.selection;
-    out_.strongly_autocorrelated = !selection.alarm && MisfitDominatesNoise(e_.base.refit.noise);
+    const Selection& selection = state_.selection;
+    out_.strongly_autocorrelated = !selection.alarm && MisfitDominatesNoise(state_.base.refit.noise);
     if (out_.strongly_autocorrelated) {
       out_.verdict = DiagnosisVerdict::kUnexplained;
     } else if (!selection.alarm) {
@@ -270,23 +263,18 @@ class Diagnostician {
     out_.family_p_value = selection.family_p_value;
     if (selection.cross_validated) {
       out_.left_out = selection.left_out;
-      const std::size_t all = TrainingTrials(problem_).size();
-      const std::string some = fmt::format(" ({} of {} trials were searched)", selection.searched, all);
       out_.warnings.push_back(
-          "what is wrong dwarfs the noise, and the known effects do not explain all of it: causes were "
-          "chosen by what they predict for " +
-          Join(selection.left_out, "; ") + (all > selection.searched ? some : "") +
-          ", each left out of the fit in turn, and intervals show what leaving out one trial does");
+          {WarningKind::kCrossValidated,
+           {},
+           {static_cast<double>(selection.searched), static_cast<double>(TrainingTrials(problem_).size())},
+           {}});
     }
-    if (!e_.held_out.exists())
-      out_.warnings.push_back(
-          "there is no validation trial: no gain can be measured, and no cause withdrawn");
-    out_.sentences = DescribeDiagnosis(out_, e_.held_out.exists());
+    if (!state_.held_out.exists()) out_.warnings.push_back({WarningKind::kNoValidationTrial, {}, {}, {}});
   }
 
   const Problem& problem_;
   const DiagnosisOptions& options_;
-  Examination e_;
+  DiagnosisState state_;
   Diagnosis out_;
 };
 
@@ -319,8 +307,50 @@ const char* ToString(UnknownKind kind) {
   return "?";
 }
 
+const char* ToString(NotJudged reason) {
+  switch (reason) {
+    case NotJudged::kNone:
+      return "";
+    case NotJudged::kNoDistinctChange:
+      return "no_distinct_change";
+  }
+  return "?";
+}
+
+const char* ToString(CauseKind kind) {
+  switch (kind) {
+    case CauseKind::kEffect:
+      return "effect";
+    case CauseKind::kQuantisation:
+      return "quantisation";
+  }
+  return "?";
+}
+
+const char* ToString(NoiseBasis basis) {
+  switch (basis) {
+    case NoiseBasis::kStatedByData:
+      return "stated_by_data";
+    case NoiseBasis::kExtendedModel:
+      return "extended_model";
+  }
+  return "?";
+}
+
+const char* ToString(Inconclusive reason) {
+  switch (reason) {
+    case Inconclusive::kNone:
+      return "";
+    case Inconclusive::kBaseFitNotConverged:
+      return "base_fit_not_converged";
+    case Inconclusive::kNoiseTooLarge:
+      return "noise_too_large";
+  }
+  return "?";
+}
+
 Result<Diagnosis> Diagnose(const Problem& problem, FitSetup setup, const DiagnosisOptions& options) {
-  return diagnosis::Diagnostician(problem, options).Run(std::move(setup));
+  return diagnosis::DiagnosisRun(problem, options).Run(std::move(setup));
 }
 
 }  // namespace sinew

@@ -1,38 +1,50 @@
-// From residual to cause to gain: what the fitted model still gets wrong, which known effect explains it,
-// which others could as well, and what that brings on trials that were never fitted.
+// Diagnosis of a fitted model: which errors remain, which known effect explains them, which other effects
+// explain them equally well, and how much the extended model improves the prediction of held-out trials.
 #pragma once
 
 #include <array>
 #include <atomic>
+#include <cmath>
 #include <cstdint>
 #include <functional>
+#include <optional>
 #include <string>
 #include <vector>
 
 #include "base/error.h"
+#include "identify/diagnosis/discover/shape.h"
 #include "identify/effect.h"
 #include "identify/fit_quality.h"
 #include "identify/fit_setup.h"
 #include "identify/noise/noise_model.h"
 #include "identify/problem.h"
 #include "identify/solvers/solver.h"
+#include "identify/warning.h"
 
 namespace sinew {
 
-/// kAdequate: nothing is wrong that these data could show. kExplained: one cause (per thing that is wrong).
-/// kAmbiguous: a stated set of causes that these data cannot tell apart. kUnexplained: something is wrong,
-/// and no known effect is the cause.
+/// kAdequate: no error that these data can show. kExplained: one cause (per error). kAmbiguous: a set of
+/// causes that these data cannot distinguish. kUnexplained: an error that no known effect explains.
 enum class DiagnosisVerdict { kAdequate, kExplained, kAmbiguous, kUnexplained };
 
 [[nodiscard]] const char* ToString(DiagnosisVerdict verdict);
 
+/// What a diagnosis does, in this order.
+enum class DiagnosisStep { kBaseFit, kScore, kRefit, kCrossValidate, kDiscover };
+
+struct DiagnosisProgress {
+  DiagnosisStep step = DiagnosisStep::kBaseFit;
+  std::vector<std::string> effects = {};  ///< kCrossValidate: the best set of this size so far
+  double left_out_share = 0;              ///< ... and its error of left-out trials, over the base model's
+};
+
 struct DiagnosisOptions {
-  std::string solver = "ceres";  ///< of the base fit; a global one where local minima trap
-  double alarm_level = 0.05;     ///< chance of any alarm if nothing is wrong: one level for everything
+  std::string solver = "ceres";  ///< of the base fit; a global one for costs with many local minima
+  double alarm_level = 0.05;     ///< family-wise: probability of any alarm if the model is adequate
   std::uint64_t seed = 1;
   int threads = 1;
   const std::atomic<bool>* interrupt = nullptr;
-  std::function<void(const std::string& step)> progress;  ///< what is done now, for a person
+  std::function<void(const DiagnosisProgress&)> progress;  ///< what is done now
 };
 
 /// A fitted value of one parameter.
@@ -42,83 +54,125 @@ struct DiagnosedParameter {
   double value = 0;
   double std_error = 0;
   std::array<double, 2> ci95{};
-  double before = 0;          ///< in the base model (the null, for effect parameters)
-  std::string at_bound = {};  ///< "lower" or "upper": held there, std_error is NaN; else empty
+  double before = 0;          ///< value in the base model (the null, for effect parameters)
+  std::string at_bound = {};  ///< "lower" or "upper" if held at that bound (std_error is NaN); else empty
+};
+
+/// Whether the data determine it: one that no channel responds to has a standard error of 0 or none.
+[[nodiscard]] inline bool IsDetermined(const DiagnosedParameter& parameter) {
+  return std::isfinite(parameter.std_error) && parameter.std_error > 0;
+}
+
+/// Why an effect was not judged.
+enum class NotJudged {
+  kNone,             ///< it was
+  kNoDistinctChange  ///< it changes no fitted channel, or nothing that the base parameters cannot compensate
+};
+
+/// "" (judged), "no_distinct_change".
+[[nodiscard]] const char* ToString(NotJudged reason);
+
+/// A parameter that stood at a value while others were scored.
+struct ProbeValue {
+  std::string parameter;
+  std::string unit;
+  double value = 0;
 };
 
 /// How one effect answers before any refit, and after it if it was tried.
 struct EffectScore {
   std::string effect;
   Level level = Level::kSensor;
-  bool known = true;      ///< false: an unknown term
-  std::string probe;      ///< where it was probed, "stribeck_velocity = 0.05 rad/s"; empty if at the null
-  int degrees = 1;        ///< parameters judged
+  bool known = true;              ///< false: an unknown term
+  std::vector<ProbeValue> probe;  ///< where it was probed; empty if at the null
+  int degrees = 1;                ///< parameters judged
   double statistic = 0;   ///< predicted drop of twice the negative log-likelihood, from the whitened score
   double unwhitened = 0;  ///< the same without whitening
   double p_value = 1;     ///< of this effect alone
   double family_p_value = 1;  ///< of an alarm by anything at least as strong, if nothing is wrong
-  bool judged = true;   ///< false: the base parameters can imitate it fully, or the data do not contain it
-  std::string why_not;  ///< if not judged, in words
+  bool judged = true;
+  NotJudged why_not = NotJudged::kNone;
   bool refitted = false;
-  double delta_lr = 0;   ///< drop of twice the negative log-likelihood by the refit, each with its own noise
+  double delta_lr = 0;  ///< likelihood ratio: drop of -2 log-likelihood by the refit, each with its own noise
   double delta_bic = 0;  ///< BIC(base) - BIC(with it); above 0 favours the effect
   double smallest_detectable =
-      0;  ///< size of its first parameter that would have been noticed with 95 %; 0: n/a
+      0;  ///< size of its first parameter that is detected with probability 95 %; 0: not known
   std::string detectable_parameter;
   std::string detectable_unit;
 };
 
-/// An effect that these data cannot tell from a named cause.
+/// An effect that these data cannot distinguish from a named cause.
 struct Alternative {
   std::string instead_of;
   std::string effect;
   Level level = Level::kSensor;
-  std::string sentence;
+  std::string description;                     ///< of the effect, from the problem's library
   std::vector<DiagnosedParameter> parameters;  ///< of the effect, if it is put in place of the cause
   double delta_lr = 0;                         ///< by which the named cause fits better
   double delta_bic = 0;
-  double correlation = 0;   ///< of the two signatures after the base parameters took what they can
-  bool same_class = false;  ///< |correlation| > 0.97: no experiment of this kind tells them apart
-  /// It is a richer law with the cause as a special case: no experiment can exclude it, and as long as it
-  /// fits no better it is no rival.
+  double correlation = 0;  ///< of the two signatures, projected off the base parameters
+  bool same_class =
+      false;  ///< declared class, |correlation| > 0.97: not distinguishable by data of this kind
+  /// It is a more general law with the cause as a special case. No experiment can exclude it, so it counts as
+  /// an alternative only if it fits better.
   bool contains_cause = false;
-  /// Size (as Cause::size) at which data of this kind would tell the two apart with 95 %: 1 - |R| > 0.4165 /
-  /// s^2; infinite if never.
+  /// Size (as Cause::size) from which data of this kind distinguish the two with probability 95 %: where 1 -
+  /// |R| > 0.4165 / s^2 for the correlation R; infinite if never.
   double separating_size = 0;
-  std::string separated_by;  ///< the experiment that would
+  std::string separated_by;  ///< an experiment that distinguishes the two
 };
+
+/// kEffect: an effect of the problem's library. kQuantisation: a sensor rounds its readings, which is found
+/// without a test, and which no model can undo.
+enum class CauseKind { kEffect, kQuantisation };
+
+/// "effect", "quantisation".
+[[nodiscard]] const char* ToString(CauseKind kind);
 
 struct Cause {
+  CauseKind kind = CauseKind::kEffect;
   std::string effect;
   Level level = Level::kSensor;
-  std::string sentence;
+  std::string description;  ///< kEffect: of the effect, from the problem's library
+  std::string channel;      ///< kQuantisation: that is rounded
   std::vector<DiagnosedParameter> parameters;
   double p_value = 1;
-  double delta_lr = 0;  ///< against the model without it
+  double delta_lr = 0;  ///< likelihood ratio against the model without it
   double delta_bic = 0;
-  double size = 0;      ///< in units of what a test that knew where to look would just detect (95 % at 5 %)
-  double left_out = 0;  ///< Diagnosis::left_out: error of left-out trials with it / without it; else 0
+  double size = 0;      ///< relative to the size that a test of this effect alone detects (95 % power at 5 %)
+  double left_out = 0;  ///< if Diagnosis::left_out: error of left-out trials with it / without it; else 0
 };
 
-/// A cause that the fitted trials suggest and the held-out trials deny.
+/// Root mean square error of one held-out trace with and without a cause [unit].
+struct TraceErrors {
+  std::string trial;
+  std::string channel;
+  std::string unit;
+  double without = 0;
+  double with = 0;
+};
+
+/// A cause that improves the fitted trials but makes the held-out trials worse.
 struct WithdrawnCause {
   std::string effect;
-  std::string reason;
+  double delta_lr = 0;  ///< improvement of the fitted trials; NaN if causes were chosen by cross-validation
+  double held_out_loss = 0;  ///< deterioration of the held-out trials, in the same units; else NaN
+  std::optional<TraceErrors> worst = {};  ///< the trace that it makes worse most, if it does any
 };
 
-/// Where the residual is: share of its variance that a smooth curve of one signal predicts for trials that
-/// the curve was not fitted to.
+/// A dependence of the residual on one signal: the share of its variance that a smooth curve of the signal
+/// predicts for trials that the curve was not fitted to (cross-validation).
 struct Structure {
   std::string channel;
   std::string signal;
   std::string unit;  ///< of the signal
   double explained_fraction = 0;
-  std::string shape;  ///< in words: odd, step at zero, quadratic, ...
+  Shape shape = {};
   std::vector<double> knots;
   std::vector<double> curve;  ///< [knots, unit of the channel]
 };
 
-/// Step 1, per channel.
+/// A test of whiteness of the residual of one channel.
 struct ResidualTest {
   std::string channel;
   std::string name;  ///< "Ljung-Box", "runs", ...
@@ -126,25 +180,31 @@ struct ResidualTest {
   double p_value = 1;
 };
 
+/// What a noise floor rests on.
+enum class NoiseBasis { kStatedByData, kExtendedModel };
+
+/// "stated_by_data", "extended_model".
+[[nodiscard]] const char* ToString(NoiseBasis basis);
+
 struct NoiseFloor {
   std::string channel;
   std::string unit;
-  double sigma = 0;   ///< standard deviation of the noise, colour included
-  double rmse = 0;    ///< of the base model on the training trials
-  std::string basis;  ///< "stated by the data", "residual of the extended model", ...
+  double sigma = 0;  ///< standard deviation of the noise, colour included
+  double rmse = 0;   ///< of the base model on the training trials
+  NoiseBasis basis = NoiseBasis::kExtendedModel;
 };
 
 struct Gain {
-  std::string channel;  ///< quantity, pooled over the held-out trials
+  std::string channel;  ///< quantity, pooled over the held-out trials and plates
   std::string unit;
   double before = 0;             ///< RMSE [unit] of the base model on held-out trials
   double after = 0;              ///< of the extended model
   double reduction = 0;          ///< 1 - after / before
   std::array<double, 2> ci95{};  ///< of the reduction, block bootstrap
-  double gap_closed = 0;         ///< share of the way to the noise floor, of mean squares
+  double gap_closed = 0;  ///< share of the error above the noise floor that is removed, of mean squares
 };
 
-/// kCurve: a curve of a signal adds to a port. kDrift: a parameter is not constant in time. kPeriodic: a line
+/// kCurve: a curve of a signal is added at a port. kDrift: a parameter changes with time. kPeriodic: a line
 /// in the spectrum of a channel.
 enum class UnknownKind { kCurve, kDrift, kPeriodic };
 
@@ -156,17 +216,17 @@ struct UnknownFinding {
   std::string port;  ///< or the parameter that is not constant, or the channel
   std::string signal;
   std::string signal_unit;
-  std::string unit;         ///< of the port
-  std::string shape;        ///< odd, even, step at zero, saturating, quadratic, ...; "1.6 Hz"
-  std::string nearest_law;  ///< the known effect whose curve is nearest, in words
+  std::string unit;      ///< of the port
+  Shape shape = {};      ///< kCurve
+  double frequency = 0;  ///< [Hz] kPeriodic
   double p_value = 1;
   double held_out_reduction = 0;  ///< of RMSE on held-out trials
   std::vector<double> knots;
   std::vector<double> curve;      ///< [knots, unit of the port]
-  std::vector<double> deviation;  ///< standard errors of `curve`; NaN where nothing is known
+  std::vector<double> deviation;  ///< standard errors of `curve`; NaN where they cannot be computed
 };
 
-/// Measured, predicted before and after, of one block; for figures.
+/// Measured and predicted values of one block, before (base model) and after (extended model), for figures.
 struct TracePair {
   std::string trial;
   BlockRole role = BlockRole::kTrain;
@@ -178,11 +238,22 @@ struct TracePair {
   std::vector<double> after;
 };
 
+/// Why nothing can be concluded.
+enum class Inconclusive {
+  kNone,                 ///< something can
+  kBaseFitNotConverged,  ///< a cause named on top of it would be a guess
+  kNoiseTooLarge  ///< what the base model leaves is as large as what was measured, and looks like noise
+};
+
+/// "" (conclusive), "base_fit_not_converged", "noise_too_large".
+[[nodiscard]] const char* ToString(Inconclusive reason);
+
+/// Facts; text::Sentences and text::Warnings tell them (identify/text/diagnosis_sentences.h).
 struct Diagnosis {
   DiagnosisVerdict verdict = DiagnosisVerdict::kAdequate;
-  bool concluded = true;               ///< false: nothing can be concluded; the sentences say why
-  std::vector<std::string> sentences;  ///< for people, the most important first
-  std::vector<std::string> warnings;   ///< what limits the conclusion
+  Inconclusive inconclusive = Inconclusive::kNone;
+  std::vector<Warning> warnings;  ///< what limits the conclusion
+  bool has_held_out = false;      ///< some trial was not fitted: gains can be measured
 
   FitSetup setup;     ///< of the base fit
   SolverResult base;  ///< how the base fit ended
@@ -194,12 +265,12 @@ struct Diagnosis {
   std::vector<Structure> structure;  ///< strongest first
   double threshold = 0;              ///< on |t| of a single known effect, at the family-wise level
   double family_p_value = 1;         ///< of the strongest alarm
-  bool strongly_autocorrelated =
-      false;  ///< no alarm, but the residual wanders as noise of instruments rarely does
+  /// No alarm, but the residual is autocorrelated more strongly than the noise of instruments usually is.
+  bool strongly_autocorrelated = false;
 
-  /// Trials that were left out of the fit in turn, if causes had to be chosen by what they
-  /// predict there, since what is wrong dwarfs the noise.
-  std::vector<std::string> left_out;
+  /// Groups of trials that were left out of the fit in turn, if causes had to be chosen by what they predict
+  /// there, since the misfit is much larger than the noise.
+  std::vector<std::vector<std::string>> left_out;
   std::vector<EffectScore> scores;  ///< of every effect and unknown term, strongest first
   std::vector<Cause> causes;
   std::vector<Alternative> alternatives;
@@ -212,14 +283,16 @@ struct Diagnosis {
   Vector extended_point;  ///< [P]; the base point if nothing was found
   std::vector<TracePair> traces;
   double seconds = 0;
+
+  [[nodiscard]] bool concluded() const { return inconclusive == Inconclusive::kNone; }
 };
 
-/// Diagnoses a problem: fits the base parameters (from `setup`'s start) and goes through the steps of
-/// docs/diagnosis.md. Training trials decide everything but gain and withdrawal, for which the held-out
-/// trials are used.
+/// Diagnoses a problem: fits the base parameters (from `setup`'s start) and performs the steps of
+/// docs/diagnosis.md. Training trials decide everything except the gain and the rejection of unsupported
+/// causes, which use the held-out trials.
 ///
 /// Errors: nothing to fit or to compare; the base model cannot be predicted at all. A base fit that does not
-/// converge is no error: the diagnosis then says that it can conclude nothing.
+/// converge is not an error: the diagnosis then has `concluded` false.
 Result<Diagnosis> Diagnose(const Problem& problem, FitSetup setup, const DiagnosisOptions& options);
 
 }  // namespace sinew

@@ -7,6 +7,10 @@
 #include "base/constants.h"
 #include "identify/files/diagnosis_json.h"
 #include "identify/files/run_groups.h"
+#include "identify/text/diagnosis_sentences.h"
+#include "identify/text/effects.h"
+#include "identify/text/shapes.h"
+#include "identify/text/warnings.h"
 
 namespace sinew {
 namespace {
@@ -89,8 +93,9 @@ void WriteScores(const Diagnosis& diagnosis, Hdf5Node& node) {
       .Add("effect", [](const Score& s) { return s.effect; })
       .Add("level", [](const Score& s) { return ToString(s.level); })
       .Add("finding", [&](const Score& s) { return FindingOf(diagnosis, s); })
-      .Add("probe", [](const Score& s) { return s.probe; })
-      .Add("why_not", [](const Score& s) { return s.why_not; })
+      .Add("probe", [](const Score& s) { return text::ProbeText(s.probe); })
+      .Add("why_not", [](const Score& s) { return text::ReasonText(s.why_not); })
+      .Add("why_not_kind", [](const Score& s) { return ToString(s.why_not); })
       .Add("detectable_parameter", [](const Score& s) { return s.detectable_parameter; })
       .Add("detectable_unit", [](const Score& s) { return s.detectable_unit; })
       .Add("known", [](const Score& s) { return s.known; })
@@ -111,7 +116,8 @@ void WriteFindings(const Diagnosis& diagnosis, Hdf5Node& node) {
   Columns(diagnosis.causes, node.At("causes"))
       .Add("effect", [](const Cause& c) { return c.effect; })
       .Add("level", [](const Cause& c) { return ToString(c.level); })
-      .Add("sentence", [](const Cause& c) { return c.sentence; })
+      .Add("kind", [](const Cause& c) { return ToString(c.kind); })
+      .Add("sentence", [](const Cause& c) { return text::DescriptionOf(c); })
       .Add("p_value", [](const Cause& c) { return c.p_value; })
       .Add("delta_lr", [](const Cause& c) { return c.delta_lr; })
       .Add("delta_bic", [](const Cause& c) { return c.delta_bic; })
@@ -121,7 +127,7 @@ void WriteFindings(const Diagnosis& diagnosis, Hdf5Node& node) {
       .Add("instead_of", [](const Alternative& a) { return a.instead_of; })
       .Add("effect", [](const Alternative& a) { return a.effect; })
       .Add("level", [](const Alternative& a) { return ToString(a.level); })
-      .Add("sentence", [](const Alternative& a) { return a.sentence; })
+      .Add("sentence", [](const Alternative& a) { return a.description; })
       .Add("separated_by", [](const Alternative& a) { return a.separated_by; })
       .Add("delta_lr", [](const Alternative& a) { return a.delta_lr; })
       .Add("delta_bic", [](const Alternative& a) { return a.delta_bic; })
@@ -132,7 +138,9 @@ void WriteFindings(const Diagnosis& diagnosis, Hdf5Node& node) {
   WriteDiagnosed(ParametersOf(diagnosis.alternatives), node.At("alternative_parameters"));
   Columns(diagnosis.withdrawn, node.At("withdrawn"))
       .Add("effect", [](const WithdrawnCause& w) { return w.effect; })
-      .Add("reason", [](const WithdrawnCause& w) { return w.reason; });
+      .Add("reason", [](const WithdrawnCause& w) { return text::ReasonText(w); })
+      .Add("delta_lr", [](const WithdrawnCause& w) { return w.delta_lr; })
+      .Add("held_out_loss", [](const WithdrawnCause& w) { return w.held_out_loss; });
   Columns(diagnosis.gain, node.At("gain"))
       .Add("channel", [](const Gain& g) { return g.channel; })
       .Add("unit", [](const Gain& g) { return g.unit; })
@@ -148,7 +156,8 @@ void WriteNoise(const Diagnosis& diagnosis, Hdf5Node& node) {
   Columns(diagnosis.noise, node.At("noise"))
       .Add("channel", [](const NoiseFloor& f) { return f.channel; })
       .Add("unit", [](const NoiseFloor& f) { return f.unit; })
-      .Add("basis", [](const NoiseFloor& f) { return f.basis; })
+      .Add("basis", [](const NoiseFloor& f) { return text::BasisText(f.basis); })
+      .Add("basis_kind", [](const NoiseFloor& f) { return ToString(f.basis); })
       .Add("sigma", [](const NoiseFloor& f) { return f.sigma; })
       .Add("rmse", [](const NoiseFloor& f) { return f.rmse; });
   Columns(diagnosis.tests, node.At("tests"))
@@ -166,7 +175,8 @@ void WriteCurves(const Diagnosis& diagnosis, Hdf5Node& node) {
     curve.attributes["signal"] = s.signal;
     curve.attributes["signal_unit"] = s.unit;
     curve.attributes["explained_fraction"] = s.explained_fraction;
-    curve.attributes["shape"] = s.shape;
+    curve.attributes["shape"] = text::ShapeText(s.shape);
+    curve.attributes["shape_kind"] = std::string(ToString(s.shape.kind));
     curve.At("knots").SetVector(s.knots);
     curve.At("curve").SetVector(s.curve);
   }
@@ -179,8 +189,9 @@ void WriteCurves(const Diagnosis& diagnosis, Hdf5Node& node) {
     curve.attributes["signal"] = u.signal;
     curve.attributes["signal_unit"] = u.signal_unit;
     curve.attributes["unit"] = u.unit;
-    curve.attributes["shape"] = u.shape;
-    curve.attributes["nearest_law"] = u.nearest_law;
+    curve.attributes["shape"] = text::ShapeText(u);
+    curve.attributes["shape_kind"] = std::string(ToString(u.shape.kind));
+    curve.attributes["nearest_law"] = text::LawText(u);
     curve.attributes["p_value"] = u.p_value;
     curve.attributes["held_out_reduction"] = u.held_out_reduction;
     curve.At("knots").SetVector(u.knots);
@@ -207,13 +218,12 @@ void WriteRun(const Problem& problem, const Diagnosis& diagnosis, const Provenan
   run.attributes["stop_reason"] = std::string(ToString(stop.kind));
   run.attributes["stop_test"] = stop.test;
   run.attributes["converged"] = std::int64_t{stop.converged() ? 1 : 0};
-  run.attributes["usable"] = std::int64_t{stop.usable() && diagnosis.concluded ? 1 : 0};
+  run.attributes["usable"] = std::int64_t{stop.usable() && diagnosis.concluded() ? 1 : 0};
   run.attributes["iterations"] = std::int64_t{diagnosis.base.iterations};
   run.attributes["seconds"] = diagnosis.seconds;
   run.attributes["cost"] = diagnosis.base.cost;
   run.attributes["objective"] = problem.objective();
-  run.At("findings").data = diagnosis.sentences;
-  run.At("warnings").data = diagnosis.warnings;
+  WriteSentences(text::Sentences(diagnosis), diagnosis.warnings, text::Warnings(diagnosis), run);
 }
 
 // The base fit's choice, and what the diagnosis released.
@@ -248,8 +258,12 @@ Result<Hdf5Node> DiagnosisTree(const Problem& problem, const Diagnosis& diagnosi
   node.attributes["alarm_level"] = options.alarm_level;
   node.attributes["threshold"] = diagnosis.threshold;
   node.attributes["family_p_value"] = diagnosis.family_p_value;
-  node.At("sentences").data = diagnosis.sentences;
-  node.At("warnings").data = diagnosis.warnings;
+  node.attributes["inconclusive_kind"] = std::string(ToString(diagnosis.inconclusive));
+  const Hdf5Node& run = root.At("run");
+  node.At("sentences").data = run.Find("findings")->data;
+  node.At("sentence_kinds").data = run.Find("finding_kinds")->data;
+  node.At("warnings").data = run.Find("warnings")->data;
+  node.At("warning_kinds").data = run.Find("warning_kinds")->data;
   WriteDiagnosed(WithoutEffect(diagnosis.base_parameters), node.At("base_parameters"));
   WriteDiagnosed(WithoutEffect(diagnosis.extended_parameters), node.At("extended_parameters"));
   WriteFit(diagnosis.base_fit, node.At("base_fit"));

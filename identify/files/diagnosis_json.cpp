@@ -1,9 +1,13 @@
 #include "identify/files/diagnosis_json.h"
 
 #include <algorithm>
-#include <cmath>
 
 #include "identify/files/json_values.h"
+#include "identify/text/diagnosis_sentences.h"
+#include "identify/text/effects.h"
+#include "identify/text/phrases.h"
+#include "identify/text/shapes.h"
+#include "identify/text/warnings.h"
 
 namespace sinew {
 namespace {
@@ -45,7 +49,8 @@ Json FromNoise(const NoiseFloor& floor) {
           {"unit", floor.unit},
           {"sigma", Finite(floor.sigma)},
           {"rmse", Finite(floor.rmse)},
-          {"basis", floor.basis}};
+          {"basis", text::BasisText(floor.basis)},
+          {"basis_kind", ToString(floor.basis)}};
 }
 
 Json FromTest(const ResidualTest& test) {
@@ -59,7 +64,9 @@ Json FromStructure(const Structure& s) {
   return {{"channel", s.channel},
           {"signal", s.signal},
           {"explained_fraction", Finite(s.explained_fraction)},
-          {"shape", s.shape},
+          {"shape", text::ShapeText(s.shape)},
+          {"shape_kind", ToString(s.shape.kind)},
+          {"shape_explained", Finite(s.shape.explained)},
           {"signal_unit", s.unit},
           {"knots", FiniteAll(s.knots)},
           {"curve", FiniteAll(s.curve)}};
@@ -68,7 +75,8 @@ Json FromStructure(const Structure& s) {
 Json FromCause(const Cause& c) {
   return {{"effect", c.effect},
           {"level", ToString(c.level)},
-          {"sentence", c.sentence},
+          {"kind", ToString(c.kind)},
+          {"sentence", text::DescriptionOf(c)},
           {"parameters", List(c.parameters, FromParameter)},
           {"p_value", Finite(c.p_value)},
           {"delta_lr", Finite(c.delta_lr)},
@@ -81,7 +89,7 @@ Json FromAlternative(const Alternative& a) {
   return {{"instead_of", a.instead_of},
           {"effect", a.effect},
           {"level", ToString(a.level)},
-          {"sentence", a.sentence},
+          {"sentence", a.description},
           {"parameters", List(a.parameters, FromParameter)},
           {"delta_lr", Finite(a.delta_lr)},
           {"delta_bic", Finite(a.delta_bic)},
@@ -97,8 +105,11 @@ Json FromUnknown(const UnknownFinding& u) {
           {"name", u.name},
           {"port", u.port},
           {"signal", u.signal},
-          {"shape", u.shape},
-          {"nearest_law", u.nearest_law},
+          {"shape", text::ShapeText(u)},
+          {"nearest_law", text::LawText(u)},
+          {"shape_kind", ToString(u.shape.kind)},
+          {"shape_explained", Finite(u.shape.explained)},
+          {"frequency", u.kind == UnknownKind::kPeriodic ? Finite(u.frequency) : Json(nullptr)},
           {"signal_unit", u.signal_unit},
           {"unit", u.unit},
           {"p_value", Finite(u.p_value)},
@@ -125,19 +136,41 @@ Json Detectable(const EffectScore& s) {
           {"unit", s.detectable_unit}};
 }
 
+Json FromProbe(const ProbeValue& at) {
+  return {{"parameter", at.parameter}, {"unit", at.unit}, {"value", Finite(at.value)}};
+}
+
+Json FromWithdrawn(const WithdrawnCause& w) {
+  Json worst = nullptr;
+  if (w.worst) {
+    worst = {{"trial", w.worst->trial},
+             {"channel", w.worst->channel},
+             {"unit", w.worst->unit},
+             {"rmse_without", Finite(w.worst->without)},
+             {"rmse_with", Finite(w.worst->with)}};
+  }
+  return {{"effect", w.effect},
+          {"reason", text::ReasonText(w)},
+          {"delta_lr", Finite(w.delta_lr)},
+          {"held_out_loss", Finite(w.held_out_loss)},
+          {"worst", worst}};
+}
+
 Json FromScore(const Diagnosis& diagnosis, const EffectScore& s) {
   return {{"effect", s.effect},
           {"level", ToString(s.level)},
           {"finding", FindingOf(diagnosis, s)},
           {"known", s.known},
-          {"probe", s.probe},
+          {"probe", text::ProbeText(s.probe)},
+          {"probe_values", List(s.probe, FromProbe)},
           {"degrees", s.degrees},
           {"statistic", Finite(s.statistic)},
           {"unwhitened", Finite(s.unwhitened)},
           {"p_value", Finite(s.p_value)},
           {"family_p_value", Finite(s.family_p_value)},
           {"judged", s.judged},
-          {"why_not", s.why_not},
+          {"why_not", text::ReasonText(s.why_not)},
+          {"why_not_kind", ToString(s.why_not)},
           {"refitted", s.refitted},
           {"delta_lr", s.refitted ? Finite(s.delta_lr) : Json(nullptr)},
           {"delta_bic", s.refitted ? Finite(s.delta_bic) : Json(nullptr)},
@@ -157,10 +190,6 @@ Json FromBase(const Diagnosis& d) {
 
 }  // namespace
 
-bool IsDetermined(const DiagnosedParameter& parameter) {
-  return std::isfinite(parameter.std_error) && parameter.std_error > 0;
-}
-
 const char* FindingOf(const Diagnosis& diagnosis, const EffectScore& score) {
   const auto names = [&](const auto& found) { return found.effect == score.effect; };
   const auto any = [&](const auto& list) { return std::any_of(list.begin(), list.end(), names); };
@@ -179,10 +208,14 @@ std::string DiagnosisJson(const Diagnosis& diagnosis, const Provenance& provenan
   json["seed"] = options.seed;
   json["seconds"] = Finite(diagnosis.seconds);
   json["verdict"] = ToString(diagnosis.verdict);
-  json["concluded"] = diagnosis.concluded;
+  json["concluded"] = diagnosis.concluded();
+  json["inconclusive_kind"] = ToString(diagnosis.inconclusive);
   json["wanders"] = diagnosis.strongly_autocorrelated;
-  json["sentences"] = diagnosis.sentences;
-  json["warnings"] = diagnosis.warnings;
+  const std::vector<text::Sentence> sentences = text::Sentences(diagnosis);
+  json["sentences"] = text::TextsOf(sentences);
+  json["sentence_facts"] = FromSentences(sentences);
+  json["warnings"] = text::Warnings(diagnosis);
+  json["warning_facts"] = FromWarnings(diagnosis.warnings);
   json["alarm_level"] = options.alarm_level;
   json["threshold"] = Finite(diagnosis.threshold);
   json["family_p_value"] = Finite(diagnosis.family_p_value);
@@ -190,9 +223,7 @@ std::string DiagnosisJson(const Diagnosis& diagnosis, const Provenance& provenan
   json["structure"] = List(diagnosis.structure, FromStructure);
   json["causes"] = List(diagnosis.causes, FromCause);
   json["alternatives"] = List(diagnosis.alternatives, FromAlternative);
-  json["withdrawn"] = List(diagnosis.withdrawn, [](const WithdrawnCause& w) {
-    return Json{{"effect", w.effect}, {"reason", w.reason}};
-  });
+  json["withdrawn"] = List(diagnosis.withdrawn, FromWithdrawn);
   json["ruled_out"] = Json::array();
   json["not_judged"] = Json::array();
   for (const EffectScore& s : diagnosis.scores) {
@@ -201,11 +232,14 @@ std::string DiagnosisJson(const Diagnosis& diagnosis, const Provenance& provenan
       json["ruled_out"].push_back(
           {{"effect", s.effect}, {"p_value", Finite(s.p_value)}, {"smallest_detectable", Detectable(s)}});
     }
-    if (finding == "not_judged") json["not_judged"].push_back({{"effect", s.effect}, {"why", s.why_not}});
+    if (finding == "not_judged")
+      json["not_judged"].push_back(
+          {{"effect", s.effect}, {"why", text::ReasonText(s.why_not)}, {"why_kind", ToString(s.why_not)}});
   }
   json["gain"] = diagnosis.gain.empty() ? Json(nullptr) : FromGain(diagnosis.gain.front());
   json["gains"] = List(diagnosis.gain, FromGain);
-  json["left_out"] = diagnosis.left_out;
+  json["left_out"] = List(diagnosis.left_out, text::TrialGroup);
+  json["left_out_trials"] = diagnosis.left_out;
   json["unknown_terms"] = List(diagnosis.unknown_terms, FromUnknown);
   json["extended_parameters"] = List(diagnosis.extended_parameters, FromParameter);
   json["extended_fit"] = List(diagnosis.extended_fit, FromFit);

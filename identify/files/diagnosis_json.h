@@ -12,9 +12,6 @@ namespace sinew {
 /// "not_judged", or "ruled_out" (judged, and none of these).
 [[nodiscard]] const char* FindingOf(const Diagnosis& diagnosis, const EffectScore& score);
 
-/// Whether the data determine a parameter: one that no channel answers to has a standard error of 0 or none.
-[[nodiscard]] bool IsDetermined(const DiagnosedParameter& parameter);
-
 /// JSON of `diagnose`. Numbers that are not finite are null; so are the interval of a parameter
 /// that is not determined, and the gain without held-out trials.
 [[nodiscard]] std::string DiagnosisJson(const Diagnosis& diagnosis, const Provenance& provenance,

@@ -4,8 +4,10 @@
 #include <cmath>
 #include <nlohmann/json.hpp>
 #include <string>
+#include <vector>
 
 #include "identify/files/run_file.h"
+#include "identify/text/sentence.h"
 
 namespace sinew {
 
@@ -19,6 +21,30 @@ inline Json Finite(double value) {
 /// The first fields of a result: what it is, and from which problem and data.
 inline Json ResultHead(const std::string& schema, const Provenance& provenance) {
   return {{"schema", schema}, {"problem", provenance.problem}, {"data", provenance.data_file}};
+}
+
+/// What each sentence tells, and about what.
+inline Json FromSentences(const std::vector<text::Sentence>& sentences) {
+  Json json = Json::array();
+  for (const text::Sentence& sentence : sentences)
+    json.push_back(
+        {{"kind", text::ToString(sentence.kind)}, {"about", sentence.about}, {"step", sentence.step}});
+  return json;
+}
+
+/// The facts of warnings (identify/warning.h).
+inline Json FromWarnings(const std::vector<Warning>& warnings) {
+  Json json = Json::array();
+  for (const Warning& warning : warnings) {
+    Json numbers = Json::array();
+    for (const double number : warning.numbers) numbers.push_back(Finite(number));
+    json.push_back({{"kind", ToString(warning.kind)},
+                    {"names", warning.names},
+                    {"numbers", numbers},
+                    {"message", warning.message},
+                    {"step", warning.step}});
+  }
+  return json;
 }
 
 }  // namespace sinew

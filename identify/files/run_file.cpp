@@ -7,6 +7,9 @@
 #include "base/constants.h"
 #include "base/text.h"
 #include "identify/files/run_groups.h"
+#include "identify/text/findings.h"
+#include "identify/text/reasons.h"
+#include "identify/text/warnings.h"
 
 namespace sinew {
 namespace {
@@ -44,13 +47,17 @@ std::vector<double> RowMajor(const Matrix& matrix) {
 }
 
 void WriteUncertainty(const FitSetup& setup, const Uncertainty& uncertainty, Hdf5Node& node) {
-  std::vector<std::string> name, verdict, reason, remedy, interval;
+  std::vector<std::string> name, verdict, reason, reason_kind, partners, remedy, remedy_kind, interval;
   std::vector<double> error, robust, lower, upper;
   for (const ParameterVerdict& v : uncertainty.parameters) {
-    name.push_back(setup.parameters[static_cast<std::size_t>(v.parameter)].name);
+    const Parameter& p = setup.parameters[static_cast<std::size_t>(v.parameter)];
+    name.push_back(p.name);
     verdict.emplace_back(ToString(v.verdict));
-    reason.push_back(v.reason);
-    remedy.push_back(v.remedy);
+    reason.push_back(text::ReasonText(p, v));
+    reason_kind.emplace_back(ToString(v.reason.kind));
+    partners.push_back(Join(v.reason.partners, ","));
+    remedy.push_back(text::RemedyText(p, v.remedy));
+    remedy_kind.emplace_back(ToString(v.remedy.kind));
     interval.emplace_back(ToString(v.interval));
     error.push_back(std::isfinite(v.std_error) ? v.std_error : kNaN);
     robust.push_back(std::isfinite(v.std_error_robust) ? v.std_error_robust : kNaN);
@@ -61,9 +68,15 @@ void WriteUncertainty(const FitSetup& setup, const Uncertainty& uncertainty, Hdf
   node.At("name").data = std::move(name);
   node.At("verdict").data = std::move(verdict);
   node.At("reason").data = std::move(reason);
+  node.At("reason_kind").data = std::move(reason_kind);
+  node.At("reason_partners").data = std::move(partners);
   node.At("remedy").data = std::move(remedy);
+  node.At("remedy_kind").data = std::move(remedy_kind);
   node.At("interval").data = std::move(interval);
-  node.At("directions").data = uncertainty.directions;
+  std::vector<std::string> directions;
+  for (const OpenDirection& direction : uncertainty.directions)
+    directions.push_back(text::DirectionText(direction));
+  node.At("directions").data = std::move(directions);
   node.At("std_error").SetVector(std::move(error));
   node.At("std_error_robust").SetVector(std::move(robust));
   node.At("ci95_lower").SetVector(std::move(lower));
@@ -123,8 +136,8 @@ Result<Hdf5Node> RunTree(const Problem& problem, const Identification& identific
   run.attributes["seconds"] = identification.seconds;
   run.attributes["cost"] = result.cost;
   run.attributes["objective"] = problem.objective();
-  run.At("findings").data = identification.findings;
-  run.At("warnings").data = identification.warnings;
+  WriteSentences(text::Findings(identification), identification.warnings, text::Warnings(identification),
+                 run);
   WriteTrace(identification.trace, FreeNames(identification.setup), root.At("trace"));
   if (!result.stages.empty()) WriteStages(result.stages, root.At("stages"));
   if (!result.stop.usable()) return root;

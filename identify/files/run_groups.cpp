@@ -73,6 +73,18 @@ void WriteTrace(const std::vector<TraceEntry>& trace, const std::vector<std::str
   node.At("x").SetMatrix(trace.size(), variables.size(), std::move(x));
 }
 
+void WriteSentences(const std::vector<text::Sentence>& findings, const std::vector<Warning>& warnings,
+                    const std::vector<std::string>& texts, Hdf5Node& run) {
+  std::vector<std::string> kinds;
+  for (const text::Sentence& finding : findings) kinds.emplace_back(text::ToString(finding.kind));
+  std::vector<std::string> warning_kinds;
+  for (const Warning& warning : warnings) warning_kinds.emplace_back(ToString(warning.kind));
+  run.At("findings").data = text::TextsOf(findings);
+  run.At("finding_kinds").data = std::move(kinds);
+  run.At("warnings").data = texts;
+  run.At("warning_kinds").data = std::move(warning_kinds);
+}
+
 void WritePredictions(const Layout& layout, const FullPrediction& prediction, Hdf5Node& root) {
   for (std::size_t b = 0; b < layout.size(); ++b) {
     const Block& block = layout[b];

@@ -7,6 +7,7 @@
 
 #include "base/hdf5_tree.h"
 #include "identify/files/run_file.h"
+#include "identify/text/sentence.h"
 
 namespace sinew {
 
@@ -20,6 +21,10 @@ void WriteParameters(const FitSetup& setup, const Vector& values, Hdf5Node& node
 /// /trace. @param variables names of the free parameters
 void WriteTrace(const std::vector<TraceEntry>& trace, const std::vector<std::string>& variables,
                 Hdf5Node& node);
+
+/// findings, finding_kinds, warnings and warning_kinds of /run. @param texts of the warnings
+void WriteSentences(const std::vector<text::Sentence>& findings, const std::vector<Warning>& warnings,
+                    const std::vector<std::string>& texts, Hdf5Node& run);
 
 /// /prediction and /residual.
 void WritePredictions(const Layout& layout, const FullPrediction& prediction, Hdf5Node& root);

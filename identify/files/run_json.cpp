@@ -1,7 +1,36 @@
 #include "identify/files/json_values.h"
 #include "identify/files/run_file.h"
+#include "identify/text/findings.h"
+#include "identify/text/reasons.h"
+#include "identify/text/warnings.h"
 
 namespace sinew {
+namespace {
+
+// What would help, the best first: additions that together suffice, and the standard error that they bring.
+Json FromOptions(const std::vector<RemedyOption>& options) {
+  Json json = Json::array();
+  for (const RemedyOption& option : options) {
+    Json additions = Json::array();
+    for (const AdditionName& addition : option.additions)
+      additions.push_back({{"kind", ToString(addition.kind)}, {"name", addition.name}});
+    json.push_back({{"additions", additions}, {"std_error", Finite(option.std_error)}});
+  }
+  return json;
+}
+
+Json FromDirection(const OpenDirection& direction) {
+  Json changes = Json::array();
+  for (const ParameterChange& part : direction.changes) {
+    changes.push_back({{"parameter", part.parameter},
+                       {"unit", part.unit},
+                       {"change", Finite(part.change)},
+                       {"relative", Finite(part.relative)}});
+  }
+  return {{"lost", direction.lost}, {"changes", changes}};
+}
+
+}  // namespace
 
 std::string RunJson(const Problem& problem, const Identification& identification,
                     const Provenance& provenance) {
@@ -29,8 +58,13 @@ std::string RunJson(const Problem& problem, const Identification& identification
          {"std_error_robust", Finite(v.std_error_robust)},
          {"ci95", interval ? Json{Finite(v.ci95_lower), Finite(v.ci95_upper)} : Json(nullptr)},
          {"verdict", ToString(v.verdict)},
-         {"reason", v.reason},
-         {"remedy", v.remedy}});
+         {"reason", text::ReasonText(p, v)},
+         {"reason_kind", ToString(v.reason.kind)},
+         {"reason_partners", v.reason.partners},
+         {"reason_channels", v.reason.channels},
+         {"remedy", text::RemedyText(p, v.remedy)},
+         {"remedy_kind", ToString(v.remedy.kind)},
+         {"remedies", FromOptions(v.remedy.options)}});
   }
   json["fit"] = Json::array();
   for (const FitQuality& q : identification.prediction.quality) {
@@ -43,8 +77,14 @@ std::string RunJson(const Problem& problem, const Identification& identification
                            {"r2", Finite(q.r2)},
                            {"n", q.n}});
   }
-  json["findings"] = identification.findings;
-  json["warnings"] = identification.warnings;
+  json["open_directions"] = Json::array();
+  for (const OpenDirection& direction : identification.uncertainty.directions)
+    json["open_directions"].push_back(FromDirection(direction));
+  const std::vector<text::Sentence> findings = text::Findings(identification);
+  json["findings"] = text::TextsOf(findings);
+  json["finding_facts"] = FromSentences(findings);
+  json["warnings"] = text::Warnings(identification);
+  json["warning_facts"] = FromWarnings(identification.warnings);
   // Names of files and trials are bytes; what is not UTF-8 is replaced instead of thrown at.
   return json.dump(2, ' ', false, Json::error_handler_t::replace);
 }

@@ -2,6 +2,7 @@
 
 #include <utility>
 
+#include "identify/check_problem.h"
 #include "identify/error_concentration.h"
 #include "identify/solvers/held_out_nuisance.h"
 
@@ -9,6 +10,7 @@ namespace sinew {
 
 Result<Identification> Identify(const Problem& problem, FitSetup setup, IdentificationOptions options) {
   SINEW_ASSIGN(const auto solver, MakeSolver(options.solver, options.solver_options));
+  SINEW_TRY(CheckProblem(problem, setup));
   Identification out;
   out.solver = options.solver;
   out.solver_options = options.solver_options;
@@ -26,13 +28,13 @@ Result<Identification> Identify(const Problem& problem, FitSetup setup, Identifi
 
   SINEW_ASSIGN(out.parameters, FitHeldOutNuisance(problem, least_squares.Parameters(out.result.x)));
   if (out.failures > 0) {
-    out.warnings.push_back(fmt::format("{} of {} evaluations failed and were rejected; the first because {}",
-                                       out.failures, out.trace.size(), evaluator.first_failure()));
+    out.warnings.push_back({WarningKind::kFailedEvaluations,
+                            {},
+                            {static_cast<double>(out.failures), static_cast<double>(out.trace.size())},
+                            evaluator.first_failure()});
   }
-  if (!out.result.stop.converged()) {
-    out.warnings.push_back(fmt::format(
-        "the search did not converge ({}): the answer is the best point so far", out.result.stop.test));
-  }
+  if (!out.result.stop.converged())
+    out.warnings.push_back({WarningKind::kNotConverged, {}, {}, out.result.stop.test});
   SINEW_ASSIGN(out.prediction, PredictAll(problem, out.parameters));
   if (!out.setup.free.empty()) {
     UncertaintyOptions how;
@@ -40,13 +42,13 @@ Result<Identification> Identify(const Problem& problem, FitSetup setup, Identifi
     how.interrupt = interrupt;
     how.profile = options.profiles;
     SINEW_ASSIGN(out.uncertainty, AnalyseUncertainty(least_squares, out.result.x, how));
-    for (const std::string& note : out.uncertainty.notes) out.warnings.push_back(note);
+    for (const Warning& note : out.uncertainty.notes) out.warnings.push_back(note);
   }
-  for (std::string& sentence :
-       DescribeConcentrations(FindConcentrations(problem.layout(), out.prediction.values)))
-    out.warnings.push_back(std::move(sentence));
-  for (std::string& remark : problem.WarningsAt(out.parameters)) out.warnings.push_back(std::move(remark));
-  out.findings = DescribeFindings(problem, out);
+  for (const Concentration& found : FindConcentrations(problem.layout(), out.prediction.values))
+    out.warnings.push_back(ToWarning(found));
+  for (std::string& remark : problem.WarningsAt(out.parameters))
+    out.warnings.push_back({WarningKind::kOther, {}, {}, std::move(remark)});
+  out.pooled_fit = out.prediction.pooled;
   return out;
 }
 

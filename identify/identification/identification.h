@@ -1,4 +1,4 @@
-// One identification from start to findings: solve, judge what the data can say, predict every trial.
+// One identification from start to answer: solve, judge what the data determine, predict every trial.
 #pragma once
 
 #include <atomic>
@@ -12,6 +12,7 @@
 #include "identify/fit_setup.h"
 #include "identify/solvers/solver.h"
 #include "identify/uncertainty/uncertainty.h"
+#include "identify/warning.h"
 
 namespace sinew {
 
@@ -22,6 +23,14 @@ struct IdentificationOptions {
   bool profiles = true;  ///< false: intervals are linear
 };
 
+/// What a step of a stepwise fit has found (identification/stepwise.h).
+struct FinishedStep {
+  std::string name;
+  FitSetup setup;
+  Uncertainty uncertainty;
+  std::vector<FitQuality> pooled_fit;
+};
+
 struct Identification {
   std::string solver;
   SolverOptions solver_options;
@@ -29,20 +38,16 @@ struct Identification {
   SolverResult result;
   std::vector<TraceEntry> trace;
   long failures = 0;
-  double seconds = 0;         ///< of solving
-  Vector parameters;          ///< [P] at the answer
-  Uncertainty uncertainty;    ///< empty if nothing was free or the answer is not usable
-  FullPrediction prediction;  ///< empty if the answer is not usable
-  std::vector<std::string> findings;
-  std::vector<std::string> warnings;
+  double seconds = 0;                  ///< of solving
+  Vector parameters;                   ///< [P] at the answer
+  Uncertainty uncertainty;             ///< empty if nothing was free or the answer is not usable
+  FullPrediction prediction;           ///< empty if the answer is not usable
+  std::vector<FitQuality> pooled_fit;  ///< per role and quantity, of what the fit, or the last step, compares
+  std::vector<Warning> warnings;
+  std::vector<FinishedStep> steps;  ///< the earlier steps of a stepwise fit
 };
 
 /// Errors: an unknown solver. A search that fails is no error: see Identification::result.stop.
 Result<Identification> Identify(const Problem& problem, FitSetup setup, IdentificationOptions options);
-
-/// The findings in sentences: what was determined and what was not and why, how well training and validation
-/// trials are predicted, and which bounds were hit.
-[[nodiscard]] std::vector<std::string> DescribeFindings(const Problem& problem,
-                                                        const Identification& identification);
 
 }  // namespace sinew

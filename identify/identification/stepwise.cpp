@@ -59,7 +59,7 @@ Status CheckSteps(const Problem& problem, const FitRequest& request) {
 }
 
 // What the last step's intervals leave out.
-std::string HeldAsKnown(const Found& found, const Identification& last) {
+std::vector<std::string> HeldAsKnown(const Found& found, const Identification& last) {
   std::vector<std::string> held;
   for (const auto& [name, value] : found) {
     const auto same = [&, &n = name](int index) {
@@ -67,13 +67,7 @@ std::string HeldAsKnown(const Found& found, const Identification& last) {
     };
     if (std::none_of(last.setup.free.begin(), last.setup.free.end(), same)) held.push_back(name);
   }
-  if (held.empty()) return "";
-  return fmt::format(
-      "errors and intervals are those of the last step: as if what earlier steps found ({}{}) were known "
-      "exactly",
-      fmt::join(held.begin(),
-                held.begin() + std::min<std::ptrdiff_t>(static_cast<std::ptrdiff_t>(held.size()), 4), ", "),
-      held.size() > 4 ? fmt::format(" and {} more", held.size() - 4) : "");
+  return held;
 }
 
 }  // namespace
@@ -86,8 +80,8 @@ Result<Identification> IdentifyStepwise(const Problem& problem, const FitRequest
                 request.release.front());
   SINEW_TRY(CheckSteps(problem, request));
   Found found;
-  std::vector<std::string> findings;
-  std::vector<std::string> warnings;
+  std::vector<FinishedStep> steps;
+  std::vector<Warning> warnings;
   for (std::size_t s = 0; s < problem.steps().size(); ++s) {
     const FitStep& step = problem.steps()[s];
     const auto view = ViewOf(problem, step);
@@ -95,19 +89,25 @@ Result<Identification> IdentifyStepwise(const Problem& problem, const FitRequest
     SINEW_ASSIGN(Identification fit, Identify(*view, std::move(setup), options));
     const bool last = s + 1 == problem.steps().size();
     const bool usable = fit.result.stop.usable();
-    const std::string prefix = last ? "" : step.name + ": ";
-    for (const std::string& finding : fit.findings) findings.push_back(prefix + finding);
-    for (const std::string& warning : fit.warnings) warnings.push_back(prefix + warning);
+    for (Warning& warning : fit.warnings) {
+      if (!last) warning.step = step.name;
+      warnings.push_back(std::move(warning));
+    }
     if (usable && last) {
-      if (std::string held = HeldAsKnown(found, fit); !held.empty()) warnings.push_back(std::move(held));
+      if (auto held = HeldAsKnown(found, fit); !held.empty())
+        warnings.push_back({WarningKind::kHeldFromSteps, std::move(held), {}, {}});
     }
     if (usable) TakeOver(found, fit);
-    if (usable && !last) continue;
-    if (!usable && !last) fit.result.stop.test = prefix + fit.result.stop.test;
+    if (usable && !last) {
+      steps.push_back(
+          {step.name, std::move(fit.setup), std::move(fit.uncertainty), std::move(fit.pooled_fit)});
+      continue;
+    }
+    if (!usable && !last) fit.result.stop.test = step.name + ": " + fit.result.stop.test;
     if (usable) {
       SINEW_ASSIGN(fit.prediction, PredictAll(problem, fit.parameters));
     }
-    fit.findings = std::move(findings);
+    fit.steps = std::move(steps);
     fit.warnings = std::move(warnings);
     return fit;
   }

@@ -1,11 +1,10 @@
 #include "identify/solvers/polishing.h"
 
-#include <tbb/parallel_for.h>
-#include <tbb/task_arena.h>
-
 #include <atomic>
 #include <memory>
 #include <mutex>
+
+#include "identify/execution/executor.h"
 
 namespace sinew {
 namespace {
@@ -17,11 +16,9 @@ class Polishing {
       : parent_(parent), solver_(solver), name_(name), starts_(starts), tasks_(starts.size()) {}
 
   std::vector<Polished> Run(int threads) {
-    tbb::task_arena arena(threads);
-    arena.execute([&] {
-      tbb::parallel_for(0, threads, [&](int /*worker*/) {
-        for (std::size_t i = next_++; i < starts_.size() && !ended_; i = next_++) Polish(i);
-      });
+    const auto executor = MakeExecutor(threads);
+    executor->ForEach(executor->workers(), [&](std::size_t, std::size_t) {
+      for (std::size_t i = next_++; i < starts_.size() && !ended_; i = next_++) Polish(i);
     });
     std::vector<Polished> polished;
     for (std::size_t i = 0; i < absorbed_; ++i) polished.push_back(std::move(tasks_[i].polished));
@@ -42,7 +39,7 @@ class Polishing {
     options.target_cost = parent_.options().target_cost;
     options.interrupt = parent_.options().interrupt;
     options.began = parent_.options().began;
-    task.evaluator = std::make_unique<Evaluator>(parent_.problem(), std::move(options));
+    task.evaluator = std::make_unique<Evaluator>(parent_.fit(), std::move(options));
     const SolverResult result = solver_.Solve(*task.evaluator, starts_[i].x);
     task.polished = {{name_, result.stop, task.evaluator->evaluations(), result.cost, result.x},
                      result.iterations};

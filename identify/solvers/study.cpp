@@ -3,12 +3,12 @@
 #include <algorithm>
 #include <cmath>
 
+#include "base/constants.h"
 #include "base/random.h"
 
 namespace sinew {
 namespace {
 
-constexpr double kNaN = std::numeric_limits<double>::quiet_NaN();
 constexpr double kTargetShare = 1.01;   // success: within 1 % of the best cost that any solver found
 constexpr long kDefaultBudget = 20000;  // evaluations of a run
 

@@ -65,8 +65,8 @@ double TwoSidedThreshold(double p) {
   if (!(p > 0)) return std::numeric_limits<double>::infinity();
   constexpr double kSqrtTwoOverPi = 0.79788456080286535588;
   const double target = std::log(p);
-  // The logarithm of the tail falls and is concave, and is below -z^2/2: Newton comes down on the answer from
-  // above, and never overshoots.
+  // The logarithm of the tail is decreasing, concave, and below -z^2/2, so that Newton's iteration from above
+  // converges monotonically.
   double z = std::sqrt(-2 * target);
   constexpr int kMaxIterations = 100;
   for (int i = 0; i < kMaxIterations; ++i) {

@@ -1,4 +1,5 @@
-// Tails of the chi-squared and normal distributions, far beyond where one minus the distribution is zero.
+// Tails of the chi-squared and normal distributions, accurate where one minus the distribution function is
+// zero in double precision.
 #pragma once
 
 namespace sinew::statistics {

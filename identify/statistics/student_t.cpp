@@ -62,7 +62,7 @@ double Density(double t, double dof) {
          std::sqrt(dof * kPi);
 }
 
-/// Newton within a bracket, for probability > 1/2.
+/// Quantile for probability > 1/2 by Newton's iteration safeguarded by a bracket.
 double UpperQuantile(double probability, double dof) {
   double lower = 0;
   double upper = 1;

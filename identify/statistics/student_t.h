@@ -1,4 +1,4 @@
-// The t and F distributions: how far 95 % reaches when the noise level is itself an estimate.
+// The t and F distributions, for intervals with an estimated noise level.
 #pragma once
 
 namespace sinew::statistics {

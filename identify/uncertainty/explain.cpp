@@ -6,7 +6,6 @@
 #include <set>
 #include <utility>
 
-#include "base/text.h"
 #include "identify/uncertainty/interval.h"
 
 namespace sinew {
@@ -14,26 +13,9 @@ namespace {
 
 // Partners are named if their loading is at least this share of the largest one.
 constexpr double kNamedLoading = 0.1;
-constexpr std::size_t kMaxPartners = 4;
-// Directions in words are drawn to this relative change: large enough to be seen, small enough to be linear.
+// Directions are drawn to this relative change: large enough to be seen, small enough to be linear.
 constexpr double kShownChange = 0.1;
-
-/// "a", "a and b", "a, b and c", "a, b, c and 4 others".
-std::string List(std::vector<std::string> names) {
-  if (names.size() > kMaxPartners + 1) {
-    const std::size_t others = names.size() - kMaxPartners;
-    names.resize(kMaxPartners);
-    names.push_back(fmt::format("{} others", others));
-  }
-  if (names.size() == 1) return names.front();
-  const std::string last = names.back();
-  names.pop_back();
-  return Join(names, ", ") + " and " + last;
-}
-
-std::string WithUnit(double value, const std::string& unit) {
-  return unit == "1" ? fmt::format("{:.3g}", value) : fmt::format("{:.3g} {}", value, unit);
-}
+constexpr double kNaN = std::numeric_limits<double>::quiet_NaN();
 
 /// What a relative change can be told of: sign and size cannot vanish.
 bool IsRatioQuantity(const Parameter& parameter, double value) {
@@ -74,7 +56,7 @@ int Explainer::DominantDirection(int j) const {
   return dominant;
 }
 
-std::string Explainer::Partners(int j, int direction) const {
+std::vector<std::string> Explainer::Partners(int j, int direction) const {
   const double largest = info_.directions.col(direction).cwiseAbs().maxCoeff();
   std::vector<std::pair<double, std::string>> partners;
   for (std::size_t i = 0; i < info_.variables.size(); ++i) {
@@ -86,10 +68,10 @@ std::string Explainer::Partners(int j, int direction) const {
                    [](const auto& a, const auto& b) { return a.first < b.first; });
   std::vector<std::string> names;
   for (const auto& partner : partners) names.push_back(partner.second);
-  return names.empty() ? std::string{} : List(std::move(names));
+  return names;
 }
 
-std::string Explainer::NuisancePartners(int j) const {
+std::vector<std::string> Explainer::NuisancePartners(int j) const {
   const Vector share = info_.nuisance_share.col(j);
   const double largest = share.maxCoeff();
   std::vector<std::string> names;
@@ -98,128 +80,114 @@ std::string Explainer::NuisancePartners(int j) const {
       names.push_back(parameter(info_.nuisance[i]).name);
     }
   }
-  return List(std::move(names));
+  return names;
 }
 
-std::string Explainer::DirectionInWords(int direction) const {
-  struct Part {
-    int variable;
-    double change;    ///< [parameter's unit] per unit of the direction
-    double relative;  ///< of its value, or of its range
-  };
+OpenDirection Explainer::Direction(int direction) const {
+  OpenDirection open;
+  open.lost = direction >= info_.rank;
   const double largest_loading = info_.directions.col(direction).cwiseAbs().maxCoeff();
-  std::vector<Part> parts;
-  double largest = 0;
+  double largest = 0;  // per unit of the direction, of the value or of the range
   for (std::size_t i = 0; i < info_.variables.size(); ++i) {
     const auto j = static_cast<Eigen::Index>(i);
     if (std::abs(info_.directions(j, direction)) < kNamedLoading * largest_loading) continue;
     const int variable = info_.variables[i];
     const Parameter& p = parameter(variable);
     const double change = info_.directions(j, direction) / info_.norm[j] * at_.slopes[variable];
-    const double scale = IsRatioQuantity(p, value(variable)) ? value(variable) : p.upper - p.lower;
-    parts.push_back({variable, change, change / scale});
-    largest = std::max(largest, std::abs(change / scale));
+    const bool ratio = IsRatioQuantity(p, value(variable));
+    const double relative = change / (ratio ? value(variable) : p.upper - p.lower);
+    open.changes.push_back({p.name, p.unit, change, ratio ? relative : kNaN});
+    largest = std::max(largest, std::abs(relative));
   }
-  const bool lost = direction >= info_.rank;
   double amount = kShownChange / largest;
-  if (!lost) amount = std::min(amount, quantile_ * noise_.residual_scale / info_.singular_values[direction]);
-  if (parts.front().change < 0) amount = -amount;
-
-  std::vector<std::string> phrases;
-  for (const Part& part : parts) {
-    const double change = amount * part.change;
-    const Parameter& p = parameter(part.variable);
-    const std::string size = IsRatioQuantity(p, value(part.variable))
-                                 ? fmt::format("{:.2g} %", 100 * std::abs(amount * part.relative))
-                                 : WithUnit(std::abs(change), p.unit);
-    phrases.push_back(fmt::format("{} {} by {}", p.name, change > 0 ? "up" : "down", size));
+  if (!open.lost)
+    amount = std::min(amount, quantile_ * noise_.residual_scale / info_.singular_values[direction]);
+  if (open.changes.front().change < 0) amount = -amount;
+  for (ParameterChange& part : open.changes) {
+    part.change *= amount;
+    part.relative *= amount;
   }
-  const std::string first = phrases.front();
-  phrases.erase(phrases.begin());
-  return fmt::format(
-      "{} with {} {}", first, List(std::move(phrases)),
-      lost ? "leaves every residual the same" : "changes the residuals by less than their noise");
+  return open;
 }
 
-std::string Explainer::WhyUndetermined(int variable) const {
-  const std::string prior = parameter(variable).prior ? "; the interval is that of its prior" : "";
+Reason Explainer::WhyUndetermined(int variable) const {
+  Reason reason;
+  reason.by_prior = parameter(variable).prior.has_value();
   if (at_.status[static_cast<std::size_t>(variable)] == VariableStatus::kNoDependence) {
-    const std::vector<std::string> channels = FittedChannels(problem_);
-    const bool everywhere = IsWithoutEffectEverywhere(problem_, at_, variable);
-    return fmt::format(
-        "no fitted channel responds{}: {} {} the same {}{}", everywhere ? "" : " here", List(channels),
-        channels.size() == 1 ? "stays" : "stay",
-        everywhere ? "over the whole range" : "for small changes, though not over the whole range", prior);
+    reason.kind = IsWithoutEffectEverywhere(problem_, at_, variable) ? ReasonKind::kNoResponse
+                                                                     : ReasonKind::kNoResponseHere;
+    reason.channels = FittedChannels(problem_);
+    return reason;
   }
   const int j = info_.index_of(variable);
   if (info_.lost_to_nuisance[static_cast<std::size_t>(j)]) {
-    return fmt::format("whatever it changes, {} can undo, which {} fitted as well{}", NuisancePartners(j),
-                       info_.nuisance.size() == 1 ? "is" : "are", prior);
+    reason.kind = ReasonKind::kCompensated;
+    reason.partners = NuisancePartners(j);
+    reason.nuisance = static_cast<int>(info_.nuisance.size());
+    return reason;
   }
   const int direction = DominantDirection(j);
-  return fmt::format("only a combination with {} is determined: {}{}", Partners(j, direction),
-                     DirectionInWords(direction), prior);
+  reason.kind = ReasonKind::kCombination;
+  reason.partners = Partners(j, direction);
+  reason.direction = Direction(direction);
+  return reason;
 }
 
-std::string Explainer::WhyWide(int variable, const Interval& interval, double error) const {
-  const std::string width = Width(variable, interval);
-  const auto in_units = [&](double x) {
-    return WithUnit(x * at_.slopes[variable], parameter(variable).unit);
-  };
+Reason Explainer::WhyWide(int variable, const Interval& interval, double error) const {
+  Reason reason;
+  AddWidth(variable, interval, reason);
+  const auto in_units = [&](double x) { return x * at_.slopes[variable]; };
   const int j = info_.index_of(variable);
   const double plain = ErrorTogether(j);
   if (!WideWith(variable, plain)) {
-    if (!WideWith(variable, error)) return width + ": the fit worsens slowly away from the best value";
-    return fmt::format(
-        "{}: the residuals are not independent; if they were, its standard error would be {} "
-        "instead of {}",
-        width, in_units(plain), in_units(error));
+    const bool curved = WideWith(variable, error);
+    reason.kind = curved ? ReasonKind::kDependentResiduals : ReasonKind::kFlatCost;
+    reason.std_error = in_units(error);
+    if (curved) reason.std_error_without = in_units(plain);
+    return reason;
   }
-  const std::string instead = std::isfinite(plain) ? " instead of " + in_units(plain) : "";
+  if (std::isfinite(plain)) reason.std_error = in_units(plain);
   const double alone = ErrorAlone(at_.jacobian.col(variable));
   if (WideWith(variable, alone)) {
-    return fmt::format(
-        "{}: the excitation is too small, even if all other values were known its standard error "
-        "would be {}",
-        width, in_units(alone));
+    reason.kind = ReasonKind::kWeakExcitation;
+    reason.std_error_without = in_units(alone);
+    return reason;
   }
   const double without_nuisance = ErrorAlone(info_.columns.col(j));
   if (WideWith(variable, without_nuisance)) {
-    return fmt::format(
-        "{}: {} can undo nearly all that it changes; if known, its standard error would be {}{}", width,
-        NuisancePartners(j), in_units(alone), instead);
+    reason.kind = ReasonKind::kPartiallyCompensated;
+    reason.partners = NuisancePartners(j);
+    reason.std_error_without = in_units(alone);
+    return reason;
   }
-  return fmt::format("{}: it is hard to tell from {}; with them known its standard error would be {}{}",
-                     width, Partners(j, DominantDirection(j)), in_units(without_nuisance), instead);
+  reason.kind = ReasonKind::kCorrelated;
+  reason.partners = Partners(j, DominantDirection(j));
+  reason.std_error_without = in_units(without_nuisance);
+  return reason;
 }
 
-std::string Explainer::WhyAtBound(int variable) const {
+Reason Explainer::WhyAtBound(int variable) const {
+  Reason reason;
+  reason.kind = ReasonKind::kAtBound;
+  reason.at_lower = at_.status[static_cast<std::size_t>(variable)] == VariableStatus::kAtLower;
+  return reason;
+}
+
+Reason Explainer::WhyIdentifiable(int variable, const Interval& interval) const {
+  Reason reason;
+  AddWidth(variable, interval, reason);
+  return reason;
+}
+
+void Explainer::AddWidth(int variable, const Interval& interval, Reason& reason) const {
   const Parameter& p = parameter(variable);
-  const bool lower = at_.status[static_cast<std::size_t>(variable)] == VariableStatus::kAtLower;
-  return fmt::format("the best value lies on its {} bound {}, and the fit would still improve beyond it",
-                     lower ? "lower" : "upper", WithUnit(lower ? p.lower : p.upper, p.unit));
-}
-
-std::string Explainer::WhyIdentifiable(int variable, const Interval& interval) const {
-  return Width(variable, interval);
-}
-
-std::string Explainer::Width(int variable, const Interval& interval) const {
-  const Parameter& p = parameter(variable);
-  if (interval.lower_open && interval.upper_open) return "the 95 % interval reaches both bounds";
   const double width = interval.upper - interval.lower;
-  std::string text =
-      IsRatioQuantity(p, value(variable))
-          ? fmt::format("the 95 % interval is +-{:.2g} % of the value",
-                        50 * width / std::abs(value(variable)))
-          : fmt::format("the 95 % interval takes {:.2g} % of its range", 100 * width / (p.upper - p.lower));
-  if (interval.lower_open || interval.upper_open) {
-    text += fmt::format(" and open at the {} bound", interval.lower_open ? "lower" : "upper");
-  }
-  return text;
+  reason.width_of_value = IsRatioQuantity(p, value(variable));
+  reason.width =
+      reason.width_of_value ? 0.5 * width / std::abs(value(variable)) : width / (p.upper - p.lower);
 }
 
-std::vector<std::string> Explainer::OpenDirections(const std::vector<int>& wide_variables) const {
+std::vector<OpenDirection> Explainer::OpenDirections(const std::vector<int>& wide_variables) const {
   std::set<int> directions;
   for (int i = info_.rank; i < info_.directions.cols(); ++i) directions.insert(i);
   for (const int variable : wide_variables) {
@@ -229,13 +197,13 @@ std::vector<std::string> Explainer::OpenDirections(const std::vector<int>& wide_
     if (together && !WideWith(variable, ErrorAlone(info_.columns.col(j))))
       directions.insert(DominantDirection(j));
   }
-  std::vector<std::string> sentences;
+  std::vector<OpenDirection> open;
   for (const int direction : directions) {
     const Vector loadings = info_.directions.col(direction).cwiseAbs();
     const auto involved = (loadings.array() >= kNamedLoading * loadings.maxCoeff()).count();
-    if (involved >= 2) sentences.push_back(DirectionInWords(direction));
+    if (involved >= 2) open.push_back(Direction(direction));
   }
-  return sentences;
+  return open;
 }
 
 }  // namespace sinew

@@ -1,4 +1,4 @@
-// Why a parameter is determined or not, in words.
+// Why a parameter is determined or not.
 #pragma once
 
 #include <string>
@@ -8,6 +8,7 @@
 #include "identify/uncertainty/information.h"
 #include "identify/uncertainty/linearization.h"
 #include "identify/uncertainty/noise.h"
+#include "identify/uncertainty/reason.h"
 #include "identify/uncertainty/verdict.h"
 
 namespace sinew {
@@ -22,15 +23,15 @@ class Explainer {
       : problem_(problem), at_(at), info_(info), noise_(noise), quantile_(quantile) {}
 
   /// For a variable that no fitted channel depends on, or that takes part in a lost direction.
-  [[nodiscard]] std::string WhyUndetermined(int variable) const;
+  [[nodiscard]] Reason WhyUndetermined(int variable) const;
   /// For an interval that is too wide. @param error that it is made of, unit box
-  [[nodiscard]] std::string WhyWide(int variable, const Interval& interval, double error) const;
-  [[nodiscard]] std::string WhyAtBound(int variable) const;
-  [[nodiscard]] std::string WhyIdentifiable(int variable, const Interval& interval) const;
+  [[nodiscard]] Reason WhyWide(int variable, const Interval& interval, double error) const;
+  [[nodiscard]] Reason WhyAtBound(int variable) const;
+  [[nodiscard]] Reason WhyIdentifiable(int variable, const Interval& interval) const;
 
   /// Combinations that are lost, or that make one of the given variables (with intervals that are too wide)
-  /// what it is: "stiffness up by 10 % with dissipation down by 7 % leaves every residual the same".
-  [[nodiscard]] std::vector<std::string> OpenDirections(const std::vector<int>& wide_variables) const;
+  /// what it is.
+  [[nodiscard]] std::vector<OpenDirection> OpenDirections(const std::vector<int>& wide_variables) const;
 
  private:
   [[nodiscard]] const Parameter& parameter(int variable) const { return at_.parameter(problem_, variable); }
@@ -42,10 +43,11 @@ class Explainer {
   [[nodiscard]] bool WideWith(int variable, double error) const;
   /// The direction that makes up most of the variance of the variable at place j.
   [[nodiscard]] int DominantDirection(int j) const;
-  [[nodiscard]] std::string Partners(int j, int direction) const;
-  [[nodiscard]] std::string NuisancePartners(int j) const;
-  [[nodiscard]] std::string DirectionInWords(int direction) const;
-  [[nodiscard]] std::string Width(int variable, const Interval& interval) const;
+  /// Parameters that take part in a direction beside the one at place j, the largest loading first.
+  [[nodiscard]] std::vector<std::string> Partners(int j, int direction) const;
+  [[nodiscard]] std::vector<std::string> NuisancePartners(int j) const;
+  [[nodiscard]] OpenDirection Direction(int direction) const;
+  void AddWidth(int variable, const Interval& interval, Reason& reason) const;
 
   const LeastSquares& problem_;
   const Linearization& at_;

@@ -1,16 +1,13 @@
 #include "identify/uncertainty/profile.h"
 
-#include <tbb/enumerable_thread_specific.h>
-#include <tbb/info.h>
-#include <tbb/parallel_for.h>
-#include <tbb/task_arena.h>
-
 #include <algorithm>
 #include <cmath>
 #include <limits>
+#include <optional>
 #include <utility>
 
 #include "base/constants.h"
+#include "identify/execution/executor.h"
 #include "identify/solvers/local_fit.h"
 
 namespace sinew {
@@ -45,33 +42,33 @@ class EndSearch {
         last_(fit.evaluations() + max_evaluations),
         interrupt_(interrupt),
         // Half of an error of the rise is that of the end.
-        end_tolerance_(
-            std::max(kEndTolerance, fit.problem().problem().cost_noise_level() * cost / request.rise / 2)),
+        end_tolerance_(std::max(kEndTolerance,
+                                fit.least_squares().problem().cost_noise_level() * cost / request.rise / 2)),
         inner_{0, 0, minimum, true},
         lowest_(cost) {}
 
   ProfileEnd Run() {
     const double here = minimum_[request_.variable];
     const double room = sign_ > 0 ? 1 - here : here;
-    if (room <= 0) return {here, true, {}};
+    if (room <= 0) return {here, true};
     double distance = std::min(request_.step, room);
     for (int i = 0; i < kMaxPoints; ++i) {
       if (interrupt_ != nullptr && interrupt_->load(std::memory_order_relaxed))
-        return Failure("it was stopped");
-      if (fit_.evaluations() >= last_) return Failure("its evaluations were used up");
+        return Failure(ProfileFailure::kInterrupted);
+      if (fit_.evaluations() >= last_) return Failure(ProfileFailure::kBudgetSpent);
       Point point = Evaluate(distance);
       if (std::abs(point.height - 1) <= end_tolerance_ || (point.height < 1 && distance >= room)) {
-        if (!point.converged) return Failure("a refit of the other values did not converge");
-        return {At(distance), point.height < 1 && distance >= room, {}};
+        if (!point.converged) return Failure(ProfileFailure::kRefitNotConverged);
+        return {At(distance), point.height < 1 && distance >= room};
       }
       Narrow(std::move(point));
       if (has_outer_ && outer_.distance - inner_.distance <= end_tolerance_ * outer_.distance) {
-        if (std::isinf(outer_.height)) return Failure("there is no prediction at its end");
-        return {At(outer_.distance), false, {}};  // the cost jumps here
+        if (std::isinf(outer_.height)) return Failure(ProfileFailure::kNoPrediction);
+        return {At(outer_.distance), false};  // the cost jumps here
       }
       distance = Next(room);
     }
-    return Failure("the cost is too rough");
+    return Failure(ProfileFailure::kRoughCost);
   }
 
   [[nodiscard]] double lowest() const { return lowest_; }
@@ -80,7 +77,7 @@ class EndSearch {
   [[nodiscard]] double At(double distance) const {
     return std::clamp(minimum_[request_.variable] + sign_ * distance, 0.0, 1.0);
   }
-  static ProfileEnd Failure(const char* why) { return {0, false, why}; }
+  static ProfileEnd Failure(ProfileFailure why) { return {0, false, why}; }
 
   /// Refits all others with this variable at a distance. They start from the straight line through the
   /// minimum and the point that is known next to it; from the tangent if there is none.
@@ -154,18 +151,16 @@ std::vector<Profile> ProfileIntervals(const LeastSquares& problem, const Vector&
   const long part = std::max(1L, options.max_evaluations / static_cast<long>(ends));
   std::vector<double> lowest(ends);
   std::vector<long> used(ends);
-  // More threads than the machine has only make TBB complain.
-  tbb::task_arena arena(std::clamp(options.threads, 1, tbb::info::default_concurrency()));
-  arena.execute([&] {
-    tbb::enumerable_thread_specific<LocalFit> fits([&] { return LocalFit(problem, options.penalty); });
-    tbb::parallel_for(std::size_t{0}, ends, [&](std::size_t i) {
-      LocalFit& fit = fits.local();
-      const long before = fit.evaluations();
-      EndSearch search(fit, minimum, cost, requests[i / 2], i % 2 == 0 ? -1 : 1, part, options.interrupt);
-      (i % 2 == 0 ? profiles[i / 2].lower : profiles[i / 2].upper) = search.Run();
-      lowest[i] = search.lowest();
-      used[i] = fit.evaluations() - before;
-    });
+  const auto executor = MakeExecutor(options.threads);
+  std::vector<std::optional<LocalFit>> fits(executor->workers());
+  executor->ForEach(ends, [&](std::size_t i, std::size_t worker) {
+    if (!fits[worker]) fits[worker].emplace(problem, options.penalty);
+    LocalFit& fit = *fits[worker];
+    const long before = fit.evaluations();
+    EndSearch search(fit, minimum, cost, requests[i / 2], i % 2 == 0 ? -1 : 1, part, options.interrupt);
+    (i % 2 == 0 ? profiles[i / 2].lower : profiles[i / 2].upper) = search.Run();
+    lowest[i] = search.lowest();
+    used[i] = fit.evaluations() - before;
   });
   for (std::size_t i = 0; i < ends; ++i) evaluations += used[i];
   for (std::size_t i = 0; i < requests.size(); ++i) {

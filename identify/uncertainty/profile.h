@@ -3,7 +3,6 @@
 #pragma once
 
 #include <atomic>
-#include <string>
 #include <vector>
 
 #include "base/linear_algebra.h"
@@ -19,11 +18,24 @@ struct ProfileRequest {
   Vector tangent;   ///< [n] how all variables move per unit of this one, to first order
 };
 
+/// Why the end of an interval was not found.
+enum class ProfileFailure {
+  kNone,
+  kInterrupted,
+  kBudgetSpent,        ///< its evaluations were used up
+  kRefitNotConverged,  ///< of the other values
+  kNoPrediction,       ///< at the end
+  kRoughCost           ///< the search did not close in on the end
+};
+
+/// "" (none), "interrupted", "budget_spent", "refit_not_converged", "no_prediction", "rough_cost".
+[[nodiscard]] const char* ToString(ProfileFailure failure);
+
 /// One end of an interval.
 struct ProfileEnd {
-  double x = 0;         ///< unit box
-  bool open = false;    ///< the bound was reached before the cost rose enough
-  std::string failure;  ///< why the end was not found; empty if it was
+  double x = 0;       ///< unit box
+  bool open = false;  ///< the bound was reached before the cost rose enough
+  ProfileFailure failure = ProfileFailure::kNone;
 };
 
 struct Profile {

@@ -7,7 +7,6 @@
 
 #include "base/constants.h"
 #include "base/decompositions.h"
-#include "base/text.h"
 #include "identify/uncertainty/interval.h"
 #include "identify/uncertainty/verdict.h"
 
@@ -16,7 +15,7 @@ namespace {
 
 // Above this many additions, pairs of them cost more than they are worth.
 constexpr std::size_t kMaxForPairs = 12;
-// More than three ways to fix one parameter only bore.
+// More than three ways to determine one parameter help nobody.
 constexpr std::size_t kMaxChoices = 3;
 // Eigenvalues of the information with a unit diagonal are squares of singular values, and are exact to about
 // n eps: the square of kRankTolerance is out of reach.
@@ -87,18 +86,18 @@ Matrix BlockInformation(const LeastSquares& problem, const Linearization& at, co
   return information;
 }
 
-/// The phrase that a block belongs to; empty if it is no candidate.
-std::string PhraseOf(const LeastSquares& problem, const Block& block) {
+/// The addition that a block belongs to; nothing if it is no candidate.
+std::optional<AdditionName> AdditionOf(const LeastSquares& problem, const Block& block) {
   switch (block.role) {
     case BlockRole::kTrain:
-      return {};
+      return std::nullopt;
     case BlockRole::kValidate:
-      return fmt::format("fitting trial {} too", block.trial);
+      return AdditionName{AdditionKind::kTrial, block.trial};
     case BlockRole::kPredicted:
-      return FittedSamples(problem, block.trial) > 0 ? fmt::format("measuring {}", block.channel)
-                                                     : std::string{};
+      if (FittedSamples(problem, block.trial) > 0) return AdditionName{AdditionKind::kChannel, block.channel};
+      return std::nullopt;
   }
-  return {};
+  return std::nullopt;
 }
 
 }  // namespace
@@ -106,11 +105,11 @@ std::string PhraseOf(const LeastSquares& problem, const Block& block) {
 Result<std::vector<Addition>> PossibleAdditions(const LeastSquares& problem, const Linearization& at,
                                                 const Noise& noise) {
   const Layout& layout = problem.problem().layout();
-  std::vector<std::string> phrase_of;
+  std::vector<std::optional<AdditionName>> addition_of;
   std::vector<bool> wanted;
   for (const Block& block : layout) {
-    phrase_of.push_back(PhraseOf(problem, block));
-    wanted.push_back(!phrase_of.back().empty());
+    addition_of.push_back(AdditionOf(problem, block));
+    wanted.push_back(addition_of.back().has_value());
   }
   std::vector<Addition> additions;
   if (std::find(wanted.begin(), wanted.end(), true) == wanted.end()) return additions;
@@ -123,9 +122,9 @@ Result<std::vector<Addition>> PossibleAdditions(const LeastSquares& problem, con
     const Matrix information =
         BlockInformation(problem, at, noise, static_cast<int>(b), workspace.prediction);
     const auto same = std::find_if(additions.begin(), additions.end(),
-                                   [&](const Addition& a) { return a.phrase == phrase_of[b]; });
+                                   [&](const Addition& a) { return a.name == *addition_of[b]; });
     if (same == additions.end()) {
-      additions.push_back({phrase_of[b], information});
+      additions.push_back({*addition_of[b], information});
     } else {
       same->information += information;
     }
@@ -189,23 +188,14 @@ bool RemedyFinder::Fixes(int variable, double error) const {
   return !IsWide(parameter, value, LinearInterval(problem_, at_.x, variable, quantile_ * error));
 }
 
-std::string RemedyFinder::ErrorInUnits(int variable, double error) const {
-  const std::string& unit = at_.parameter(problem_, variable).unit;
-  return fmt::format("{:.2g}{}{}", error * at_.slopes[variable], unit == "1" ? "" : " ",
-                     unit == "1" ? "" : unit);
-}
-
-std::string RemedyFinder::Sentence(int variable, std::vector<Choice> choices) const {
+std::vector<RemedyOption> RemedyFinder::Best(int variable, std::vector<Choice> choices) const {
   std::stable_sort(choices.begin(), choices.end(),
                    [](const Choice& a, const Choice& b) { return a.error < b.error; });
   choices.resize(std::min(choices.size(), kMaxChoices));
-  std::string sentence = fmt::format("{} would fix it (standard error {})", choices.front().phrase,
-                                     ErrorInUnits(variable, choices.front().error));
-  for (std::size_t i = 1; i < choices.size(); ++i) {
-    sentence += fmt::format("{} {} ({})", i == 1 ? "; so would" : " or", choices[i].phrase,
-                            ErrorInUnits(variable, choices[i].error));
-  }
-  return sentence;
+  std::vector<RemedyOption> options;
+  for (Choice& choice : choices)
+    options.push_back({std::move(choice.additions), choice.error * at_.slopes[variable]});
+  return options;
 }
 
 std::vector<RemedyFinder::Choice> RemedyFinder::KnownValues(int variable) const {
@@ -217,40 +207,30 @@ std::vector<RemedyFinder::Choice> RemedyFinder::KnownValues(int variable) const 
     information.col(other).setZero();
     const double error = StandardErrors(information)[variable];
     if (Fixes(variable, error)) {
-      choices.push_back({fmt::format("a known value of {}", at_.parameter(problem_, other).name), error});
+      choices.push_back({{{AdditionKind::kKnownValue, at_.parameter(problem_, other).name}}, error});
     }
   }
   return choices;
 }
 
-std::string RemedyFinder::For(int variable) const {
-  if (!failure_.empty()) {
-    return fmt::format("what other channels would bring could not be predicted: {}", failure_);
-  }
-  if (Fixes(variable, StandardErrors(base_)[variable])) {
-    return "its error would be small if the residuals were independent noise: explain what is left in them "
-           "first";
-  }
+Remedy RemedyFinder::For(int variable) const {
+  if (!failure_.empty()) return {RemedyKind::kNotPredicted, {}, failure_};
+  if (Fixes(variable, StandardErrors(base_)[variable])) return {RemedyKind::kIndependentNoise};
   std::vector<Choice> choices;
   for (std::size_t a = 0; a < additions_.size(); ++a) {
     const double error = errors_with_[a][variable];
-    if (Fixes(variable, error)) choices.push_back({additions_[a].phrase, error});
+    if (Fixes(variable, error)) choices.push_back({{additions_[a].name}, error});
   }
-  if (!choices.empty()) return Sentence(variable, std::move(choices));
+  if (!choices.empty()) return {RemedyKind::kAdditions, Best(variable, std::move(choices))};
   for (std::size_t a = 0; additions_.size() <= kMaxForPairs && a < additions_.size(); ++a) {
     for (std::size_t b = a + 1; b < additions_.size(); ++b) {
       const Matrix both = base_ + additions_[a].information + additions_[b].information;
       const double error = StandardErrors(both)[variable];
-      if (!Fixes(variable, error)) continue;
-      choices.push_back(
-          {fmt::format("{} and {} together", additions_[a].phrase, additions_[b].phrase), error});
+      if (Fixes(variable, error)) choices.push_back({{additions_[a].name, additions_[b].name}, error});
     }
   }
-  if (!choices.empty()) return Sentence(variable, std::move(choices));
-  std::string sentence = "no channel that this model predicts would fix it in these trials";
-  choices = KnownValues(variable);
-  if (!choices.empty()) sentence += "; " + Sentence(variable, std::move(choices));
-  return sentence;
+  if (!choices.empty()) return {RemedyKind::kAdditions, Best(variable, std::move(choices))};
+  return {RemedyKind::kNoChannel, Best(variable, KnownValues(variable))};
 }
 
 }  // namespace sinew

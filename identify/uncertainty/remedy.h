@@ -9,12 +9,13 @@
 #include "base/linear_algebra.h"
 #include "identify/uncertainty/linearization.h"
 #include "identify/uncertainty/noise.h"
+#include "identify/uncertainty/reason.h"
 
 namespace sinew {
 
 /// Something that could be measured, or fitted as well.
 struct Addition {
-  std::string phrase;  ///< "measuring right_force_x", "fitting trial walk_2 too"
+  AdditionName name;
   Matrix information;  ///< [n x n] that it adds, unit box
 };
 
@@ -38,18 +39,18 @@ class RemedyFinder {
   /// Both must outlive this object. @param quantile of a 95 % interval
   RemedyFinder(const LeastSquares& problem, const Linearization& at, const Noise& noise, double quantile);
 
-  /// "measuring right_force_x would fix it (standard error 0.03)". Single additions are named, the best
-  /// first; if there are none, the best pair; else what knowing another parameter would bring.
-  [[nodiscard]] std::string For(int variable) const;
+  /// Single additions, the best first; if there are none, the best pair; else what knowing another parameter
+  /// would bring.
+  [[nodiscard]] Remedy For(int variable) const;
 
  private:
   struct Choice {
-    std::string phrase;
+    std::vector<AdditionName> additions;
     double error = 0;  ///< [unit box]
   };
   [[nodiscard]] bool Fixes(int variable, double error) const;
-  [[nodiscard]] std::string ErrorInUnits(int variable, double error) const;
-  [[nodiscard]] std::string Sentence(int variable, std::vector<Choice> choices) const;
+  /// The best choices, in the parameter's unit.
+  [[nodiscard]] std::vector<RemedyOption> Best(int variable, std::vector<Choice> choices) const;
   [[nodiscard]] std::vector<Choice> KnownValues(int variable) const;
 
   const LeastSquares& problem_;

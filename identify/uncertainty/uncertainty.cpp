@@ -9,7 +9,6 @@
 
 #include "base/constants.h"
 #include "base/decompositions.h"
-#include "base/text.h"
 #include "identify/solvers/local_fit.h"
 #include "identify/statistics/student_t.h"
 #include "identify/uncertainty/covariance.h"
@@ -28,12 +27,12 @@ constexpr long kPolishEvaluations = 100;
 // Gain in cost at which the local search stops, over that which one standard error makes: a millionth of an
 // error.
 constexpr double kPolishTolerance = 1e-12;
-// A gain of the local search that is worth a word, on the same scale: a tenth of a standard error is 0.01.
+// A gain of the local search that is worth a note, on the same scale: a tenth of a standard error is 0.01.
 constexpr double kNotedGain = 0.01;
 // Ratio of robust to plain error from which a reader is told.
 constexpr double kNotedRatio = 1.5;
 
-/// What one finding looks like before it is put into words.
+/// What is found about one variable, in the unit box.
 struct Finding {
   int variable = 0;
   bool determined = false;   ///< by the data
@@ -42,7 +41,7 @@ struct Finding {
   double normal = 0;  ///< (J'J)^-1 of it
   Interval interval;
   IntervalKind kind = IntervalKind::kNone;
-  std::string no_profile;  ///< why the interval is linear
+  ProfileFailure no_profile = ProfileFailure::kNone;  ///< why the interval is linear
 
   double widest = kInfinity;  ///< the error that the interval is made of
 };
@@ -57,7 +56,7 @@ class Analysis {
  private:
   Status FindMinimum(const Vector& x);
   void MakeInformations();
-  void Unmeasurable(const Vector& x, const std::string& why);
+  void Unmeasurable(const Vector& x);
   void FindErrors();
   void FindCovariance();
   void FindIntervals();
@@ -113,15 +112,9 @@ Status Analysis::FindMinimum(const Vector& x) {
   for (const Linearization::Rows& rows : at_.blocks) signal += rows.count * rows.signal * rows.signal;
   if (cost - cost_ >
       std::max(kNotedGain * cost_ / problem_.residuals(), kNoDependence * kNoDependence * signal)) {
-    answer_.notes.push_back(
-        fmt::format("the solution was not a minimum: a local search lowered the cost from {:.6g} to {:.6g}; "
-                    "errors and intervals are about the better point",
-                    cost, cost_));
+    answer_.notes.push_back({WarningKind::kNotAMinimum, {}, {cost, cost_}, {}});
   }
-  if (!outcome.converged) {
-    answer_.notes.emplace_back(
-        "a local search from the solution did not come to rest: errors and intervals are rough");
-  }
+  if (!outcome.converged) answer_.notes.push_back({WarningKind::kSearchUnfinished, {}, {}, {}});
   return {};
 }
 
@@ -252,19 +245,14 @@ void Analysis::Profiles() {
     const Profile& profile = profiles[i];
     Finding& finding = findings_[finding_of[i]];
     lowest = std::min(lowest, profile.lowest_cost);
-    if (!profile.lower.failure.empty() || !profile.upper.failure.empty()) {
-      finding.no_profile = profile.lower.failure.empty() ? profile.upper.failure : profile.lower.failure;
-      continue;
-    }
+    finding.no_profile =
+        profile.lower.failure == ProfileFailure::kNone ? profile.upper.failure : profile.lower.failure;
+    if (finding.no_profile != ProfileFailure::kNone) continue;
     finding.kind = IntervalKind::kProfile;
     finding.interval = MakeInterval(problem_, at_.x, finding.variable, profile.lower.x, profile.upper.x);
   }
   if (cost_ - lowest > kNotedGain * cost_ / problem_.residuals()) {
-    answer_.notes.push_back(
-        fmt::format("there is a better fit: on the way to an interval the cost fell from {:.6g} to {:.6g}; "
-                    "search again, with "
-                    "more starts or a global solver",
-                    cost_, lowest));
+    answer_.notes.push_back({WarningKind::kBetterFit, {}, {cost_, lowest}, {}});
   }
 }
 
@@ -303,8 +291,7 @@ void Analysis::Describe(const Vector& x) {
         break;
       case Verdict::kAtBound:
         verdict.reason = explainer.WhyAtBound(v);
-        verdict.remedy =
-            "another bound if physics allows one; else look for what else makes the model need it";
+        verdict.remedy.kind = RemedyKind::kOtherBound;
         break;
       case Verdict::kWeak:
       case Verdict::kNotIdentifiable:
@@ -315,10 +302,7 @@ void Analysis::Describe(const Vector& x) {
         wide.push_back(v);
         break;
     }
-    if (!finding.no_profile.empty()) {
-      verdict.reason +=
-          fmt::format("; the interval is linear, its profile could not be followed: {}", finding.no_profile);
-    }
+    verdict.reason.no_profile = finding.no_profile;
     answer_.parameters.push_back(std::move(verdict));
   }
   answer_.directions = explainer.OpenDirections(wide);
@@ -332,14 +316,12 @@ void Analysis::AddNotes() {
     }
   }
   if (largest > kNotedRatio) {
-    std::vector<std::string> channels;
+    Warning warning{WarningKind::kDependentResiduals, {}, {largest}, {}};
     for (const ChannelNoise& channel : noise_.channels) {
-      channels.push_back(fmt::format("{} {:.2f}", channel.channel, channel.correlation));
+      warning.names.push_back(channel.channel);
+      warning.numbers.push_back(channel.correlation);
     }
-    answer_.notes.push_back(
-        fmt::format("the residuals are not independent noise (correlation of neighbours: {}): intervals were "
-                    "widened by up to {:.1f} times",
-                    Join(channels, ", "), largest));
+    answer_.notes.push_back(std::move(warning));
   }
   if (problem_.constraints() == 0) return;
   Vector constraint;
@@ -349,12 +331,11 @@ void Analysis::AddNotes() {
   for (Eigen::Index i = 0; i < constraint.size(); ++i) {
     if (constraint[i] < -kBoundTolerance * sizes[i]) continue;
     answer_.notes.push_back(
-        fmt::format("constraint {} is active: standard errors are as if it were not there",
-                    problem_.ConstraintName(static_cast<int>(i))));
+        {WarningKind::kActiveConstraint, {problem_.ConstraintName(static_cast<int>(i))}, {}, {}});
   }
 }
 
-void Analysis::Unmeasurable(const Vector& x, const std::string& why) {
+void Analysis::Unmeasurable(const Vector& x) {
   const Vector values = problem_.Parameters(x);
   const auto k = static_cast<Eigen::Index>(at_.reported.size());
   answer_.covariance = Matrix::Zero(k, k);
@@ -368,8 +349,10 @@ void Analysis::Unmeasurable(const Vector& x, const std::string& why) {
     verdict.ci95_lower = parameter(v).lower;
     verdict.ci95_upper = parameter(v).upper;
     verdict.lower_open = verdict.upper_open = true;
-    verdict.reason = why;
-    verdict.remedy = "more samples than fitted values, or a stated noise level";
+    verdict.reason.kind = ReasonKind::kNoiseLevelUnknown;
+    verdict.reason.residuals = at_.data_rows;
+    verdict.reason.fitted = problem_.variables();
+    verdict.remedy.kind = RemedyKind::kMoreSamples;
     answer_.parameters.push_back(std::move(verdict));
   }
 }
@@ -385,7 +368,7 @@ Result<Uncertainty> Analysis::Run(const Vector& x) {
   answer_.singular_values = data_.singular_values;
   Result<Noise> noise = EstimateNoise(problem_, at_, all_.leverage);
   if (!noise) {
-    Unmeasurable(x, noise.error().message);
+    Unmeasurable(x);
     return std::move(answer_);
   }
   noise_ = std::move(*noise);

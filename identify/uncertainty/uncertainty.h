@@ -1,5 +1,5 @@
-// What the data can say about every fitted parameter: a verdict with its reason, errors, a 95 % interval, and
-// what measurement would help.
+// What the data determine about every fitted parameter: a verdict with its reason, errors, a 95 % interval,
+// and what measurement would help.
 //
 // Assumed: residuals of one channel have one standard deviation, which is Block::sigma where stated and else
 // estimated per channel (noise.h). The estimate is the minimum of the cost as it was fitted, with the weights
@@ -15,7 +15,9 @@
 #include "base/linear_algebra.h"
 #include "identify/least_squares.h"
 #include "identify/uncertainty/noise.h"
+#include "identify/uncertainty/reason.h"
 #include "identify/uncertainty/verdict.h"
+#include "identify/warning.h"
 
 namespace sinew {
 
@@ -41,8 +43,8 @@ struct ParameterVerdict {
   bool upper_open = false;
   IntervalKind interval = IntervalKind::kNone;
   Verdict verdict = Verdict::kNotIdentifiable;
-  std::string reason;  ///< one sentence without a full stop
-  std::string remedy;  ///< what measurement would help; empty if nothing is needed
+  Reason reason = {};
+  Remedy remedy = {};  ///< what measurement would help
 };
 
 struct Uncertainty {
@@ -53,13 +55,13 @@ struct Uncertainty {
   Matrix correlation;      ///< [k x k] of it
   Vector singular_values;  ///< of the projected Jacobian with columns of unit length, decreasing, of the
                            ///< inner ones
-  std::vector<std::string> directions;  ///< combinations that the data leave open, in words
-  std::vector<ChannelNoise> noise;      ///< per fitted channel
-  double residual_scale = 0;            ///< standard deviation of the weighted residuals
-  double degrees_of_freedom = 0;        ///< of the estimated noise; infinite if all levels are known
-  Vector minimum;                       ///< [P] parameters at the minimum that the intervals are about
-  std::vector<std::string> notes;       ///< what a reader of the intervals must know, one sentence each
-  long evaluations = 0;                 ///< of the local search and the profiles
+  std::vector<OpenDirection> directions;  ///< combinations that the data leave open
+  std::vector<ChannelNoise> noise;        ///< per fitted channel
+  double residual_scale = 0;              ///< standard deviation of the weighted residuals
+  double degrees_of_freedom = 0;          ///< of the estimated noise; infinite if all levels are known
+  Vector minimum;                         ///< [P] parameters at the minimum that the intervals are about
+  std::vector<Warning> notes;             ///< what a reader of the intervals must know
+  long evaluations = 0;                   ///< of the local search and the profiles
 };
 
 struct UncertaintyOptions {

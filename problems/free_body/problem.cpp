@@ -1,11 +1,10 @@
 #include "problems/free_body/problem.h"
 
-#include <tbb/parallel_for.h>
-
 #include <algorithm>
 #include <cmath>
 
 #include "base/text.h"
+#include "identify/execution/executor.h"
 
 namespace sinew {
 namespace {
@@ -72,7 +71,7 @@ Status FreeBodyProblem::Predict(const Query& query, Workspace& workspace, Predic
     if (std::any_of(begin, begin + kTossPhases * kPoseChannels, [](bool b) { return b; }))
       wanted.push_back(w);
   }
-  tbb::parallel_for(std::size_t{0}, wanted.size(), [&](std::size_t i) {
+  CurrentExecutor().ForEach(wanted.size(), [&](std::size_t i, std::size_t) {
     const std::size_t w = wanted[i];
     scratch.status[w] = PredictWindow(w, query, numbers, slots, scratch, prediction);
   });

@@ -67,13 +67,15 @@ class Diagnose(ProgramTest):
         self.assertEqual(said, "Report: report/index.html\n")
 
     def test_nothing_wrong_is_said_with_what_would_have_been_noticed(self):
-        result, said = self.diagnose(self.stances())
+        result, _ = self.diagnose(self.stances())
         self.assertEqual(result["verdict"], "adequate")  # this seed; 5 % of seeds raise an alarm
         self.assertEqual(result["causes"], [])
         sizes = {row["effect"]: row["smallest_detectable"] for row in result["ruled_out"]}
         self.assertEqual(sizes["right_force_y.time_offset"]["unit"], "s")
         self.assertLess(sizes["right_force_y.time_offset"]["value"], LATE)
-        self.assertIn("would have been noticed", " ".join(said.split()))
+        detectable = [fact for fact in result["sentence_facts"] if fact["kind"] == "detectable"]
+        self.assertEqual(len(detectable), 1)
+        self.assertTrue(set(detectable[0]["about"]) <= {size["parameter"] for size in sizes.values() if size})
         values = {p["name"]: p for p in result["base"]["parameters"]}
         self.assertIsNotNone(values["stiffness"]["ci95"])
 

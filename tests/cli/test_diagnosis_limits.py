@@ -37,6 +37,10 @@ class Limits(ProgramTest):
         return of
 
     @staticmethod
+    def kinds(result):
+        return [fact["kind"] for fact in result["sentence_facts"]]
+
+    @staticmethod
     def without(names):
         def of(file):
             for name in list(file["trials"]):
@@ -45,11 +49,11 @@ class Limits(ProgramTest):
         return of
 
     def test_without_validation_trial_no_gain_is_claimed(self):
-        result, said = self.diagnose(self.data(self.without(
+        result, _ = self.diagnose(self.data(self.without(
             lambda _, trial: trial.attrs["role"] in ("validate", b"validate"))))
         self.assertIn(result["causes"][0]["effect"], FRICTION)
         self.assertFalse(result["gain"])
-        self.assertIn("No held-out trial", said)
+        self.assertIn("no_held_out_trial", self.kinds(result))
 
     def test_a_channel_without_variation(self):
         data = self.data(self.each_position(lambda q: 0 * q + 0.3))
@@ -70,10 +74,11 @@ class Limits(ProgramTest):
         rng = np.random.default_rng(1)
         data = self.data(self.each_position(lambda q: q + rng.normal(size=len(q)) * 5 * np.ptp(q)))
         done = self.run_program("diagnose", "drive", "--data", data, "--out", "why.h5", "--json", "why.json", "--quiet")
-        self.assertEqual((done.returncode, done.stderr), (1, "sinew: no usable answer: noise hides what could be wrong\n"))
-        self.assertIn("Nothing can be concluded", done.stdout)
+        self.assertEqual((done.returncode, done.stderr), (1, "sinew: no usable answer: the noise is too large to name a cause\n"))
         result = json.loads(self.path("why.json").read_text())
         self.assertEqual((result["verdict"], result["concluded"], result["causes"]), ("unexplained", False, []))
+        self.assertEqual(result["inconclusive_kind"], "noise_too_large")
+        self.assertEqual(self.kinds(result), ["inconclusive", "advice"])
 
     def test_a_single_short_trial(self):
         def change(file):
@@ -83,7 +88,7 @@ class Limits(ProgramTest):
         self.succeeds("data", "drop", "drive.h5", "--trial", "train_1")
         result, said = self.diagnose("drive.h5")
         self.assertNotEqual(result["verdict"], "explained", said)
-        self.assertIn("No held-out trial", said)
+        self.assertIn("no_held_out_trial", self.kinds(result))
 
 
 if __name__ == "__main__":

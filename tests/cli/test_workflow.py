@@ -31,10 +31,12 @@ class Workflow(ProgramTest):
         said = self.succeeds("data", "kinematics", "data.h5", "--quiet")
         self.assertRegex(said, r"train_1: \d+ frames, 38 markers: 0\.\d+ mm RMS, 0\.\d+ mm at most\n")
 
-        said = self.succeeds("identify", "contact", "--data", "data.h5", "--out", "run.h5")
+        said = self.succeeds("identify", "contact", "--data", "data.h5", "--out", "run.h5", "--json", "run.json")
         self.assertIn("identify contact on data.h5 (synthetic, 3 train + 2 validate trials)\n", said)
-        self.assertRegex(said, r"stiffness = \d\.\d+e5 N/m3 .*: identifiable\.")
-        self.assertRegex(said, r"static_friction, dynamic_friction and viscous_friction: NOT identifiable")
+        facts = json.loads(self.path("run.json").read_text())["finding_facts"]
+        self.assertIn({"kind": "identifiable", "about": ["stiffness"], "step": ""}, facts)
+        self.assertIn({"kind": "not_identifiable", "about": ["static_friction", "dynamic_friction", "viscous_friction"],
+                       "step": ""}, facts)
         with h5py.File(self.path("run.h5")) as run:
             values = dict(zip(run["parameters/name"].asstr()[()], run["parameters/value"][()]))
             self.assertEqual(run["run"].attrs["finished"], 1)

@@ -24,7 +24,7 @@ class Usage(ProgramTest):
         self.fails("unknown option '--thrads'; did you mean '--threads'?" + hint, *IDENTIFY, "--thrads", 2)
         self.fails("unknown option '--thrads'; did you mean '--threads'?" + hint, *IDENTIFY, "--thrads=2")
         self.fails("unknown option '--dta'; did you mean '--data'?" + hint, "identify", "contact", "--dta", "a.h5")
-        self.fails("the word 'walk' is one too many" + hint, "identify", "contact", "walk", *IDENTIFY[2:])
+        self.fails("unexpected argument 'walk'" + hint, "identify", "contact", "walk", *IDENTIFY[2:])
         self.fails("--out is required" + hint, *IDENTIFY[:-2])
 
     def test_values_of_another_kind(self):

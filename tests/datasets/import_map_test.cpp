@@ -1,5 +1,6 @@
 #include "datasets/io/import_map.h"
 
+#include "base/constants.h"
 #include "tests/datasets/support.h"
 
 namespace sinew {
@@ -7,8 +8,6 @@ namespace {
 
 using testing::HasSubstr;
 using testing::StartsWith;
-
-constexpr double kPi = 3.14159265358979323846;
 
 TEST(ImportMap, EverythingThatItCanHold) {
   const auto map = ParseImportMap(

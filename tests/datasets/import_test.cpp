@@ -2,6 +2,7 @@
 
 #include <cmath>
 
+#include "base/constants.h"
 #include "tests/datasets/support.h"
 
 namespace sinew {
@@ -9,8 +10,6 @@ namespace {
 
 using testing::ElementsAre;
 using testing::HasSubstr;
-
-constexpr double kPi = 3.14159265358979323846;
 
 const char* const kForces =
     "grf\nendheader\n"
@@ -98,7 +97,7 @@ TEST_F(ImportTest, MarkersForcesAndAnglesMakeOneTrial) {
                                   HasSubstr("plate 'left' has no columns for its moment")));
 }
 
-TEST_F(ImportTest, TheModelSaysWhichCoordinatesAreAngles) {
+TEST_F(ImportTest, TheModelDecidesWhichCoordinatesAreAngles) {
   options_.trial = "walk";
   options_.is_rotational = [](const std::string& name) -> std::optional<bool> {
     if (name == "patella") return false;
@@ -260,7 +259,7 @@ TEST_F(ImportTest, OtherBadFilesAreErrors) {
   EXPECT_THAT(ErrorOf(Import({folder_.Write("m.osim", std::string("a\0b", 3))})), HasSubstr("not text"));
 }
 
-TEST_F(ImportTest, ChannelsThatShareANameAreSaid) {
+TEST_F(ImportTest, ChannelsThatShareANameAreReported) {
   options_.trial = "walk";
   ASSERT_EQ(ErrorOf(Import({folder_.Write("Length.sto", "Length\nendheader\ntime\tsoleus_r\n0\t0.3\n"),
                             folder_.Write("emg.mot", "emg\nendheader\ntime\tsoleus_r\n0\t0.5\n")})),

@@ -1,6 +1,7 @@
 // The readers on files that laboratories and other programs wrote.
 #include <cmath>
 
+#include "base/constants.h"
 #include "datasets/cut.h"
 #include "datasets/dataset_hash.h"
 #include "datasets/io/dataset_file.h"
@@ -13,7 +14,6 @@ namespace {
 
 using testing::HasSubstr;
 
-constexpr double kPi = 3.14159265358979323846;
 constexpr double kTime = 1e-12;  // s; decimal fractions in binary
 
 std::string Shared(const std::string& path) {
@@ -142,8 +142,7 @@ TEST(SharedData, ServoLogsComeInThroughAMap) {
     Dataset dataset;
     std::vector<std::string> notes;
     ASSERT_EQ(ErrorOf(ImportFile(Shared(path), options, dataset, notes)), "");
-    ASSERT_EQ(notes.size(), 1U)
-        << path;  // jittered times stay as they are; only the other columns are spoken of
+    ASSERT_EQ(notes.size(), 1U) << path;  // jittered times are unchanged; notes concern other columns only
     EXPECT_THAT(notes[0], HasSubstr("left out")) << path;
     const Grid& grid = dataset.trials.at("t").grids.begin()->second;
     if (step > 0) {

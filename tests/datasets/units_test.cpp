@@ -1,11 +1,11 @@
 #include "datasets/units.h"
 
+#include "base/constants.h"
 #include "tests/datasets/support.h"
 
 namespace sinew {
 namespace {
 
-constexpr double kPi = 3.14159265358979323846;
 constexpr double kRounding = 1e-15;  // a handful of multiplications, relative
 
 struct Case {

@@ -12,7 +12,6 @@ namespace sinew {
 namespace {
 
 using testing::ElementsAre;
-using testing::HasSubstr;
 using testing::IsEmpty;
 
 constexpr int kSamples = 1000;
@@ -25,7 +24,7 @@ std::vector<Concentration> Found(const std::function<double(int)>& error) {
   return FindConcentrations(layout, {values});
 }
 
-TEST(Concentration, NoiseAndWhatRecursIsNone) {
+TEST(Concentration, NoiseAndRecurringErrorsAreNone) {
   Random random(3);
   EXPECT_THAT(Found([&](int) { return random.Normal(); }), IsEmpty());
   EXPECT_THAT(Found([](int i) { return i % 250 < 20 ? 5.0 : 0.1; }), IsEmpty()) << "four strides";
@@ -39,11 +38,13 @@ TEST(Concentration, OneBadStretchIsFoundWhereItIs) {
   const auto time = toy::MakeBlock("walk", "moment", kSamples, 1).prediction_time;
   EXPECT_NEAR(found[0].time, time[620], time[10] - time[0]);
   EXPECT_NEAR(found[0].share, 40 * 65.0 / (40 * 65 + 960), 0.05);
-  EXPECT_THAT(DescribeConcentrations(found),
-              ElementsAre(HasSubstr("% of the squared error of moment in trial 'walk' lie within")));
+  const Warning warning = ToWarning(found[0]);
+  EXPECT_EQ(warning.kind, WarningKind::kErrorConcentration);
+  EXPECT_THAT(warning.names, ElementsAre("moment", "walk"));
+  EXPECT_THAT(warning.numbers, ElementsAre(found[0].share, found[0].width, found[0].time));
 }
 
-TEST(Concentration, AtTheEndsToo) {
+TEST(Concentration, IsFoundAtTheEndsToo) {
   for (const int begin : {0, kSamples - 30}) {
     const auto found = Found([&](int i) { return i >= begin && i < begin + 30 ? 8.0 : 1.0; });
     ASSERT_EQ(found.size(), 1U) << begin;

@@ -4,13 +4,11 @@
 
 #include <limits>
 
+#include "base/constants.h"
 #include "tests/identify/support/error_of.h"
 
 namespace sinew {
 namespace {
-
-constexpr double kNaN = std::numeric_limits<double>::quiet_NaN();
-constexpr double kInfinity = std::numeric_limits<double>::infinity();
 
 Parameter Stiffness() {
   Parameter p;

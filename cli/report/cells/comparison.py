@@ -30,8 +30,9 @@ for name, run in runs.items():
     cards.append(f'<h3>{link(name)} <small>{escape(about[name]["title"] or about[name]["data_file"])}</small></h3>'
                  + (items(doubts, "warnings") if doubts else "") + items(findings, "findings"))
 for name, file in diagnoses.items():
-    says = text_list(file["/diagnosis/sentences"]) if "/diagnosis/sentences" in file else []
-    says = says[:3] + [text for text in says[3:] if text.startswith("Held-out trials")]  # the gain is what counts
+    told = [text_list(file[f"/diagnosis/{name}"]) if f"/diagnosis/{name}" in file else []
+            for name in ("sentences", "sentence_kinds")]
+    says = told[0][:3] + [text for text, kind in list(zip(*told))[3:] if kind == "gain"]  # the gain is what counts
     title = file["/run"].attrs["title"] or file["/run"].attrs["data_file"]
     cards.append(f"<h3>{link(name)} <small>diagnosis of {escape(str(title))}</small></h3>" + items(says, "findings"))
 for name, study in studies.items():

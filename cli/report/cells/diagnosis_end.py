@@ -3,13 +3,13 @@
 
 # %% words
 WORDS = [("base model", "the model as it was fitted, every effect of the library switched off"),
-         ("cause", "an effect of the library that, switched on and fitted, takes the error away beyond what chance could do"),
-         ("could also be", "an effect that these data cannot tell from a named cause; the trial that could is given"),
-         ("noise floor", "the error that would remain if nothing were missing: as stated by the data, or estimated"),
-         ("p", "the chance of an alarm as strong as this, by anything in the whole list, if nothing were wrong"),
+         ("cause", "an effect of the library that, added and fitted, reduces the error beyond chance"),
+         ("could also be", "an effect that these data do not distinguish from a named cause; an experiment that would is given"),
+         ("noise floor", "the error that the noise alone would leave: as stated by the data, or estimated"),
+         ("p", "the chance of an alarm as strong as this, by anything in the whole list, without any misfit"),
          ("ΔLR, ΔBIC", "drop of twice the negative log-likelihood, without and with a charge for every parameter more; ΔBIC "
           "above 10 is strong evidence"),
-         ("bias", "how far a parameter of the base model stood off because the cause was missing"),
+         ("bias", "how far the base model over- or underestimated a parameter without the cause"),
          ("noticed above", "the size from which an effect would have raised the alarm in 95 of 100 such data sets"),
          ("R²", "share of the measured signal's variance that the model reproduces")]
 display(HTML('<table class="origin"><tbody>' + "".join(

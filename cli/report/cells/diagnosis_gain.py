@@ -1,5 +1,5 @@
 # %% gain [markdown]
-# ## What it brings on trials that were never fitted
+# ## Gain on trials that were not fitted
 #
 # The test that counts: both models predict trials that neither was fitted to. The grey zone is what noise alone
 # leaves in the fitted trials.

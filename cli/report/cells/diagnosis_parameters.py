@@ -1,7 +1,7 @@
 # %% parameters [markdown]
 # ## Parameters
 #
-# A model that misses a cause puts part of it into the parameters that it has.
+# The parameters of a model without the cause are biased: they fit part of its effect.
 
 # %% parameters
 described = table_of("/parameters")
@@ -20,7 +20,7 @@ def value_cell(row):
 
 
 def shift_cell(name):
-    """How far the missing causes had pushed a base parameter: in percent of its value now, bold where it is beyond chance and 1 %."""
+    """Bias of a base parameter without the causes: in percent of its value now, bold where it is beyond chance and 1 %."""
     if name not in base or name not in after or not causes:
         return ""
     change = base[name]["value"] - after[name]["value"]
@@ -42,7 +42,7 @@ for name in dict.fromkeys([*base, *after]):
     start = value_cell(base[name]) if name in base else f'><span class="pale">{number(row["before"])} (null)</span>'
     rows.append([label, start] + [value_cell(after.get(name))] * bool(causes) + [escape(pretty(row["unit"]))]
                 + [shift_cell(name)] * bool(causes))
-heads = ["Parameter", ">Base model"] + [">Extended model"] * bool(causes) + ["Unit"] + ["What the missing cause had done"] * bool(causes)
+heads = ["Parameter", ">Base model"] + [">Extended model"] * bool(causes) + ["Unit"] + ["Bias of the base model"] * bool(causes)
 display(HTML(table(heads, rows, "parameters")))
 display(HTML(items(["± is half the 95 % interval; pale: not determined by these data. The model can be used at once: "
                     f"sinew simulate {info['problem']} --data {info['data_file']} --from {RUN_FILE} --out simulated.h5"],

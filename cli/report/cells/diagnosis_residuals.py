@@ -56,7 +56,7 @@ axis.set_ylabel(f"{elided(seen['channel'], 30)} ({seen['unit']})" if seen["unit"
 axis.legend(loc="upper left", bbox_to_anchor=(1, 1), frameon=False)
 fits = share_explained(seen)
 headline(figure, f"{'Held-out trial' if seen['role'] == 'validate' else 'Trial'} {elided(seen['trial'], 24)}: "
-         + (f"by eye the base model looks right (R² {coefficient(fits)})" if fits > 0.95 else "measured and simulated"))
+         + (f"by eye the base model fits well (R² {coefficient(fits)})" if fits > 0.95 else "measured and simulated"))
 plt.show()
 
 key = [(BEFORE, "base model")] + [(AFTER, "extended model")] * extended + [("#d5dbe1", "noise (±2 σ)")] * bool(floor)
@@ -87,9 +87,9 @@ for row in range(rows):
 for axis in axes.flat[max(len(shown) - columns, 0):len(shown)]:
     axis.set_xlabel("time (s)")
 held_out = [trace for trace in traces if trace["role"] == "validate"]
-headline(figure, "The extended model leaves less, on held-out trials too" if extended and held_out and
+headline(figure, "The extended model has smaller errors, on held-out trials too" if extended and held_out and
          all(rms(trace["after"]) < rms(trace["before"]) for trace in held_out) else
-         "What the extended model changes" if extended else "What the base model leaves")
+         "What the extended model changes" if extended else "Residuals of the base model")
 plt.show()
 if len(shown) < len(traces):
     display(HTML(items([f"{len(shown)} of {len(traces)} traces are drawn, of every channel those in which the base model errs most; "

@@ -1,11 +1,11 @@
 # %% scores [markdown]
 # ## What could explain it
 #
-# Every effect that the library knows was asked: would you leave an error like this one? The longer the bar, the more alike
-# (in standard deviations of what chance would give). The dashed line is the level that chance alone passes, anywhere in this
-# list, with the stated probability. A long grey bar is an effect that only resembles a cause: the strongest were put into the
-# model and fitted, and ΔBIC says how much each improved it by itself (more is better). A cause with a short bar shows only once
-# a stronger one is in the model.
+# The score test of every effect in the library: how much the residual resembles the change that the effect would make, in
+# standard deviations of what chance would give. The dashed line is the level that chance alone exceeds, anywhere in this
+# list, with the stated probability. A long grey bar is an effect that only resembles a cause: the strongest were added to the
+# model and fitted, and ΔBIC is the improvement by each alone (more is better). A cause with a short bar becomes significant
+# only once a stronger one is in the model.
 
 # %% scores
 from statistics import NormalDist
@@ -40,7 +40,7 @@ if shown:
                       color=COLOURS[finding] if finding not in ("ruled_out", "alternative") else "#6f6f6f"
                       if finding == "ruled_out" else "#946400")
     axis.axvline(about["threshold"], color="#333333", lw=1, ls=(0, (4, 3)))
-    axis.annotate(f"chance passes this in {percent(about['alarm_level'])} of diagnoses", (about["threshold"], -0.62),
+    axis.annotate(f"chance exceeds this in {percent(about['alarm_level'])} of diagnoses", (about["threshold"], -0.62),
                   xytext=(4, 3), textcoords="offset points", size=8, color="#333333", va="bottom")
     axis.set_yticks(range(len(shown)), [elided(score["effect"], 44) for score in shown])
     for tick, score in zip(axis.get_yticklabels(), shown):
@@ -109,20 +109,20 @@ def effect_cell(row, finding):
 rows = []
 for cause in causes:
     rows.append([effect_cell(cause, "cause"), sizes(cause["effect"]),
-                 f"{chance(cause['p_value'])}, ΔBIC {number(cause['delta_bic'])}; {number(cause['size'], 2)} times what a "
-                 "test that knew where to look would notice" if np.isfinite(cause["p_value"]) else
-                 "chosen by what it predicts for trials left out of the fit: see the text"])
+                 f"{chance(cause['p_value'])}, ΔBIC {number(cause['delta_bic'])}; {number(cause['size'], 2)} times the "
+                 "smallest size that a test of this effect alone would detect" if np.isfinite(cause["p_value"]) else
+                 "chosen by cross-validation: see the text"])
     for other in rows_of("alternatives"):
         if other["instead_of"] != cause["effect"]:
             continue
         apart = f"fits worse by ΔLR {number(other['delta_lr'], 2)}" if other["delta_lr"] >= 0 else \
             f"fits better by ΔLR {number(-other['delta_lr'], 2)}"
-        apart += f"; traces correlate {other['correlation']:.3f}".replace("-", "−")
+        apart += f"; effects on the data correlate {other['correlation']:.3f}".replace("-", "−")
         if other.get("contains_cause"):
-            apart += "<br>a richer law that contains the cause: what it adds is not needed"
+            apart += "<br>a more general law that contains the cause and is not needed"
         if other["separated_by"]:
-            apart += f"<br><b>To tell them apart:</b> {escape(other['separated_by'])}"
+            apart += f"<br><b>To distinguish them:</b> {escape(other['separated_by'])}"
         rows.append([f'<span class="indent">or {effect_cell(other, "alternative")}</span>', sizes(other["effect"]), apart])
 if rows:
-    display(HTML("<h3>The causes, and what these data cannot tell from them</h3>"
+    display(HTML("<h3>The causes, and what these data do not distinguish from them</h3>"
                  + table(["Effect", "Size", "How sure"], rows, "causes")))

@@ -10,12 +10,12 @@ diagnosis = run["/diagnosis"]
 about = {key: value.decode() if isinstance(value, bytes) else value for key, value in diagnosis.attrs.items()}
 COLOURS = {"cause": "#D55E00", "alternative": "#E69F00", "withdrawn": "#A8467F", "unknown_term": "#007A5A",
            "ruled_out": "#b4bac1", "not_judged": "#b4bac1"}
-SAYS = {"cause": "cause", "alternative": "could also be", "withdrawn": "withdrawn: held-out trials deny it",
+SAYS = {"cause": "cause", "alternative": "could also be", "withdrawn": "withdrawn: does not generalise",
         "unknown_term": "unknown term found", "ruled_out": "ruled out", "not_judged": "not judged"}
-VERDICTS = {"adequate": ("Adequate", "nothing is wrong that these data could show", "#007A5A"),
-            "explained": ("Explained", "every fault that was found has one named cause", "#0072B2"),
-            "ambiguous": ("Ambiguous", "a stated set of causes that these data cannot tell apart", "#B36B00"),
-            "unexplained": ("Unexplained", "something is wrong that no known effect explains", "#A8467F")}
+VERDICTS = {"adequate": ("Adequate", "no misfit beyond chance", "#007A5A"),
+            "explained": ("Explained", "each misfit that was found has one named cause", "#0072B2"),
+            "ambiguous": ("Ambiguous", "a stated set of causes that these data do not distinguish", "#B36B00"),
+            "unexplained": ("Unexplained", "a misfit beyond chance that no known effect explains", "#A8467F")}
 
 
 def rows_of(path):
@@ -61,18 +61,18 @@ extended = "unknown_terms" in diagnosis or (
 concluded = info["finished"] and info["converged"] and info.get("usable", 1)
 word, meaning, colour = VERDICTS[about["verdict"]] if concluded else \
     ("No conclusion", "the diagnosis was interrupted" if not info["finished"] else "the base model was not fitted"
-     if not info["converged"] else "noise hides what could be wrong", "#6f6f6f")
+     if not info["converged"] else "the noise is too large to name a cause", "#6f6f6f")
 if concluded and about["verdict"] == "unexplained" and rows_of("causes"):
-    meaning = "known effects explain only a part of what is wrong"
+    meaning = "known effects explain only a part of the misfit"
 if concluded and about.get("wanders"):
-    meaning = "what is left is unlike the noise of instruments, and no known effect explains it"
+    meaning = "the residual is strongly autocorrelated, and no known effect explains it"
 display(HTML(f'<p class="verdict" style="background:{colour}"><b>{word}</b> {escape(meaning)}</p>'))
 
 scores = sorted(rows_of("scores"), key=lambda score: -score["statistic"])
 causes, gains, noise = rows_of("causes"), rows_of("gain"), rows_of("noise")
 cards = []
 if concluded:
-    cards.append(("chance of such an alarm if nothing were wrong", chance(about["family_p_value"])))
+    cards.append(("chance of such an alarm without any misfit", chance(about["family_p_value"])))
     if causes:
         cards.append(("cause" if len(causes) == 1 else f"{len(causes)} causes", "".join(
             f"<small>{breakable(cause['effect'])}</small>" for cause in causes[:4])))
@@ -81,7 +81,7 @@ if concluded:
         cards.append((f"error on held-out trials, {escape(gain['channel'])}<br>95 % interval "
                       f"{percent(-gain['ci95_upper'])} to {percent(-gain['ci95_lower'])}", percent(-gain["reduction"])))
         if np.isfinite(gain["gap_closed"]):
-            cards.append(("of the way to the noise floor", percent(gain["gap_closed"])))
+            cards.append(("of the error above the noise floor removed", percent(gain["gap_closed"])))
     judged = sum(score["judged"] > 0 and score["known"] > 0 for score in scores)
     cards.append((f"known effects judged{f', {len(scores) - judged} other' if not causes else ''}", str(judged)))
 if cards:
@@ -89,9 +89,10 @@ if cards:
         f'<div class="card"><b>{value}</b><span>{label}</span></div>' for label, value in cards) + "</div>"))
 
 # %% findings
-sentences = texts("/diagnosis/sentences") or ["This diagnosis says nothing."]
+sentences = texts("/diagnosis/sentences") or ["This diagnosis has no findings."]
+kinds = texts("/diagnosis/sentence_kinds") or [""] * len(sentences)  # files of earlier versions have none
 display(HTML('<ul class="findings">' + "".join(
-    f'<li{" class=minor" if text.startswith(("Could also be", "A richer law")) else ""}>{escape(tidy(text))}</li>' for text in sentences)
-    + "</ul>"))
+    f'<li{" class=minor" if kind in ("alternative", "more_general_law") else ""}>{escape(tidy(text))}</li>'
+    for kind, text in zip(kinds, sentences)) + "</ul>"))
 if texts("/diagnosis/warnings"):
     display(HTML(items(texts("/diagnosis/warnings"), "warnings")))

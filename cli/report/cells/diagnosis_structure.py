@@ -2,7 +2,7 @@
 # ## Where the error is
 #
 # The share of the residual's variance that a smooth curve of one signal predicts for trials the curve was not fitted to,
-# and the strongest of these curves. They describe; they raise no alarm.
+# and the strongest of these curves. They are descriptive and raise no alarm.
 
 # %% structure
 MOST_SIGNALS, MOST_CURVES = 12, 3

@@ -1,9 +1,9 @@
 # %% unknown [markdown]
 # ## Not in the library
 #
-# What the data ask for and no known effect gives. Where there are several, each is an alternative to the others. Band: 95 %;
-# where it fills the picture, the base parameters can imitate part of the curve, so that only its shape is known, not its height
-# or slope.
+# Terms that improve the fit and that no known effect explains. Where there are several, each is an alternative to the others.
+# Band: 95 %; where it fills the figure, the base parameters compensate part of the curve, so that only its shape is known, not
+# its height or slope.
 
 # %% unknown
 terms = [{**{key: value.decode() if isinstance(value, bytes) else value for key, value in node.attrs.items()},
@@ -32,7 +32,7 @@ for axis, term in zip(axes.flat, shown):
     axis.set_ylabel(f"{term['port']} ({pretty(term['unit'])})" if pretty(term["unit"]) else term["port"])
 for axis in axes.flat[len(shown):]:
     axis.remove()
-SAYS = {"curve": "{port} needs something that goes with {signal}", "drift": "{port} changes with time",
+SAYS = {"curve": "{port} needs a function of {signal}", "drift": "{port} changes with time",
         "periodic": "something periodic adds to {port}"}
 headline(figure, "; or ".join(dict.fromkeys(SAYS[term["kind"]].format(**term) for term in shown)))
 plt.show()

@@ -1,7 +1,7 @@
 # %% correlation [markdown]
 # ## Correlations
 #
-# Near +1 or −1, the data cannot tell a change of one parameter from a change of the other. Parameters that the data
+# Near +1 or −1, the data do not distinguish a change of one parameter from a change of the other. Parameters that the data
 # do not determine, or that rest at a bound, have no correlations.
 
 # %% correlation

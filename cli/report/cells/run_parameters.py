@@ -33,13 +33,13 @@ def value_text(p):
 
 def remedies(group):
     """What would help the parameters of a group, each remedy once."""
-    helped = {}  # remedy -> names
+    helped = {}  # (kind, remedy) -> names
     for name, p in group.items():
-        helped.setdefault(p.get("remedy", ""), []).append(name)
+        helped.setdefault((p.get("remedy_kind", ""), p.get("remedy", "")), []).append(name)
     lines = ""
-    for remedy, names in helped.items():
+    for (kind, remedy), names in helped.items():
         whom = "" if len(helped) == 1 else f" {', '.join(names)}"
-        if remedy.startswith("no "):  # a remedy that says there is none
+        if kind == "no_channel":  # there is none
             lines += f'<br>{f"<b>{escape(whom.strip())}:</b> " if whom else ""}{escape(tidy(remedy))}'
         elif remedy:
             lines += f"<br><b>Would help{escape(whom)}:</b> {escape(tidy(remedy))}"
@@ -128,6 +128,6 @@ if shown:
     headline(figure, f"{sure} of {len(judged)} parameters {verb} determined by the data" if judged else
              "Where the parameters lie between their bounds")
     figure.supxlabel("From lower to upper bound (logarithmic where it is searched so).  Thin line: start.  "
-                     "Thick: 95 % interval.  Hatched: the data allow any value.", size=8, color="#666666",
+                     "Thick: 95 % interval.  Hatched: any value fits the data.", size=8, color="#666666",
                      x=0.0, ha="left")
     plt.show()

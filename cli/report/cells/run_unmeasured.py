@@ -1,7 +1,7 @@
 # %% unmeasured [markdown]
 # ### Simulated, but not measured
 #
-# What the model tells although there is nothing to compare it with: one line per trial.
+# Predictions of the model without a measurement to compare: one line per trial.
 
 # %% unmeasured
 shown = dict(list(unmeasured.items())[:12])

@@ -1,8 +1,8 @@
 # %% unused [markdown]
 # ### Measured but not used in this fit
 #
-# These channels played no part in the fit, and the parameters they depend on may not have been determined: large
-# errors here are no fault of the fit. Grey is simulated, black is measured.
+# These channels were not fitted, and the parameters they depend on may not be determined, so that large errors are
+# expected. Grey is simulated, black is measured.
 
 # %% unused
 def draw_unused(groups, most):

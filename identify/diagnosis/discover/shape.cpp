@@ -6,44 +6,21 @@
 #include "base/constants.h"
 #include "base/decompositions.h"
 #include "base/linear_algebra.h"
-#include "base/numbers.h"
-#include "base/text.h"
 
 namespace sinew::diagnosis {
 namespace {
 
-constexpr double kWell = 0.85;    // share of the variance that makes a shape worth naming
 constexpr double kBetter = 0.05;  // a law with one more number must explain so much more
 
 struct Law {
-  std::string words;
-  std::string name;
-  int numbers = 1;  // besides the mean
+  ShapeKind kind;
+  int numbers;  // besides the mean
   Matrix columns;
+  double period = 0;
 };
 
 double Sign(double x) {
   return x > 0 ? 1 : x < 0 ? -1 : 0;
-}
-
-std::string LawName(const std::string& kind, const std::string& signal) {
-  const bool velocity = signal == "velocity" || signal == "speed";
-  if (kind == "linear") {
-    return velocity               ? "viscous friction"
-           : signal == "position" ? "a spring"
-           : signal == "time"     ? "a drift"
-                                  : "a gain";
-  }
-  if (kind == "step") return velocity ? "Coulomb friction" : "";
-  if (kind == "quadratic odd")
-    return velocity ? "quadratic drag" : signal == "command" ? "gain compression" : "";
-  if (kind == "cubic") return signal == "position" ? "a hardening spring" : velocity ? "cubic drag" : "";
-  if (kind == "periodic")
-    return signal == "position" ? "cogging or ripple" : signal == "time" ? "a periodic disturbance" : "";
-  if (kind == "saturating")
-    return signal == "command" ? "saturation" : velocity ? "Coulomb friction, smoothed" : "";
-  if (kind == "peak") return velocity ? "Stribeck friction" : "";
-  return "";
 }
 
 double Explained(const Matrix& columns, const Vector& y, const Vector& root_weight) {
@@ -56,8 +33,8 @@ double Explained(const Matrix& columns, const Vector& y, const Vector& root_weig
 
 }  // namespace
 
-Shape DescribeShape(const std::vector<double>& knots, const std::vector<double>& curve,
-                    const std::vector<double>& weight, const std::string& signal) {
+Shape FindShape(const std::vector<double>& knots, const std::vector<double>& curve,
+                const std::vector<double>& weight) {
   const auto n = static_cast<Eigen::Index>(knots.size());
   Shape shape;
   if (n < 4) return shape;
@@ -79,22 +56,22 @@ Shape DescribeShape(const std::vector<double>& knots, const std::vector<double>&
     return columns;
   };
   std::vector<Law> laws;
-  laws.push_back({"a straight line", "linear", 1, column([](double x) { return x; })});
-  laws.push_back({"odd, quadratic", "quadratic odd", 1, column([](double x) { return x * std::abs(x); })});
-  laws.push_back({"odd, cubic", "cubic", 1, column([](double x) { return x * x * x; })});
-  laws.push_back({"even, quadratic", "quadratic", 1, column([](double x) { return x * x; })});
+  laws.push_back({ShapeKind::kLinear, 1, column([](double x) { return x; })});
+  laws.push_back({ShapeKind::kQuadraticOdd, 1, column([](double x) { return x * std::abs(x); })});
+  laws.push_back({ShapeKind::kCubic, 1, column([](double x) { return x * x * x; })});
+  laws.push_back({ShapeKind::kQuadraticEven, 1, column([](double x) { return x * x; })});
   if (knots.front() < 0 && knots.back() > 0) {
-    laws.push_back({"odd, with a step at zero", "step", 1, column(Sign)});
+    laws.push_back({ShapeKind::kStep, 1, column(Sign)});
     for (const double width : {0.1, 0.25}) {
-      laws.push_back({"odd, saturating", "saturating", 2,
-                      column([&](double x) { return std::tanh(x / (width * reach)); })});
-      laws.push_back({"odd, largest near zero", "peak", 2, column([&](double x) {
+      laws.push_back(
+          {ShapeKind::kSaturating, 2, column([&](double x) { return std::tanh(x / (width * reach)); })});
+      laws.push_back({ShapeKind::kPeak, 2, column([&](double x) {
                         return Sign(x) * std::exp(-std::pow(x / (width * reach), 2));
                       })});
     }
   }
   for (int waves = 2; waves <= static_cast<int>(n) / 3; ++waves) {
-    Law law{"periodic, about every " + Readable(span / waves, 2), "periodic", 3, Matrix(n, 3)};
+    Law law{ShapeKind::kPeriodic, 3, Matrix(n, 3), span / waves};
     for (Eigen::Index i = 0; i < n; ++i) {
       const double phase = 2 * kPi * waves * (knots[static_cast<std::size_t>(i)] - knots.front()) / span;
       law.columns.row(i) << 1, std::sin(phase), std::cos(phase);
@@ -112,10 +89,37 @@ Shape DescribeShape(const std::vector<double>& knots, const std::vector<double>&
       shape.explained = explained;
     }
   }
-  const bool well = shape.explained >= kWell;
-  shape.words = well ? best->words : "no simple shape";
-  shape.law = LawName(best->name, signal);
+  shape.kind = best->kind;
+  shape.period = best->period;
   return shape;
 }
 
 }  // namespace sinew::diagnosis
+
+namespace sinew {
+
+const char* ToString(ShapeKind kind) {
+  switch (kind) {
+    case ShapeKind::kNone:
+      return "none";
+    case ShapeKind::kLinear:
+      return "linear";
+    case ShapeKind::kQuadraticOdd:
+      return "quadratic_odd";
+    case ShapeKind::kCubic:
+      return "cubic";
+    case ShapeKind::kQuadraticEven:
+      return "quadratic_even";
+    case ShapeKind::kStep:
+      return "step";
+    case ShapeKind::kSaturating:
+      return "saturating";
+    case ShapeKind::kPeak:
+      return "peak";
+    case ShapeKind::kPeriodic:
+      return "periodic";
+  }
+  return "?";
+}
+
+}  // namespace sinew

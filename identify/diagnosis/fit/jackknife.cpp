@@ -3,6 +3,7 @@
 #include <cmath>
 #include <vector>
 
+#include "base/text.h"
 #include "identify/diagnosis/fit/trial_folds.h"
 #include "identify/role_view.h"
 #include "identify/statistics/student_t.h"
@@ -29,7 +30,8 @@ Result<Matrix> JackknifeCovariance(const Problem& problem, const Refit& refit) {
     }
     const LeastSquares fit(view, setup);
     const auto without = FitFromStarts(fit, {refit.point}, kTolerance);
-    if (!without.failure.empty()) return Fail("without {}: {}", fold.description, without.failure);
+    if (!without.failure.empty())
+      return Fail("without trial {}: {}", Join(fold.trials, ", "), without.failure);
     const LeastSquares whole(problem, *refit.setup);
     found.push_back(whole.Variables(fit.Parameters(without.x)));
     mean += found.back() / count;

@@ -3,8 +3,6 @@
 #include <algorithm>
 #include <set>
 
-#include "base/text.h"
-
 namespace sinew::diagnosis {
 namespace {
 
@@ -28,10 +26,6 @@ std::vector<TrialFold> FoldsOf(const Problem& problem) {
   const std::vector<std::string> trials = TrainingTrials(problem);
   std::vector<TrialFold> folds(std::min(trials.size(), kMaxFolds));
   for (std::size_t i = 0; i < trials.size(); ++i) folds[i % folds.size()].trials.push_back(trials[i]);
-  for (TrialFold& fold : folds) {
-    fold.description = fold.trials.front();
-    if (fold.trials.size() > 1) fold.description += fmt::format(" and {} more", fold.trials.size() - 1);
-  }
   return folds;
 }
 

@@ -2,9 +2,6 @@
 
 #include <algorithm>
 
-#include "base/numbers.h"
-#include "base/text.h"
-
 namespace sinew::diagnosis {
 namespace {
 
@@ -19,8 +16,6 @@ std::vector<Candidate::Probe> ProbesOf(const std::vector<Parameter>& parameters,
       for (const double value : p.probes) {
         Candidate::Probe next = probe;
         next.at.emplace_back(index, value);
-        next.words += fmt::format("{}{} = {} {}", next.words.empty() ? "" : ", ", p.name, Readable(value),
-                                  p.unit == "1" ? "" : p.unit);
         grid.push_back(std::move(next));
       }
     }
@@ -45,18 +40,10 @@ std::vector<Candidate> ListCandidates(const Problem& problem, const FitSetup& ba
   for (const DiscrepancyPort& port : problem.ports()) {
     for (const DiscrepancyTerm& term : port.terms) {
       if (AnyFree(base, term.parameters)) continue;
-      candidates.push_back(
-          {term.name,
-           Level::kRobot,
-           false,
-           "something that is not in the library adds to " + port.name + ", as a function of " + term.signal,
-           "",
-           "",
-           term.parameters,
-           {{}}});
+      candidates.push_back({term.name, Level::kRobot, false, "", "", "", term.parameters, {{}}});
     }
   }
-  // Parameters that are free, or would be if their effect were.
+  // Drifts: of parameters that are free, or would be free with a candidate effect.
   for (std::size_t i = 0; i < base.parameters.size(); ++i) {
     const Parameter& p = base.parameters[i];
     const auto index = static_cast<int>(i);
@@ -69,7 +56,6 @@ std::vector<Candidate> ListCandidates(const Problem& problem, const FitSetup& ba
     drift.effect = p.name + "(time)";
     drift.level = Level::kRobot;
     drift.known = false;
-    drift.description = p.name + " is not constant: it changes with time within a trial";
     drift.probes = {{}};
     drift.drifting = index;
     candidates.push_back(std::move(drift));

@@ -113,7 +113,7 @@ class MuscleForce {
         ++k;
       }
       activation[i] = Shaped(model_.shape, filter.Next(Excitation(k)), p_[kShape]);
-      if (forgetful) filter.ForgetTheOneBefore();
+      if (forgetful) filter.DropPreviousState();
     }
   }
 

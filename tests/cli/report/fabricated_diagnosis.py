@@ -56,17 +56,19 @@ def write_diagnosis(path, verdict="ambiguous", trials=("slow", "fast", "check"),
                                 "alarm_level": 0.05, "threshold": 2.95, "family_p_value": 0.0005 if found else 0.41})
         put_texts(file, "run/config", [])
         del file["run/config"]
-        sentences = ["Something is wrong (family-wise p < 0.001), and more than one known cause could explain it.",
+        sentences = ["Misfit beyond chance (family-wise p < 0.001): more than one known cause could explain it.",
                      "Cause [robot]: dry friction brakes the joint (coulomb); coulomb_torque = 0.31 N*m +-0.02.",
-                     "Could also be [robot]: friction that falls with speed (stribeck); delta LR 3.1. To tell them apart: "
+                     "Could also be [robot]: friction that falls with speed (stribeck); delta LR 3.1. To distinguish them: "
                      "a trial with very slow motion.",
                      "Held-out trials, position: 0.0312 -> 0.0041 rad RMSE (-87 %, 95 % interval -91 .. -82 %)."]
+        kinds = ["verdict", "cause", "alternative", "gain"]
         if not found:
-            sentences = ["Adequate: no effect in the library improves the fit beyond chance (family-wise p = 0.41)."]
+            sentences, kinds = ["Adequate: no effect in the library improves the fit beyond chance (family-wise p = 0.41)."], ["verdict"]
         if not usable:
-            sentences = ["Nothing can be concluded: the base fit did not converge."]
+            sentences, kinds = ["Nothing can be concluded: the base fit did not converge."], ["inconclusive"]
         for group in ("run/findings", "diagnosis/sentences"):
             put_texts(file, group, sentences)
+        put_texts(file, "diagnosis/sentence_kinds", kinds)
         for group in ("run/warnings", "diagnosis/warnings"):
             put_texts(file, group, ["position of 'fast' saturates < 1 % of the time"])
         put_table(file, "trace", seconds=[], cost=[])
@@ -84,7 +86,7 @@ def write_diagnosis(path, verdict="ambiguous", trials=("slow", "fast", "check"),
         file["diagnosis/scores/smallest_detectable"] = np.array(columns[13], float)
         file["diagnosis/scores/judged"] = np.array([finding != "not_judged" for finding in columns[2]], float)
         put_texts(file, "diagnosis/scores/probe", [""] * len(scores))
-        put_texts(file, "diagnosis/scores/why_not", ["the base parameters imitate it fully" if finding == "not_judged" else ""
+        put_texts(file, "diagnosis/scores/why_not", ["the base parameters compensate it fully" if finding == "not_judged" else ""
                                                      for finding in columns[2]])
         _write_findings(file, bool(found and usable), channels)
         if usable:
@@ -108,7 +110,7 @@ def _write_findings(file, found, channels):
         file[f"diagnosis/alternatives/{key}"] = np.array([value] * found, float)
     put_diagnosed(file, "diagnosis/alternative_parameters", [("stribeck", "stribeck_torque", "N*m", 0.33, 0.02, 0)] * found)
     put_texts(file, "diagnosis/withdrawn/effect", ["position.gain"] * found)
-    put_texts(file, "diagnosis/withdrawn/reason", ["it makes the held-out trials worse"] * found)
+    put_texts(file, "diagnosis/withdrawn/reason", ["it does not generalise to the held-out trials"] * found)
     if found:
         knots = np.linspace(-3, 3, 13)
         for i, (signal, share) in enumerate((("velocity", 0.63), ("position", 0.08))):

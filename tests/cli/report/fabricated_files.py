@@ -63,8 +63,10 @@ def _write_parameters(file, stiffness):
     put_texts(file, "uncertainty/name", columns[0][:5])
     put_texts(file, "uncertainty/verdict", ["identifiable"] * 2 + ["not_identifiable"] * 3)
     put_texts(file, "uncertainty/reason", ["", ""] + ["no measured channel depends on it"] * 3)
-    put_texts(file, "uncertainty/remedy", ["", ""] + ["measuring right_force_x would fix it"] * 2
-              + ["no channel that this model predicts would fix it in these trials"])
+    put_texts(file, "uncertainty/reason_kind", ["determined"] * 2 + ["no_response"] * 3)
+    put_texts(file, "uncertainty/remedy", ["", ""] + ["measuring right_force_x would determine it"] * 2
+              + ["nothing that could be measured would"])
+    put_texts(file, "uncertainty/remedy_kind", ["none"] * 2 + ["additions"] * 2 + ["no_channel"])
     put_texts(file, "uncertainty/interval", ["profile", "profile", "none", "none", "none"])
     file["uncertainty/std_error"] = [5.6e3, 3.1, nan, nan, nan]
     file["uncertainty/std_error_robust"] = [7.0e3, 3.9, nan, nan, nan]

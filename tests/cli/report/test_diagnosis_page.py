@@ -24,17 +24,18 @@ class OneDiagnosis(WithFolder):
     def test_says_what_is_wrong_and_draws_every_part(self):
         text, page, headings = self.page_of()
         self.assertEqual(headings, ["The error", "What could explain it", "Where the error is", "Not in the library",
-                                    "What it brings on trials that were never fitted", "Parameters", "Words on this page", "How this was made"])
+                                    "Gain on trials that were not fitted", "Parameters", "Words on this page", "How this was made"])
         self.assertEqual(page.count("<figure>"), 6)
         self.assertIn("<b>Ambiguous</b>", text)
         self.assertIn("drive: diagnosis of made-up joint &amp; &lt;nothing measured&gt;", page)
         self.assertIn("−87 %", text)
+        self.assertEqual(page.count("<li class=minor>"), 1)   # the alternative belongs to its cause
         self.assertIn("95 % interval −91 % to −82 %", text)
         self.assertIn("<b>bias +138.2 %</b>", text)           # viscous friction: 0.081 instead of 0.034
         self.assertIn("(null)", text)                        # of the effect parameter
         self.assertIn("a trial with very slow motion", text)
-        self.assertIn("Withdrawn: position.gain: it makes the held-out trials worse.", text)
-        self.assertIn("Not judged: position.drift: the base parameters imitate it fully.", text)
+        self.assertIn("Withdrawn: position.gain: it does not generalise to the held-out trials.", text)
+        self.assertIn("Not judged: position.drift: the base parameters compensate it fully.", text)
         self.assertIn("0.0040 s", text)                      # smallest time offset that would have been noticed
 
     def test_nothing_wrong(self):
@@ -55,7 +56,7 @@ class OneDiagnosis(WithFolder):
         text, _, headings = self.page_of(many=True, validate=(), trials=[f"trial_{i}" for i in range(30)])
         self.assertIn("all 46 as a table", text)
         self.assertIn("24 of 60 traces are drawn", text)
-        self.assertNotIn("What it brings on trials that were never fitted", headings)
+        self.assertNotIn("Gain on trials that were not fitted", headings)
         self.assertIn("effect_39", text)
 
     def test_beside_a_run_it_has_its_page_and_its_words_in_the_overview(self):

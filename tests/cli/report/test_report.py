@@ -249,7 +249,7 @@ class WhatTheRunSays(WithFolder):
         (rows,) = self.answers(["run_parameters"], "parameter_rows(shown)")
         self.assertEqual(rows.count("no measured channel depends on it"), 1)
         self.assertIn("<b>Would help static_friction, dynamic_friction:</b> measuring right_force_x", rows)
-        self.assertIn("<b>viscous_friction:</b> no channel", rows)
+        self.assertIn("<b>viscous_friction:</b> nothing that", rows)
 
     def test_correlations_need_two_determined_parameters(self):
         fabricated_files.write_run(self.run_path)

@@ -5,6 +5,7 @@
 
 #include <cmath>
 
+#include "identify/text/diagnosis_sentences.h"
 #include "tests/identify/support/error_of.h"
 #include "tests/identify/support/made_up_diagnosis.h"
 #include "tests/identify/support/temporary_file.h"
@@ -65,15 +66,19 @@ TEST_F(DiagnosisFileTest, PredictionsAreThoseOfTheExtendedModel) {
   EXPECT_EQ(tree.Find("prediction/check/y")->Text("role"), "validate");
 }
 
-TEST_F(DiagnosisFileTest, EveryFindingStandsInItsTable) {
+TEST_F(DiagnosisFileTest, EveryFindingIsInItsTable) {
   const Hdf5Node tree = Reread();
   const Hdf5Node* diagnosis = tree.Find("diagnosis");
   ASSERT_NE(diagnosis, nullptr);
   EXPECT_EQ(diagnosis->Text("sinew_schema"), "diagnosis/1");
   EXPECT_EQ(diagnosis->Text("verdict"), "ambiguous");
   EXPECT_EQ(diagnosis->Number("threshold", 0), 2.9);
-  EXPECT_THAT(Texts(tree, "diagnosis/sentences"),
-              ElementsAre("Something is still wrong.", "Friction was forgotten."));
+  EXPECT_EQ(Texts(tree, "diagnosis/sentences"), text::TextsOf(text::Sentences(diagnosis_)));
+  EXPECT_THAT(Texts(tree, "diagnosis/sentence_kinds"),
+              ElementsAre("withdrawn", "verdict", "cause", "alternative", "unknown_term", "parameter_change",
+                          "gain"));
+  EXPECT_EQ(Texts(tree, "run/finding_kinds"), Texts(tree, "diagnosis/sentence_kinds"));
+  EXPECT_THAT(Texts(tree, "diagnosis/warning_kinds"), ElementsAre("other"));
   EXPECT_THAT(Texts(tree, "diagnosis/scores/finding"),
               ElementsAre("cause", "alternative", "withdrawn", "unknown_term", "ruled_out", "not_judged"));
   EXPECT_THAT(Numbers(tree, "diagnosis/scores/judged"), ElementsAre(1, 1, 1, 1, 1, 0));
@@ -85,14 +90,18 @@ TEST_F(DiagnosisFileTest, EveryFindingStandsInItsTable) {
   EXPECT_THAT(Texts(tree, "diagnosis/withdrawn/effect"), ElementsAre("y.gain"));
   EXPECT_THAT(Numbers(tree, "diagnosis/gain/after"), ElementsAre(0.15));
   EXPECT_THAT(Numbers(tree, "diagnosis/extended_parameters/before"), ElementsAre(1.5, 0));
-  EXPECT_THAT(Texts(tree, "diagnosis/noise/basis"), ElementsAre("stated by the data"));
+  EXPECT_THAT(Texts(tree, "diagnosis/noise/basis_kind"), ElementsAre("stated_by_data"));
+  EXPECT_THAT(Texts(tree, "diagnosis/scores/why_not_kind"),
+              ElementsAre("", "", "", "", "", "no_distinct_change"));
+  EXPECT_EQ(tree.Find("diagnosis/structure/1")->Text("shape_kind"), "step");
+  EXPECT_EQ(tree.Find("diagnosis/unknown_terms/1")->Text("shape_kind"), "step");
   EXPECT_THAT(Numbers(tree, "diagnosis/structure/1/curve"), ElementsAre(-0.2, 0, 0.2));
   EXPECT_THAT(Numbers(tree, "diagnosis/unknown_terms/1/deviation"), ElementsAre(0.01, 0.02));
   EXPECT_THAT(Numbers(tree, "diagnosis/traces/check/y/before"), ElementsAre(0, 1.5));
 }
 
 // Empty lists must be written and read like full ones.
-TEST_F(DiagnosisFileTest, NothingWrongCanBeWritten) {
+TEST_F(DiagnosisFileTest, AnAdequateDiagnosisCanBeWritten) {
   Diagnosis nothing;
   nothing.setup = diagnosis_.setup;
   nothing.base.stop = diagnosis_.base.stop;
@@ -107,14 +116,16 @@ TEST_F(DiagnosisFileTest, NothingWrongCanBeWritten) {
 TEST_F(DiagnosisFileTest, WithoutABaseFitThereAreNoParameters) {
   diagnosis_ = {};
   diagnosis_.base.stop = {Termination::kNoPrediction, "no force at t = 0"};
-  diagnosis_.sentences = {"Nothing can be concluded."};
+  diagnosis_.inconclusive = Inconclusive::kBaseFitNotConverged;
   const Hdf5Node tree = Reread();
   EXPECT_EQ(tree.Find("run")->Number("usable", -1), 0);
+  EXPECT_EQ(tree.Find("diagnosis")->Text("inconclusive_kind"), "base_fit_not_converged");
+  EXPECT_THAT(Texts(tree, "diagnosis/sentence_kinds"), ElementsAre("inconclusive", "advice"));
   EXPECT_EQ(tree.Find("parameters"), nullptr);
   EXPECT_TRUE(ReadRun(file_.path())) << "it is still a run file";
 }
 
-TEST_F(DiagnosisFileTest, AnInterruptedDiagnosisSaysSo) {
+TEST_F(DiagnosisFileTest, AnInterruptedDiagnosisIsMarked) {
   std::atomic<bool> interrupt{true};
   options_.interrupt = &interrupt;
   EXPECT_EQ(Tree().Find("run")->Number("finished", -1), 0);

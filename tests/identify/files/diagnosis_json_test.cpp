@@ -41,8 +41,12 @@ TEST_F(DiagnosisJsonTest, HasTheFieldsOfTheContract) {
   EXPECT_EQ(json["problem"], "joint");
   EXPECT_EQ(json["seed"], 42);
   EXPECT_EQ(json["verdict"], "ambiguous");
-  EXPECT_EQ(json["sentences"].size(), 2U);
-  EXPECT_EQ(json["warnings"].size(), 1U);
+  ASSERT_EQ(json["sentences"].size(), 7U);
+  ASSERT_EQ(json["sentence_facts"].size(), 7U);
+  EXPECT_EQ(json["sentence_facts"][3],
+            Json({{"kind", "alternative"}, {"about", {"y.delay", "friction"}}, {"step", ""}}));
+  EXPECT_EQ(json["warnings"], Json({"only one held-out trial"}));
+  EXPECT_EQ(json["warning_facts"][0]["kind"], "other");
 
   EXPECT_EQ(json["base"]["fit"][1]["role"], "validate");
   EXPECT_EQ(json["base"]["fit"][1]["rmse"], 0.6);
@@ -55,7 +59,8 @@ TEST_F(DiagnosisJsonTest, HasTheFieldsOfTheContract) {
   EXPECT_EQ(structure["channel"], "y");
   EXPECT_EQ(structure["signal"], "speed");
   EXPECT_EQ(structure["explained_fraction"], 0.31);
-  EXPECT_EQ(structure["shape"], "odd, step at zero");
+  EXPECT_TRUE(structure["shape"].is_string());
+  EXPECT_EQ(structure["shape_kind"], "step");
 
   const Json& cause = json["causes"][0];
   EXPECT_EQ(cause["effect"], "friction");
@@ -90,7 +95,8 @@ TEST_F(DiagnosisJsonTest, HasTheFieldsOfTheContract) {
   const Json& term = json["unknown_terms"][0];
   EXPECT_EQ(term["port"], "torque");
   EXPECT_EQ(term["signal"], "speed");
-  EXPECT_EQ(term["shape"], "odd");
+  EXPECT_TRUE(term["shape"].is_string());
+  EXPECT_EQ(term["shape_kind"], "step");
   EXPECT_EQ(term["nearest_law"], "Coulomb friction");
   EXPECT_EQ(json["extended_parameters"][1]["name"], "friction_level");
 }
@@ -106,13 +112,16 @@ TEST_F(DiagnosisJsonTest, EveryEffectHasOneFinding) {
   EXPECT_EQ(json["ruled_out"][0]["p_value"], 0.4);
   EXPECT_EQ(json["ruled_out"][0]["smallest_detectable"],
             Json({{"parameter", "y.offset"}, {"value", 0.02}, {"unit", "N"}}));
-  EXPECT_EQ(json["not_judged"][0]["why"], "the base parameters imitate it");
+  EXPECT_TRUE(json["not_judged"][0]["why"].is_string());
+  EXPECT_EQ(json["not_judged"][0]["why_kind"], "no_distinct_change");
+  EXPECT_EQ(json["withdrawn"][0]["delta_lr"], 30);
+  EXPECT_EQ(json["withdrawn"][0]["worst"]["trial"], "check");
   ASSERT_EQ(json["scores"].size(), diagnosis_.scores.size());
   EXPECT_EQ(json["scores"][3]["finding"], "unknown_term");
   EXPECT_EQ(json["scores"][4]["finding"], "ruled_out");
 }
 
-// An unknown term that was not found is no effect that could be ruled out.
+// A discrepancy term that was not found is no effect that could be ruled out.
 TEST_F(DiagnosisJsonTest, UnknownTermsAreNotAmongTheEffectsRuledOut) {
   diagnosis_.unknown_terms.clear();
   const Json json = Parse();
@@ -144,7 +153,7 @@ TEST_F(DiagnosisJsonTest, WhatIsNotFiniteOrNotThereIsNull) {
   EXPECT_THAT(json["gains"], IsEmpty());
 }
 
-// A friction that no channel answers to: no interval of width zero.
+// A friction that no channel depends on: no interval of width zero.
 TEST_F(DiagnosisJsonTest, AParameterThatIsNotDeterminedHasNoInterval) {
   diagnosis_.base_parameters[0].std_error = 0;
   diagnosis_.base_parameters[0].ci95 = {1.5, 1.5};

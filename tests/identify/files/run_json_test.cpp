@@ -2,6 +2,7 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include <cmath>
 #include <limits>
 #include <nlohmann/json.hpp>
 
@@ -35,7 +36,11 @@ TEST_F(RunJsonTest, HasTheFieldsOfTheContract) {
   EXPECT_EQ(json["cost"], line_.result.cost);
   EXPECT_TRUE(json["seconds"].is_number());
   EXPECT_TRUE(json["warnings"].is_array());
-  EXPECT_EQ(json["findings"].size(), line_.findings.size());
+  ASSERT_EQ(json["findings"].size(), 3U) << "two parameters and one quantity";
+  EXPECT_EQ(json["finding_facts"][1], Json({{"kind", "identifiable"}, {"about", {"slope"}}, {"step", ""}}));
+  EXPECT_EQ(json["finding_facts"][2]["kind"], "prediction");
+  EXPECT_TRUE(json["open_directions"].is_array());
+  EXPECT_TRUE(json["warning_facts"].is_array());
 
   ASSERT_EQ(json["parameters"].size(), 2U);
   const Json& slope = json["parameters"][1];
@@ -50,6 +55,10 @@ TEST_F(RunJsonTest, HasTheFieldsOfTheContract) {
   EXPECT_GT(slope["ci95"][1], slope["value"]);
   EXPECT_EQ(slope["verdict"], "identifiable");
   EXPECT_TRUE(slope["reason"].is_string());
+  EXPECT_EQ(slope["reason_kind"], "determined");
+  EXPECT_EQ(slope["remedy"], "");
+  EXPECT_EQ(slope["remedy_kind"], "none");
+  EXPECT_TRUE(slope["remedies"].empty());
 
   ASSERT_EQ(json["fit"].size(), 2U);
   const Json& check = json["fit"][1];
@@ -60,6 +69,31 @@ TEST_F(RunJsonTest, HasTheFieldsOfTheContract) {
   EXPECT_EQ(check["rmse"], line_.prediction.quality[1].rmse);
   EXPECT_EQ(check["r2"], line_.prediction.quality[1].r2);
   EXPECT_EQ(check["n"], 20);
+}
+
+TEST_F(RunJsonTest, ReasonsRemediesAndDirectionsAreFacts) {
+  ParameterVerdict& slope = line_.uncertainty.parameters[1];
+  slope.reason.kind = ReasonKind::kCombination;
+  slope.reason.partners = {"offset"};
+  slope.remedy = {RemedyKind::kAdditions,
+                  {{{{AdditionKind::kChannel, "z"}, {AdditionKind::kTrial, "check"}}, 0.5}}};
+  line_.uncertainty.directions = {{true, {{"offset", "1", 2, 0.5}, {"slope", "1", -3, NAN}}}};
+  line_.warnings = {{WarningKind::kNotAMinimum, {}, {2, 1}, {}}};
+  const Json json = Parse();
+  const Json& parameter = json["parameters"][1];
+  EXPECT_EQ(parameter["reason_kind"], "combination");
+  EXPECT_EQ(parameter["reason_partners"], Json({"offset"}));
+  EXPECT_EQ(parameter["remedy_kind"], "additions");
+  const Json& remedy = parameter["remedies"][0];
+  EXPECT_EQ(remedy["std_error"], 0.5);
+  EXPECT_EQ(remedy["additions"][0], Json({{"kind", "channel"}, {"name", "z"}}));
+  EXPECT_EQ(remedy["additions"][1], Json({{"kind", "trial"}, {"name", "check"}}));
+  const Json& direction = json["open_directions"][0];
+  EXPECT_EQ(direction["lost"], true);
+  EXPECT_EQ(direction["changes"][0]["relative"], 0.5);
+  EXPECT_TRUE(direction["changes"][1]["relative"].is_null());
+  EXPECT_EQ(json["warning_facts"][0]["kind"], "not_a_minimum");
+  EXPECT_EQ(json["warning_facts"][0]["numbers"], Json({2, 1}));
 }
 
 TEST_F(RunJsonTest, WhatIsNotFiniteIsNull) {

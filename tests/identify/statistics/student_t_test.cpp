@@ -52,7 +52,7 @@ TEST(StudentT, IsContinuousWhereTheExpansionTakesOver) {
   EXPECT_NEAR(std::pow(StudentTQuantile(0.975, kInfinity), 2), 3.841458820694124, 1e-11);
 }
 
-TEST(StudentT, IsSymmetricAndRejectsNonsense) {
+TEST(StudentT, IsSymmetricAndRejectsInvalidArguments) {
   EXPECT_EQ(StudentTQuantile(0.5, 3), 0);
   EXPECT_NEAR(StudentTQuantile(0.025, 7), -StudentTQuantile(0.975, 7), kNearRounding);
   EXPECT_TRUE(std::isnan(StudentTQuantile(0, 3)));

@@ -1,4 +1,4 @@
-// A diagnosis as an engine might return it, with something in every list; nothing in it was computed.
+// A diagnosis with an entry in every list, whose values were not computed.
 #pragma once
 
 #include <string>
@@ -9,7 +9,7 @@
 
 namespace sinew::toy {
 
-/// y = rate t + friction + delay on a training and a held-out trial; friction and delay rest at 0.
+/// y = rate t + friction + delay on a training and a held-out trial; the null of friction and delay is 0.
 inline ToyProblem JointProblem() {
   Parameter friction = MakeParameter("friction_level", 0, 5, 0, ParameterKind::kEffect);
   friction.effect = "friction";
@@ -34,13 +34,13 @@ inline EffectScore Scored(std::string effect, Level level) {
   return score;
 }
 
-/// Friction is the cause, a delay could be as well, a gain was withdrawn, an offset was ruled out, a drift
-/// not judged, and an unknown term was found.
+/// Friction is the cause, a delay an alternative; a gain was rejected, an offset ruled out, a drift not
+/// judged, and a discrepancy term found.
 inline Diagnosis JointDiagnosis(const ToyProblem& problem) {
   Diagnosis d;
   d.verdict = DiagnosisVerdict::kAmbiguous;
-  d.sentences = {"Something is still wrong.", "Friction was forgotten."};
-  d.warnings = {"only one held-out trial"};
+  d.has_held_out = true;
+  d.warnings = {{WarningKind::kOther, {}, {}, "only one held-out trial"}};
   d.setup = MakeFitSetup(problem, {}).value();
   d.base.stop = {Termination::kCostChange, "relative cost change 1e-13 < 1e-12"};
   d.base.cost = 12.5;
@@ -48,9 +48,9 @@ inline Diagnosis JointDiagnosis(const ToyProblem& problem) {
   d.base_fit = {{"", BlockRole::kTrain, "y", "N", 0.5, 0.9, 5},
                 {"", BlockRole::kValidate, "y", "N", 0.6, 0.8, 4}};
   d.extended_fit = {{"", BlockRole::kTrain, "y", "N", 0.1, 0.99, 5}};
-  d.noise = {{"y", "N", 0.1, 0.5, "stated by the data"}};
+  d.noise = {{"y", "N", 0.1, 0.5, NoiseBasis::kStatedByData}};
   d.tests = {{"y", "Ljung-Box", 80, 1e-9}};
-  d.structure = {{"y", "speed", "rad/s", 0.31, "odd, step at zero", {-1, 0, 1}, {-0.2, 0, 0.2}}};
+  d.structure = {{"y", "speed", "rad/s", 0.31, {ShapeKind::kStep, 0.9}, {-1, 0, 1}, {-0.2, 0, 0.2}}};
   d.threshold = 2.9;
   d.family_p_value = 1e-4;
 
@@ -69,7 +69,7 @@ inline Diagnosis JointDiagnosis(const ToyProblem& problem) {
   offset.detectable_unit = "N";
   EffectScore drift = Scored("y.drift", Level::kSensor);
   drift.judged = false;
-  drift.why_not = "the base parameters imitate it";
+  drift.why_not = NotJudged::kNoDistinctChange;
   EffectScore term = Scored("torque(speed)", Level::kRobot);
   term.known = false;
   d.scores = {friction, delay, gain, term, offset, drift};
@@ -77,7 +77,7 @@ inline Diagnosis JointDiagnosis(const ToyProblem& problem) {
   Cause cause;
   cause.effect = "friction";
   cause.level = Level::kRobot;
-  cause.sentence = "dry friction brakes the joint";
+  cause.description = "dry friction brakes the joint";
   cause.parameters = {Diagnosed("friction_level", 0.7, 0.05, 0)};
   cause.p_value = 1e-12;
   cause.delta_lr = 80;
@@ -87,21 +87,21 @@ inline Diagnosis JointDiagnosis(const ToyProblem& problem) {
   Alternative alternative;
   alternative.instead_of = "friction";
   alternative.effect = "y.delay";
-  alternative.sentence = "the sensor is late";
+  alternative.description = "the sensor is late";
   alternative.parameters = {Diagnosed("y.delay", 0.01, 0.001, 0)};
   alternative.delta_lr = 3.1;
   alternative.separating_size = 2.5;
   alternative.separated_by = "a trial at two speeds";
   d.alternatives = {alternative};
-  d.withdrawn = {{"y.gain", "it makes the held-out trials worse"}};
+  d.withdrawn = {{"y.gain", 30, 12, TraceErrors{"check", "y", "N", 0.6, 0.9}}};
   d.unknown_terms = {{UnknownKind::kCurve,
                       "torque(speed)",
                       "torque",
                       "speed",
                       "rad/s",
                       "N*m",
-                      "odd",
-                      "Coulomb friction",
+                      {ShapeKind::kStep, 0.9},
+                      0,
                       0.001,
                       0.22,
                       {-1, 1},

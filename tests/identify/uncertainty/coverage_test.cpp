@@ -1,4 +1,4 @@
-// How often the 95 % interval holds the truth, over fixed seeds.
+// Share of fixed seeds for which the 95 % interval contains the truth.
 #include <gtest/gtest.h>
 
 #include <cmath>

@@ -10,17 +10,16 @@
 namespace sinew {
 namespace {
 
-using testing::HasSubstr;
-using testing::Not;
-using testing::StartsWith;
+using testing::ElementsAre;
 using toy::MakeBlock;
 using toy::MakeParameter;
 using toy::ToyFit;
 using toy::ToyProblem;
 using toy::Values;
 
-// A foot on level ground: the vertical force holds the stiffness, the tangential one friction as well, and
-// the temperature of the plate neither. Two frictions show in one product only unless the speed is measured.
+// A foot on level ground: the vertical force depends on the stiffness, the tangential one on friction as
+// well, and the temperature of the plate on neither. Two frictions occur only as a product unless the speed
+// is measured.
 enum { kStiffness, kStatic, kViscous };
 
 Result<double> Foot(const Block& block, double t, const Vector& p, Vector* gradient) {
@@ -55,6 +54,8 @@ ToyProblem FootProblem(Layout layout) {
   return problem;
 }
 
+const AdditionName kForceX{AdditionKind::kChannel, "force_x"};
+
 Uncertainty Analyse(const ToyProblem& problem) {
   const ToyFit fit(problem);
   const Result<Uncertainty> answer = AnalyseUncertainty(fit.view, fit.view.Start(), {});
@@ -68,18 +69,22 @@ TEST(Remedy, NamesTheChannelThatFixesEveryFriction) {
                            MakeBlock("stance", "force_x", 50, 1.5, BlockRole::kPredicted),
                            MakeBlock("stance", "temperature", 50, 1.5, BlockRole::kPredicted)}));
   EXPECT_EQ(answer.parameters[kStiffness].verdict, Verdict::kIdentifiable);
-  EXPECT_TRUE(answer.parameters[kStiffness].remedy.empty());
+  EXPECT_EQ(answer.parameters[kStiffness].remedy.kind, RemedyKind::kNone);
   for (const int friction : {kStatic, kViscous}) {
     const ParameterVerdict& verdict = answer.parameters[static_cast<std::size_t>(friction)];
     EXPECT_EQ(verdict.verdict, Verdict::kNotIdentifiable);
-    EXPECT_THAT(verdict.reason, HasSubstr("force_y stays the same over the whole range"));
-    EXPECT_THAT(verdict.remedy, StartsWith("measuring force_x would fix it (standard error 0.0"));
-    EXPECT_THAT(verdict.remedy, Not(HasSubstr("temperature")));
+    EXPECT_EQ(verdict.reason.kind, ReasonKind::kNoResponse);
+    EXPECT_THAT(verdict.reason.channels, ElementsAre("force_y"));
+    EXPECT_EQ(verdict.remedy.kind, RemedyKind::kAdditions);
+    ASSERT_EQ(verdict.remedy.options.size(), 1U) << "the temperature is none";
+    EXPECT_THAT(verdict.remedy.options[0].additions, ElementsAre(kForceX));
+    EXPECT_GT(verdict.remedy.options[0].std_error, 0);
+    EXPECT_LT(verdict.remedy.options[0].std_error, 0.1);
   }
 }
 
-TEST(Remedy, ErrorIsTheOneThatMeasuringItGives) {
-  // Said before, against found after, with the noise that was stated.
+TEST(Remedy, ErrorIsThatOfAFitWithTheAddition) {
+  // The predicted standard error against that of a fit with the addition, with the stated noise.
   Block tangential = MakeBlock("stance", "force_x", 50, 1.5, BlockRole::kPredicted);
   tangential.sigma = 3;
   Block vertical = MakeBlock("stance", "force_y", 50, 1.5);
@@ -88,21 +93,24 @@ TEST(Remedy, ErrorIsTheOneThatMeasuringItGives) {
   tangential = MakeBlock("stance", "force_x", 50, 1.5);
   tangential.sigma = 3;
   const Uncertainty after = Analyse(FootProblem({vertical, tangential}));
-  const std::string& remedy = before.parameters[kViscous].remedy;
-  const std::string number = remedy.substr(remedy.find("error ") + 6);
-  // Two digits are printed, and the linearisation point differs by the noise.
-  EXPECT_NEAR(std::stod(number) / after.parameters[kViscous].std_error, 1, 0.06);
+  const Remedy& remedy = before.parameters[kViscous].remedy;
+  ASSERT_EQ(remedy.options.size(), 1U);
+  // The linearisation point differs by the noise.
+  EXPECT_NEAR(remedy.options[0].std_error / after.parameters[kViscous].std_error, 1, 0.06);
 }
 
 TEST(Remedy, NamesAValidationTrial) {
   const Uncertainty answer =
       Analyse(FootProblem({MakeBlock("stance", "force_y", 50, 1.5),
                            MakeBlock("slide", "force_x", 50, 1.5, BlockRole::kValidate)}));
-  EXPECT_THAT(answer.parameters[kStatic].remedy, StartsWith("fitting trial slide too would fix it"));
+  const Remedy& remedy = answer.parameters[kStatic].remedy;
+  EXPECT_EQ(remedy.kind, RemedyKind::kAdditions);
+  ASSERT_FALSE(remedy.options.empty());
+  EXPECT_THAT(remedy.options[0].additions, ElementsAre(AdditionName{AdditionKind::kTrial, "slide"}));
 }
 
 TEST(Remedy, NamesAPairWhenNoSingleChannelIsEnough) {
-  // The heat gives the sum of both frictions; the weak tangential channel is drowned but for their
+  // The heat determines the sum of both frictions; the weak tangential channel matters only for their
   // difference.
   const auto formula = [](const Block& block, double t, const Vector& p, Vector* gradient) -> Result<double> {
     Vector unused = Vector::Zero(3);
@@ -127,16 +135,19 @@ TEST(Remedy, NamesAPairWhenNoSingleChannelIsEnough) {
   Random random(17);
   problem.Measure(Values({300, 2, 1}), [&](const Block&, int) { return 3 * random.Normal(); });
   const Uncertainty answer = Analyse(problem);
-  EXPECT_THAT(answer.parameters[1].remedy,
-              StartsWith("measuring sum and measuring difference together would fix it"));
+  const Remedy& remedy = answer.parameters[1].remedy;
+  EXPECT_EQ(remedy.kind, RemedyKind::kAdditions);
+  ASSERT_FALSE(remedy.options.empty());
+  EXPECT_THAT(remedy.options[0].additions, ElementsAre(AdditionName{AdditionKind::kChannel, "sum"},
+                                                       AdditionName{AdditionKind::kChannel, "difference"}));
 }
 
-TEST(Remedy, SaysWhenNothingHelps) {
+TEST(Remedy, ReportsWhenNoAdditionHelps) {
   const Uncertainty answer =
       Analyse(FootProblem({MakeBlock("stance", "force_y", 50, 1.5),
                            MakeBlock("stance", "temperature", 50, 1.5, BlockRole::kPredicted)}));
-  EXPECT_EQ(answer.parameters[kStatic].remedy,
-            "no channel that this model predicts would fix it in these trials");
+  EXPECT_EQ(answer.parameters[kStatic].remedy.kind, RemedyKind::kNoChannel);
+  EXPECT_TRUE(answer.parameters[kStatic].remedy.options.empty());
 }
 
 TEST(Remedy, CorrelatedResidualsAreToBeExplainedFirst) {
@@ -151,10 +162,16 @@ TEST(Remedy, CorrelatedResidualsAreToBeExplainedFirst) {
   problem.Measure(Values({3}), [&](const Block&, int) { return last = 0.97 * last + 0.5 * random.Normal(); });
   const Uncertainty answer = Analyse(problem);
   const ParameterVerdict& level = answer.parameters[0];
-  ASSERT_EQ(level.verdict, Verdict::kWeak) << level.reason;
-  EXPECT_THAT(level.reason, HasSubstr("the residuals are not independent"));
-  EXPECT_THAT(level.remedy, HasSubstr("explain what is left in them first"));
-  EXPECT_THAT(answer.notes.back(), HasSubstr("intervals were widened"));
+  ASSERT_EQ(level.verdict, Verdict::kWeak);
+  EXPECT_EQ(level.reason.kind, ReasonKind::kDependentResiduals);
+  EXPECT_GT(level.reason.std_error, 2 * level.reason.std_error_without);
+  EXPECT_EQ(level.remedy.kind, RemedyKind::kIndependentNoise);
+  const Warning& note = answer.notes.back();
+  EXPECT_EQ(note.kind, WarningKind::kDependentResiduals);
+  EXPECT_THAT(note.names, ElementsAre("height"));
+  ASSERT_EQ(note.numbers.size(), 2U);
+  EXPECT_GT(note.numbers[0], 1.5) << "widened so many times";
+  EXPECT_GT(note.numbers[1], 0.8) << "correlation of neighbours";
 }
 
 }  // namespace

@@ -12,6 +12,7 @@
 namespace sinew {
 namespace {
 
+using testing::ElementsAre;
 using testing::HasSubstr;
 using toy::MakeBlock;
 using toy::MakeParameter;
@@ -83,8 +84,8 @@ TEST(Uncertainty, LinearRegressionMatchesItsClosedForm) {
     EXPECT_EQ(verdict.interval, IntervalKind::kProfile);
     EXPECT_NEAR(verdict.ci95_lower, best[i] - half, kProfileEnd * half);
     EXPECT_NEAR(verdict.ci95_upper, best[i] + half, kProfileEnd * half);
-    EXPECT_EQ(verdict.verdict, Verdict::kIdentifiable) << verdict.reason;
-    EXPECT_TRUE(verdict.remedy.empty());
+    EXPECT_EQ(verdict.verdict, Verdict::kIdentifiable) << ToString(verdict.reason.kind);
+    EXPECT_EQ(verdict.remedy.kind, RemedyKind::kNone);
     for (int j = 0; j < 2; ++j) {
       EXPECT_NEAR(answer.covariance(i, j), variance * inverse(i, j), kLinearAlgebra);
     }
@@ -93,7 +94,7 @@ TEST(Uncertainty, LinearRegressionMatchesItsClosedForm) {
               kLinearAlgebra);
 }
 
-TEST(Uncertainty, KnownNoiseIsTakenAtItsWord) {
+TEST(Uncertainty, StatedNoiseLevelsAreUsed) {
   ToyProblem problem = LineProblem();
   Layout layout = problem.layout();
   layout[0].columns.clear();
@@ -121,18 +122,19 @@ TEST(Uncertainty, ParameterThatNothingDependsOnIsNotIdentifiable) {
   const ParameterVerdict& verdict = answer.parameters[2];
   EXPECT_EQ(verdict.verdict, Verdict::kNotIdentifiable);
   EXPECT_EQ(verdict.interval, IntervalKind::kNone);
-  EXPECT_EQ(verdict.reason, "no fitted channel responds: height stays the same over the whole range");
+  EXPECT_EQ(verdict.reason.kind, ReasonKind::kNoResponse);
+  EXPECT_THAT(verdict.reason.channels, ElementsAre("height"));
   EXPECT_EQ(verdict.ci95_lower, 0);
   EXPECT_EQ(verdict.ci95_upper, 15);
   EXPECT_TRUE(std::isinf(verdict.std_error));
-  EXPECT_THAT(verdict.remedy, HasSubstr("no channel that this model predicts would fix it"));
+  EXPECT_EQ(verdict.remedy.kind, RemedyKind::kNoChannel);
   // The others are what they are without it.
   const ToyProblem without = LineProblem();
   const ToyFit fit_without(without);
   EXPECT_NEAR(answer.parameters[1].std_error, Analyse(fit_without).parameters[1].std_error, kLinearAlgebra);
 }
 
-TEST(Uncertainty, SaysWhenAParameterOnlyDoesNothingHere) {
+TEST(Uncertainty, ReportsAParameterWithoutEffectAtTheSolutionOnly) {
   // A threshold that the signal does not reach at its start value 2, but would at 0.5.
   ToyProblem problem({MakeParameter("gain", 0, 10, 2), MakeParameter("threshold", 0, 3, 2)},
                      {MakeBlock("one", "height", 30, 1)},
@@ -146,9 +148,8 @@ TEST(Uncertainty, SaysWhenAParameterOnlyDoesNothingHere) {
   const ToyFit fit(problem);
   const ParameterVerdict verdict = Analyse(fit).parameters[1];
   EXPECT_EQ(verdict.verdict, Verdict::kNotIdentifiable);
-  EXPECT_EQ(verdict.reason,
-            "no fitted channel responds here: height stays the same for small changes, though not over the "
-            "whole range");
+  EXPECT_EQ(verdict.reason.kind, ReasonKind::kNoResponseHere);
+  EXPECT_THAT(verdict.reason.channels, ElementsAre("height"));
 }
 
 TEST(Uncertainty, CollinearParametersNameEachOtherAndTheirDirection) {
@@ -165,18 +166,30 @@ TEST(Uncertainty, CollinearParametersNameEachOtherAndTheirDirection) {
   const Uncertainty answer = Analyse(fit);
   EXPECT_EQ(answer.parameters[0].verdict, Verdict::kNotIdentifiable);
   EXPECT_EQ(answer.parameters[1].verdict, Verdict::kNotIdentifiable);
-  EXPECT_EQ(answer.parameters[2].verdict, Verdict::kIdentifiable) << answer.parameters[2].reason;
-  EXPECT_THAT(answer.parameters[0].reason, HasSubstr("only a combination with gravity is determined"));
-  EXPECT_THAT(answer.parameters[1].reason, HasSubstr("only a combination with mass is determined"));
-  EXPECT_THAT(answer.parameters[0].remedy, HasSubstr("a known value of gravity would fix it"));
+  EXPECT_EQ(answer.parameters[2].verdict, Verdict::kIdentifiable)
+      << ToString(answer.parameters[2].reason.kind);
+  EXPECT_EQ(answer.parameters[0].reason.kind, ReasonKind::kCombination);
+  EXPECT_THAT(answer.parameters[0].reason.partners, ElementsAre("gravity"));
+  EXPECT_EQ(answer.parameters[1].reason.kind, ReasonKind::kCombination);
+  EXPECT_THAT(answer.parameters[1].reason.partners, ElementsAre("mass"));
+  const Remedy& remedy = answer.parameters[0].remedy;
+  EXPECT_EQ(remedy.kind, RemedyKind::kNoChannel);
+  ASSERT_FALSE(remedy.options.empty());
+  EXPECT_THAT(remedy.options[0].additions, ElementsAre(AdditionName{AdditionKind::kKnownValue, "gravity"}));
   ASSERT_EQ(answer.directions.size(), 1u);
-  EXPECT_EQ(answer.directions[0], "mass up by 10 % with gravity down by 10 % leaves every residual the same");
+  EXPECT_TRUE(answer.directions[0].lost);
+  const auto& changes = answer.directions[0].changes;
+  ASSERT_EQ(changes.size(), 2u);
+  EXPECT_EQ(changes[0].parameter, "mass");
+  EXPECT_NEAR(changes[0].relative, 0.1, 1e-6);
+  EXPECT_EQ(changes[1].parameter, "gravity");
+  EXPECT_NEAR(changes[1].relative, -0.1, 1e-6);
   EXPECT_LT(answer.singular_values[2], 1e-7 * answer.singular_values[0]);
   EXPECT_TRUE(std::isfinite(answer.parameters[2].std_error));
 }
 
-TEST(Uncertainty, NearlyCollinearParametersAreHardToTellApart) {
-  // exp(-t) with 1 - t over a short time: only the curvature tells them apart, and it is within the noise.
+TEST(Uncertainty, NearlyCollinearParametersHaveWideIntervals) {
+  // exp(-t) and 1 - t over a short time differ only in their curvature, which is within the noise.
   ToyProblem problem({MakeParameter("decay", 0, 20, 5), MakeParameter("ramp", 0, 20, 5)},
                      {MakeBlock("one", "height", 40, 0.2)},
                      [](const Block&, double t, const Vector& p, Vector* gradient) -> Result<double> {
@@ -189,10 +202,12 @@ TEST(Uncertainty, NearlyCollinearParametersAreHardToTellApart) {
   const Uncertainty answer = Analyse(fit);
   for (const ParameterVerdict& verdict : answer.parameters) {
     EXPECT_TRUE(verdict.verdict == Verdict::kWeak || verdict.verdict == Verdict::kNotIdentifiable);
-    EXPECT_THAT(verdict.reason, HasSubstr("hard to tell from"));
+    EXPECT_EQ(verdict.reason.kind, ReasonKind::kCorrelated);
+    EXPECT_GT(verdict.reason.std_error, verdict.reason.std_error_without);
   }
   ASSERT_EQ(answer.directions.size(), 1u);
-  EXPECT_THAT(answer.directions[0], HasSubstr("changes the residuals by less than their noise"));
+  EXPECT_FALSE(answer.directions[0].lost) << "the residuals change by less than their noise";
+  EXPECT_EQ(answer.directions[0].changes.size(), 2u);
 }
 
 TEST(Uncertainty, PartnerOnItsBoundIsStillNamed) {
@@ -209,10 +224,11 @@ TEST(Uncertainty, PartnerOnItsBoundIsStillNamed) {
   const Uncertainty answer = Analyse(fit);
   ASSERT_EQ(answer.parameters[1].verdict, Verdict::kAtBound);
   EXPECT_EQ(answer.parameters[0].verdict, Verdict::kWeak);
-  EXPECT_THAT(answer.parameters[0].reason, HasSubstr("hard to tell from ramp"));
+  EXPECT_EQ(answer.parameters[0].reason.kind, ReasonKind::kCorrelated);
+  EXPECT_THAT(answer.parameters[0].reason.partners, ElementsAre("ramp"));
 }
 
-TEST(Uncertainty, TooLittleExcitationIsSaid) {
+TEST(Uncertainty, TooLittleExcitationIsReported) {
   // Its whole range moves the line by a thousandth; the noise is a tenth.
   ToyProblem problem({MakeParameter("offset", -10, 10, 0), MakeParameter("whisper", 0, 1, 0.5)},
                      {MakeBlock("one", "height", 40, 3)},
@@ -226,7 +242,7 @@ TEST(Uncertainty, TooLittleExcitationIsSaid) {
   const ParameterVerdict verdict = Analyse(fit).parameters[1];
   EXPECT_EQ(verdict.verdict, Verdict::kNotIdentifiable);
   EXPECT_TRUE(verdict.lower_open && verdict.upper_open);
-  EXPECT_THAT(verdict.reason, HasSubstr("the excitation is too small"));
+  EXPECT_EQ(verdict.reason.kind, ReasonKind::kWeakExcitation);
 }
 
 TEST(Uncertainty, BoundThatIsHitIsNamed) {
@@ -238,7 +254,9 @@ TEST(Uncertainty, BoundThatIsHitIsNamed) {
   const Uncertainty answer = Analyse(fit);
   const ParameterVerdict& verdict = answer.parameters[1];
   EXPECT_EQ(verdict.verdict, Verdict::kAtBound);
-  EXPECT_THAT(verdict.reason, HasSubstr("upper bound 3"));
+  EXPECT_EQ(verdict.reason.kind, ReasonKind::kAtBound);
+  EXPECT_FALSE(verdict.reason.at_lower);
+  EXPECT_EQ(verdict.remedy.kind, RemedyKind::kOtherBound);
   EXPECT_EQ(answer.minimum[1], 3);
   EXPECT_EQ(verdict.ci95_upper, 3);
   EXPECT_TRUE(verdict.upper_open);
@@ -250,7 +268,7 @@ TEST(Uncertainty, BoundThatIsHitIsNamed) {
 }
 
 TEST(Uncertainty, NuisanceIsProjectedOutAndNotReported) {
-  // One slope, and an offset per trial that nobody asks for.
+  // One slope, and an offset per trial as nuisance.
   const auto formula = [](const Block& block, double t, const Vector& p, Vector* gradient) -> Result<double> {
     const int offset = block.trial == "one" ? 1 : 2;
     if (gradient != nullptr) {
@@ -279,7 +297,7 @@ TEST(Uncertainty, NuisanceIsProjectedOutAndNotReported) {
   EXPECT_EQ(answer.parameters[0].verdict, Verdict::kIdentifiable);
 }
 
-TEST(Uncertainty, WhatNuisanceCanUndoIsNotIdentifiable) {
+TEST(Uncertainty, ParametersThatNuisanceCompensatesAreNotIdentifiable) {
   const auto formula = [](const Block&, double t, const Vector& p, Vector* gradient) -> Result<double> {
     if (gradient != nullptr) *gradient << t, 1, 1;
     return p[0] * t + p[1] + p[2];
@@ -293,7 +311,8 @@ TEST(Uncertainty, WhatNuisanceCanUndoIsNotIdentifiable) {
   const Uncertainty answer = Analyse(fit);
   EXPECT_EQ(answer.parameters[0].verdict, Verdict::kIdentifiable);
   EXPECT_EQ(answer.parameters[1].verdict, Verdict::kNotIdentifiable);
-  EXPECT_EQ(answer.parameters[1].reason, "whatever it changes, start can undo, which is fitted as well");
+  EXPECT_EQ(answer.parameters[1].reason.kind, ReasonKind::kCompensated);
+  EXPECT_THAT(answer.parameters[1].reason.partners, ElementsAre("start"));
 }
 
 TEST(Uncertainty, PriorGivesAnIntervalButNoVerdict) {
@@ -304,7 +323,7 @@ TEST(Uncertainty, PriorGivesAnIntervalButNoVerdict) {
   const ParameterVerdict verdict = Analyse(fit).parameters[2];
   EXPECT_EQ(verdict.verdict, Verdict::kNotIdentifiable);
   EXPECT_NEAR(verdict.std_error, 0.5, kLinearAlgebra);
-  EXPECT_THAT(verdict.reason, HasSubstr("the interval is that of its prior"));
+  EXPECT_TRUE(verdict.reason.by_prior);
 }
 
 TEST(Uncertainty, LogarithmicScaleGivesTheSameErrorAsALinearOne) {
@@ -322,7 +341,7 @@ TEST(Uncertainty, LogarithmicScaleGivesTheSameErrorAsALinearOne) {
     const ToyFit fit(problem);
     const ParameterVerdict verdict = Analyse(fit).parameters[0];
     error[logarithmic ? 1 : 0] = verdict.std_error;
-    EXPECT_EQ(verdict.verdict, Verdict::kIdentifiable) << verdict.reason;
+    EXPECT_EQ(verdict.verdict, Verdict::kIdentifiable) << ToString(verdict.reason.kind);
   }
   // The local search on the logarithm stops a millionth of an error away from the minimum.
   EXPECT_NEAR(error[0] / error[1], 1, 1e-5);
@@ -334,7 +353,10 @@ TEST(Uncertainty, AsManyValuesAsSamplesLeavesNoNoiseToEstimate) {
   const Uncertainty answer = Analyse(fit);
   ASSERT_EQ(answer.parameters.size(), 2u);
   EXPECT_EQ(answer.parameters[0].verdict, Verdict::kNotIdentifiable);
-  EXPECT_THAT(answer.parameters[0].reason, HasSubstr("2 residuals cannot tell the noise level"));
+  EXPECT_EQ(answer.parameters[0].reason.kind, ReasonKind::kNoiseLevelUnknown);
+  EXPECT_EQ(answer.parameters[0].reason.residuals, 2);
+  EXPECT_EQ(answer.parameters[0].reason.fitted, 2);
+  EXPECT_EQ(answer.parameters[0].remedy.kind, RemedyKind::kMoreSamples);
 }
 
 TEST(Uncertainty, DataWithoutNoiseAreIdentifiableWithoutFalseNotes) {
@@ -342,19 +364,21 @@ TEST(Uncertainty, DataWithoutNoiseAreIdentifiableWithoutFalseNotes) {
   const ToyFit fit(problem);
   const Result<Uncertainty> answer = AnalyseUncertainty(fit.view, fit.view.Variables(Values({1.5, 4})), {});
   ASSERT_TRUE(answer);
-  EXPECT_TRUE(answer->notes.empty()) << answer->notes.front();
+  EXPECT_TRUE(answer->notes.empty()) << ToString(answer->notes.front().kind);
   for (const ParameterVerdict& verdict : answer->parameters) {
     EXPECT_EQ(verdict.verdict, Verdict::kIdentifiable);
     EXPECT_LT(verdict.std_error, 1e-8);
   }
 }
 
-TEST(Uncertainty, SolutionThatIsNoMinimumIsSaid) {
+TEST(Uncertainty, SolutionThatIsNoMinimumIsReported) {
   const ToyProblem problem = LineProblem();
   const ToyFit fit(problem);
   const Uncertainty answer = Analyse(fit);  // from the start, which is far off
   ASSERT_EQ(answer.notes.size(), 1u);
-  EXPECT_THAT(answer.notes[0], HasSubstr("the solution was not a minimum"));
+  EXPECT_EQ(answer.notes[0].kind, WarningKind::kNotAMinimum);
+  ASSERT_EQ(answer.notes[0].numbers.size(), 2u);
+  EXPECT_GT(answer.notes[0].numbers[0], answer.notes[0].numbers[1]) << "the cost fell";
   const Result<Uncertainty> again = AnalyseUncertainty(fit.view, fit.view.Variables(answer.minimum), {});
   ASSERT_TRUE(again);
   EXPECT_TRUE(again->notes.empty());
@@ -378,7 +402,7 @@ TEST(Uncertainty, FailuresAreValues) {
   EXPECT_EQ(failed.error().message, "the solution cannot be analysed: force not finite at t = 0");
 }
 
-TEST(Uncertainty, ActiveConstraintIsRespectedAndSaid) {
+TEST(Uncertainty, ActiveConstraintIsRespectedAndReported) {
   // slope <= 3 + offset / 10 by a constraint: the free minimum (1.5, 4) violates it.
   Constraint steep{"not_too_steep", Values({-0.1, 1}), -3};
   std::vector<Parameter> parameters = {MakeParameter("offset", -10, 10, 0), MakeParameter("slope", 0, 20, 1)};
@@ -389,7 +413,8 @@ TEST(Uncertainty, ActiveConstraintIsRespectedAndSaid) {
   const Uncertainty answer = Analyse(fit);
   // The penalty allows a violation of about one over its factor of 1e4.
   EXPECT_NEAR(answer.minimum[1] - 0.1 * answer.minimum[0], 3, 5e-3);
-  EXPECT_THAT(answer.notes.back(), HasSubstr("constraint not_too_steep is active"));
+  EXPECT_EQ(answer.notes.back().kind, WarningKind::kActiveConstraint);
+  EXPECT_THAT(answer.notes.back().names, ElementsAre("not_too_steep"));
 }
 
 }  // namespace

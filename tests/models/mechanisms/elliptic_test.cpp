@@ -4,11 +4,12 @@
 
 #include <cmath>
 
+#include "base/constants.h"
+
 namespace sinew {
 namespace {
 
 constexpr double kRounding = 1e-14;
-constexpr double kPi = 3.14159265358979323846;
 
 TEST(Elliptic, CompleteIntegralAgreesWithTables) {
   EXPECT_NEAR(CompleteElliptic(0), kPi / 2, kRounding);

@@ -5,6 +5,7 @@
 
 #include <cmath>
 
+#include "base/constants.h"
 #include "models/multibody/osim_muscle_reader.h"
 #include "tests/models/multibody/test_muscles.h"
 
@@ -14,7 +15,6 @@ namespace {
 using testing::ElementsAre;
 using testing::HasSubstr;
 
-constexpr double kPi = 3.141592653589793;
 constexpr double kRadius = 0.05;  // of drum and ball
 constexpr double kNear = 0.2;     // distances from the axis of the ends of `around`
 constexpr double kFar = 0.3;

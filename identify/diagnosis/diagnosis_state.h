@@ -1,5 +1,5 @@
-// What the steps of a diagnosis share: the problem, what may be wrong with it, where the base model stands
-// and what was chosen. Each step reads it and adds its part.
+// The state that the steps of a diagnosis share: the problem, the candidates, the base model and its scores,
+// and the selection. Each step reads it and adds its part.
 #pragma once
 
 #include <map>
@@ -12,8 +12,8 @@
 
 namespace sinew::diagnosis {
 
-struct Examination {
-  Examination(const Problem& of, const DiagnosisOptions& how) : problem(of), options(how), held_out(of) {}
+struct DiagnosisState {
+  DiagnosisState(const Problem& of, const DiagnosisOptions& how) : problem(of), options(how), held_out(of) {}
 
   const Problem& problem;
   const DiagnosisOptions& options;
@@ -22,19 +22,21 @@ struct Examination {
   std::unique_ptr<Refitter> refitter;
   ScoredModel base;
   Selection selection;
-  /// Weighted residuals [block of the layout -> samples] of the extended model where something was added that
-  /// no parameter holds, such as a drift.
+  /// Added weighted residuals [block of the layout -> samples] of the extended model, for an extension that
+  /// is not a parameter, such as a drift.
   std::map<int, Vector> added;
 
   [[nodiscard]] const Candidate& candidate(int c) const { return candidates[static_cast<std::size_t>(c)]; }
 
-  /// Of held-out residuals: in units of the noise, or, if what is wrong dwarfs it, plain squares.
+  /// Loss of held-out residuals: the sum of squared innovations in units of their variance, or, if the misfit
+  /// dominates the noise, the sum of squares.
   [[nodiscard]] double Loss(const std::vector<Vector>& residuals, const noise::NoiseModel& noise) const;
 
-  /// Under the refit's noise, or, if what is wrong dwarfs it, by leaving out trials. As Refitter::Covariance.
+  /// Covariance of the variables: under the refit's noise (Refitter::Covariance), or, if the misfit dominates
+  /// the noise, by the jackknife over trials.
   [[nodiscard]] Result<Matrix> CovarianceOf(const Refit& refit) const;
 
-  /// By the rules that chose the causes. @param starts [P] each, not empty
+  /// Refits with the procedure by which the causes were chosen. @param starts [P] each, not empty
   [[nodiscard]] Refit Fit(const std::vector<int>& released, const std::vector<Vector>& starts) const;
 };
 

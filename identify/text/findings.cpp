@@ -1,0 +1,137 @@
+#include "identify/text/findings.h"
+
+#include <algorithm>
+#include <utility>
+
+#include "base/numbers.h"
+#include "base/text.h"
+#include "identify/text/phrases.h"
+#include "identify/text/reasons.h"
+
+namespace sinew::text {
+namespace {
+
+const Parameter& ParameterOf(const FitSetup& setup, const ParameterVerdict& verdict) {
+  return setup.parameters[static_cast<std::size_t>(verdict.parameter)];
+}
+
+Sentence Determined(const Parameter& p, const ParameterVerdict& v) {
+  const std::string interval = fmt::format("{} to {}", Readable(v.ci95_lower), Readable(v.ci95_upper));
+  // An unconverged search may stop outside of the interval, which belongs to the minimum near by.
+  if (v.value < v.ci95_lower || v.value > v.ci95_upper) {
+    return {SentenceKind::kOffMinimum,
+            fmt::format("{} = {}: NOT at the best fit, whose 95 % interval is {}; continue the search.",
+                        p.name, WithUnit(v.value, p.unit), interval),
+            {p.name}};
+  }
+  const bool sure = v.verdict == Verdict::kIdentifiable;
+  return {sure ? SentenceKind::kIdentifiable : SentenceKind::kWeak,
+          fmt::format("{} = {} (95 % interval {}): {}.", p.name, WithUnit(v.value, p.unit), interval,
+                      sure ? "identifiable" : "weak, " + ReasonText(p, v)),
+          {p.name}};
+}
+
+struct NamedRemedy {
+  const Parameter* parameter;
+  const Remedy* remedy;
+};
+
+// What would help parameters that share a reason: one sentence if it is the same for all, else one for each
+// remedy.
+std::string Remedies(const std::vector<NamedRemedy>& remedy_of) {
+  std::vector<std::pair<std::string, std::vector<std::string>>> names_of;
+  for (const NamedRemedy& one : remedy_of) {
+    const std::string text = RemedyText(*one.parameter, *one.remedy, remedy_of.size() == 1);
+    auto same =
+        std::find_if(names_of.begin(), names_of.end(), [&](const auto& told) { return told.first == text; });
+    if (same == names_of.end()) same = names_of.insert(names_of.end(), {text, {}});
+    same->second.push_back(one.parameter->name);
+  }
+  std::string text;
+  for (const auto& [remedy, names] : names_of) {
+    if (remedy.empty()) continue;
+    text += names_of.size() == 1 ? " " + Capitalised(remedy) + "."
+                                 : fmt::format(" For {}: {}.", And(names), remedy);
+  }
+  return text;
+}
+
+// Parameters that share a verdict and its reason are told in one sentence.
+std::vector<Sentence> Undetermined(const FitSetup& setup, const std::vector<ParameterVerdict>& verdicts) {
+  std::vector<std::pair<std::string, std::vector<NamedRemedy>>> groups;  // by the reason
+  for (const ParameterVerdict& v : verdicts) {
+    if (v.verdict != Verdict::kNotIdentifiable) continue;
+    const Parameter& p = ParameterOf(setup, v);
+    const std::string reason = ReasonText(p, v);
+    auto same =
+        std::find_if(groups.begin(), groups.end(), [&](const auto& group) { return group.first == reason; });
+    if (same == groups.end()) same = groups.insert(groups.end(), {reason, {}});
+    same->second.push_back({&p, &v.remedy});
+  }
+  std::vector<Sentence> sentences;
+  for (const auto& [reason, remedy_of] : groups) {
+    std::vector<std::string> names;
+    for (const NamedRemedy& one : remedy_of) names.push_back(one.parameter->name);
+    sentences.push_back({SentenceKind::kNotIdentifiable,
+                         fmt::format("{}: NOT identifiable: {}.{}", And(names), reason, Remedies(remedy_of)),
+                         names});
+  }
+  return sentences;
+}
+
+std::vector<Sentence> Predictions(const std::vector<FitQuality>& pooled) {
+  std::vector<Sentence> sentences;
+  for (const FitQuality& train : pooled) {
+    if (train.role != BlockRole::kTrain) continue;
+    std::string sentence = fmt::format("{}: train {} RMSE (R2 {:.3f})", Capitalised(train.channel),
+                                       WithUnit(train.rmse, train.unit, 2), train.r2);
+    for (const FitQuality& validate : pooled) {
+      if (validate.role != BlockRole::kValidate || validate.channel != train.channel) continue;
+      sentence +=
+          fmt::format(", validate {} (R2 {:.3f})", WithUnit(validate.rmse, validate.unit, 2), validate.r2);
+    }
+    sentences.push_back({SentenceKind::kPrediction, sentence + ".", {train.channel}});
+  }
+  return sentences;
+}
+
+void Add(const FitSetup& setup, const Uncertainty& uncertainty, const std::vector<FitQuality>& pooled_fit,
+         const std::string& step, std::vector<Sentence>& findings) {
+  const std::size_t first = findings.size();
+  for (const ParameterVerdict& v : uncertainty.parameters) {
+    const Parameter& p = ParameterOf(setup, v);
+    if (v.verdict == Verdict::kIdentifiable || v.verdict == Verdict::kWeak)
+      findings.push_back(Determined(p, v));
+    if (v.verdict == Verdict::kAtBound) {
+      findings.push_back(
+          {SentenceKind::kAtBound,
+           fmt::format("{} = {}: AT BOUND: {}.", p.name, WithUnit(v.value, p.unit), ReasonText(p, v)),
+           {p.name}});
+    }
+  }
+  for (auto& sentence : Undetermined(setup, uncertainty.parameters)) findings.push_back(std::move(sentence));
+  for (const OpenDirection& direction : uncertainty.directions) {
+    std::vector<std::string> names;
+    for (const ParameterChange& part : direction.changes) names.push_back(part.parameter);
+    findings.push_back({SentenceKind::kOpenDirection, "Not determined: " + DirectionText(direction) + ".",
+                        std::move(names)});
+  }
+  for (auto& sentence : Predictions(pooled_fit)) findings.push_back(std::move(sentence));
+  if (step.empty()) return;
+  for (std::size_t i = first; i < findings.size(); ++i) {
+    findings[i].text.insert(0, step + ": ");
+    findings[i].step = step;
+  }
+}
+
+}  // namespace
+
+std::vector<Sentence> Findings(const Identification& identification) {
+  std::vector<Sentence> findings;
+  for (const FinishedStep& step : identification.steps)
+    Add(step.setup, step.uncertainty, step.pooled_fit, step.name, findings);
+  Add(identification.setup, identification.uncertainty, identification.pooled_fit, "", findings);
+  return findings;
+}
+
+}  // namespace sinew::text

@@ -1,0 +1,15 @@
+// What an identification found, in sentences.
+#pragma once
+
+#include <vector>
+
+#include "identify/identification/identification.h"
+#include "identify/text/sentence.h"
+
+namespace sinew::text {
+
+/// What was determined and what was not and why, how well training and validation trials are predicted, and
+/// which bounds were hit; the earlier steps of a stepwise fit first, with their names.
+[[nodiscard]] std::vector<Sentence> Findings(const Identification& identification);
+
+}  // namespace sinew::text

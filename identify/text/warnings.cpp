@@ -1,0 +1,107 @@
+#include "identify/text/warnings.h"
+
+#include <algorithm>
+
+#include "base/numbers.h"
+#include "base/text.h"
+#include "identify/text/phrases.h"
+
+namespace sinew::text {
+namespace {
+
+std::string DependentResiduals(const Warning& w) {
+  std::vector<std::string> channels;
+  for (std::size_t i = 0; i < w.names.size(); ++i)
+    channels.push_back(fmt::format("{} {:.2f}", w.names[i], w.numbers[i + 1]));
+  return fmt::format(
+      "the residuals are autocorrelated (lag one: {}): intervals were widened up to {:.1f} times",
+      Join(channels, ", "), w.numbers[0]);
+}
+
+std::string HeldFromSteps(const Warning& w) {
+  constexpr std::size_t kShown = 4;
+  const std::size_t shown = std::min(w.names.size(), kShown);
+  const std::string more =
+      w.names.size() > kShown ? fmt::format(" and {} more", w.names.size() - kShown) : "";
+  return fmt::format(
+      "errors and intervals are those of the last step, which takes what earlier steps found ({}{}) as exact",
+      Join({w.names.begin(), w.names.begin() + static_cast<std::ptrdiff_t>(shown)}, ", "), more);
+}
+
+std::string CrossValidated(const Warning& w, const std::vector<std::vector<std::string>>& left_out) {
+  std::vector<std::string> groups;
+  for (const auto& trials : left_out) groups.push_back(TrialGroup(trials));
+  const std::string some = w.numbers[1] > w.numbers[0] ? fmt::format(" ({:.0f} of {:.0f} trials searched)",
+                                                                     w.numbers[0], w.numbers[1])
+                                                       : "";
+  return fmt::format(
+      "the misfit is much larger than the noise, and the known effects do not explain all of it: causes were "
+      "chosen by cross-validation over {}{}, and intervals are jackknife intervals over trials",
+      Join(groups, "; "), some);
+}
+
+std::string Text(const Warning& w, const std::vector<std::vector<std::string>>& left_out) {
+  switch (w.kind) {
+    case WarningKind::kFailedEvaluations:
+      return fmt::format("{:.0f} of {:.0f} evaluations failed and were rejected; the first because {}",
+                         w.numbers[0], w.numbers[1], w.message);
+    case WarningKind::kNotConverged:
+      return fmt::format("the search did not converge ({}): the answer is the best point so far", w.message);
+    case WarningKind::kNotAMinimum:
+      return fmt::format(
+          "the solution was not a minimum: a local search lowered the cost from {:.6g} to {:.6g}; errors and "
+          "intervals refer to the better point",
+          w.numbers[0], w.numbers[1]);
+    case WarningKind::kSearchUnfinished:
+      return "a local search from the solution did not converge: errors and intervals are rough";
+    case WarningKind::kBetterFit:
+      return fmt::format(
+          "there is a better fit: on the way to an interval the cost fell from {:.6g} to {:.6g}; search "
+          "again "
+          "with more starts or a global solver",
+          w.numbers[0], w.numbers[1]);
+    case WarningKind::kDependentResiduals:
+      return DependentResiduals(w);
+    case WarningKind::kActiveConstraint:
+      return fmt::format("constraint {} is active: standard errors do not account for it", w.names[0]);
+    case WarningKind::kHeldFromSteps:
+      return HeldFromSteps(w);
+    case WarningKind::kNoiseAbsorbsMisfit:
+      return "the residual is so large and smooth that a noise model would absorb the misfit: neighbouring "
+             "errors are taken as independent, which makes p-values and intervals too small";
+    case WarningKind::kCrossValidated:
+      return CrossValidated(w, left_out);
+    case WarningKind::kNoValidationTrial:
+      return "there is no validation trial: no gain can be measured, and no cause withdrawn";
+    case WarningKind::kErrorConcentration:
+      return fmt::format(
+          "{} of the squared error of {} in trial '{}' lie within {} s around t = {} s: check the "
+          "measurement "
+          "there; a gap is better than a wrong value",
+          Percent(w.numbers[0]), w.names[0], w.names[1], Readable(w.numbers[1], 2),
+          Readable(w.numbers[2], 3));
+    case WarningKind::kOther:
+      return w.message;
+  }
+  return {};
+}
+
+std::vector<std::string> Texts(const std::vector<Warning>& warnings,
+                               const std::vector<std::vector<std::string>>& left_out) {
+  std::vector<std::string> texts;
+  for (const Warning& warning : warnings)
+    texts.push_back((warning.step.empty() ? "" : warning.step + ": ") + Text(warning, left_out));
+  return texts;
+}
+
+}  // namespace
+
+std::vector<std::string> Warnings(const Identification& identification) {
+  return Texts(identification.warnings, {});
+}
+
+std::vector<std::string> Warnings(const Diagnosis& diagnosis) {
+  return Texts(diagnosis.warnings, diagnosis.left_out);
+}
+
+}  // namespace sinew::text

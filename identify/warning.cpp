@@ -1,0 +1,37 @@
+#include "identify/warning.h"
+
+namespace sinew {
+
+const char* ToString(WarningKind kind) {
+  switch (kind) {
+    case WarningKind::kFailedEvaluations:
+      return "failed_evaluations";
+    case WarningKind::kNotConverged:
+      return "not_converged";
+    case WarningKind::kNotAMinimum:
+      return "not_a_minimum";
+    case WarningKind::kSearchUnfinished:
+      return "search_unfinished";
+    case WarningKind::kBetterFit:
+      return "better_fit";
+    case WarningKind::kDependentResiduals:
+      return "dependent_residuals";
+    case WarningKind::kActiveConstraint:
+      return "active_constraint";
+    case WarningKind::kHeldFromSteps:
+      return "held_from_steps";
+    case WarningKind::kNoiseAbsorbsMisfit:
+      return "noise_absorbs_misfit";
+    case WarningKind::kCrossValidated:
+      return "cross_validated";
+    case WarningKind::kNoValidationTrial:
+      return "no_validation_trial";
+    case WarningKind::kErrorConcentration:
+      return "error_concentration";
+    case WarningKind::kOther:
+      return "other";
+  }
+  return "?";
+}
+
+}  // namespace sinew

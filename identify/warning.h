@@ -1,0 +1,42 @@
+// What limits a result: facts, which identify/text turns into sentences.
+#pragma once
+
+#include <string>
+#include <vector>
+
+namespace sinew {
+
+/// What a reader of a result must be told; after the colon, what `names` and `numbers` of the warning hold.
+enum class WarningKind {
+  // Of an identification.
+  kFailedEvaluations,   ///< rejected by the solver: numbers {failed, all}, message of the first
+  kNotConverged,        ///< the search ended early: message is the solver's stop test
+  kNotAMinimum,         ///< a local search lowered the cost: numbers {from, to}
+  kSearchUnfinished,    ///< that local search did not converge: intervals are rough
+  kBetterFit,           ///< the cost fell below the minimum on the way to an interval: numbers {from, to}
+  kDependentResiduals,  ///< numbers {largest widening of an interval, lag-one correlation of each channel};
+                        ///< names are the channels
+  kActiveConstraint,    ///< names {constraint}
+  kHeldFromSteps,       ///< intervals as if `names`, which earlier steps found, were known exactly
+  // Of a diagnosis.
+  kNoiseAbsorbsMisfit,  ///< residuals count as independent, since a noise model would replace the model
+  kCrossValidated,  ///< causes chosen by the prediction of trials left out of the fit (Diagnosis::left_out):
+                    ///< numbers {training trials searched, training trials}
+  kNoValidationTrial,  ///< no gain can be measured
+  // Of both.
+  kErrorConcentration,  ///< names {channel, trial}; numbers {share, width [s], time [s]}
+  kOther                ///< of the problem or of the data: message
+};
+
+/// "failed_evaluations", "not_converged", ...: the `kind` in JSON and HDF5.
+[[nodiscard]] const char* ToString(WarningKind kind);
+
+struct Warning {
+  WarningKind kind = WarningKind::kOther;
+  std::vector<std::string> names;
+  std::vector<double> numbers;
+  std::string message;
+  std::string step = {};  ///< of a stepwise fit that it is about; empty: the last, or the only one
+};
+
+}  // namespace sinew

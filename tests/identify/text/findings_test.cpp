@@ -1,0 +1,104 @@
+// Which sentences there are, and about what; how they read stands in golden/.
+#include "identify/text/findings.h"
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include "identify/text/reasons.h"
+#include "tests/identify/text/made_up_verdicts.h"
+
+namespace sinew::text {
+namespace {
+
+using testing::ElementsAre;
+using toy::Judged;
+using toy::Option;
+using toy::ReasonOf;
+
+class FindingsTest : public testing::Test {
+ protected:
+  void Judge(int parameter, Verdict verdict, Reason reason = {}, Remedy remedy = {}) {
+    identification_.uncertainty.parameters.push_back(
+        Judged(parameter, verdict, std::move(reason), std::move(remedy)));
+  }
+  [[nodiscard]] std::vector<Sentence> Found() const { return Findings(identification_); }
+  /// "identifiable a", "not_identifiable b c".
+  [[nodiscard]] std::vector<std::string> Facts() const {
+    std::vector<std::string> facts;
+    for (const Sentence& sentence : Found()) {
+      facts.emplace_back(ToString(sentence.kind));
+      for (const std::string& name : sentence.about) facts.back() += " " + name;
+    }
+    return facts;
+  }
+
+  const Reason no_response_ = ReasonOf(ReasonKind::kNoResponse);
+  Identification identification_ = toy::FiveParameters();
+};
+
+TEST_F(FindingsTest, EveryVerdictHasItsKind) {
+  Judge(0, Verdict::kIdentifiable);
+  Judge(1, Verdict::kWeak, ReasonOf(ReasonKind::kWeakExcitation));
+  Judge(2, Verdict::kAtBound, ReasonOf(ReasonKind::kAtBound));
+  Judge(3, Verdict::kNotIdentifiable, no_response_);
+  EXPECT_THAT(Facts(), ElementsAre("identifiable a", "weak b", "at_bound c", "not_identifiable d"));
+}
+
+// An unconverged search: the interval belongs to the minimum near by, and the value does not.
+TEST_F(FindingsTest, AValueOutsideItsIntervalIsNotCalledIdentifiable) {
+  Judge(0, Verdict::kIdentifiable);
+  identification_.uncertainty.parameters[0].value = 20;
+  EXPECT_THAT(Facts(), ElementsAre("off_minimum a"));
+}
+
+TEST_F(FindingsTest, ParametersOfOneReasonShareASentence) {
+  Judge(0, Verdict::kNotIdentifiable, no_response_);
+  Judge(1, Verdict::kIdentifiable);
+  Judge(2, Verdict::kNotIdentifiable, no_response_);
+  Judge(3, Verdict::kNotIdentifiable, ReasonOf(ReasonKind::kWeakExcitation));
+  Judge(4, Verdict::kNotIdentifiable, no_response_);
+  EXPECT_THAT(Facts(), ElementsAre("identifiable b", "not_identifiable a c e", "not_identifiable d"));
+}
+
+// Standard errors differ from parameter to parameter; the sentence that they share leaves them to the table.
+TEST_F(FindingsTest, RemediesThatDifferInFiguresOnlyAreToldOnce) {
+  const auto measuring = [](const char* channel, double error) {
+    return Remedy{RemedyKind::kAdditions, {Option(AdditionKind::kChannel, channel, error)}};
+  };
+  Judge(1, Verdict::kNotIdentifiable, no_response_, measuring("y", 0.1));
+  Judge(2, Verdict::kNotIdentifiable, no_response_, measuring("y", 0.3));
+  const std::string once = Found()[0].text;
+  identification_.uncertainty.parameters[1].remedy = measuring("z", 0.3);
+  const std::string both = Found()[0].text;
+  EXPECT_LT(once.size(), both.size()) << both;
+  identification_.uncertainty.parameters[1].remedy = measuring("y", 0.4);
+  EXPECT_EQ(Found()[0].text, once);
+}
+
+TEST_F(FindingsTest, OpenDirectionsNameTheirParameters) {
+  identification_.uncertainty.directions = {{true, {{"a", "N/m", 1, 0.1}, {"b", "1", -2, -0.2}}}};
+  EXPECT_THAT(Facts(), ElementsAre("open_direction a b"));
+}
+
+TEST_F(FindingsTest, TrainingAndValidationAreOneSentencePerQuantity) {
+  identification_.pooled_fit = {{"", BlockRole::kTrain, "force", "N", 0.9, 0.9991, 100},
+                                {"", BlockRole::kTrain, "angle", "rad", 0.01, 0.5, 100},
+                                {"", BlockRole::kValidate, "force", "N", 1.2, 0.998, 50},
+                                {"", BlockRole::kPredicted, "moment", "N*m", 3, 0, 50}};
+  EXPECT_THAT(Facts(), ElementsAre("prediction force", "prediction angle"));
+}
+
+TEST_F(FindingsTest, EarlierStepsComeFirst) {
+  Judge(1, Verdict::kIdentifiable);
+  FinishedStep step;
+  step.name = "step 1 (a)";
+  step.setup = identification_.setup;
+  step.uncertainty.parameters = {Judged(0, Verdict::kIdentifiable, {})};
+  identification_.steps = {step};
+  EXPECT_THAT(Facts(), ElementsAre("identifiable a", "identifiable b"));
+  EXPECT_EQ(Found()[0].step, "step 1 (a)");
+  EXPECT_EQ(Found()[1].step, "") << "the last one";
+}
+
+}  // namespace
+}  // namespace sinew::text
