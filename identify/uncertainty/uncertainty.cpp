@@ -11,7 +11,7 @@
 #include "base/decompositions.h"
 #include "base/text.h"
 #include "identify/solvers/local_fit.h"
-#include "identify/statistics/student_t.h"
+#include "identify/statistics/distributions.h"
 #include "identify/uncertainty/covariance.h"
 #include "identify/uncertainty/explain.h"
 #include "identify/uncertainty/information.h"
