@@ -8,7 +8,7 @@
 
 #include "base/constants.h"
 #include "base/decompositions.h"
-#include "identify/statistics/student_t.h"
+#include "identify/statistics/distributions.h"
 
 namespace sinew::noise {
 namespace {

@@ -8,7 +8,7 @@
 #include "base/assert.h"
 #include "base/decompositions.h"
 #include "base/random.h"
-#include "identify/statistics/chi_squared.h"
+#include "identify/statistics/distributions.h"
 
 namespace sinew::statistics {
 namespace {

@@ -7,7 +7,7 @@
 
 #include "base/decompositions.h"
 #include "identify/diagnosis/discover/shape.h"
-#include "identify/statistics/chi_squared.h"
+#include "identify/statistics/distributions.h"
 
 namespace sinew::diagnosis {
 namespace {

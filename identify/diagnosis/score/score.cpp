@@ -6,7 +6,7 @@
 
 #include "base/column_space.h"
 #include "base/decompositions.h"
-#include "identify/statistics/chi_squared.h"
+#include "identify/statistics/distributions.h"
 
 namespace sinew::diagnosis {
 namespace {

@@ -10,7 +10,7 @@
 #include "identify/diagnosis/score/shortlist.h"
 #include "identify/diagnosis/select/cross_validated_search.h"
 #include "identify/execution/executor.h"
-#include "identify/statistics/chi_squared.h"
+#include "identify/statistics/distributions.h"
 
 namespace sinew::diagnosis {
 namespace {

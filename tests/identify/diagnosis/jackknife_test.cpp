@@ -8,7 +8,7 @@
 #include <cmath>
 #include <cstdio>
 
-#include "identify/statistics/student_t.h"
+#include "identify/statistics/distributions.h"
 #include "tests/identify/diagnosis/linear_laws.h"
 
 namespace sinew::diagnosis {

@@ -5,7 +5,7 @@
 #include <cmath>
 
 #include "base/random.h"
-#include "identify/statistics/student_t.h"
+#include "identify/statistics/distributions.h"
 #include "identify/uncertainty/uncertainty.h"
 #include "tests/identify/support/toy_problem.h"
 

@@ -1,10 +1,17 @@
-// The t and F distributions, for intervals with an estimated noise level.
+// Tails and quantiles of the chi-squared, normal, t and F distributions, by Boost.Math (Maddock et al.),
+// compiled in one place.
 #pragma once
 
 namespace sinew::statistics {
 
+/// P(X >= x) for chi-squared with `degrees_of_freedom` > 0; 1 for x <= 0, NaN for NaN. Relatively accurate in
+/// the tail.
+[[nodiscard]] double ChiSquaredUpperTail(double x, double degrees_of_freedom);
+
+/// The z >= 0 with P(|Z| >= z) = p for a standard normal Z: 1.96 for 0.05. Infinite for p <= 0, 0 for p >= 1.
+[[nodiscard]] double TwoSidedThreshold(double p);
+
 /// P(T <= t) of Student's t with `degrees_of_freedom` > 0; infinity is the standard normal distribution.
-/// By the incomplete beta function: Abramowitz, Stegun 1964, 26.7.1 and 26.5.8.
 [[nodiscard]] double StudentTCdf(double t, double degrees_of_freedom);
 
 /// The t with P(T <= t) = probability; its square is the quantile of F(1, degrees_of_freedom), of chi-squared
@@ -12,7 +19,7 @@ namespace sinew::statistics {
 [[nodiscard]] double StudentTQuantile(double probability, double degrees_of_freedom);
 
 /// P(F > f) of the F distribution with `first` and `second` > 0 degrees of freedom; 1 for f <= 0. Relatively
-/// accurate in the tail (Abramowitz, Stegun 1964, 26.6.2).
+/// accurate in the tail.
 [[nodiscard]] double FUpperTail(double f, double first, double second);
 
 }  // namespace sinew::statistics
