@@ -20,7 +20,8 @@ Matrix BasisOf(const Eigen::ColPivHouseholderQR<Matrix>& qr) {
   return qr.householderQ() * Matrix::Identity(qr.rows(), qr.rank());
 }
 
-// By the columns that count alone: Eigen's own solve would divide by the rounding errors of all others.
+// Solved for the independent columns alone: Eigen's own solve would divide by the rounding errors of the
+// dependent ones.
 Matrix SolveBy(const Eigen::ColPivHouseholderQR<Matrix>& qr, const Matrix& rows) {
   const Eigen::Index rank = qr.rank();
   Matrix pivoted = Matrix::Zero(qr.cols(), rows.cols());
@@ -96,7 +97,7 @@ ColumnSpace::ColumnSpace(const Matrix& columns, double threshold)
   if (wide_.cols() == 0) return;
   Matrix left = wide_;
   TakeGroupsFrom(left);
-  // A column that the groups make up for leaves rounding errors of unit length behind.
+  // A column within the span of the groups leaves rounding errors, which would be scaled to unit length.
   for (Eigen::Index c = 0; c < left.cols(); ++c) {
     if (left.col(c).norm() <= threshold) left.col(c).setZero();
   }

@@ -1,5 +1,5 @@
-// The space that the columns of a matrix span, many of which are zero almost everywhere: a gain of one cycle
-// of one muscle touches fifty rows of ten thousand.
+// The column space of a matrix whose columns are mostly sparse: a gain of one cycle of one muscle has fifty
+// rows of ten thousand that are not zero.
 #pragma once
 
 #include <vector>
@@ -8,15 +8,16 @@
 
 namespace sinew {
 
-/// Small groups of columns that share no rows with other groups are taken out of everything else first; only
-/// what is left is decomposed as a whole. Columns may have any length, be zero or combinations of each other.
+/// Small groups of columns without common rows with other groups are projected out of all others first; only
+/// the remaining columns are decomposed as a whole. Columns may have any length, be zero or linear
+/// combinations of each other.
 class ColumnSpace {
  public:
   /// @param columns [m x n] @param threshold rank tolerance, of columns scaled to unit length
   ColumnSpace(const Matrix& columns, double threshold);
 
   [[nodiscard]] Eigen::Index rank() const { return rank_; }
-  /// What of these rows [m x any] is orthogonal to the space.
+  /// The component of these rows [m x any] that is orthogonal to the space.
   [[nodiscard]] Matrix TakenFrom(Matrix rows) const;
   /// Coefficients of the columns [n x any] that come closest to `rows` [m x any].
   [[nodiscard]] Matrix Solve(const Matrix& rows) const;

@@ -1,4 +1,4 @@
-// Numbers that C++17's library lacks, or gives only under a long name.
+// Mathematical constants that the C++17 library lacks, or has only under a long name.
 #pragma once
 
 #include <limits>

@@ -10,7 +10,7 @@
 
 namespace sinew {
 
-/// A number with N derivatives. Comparisons are left out on purpose: say Value(a) < Value(b).
+/// A number with N derivatives. Comparisons are left out on purpose: write Value(a) < Value(b).
 template <int N>
 struct Dual {
   double value;

@@ -21,19 +21,20 @@ namespace {
 
 constexpr std::size_t kMaxValues = std::size_t{1}
                                    << 28;  // 2 GiB of doubles: beyond it a header is surely corrupt
-// A byte holds at most so many values: deflate compresses no more than 1032 to 1, and a value has a byte.
+// Largest number of values per byte of a file: deflate compresses at most 1032 to 1, and a value has at least
+// one byte.
 constexpr std::size_t kMaxValuesPerByte = 1032;
-constexpr std::size_t kSmallFile = 4096;    // [bytes] so that a dataset that was never written may be there
-constexpr std::size_t kValuesPerNode = 64;  // what a group or dataset itself counts for: its place in memory
+constexpr std::size_t kSmallFile = 4096;    // [bytes] allowance for datasets without stored values
+constexpr std::size_t kValuesPerNode = 64;  // values that a group or dataset itself counts as, for its memory
 constexpr int kDeepest = 32;
 constexpr std::size_t kImageGrowth = std::size_t{1} << 20;  // [bytes] by which a file grows while it is made
-// A damaged file can send libhdf5 in circles. Seconds that a reading may take, and one more for every
-// kBytesPerSecond of the file (a sound one is read a hundred times as fast).
+// A damaged file can put libhdf5 into an endless loop. Time limit of a reading [s], with one more second for
+// every kBytesPerSecond of the file (an intact one is read a hundred times as fast).
 constexpr rlim_t kProcessorSeconds = 2;
 constexpr unsigned kSeconds = 30;  // with waiting for a disk and for other processes
 constexpr std::uintmax_t kBytesPerSecond = 1U << 20;
 
-// Held while a file is read or written: libhdf5 is not thread-safe in every build, and see SurvivesReading.
+// Held while a file is read or written: libhdf5 is not thread-safe in every build, and see ReadsWithoutCrash.
 std::mutex hdf5_mutex;
 
 // Closes an HDF5 identifier at the end of its scope.
@@ -166,9 +167,9 @@ Status ReadAttributes(hid_t object, const std::string& where, Hdf5Node& node) {
   return {};
 }
 
-// Takes so many values out of what the rest of the file may still hold: links that lead back to their own
+// Subtracts the values from the number that the rest of the file can still hold: links back to their own
 // group make an endless tree of a small file.
-Status TakeRoom(std::size_t values, const std::string& where, std::size_t& room) {
+Status ReserveValues(std::size_t values, const std::string& where, std::size_t& room) {
   if (values > room) return Fail("{}: announces more values than the file can hold", where);
   room -= values;
   return {};
@@ -179,7 +180,7 @@ Status ReadDataset(hid_t dataset, const std::string& where, std::size_t& room, H
   const Handle space(H5Dget_space(dataset), H5Sclose);
   if (!type || !space) return Fail("{}: cannot be read", where);
   SINEW_ASSIGN(const Extent extent, ReadExtent(space.get(), where));
-  SINEW_TRY(TakeRoom(extent.count, where, room));
+  SINEW_TRY(ReserveValues(extent.count, where, room));
   switch (H5Tget_class(type.get())) {
     case H5T_INTEGER:
     case H5T_FLOAT: {
@@ -209,7 +210,7 @@ Status ReadDataset(hid_t dataset, const std::string& where, std::size_t& room, H
 
 Status ReadNode(hid_t object, const std::string& where, int depth, std::size_t& room, Hdf5Node& node) {
   if (depth > kDeepest) return Fail("{}: groups nested more than {} deep", where, kDeepest);
-  SINEW_TRY(TakeRoom(kValuesPerNode, where, room));
+  SINEW_TRY(ReserveValues(kValuesPerNode, where, room));
   SINEW_TRY(ReadAttributes(object, where, node));
   if (H5Iget_type(object) == H5I_DATASET) return ReadDataset(object, where, room, node);
   if (H5Iget_type(object) != H5I_GROUP) return {};  // a named type: no data
@@ -244,9 +245,8 @@ Result<Hdf5Node> ReadTree(const std::string& path) {
   return root;
 }
 
-// What the forked process does: nothing of it may be seen or reach its parent. noexcept: an exception, such
-// as too little memory, ends it like a crash does.
-// NOLINTNEXTLINE(bugprone-exception-escape)
+// The work of the forked process, of which nothing may reach its parent. noexcept: an exception, such as too
+// little memory, ends it like a crash.
 [[noreturn]] void ReadAndExit(const std::string& path) noexcept {
   for (const int signal : {SIGALRM, SIGXCPU, SIGSEGV, SIGBUS, SIGFPE, SIGILL, SIGABRT})
     std::signal(signal, SIG_DFL);
@@ -271,15 +271,15 @@ Result<Hdf5Node> ReadTree(const std::string& path) {
   _exit(0);
 }
 
-// Whether reading the file leaves a process alive. libhdf5 1.10 trusts sizes and offsets in a file, and
-// damaged ones crash it; so the file is read in a forked process first, whose death does no harm. The two
-// processes are equal up to there, and so do the same.
+// Whether the file can be read without a crash. libhdf5 1.10 does not check all sizes and offsets in a file,
+// and damaged ones crash it; so the file is read in a forked process first. The two processes are equal up to
+// there, and so behave equally.
 //
-// Fork copies the calling thread only: a lock that another thread holds stays locked in the copy. What the
-// copy needs is safe: no other thread is within libhdf5 (hdf5_mutex is held), the C library takes care of its
-// allocator and streams, and nothing else is called. Should it hang nevertheless, its alarm ends it. It
-// leaves through _exit, without the destructors and buffers of this process.
-Result<bool> SurvivesReading(const std::string& path) {
+// Fork copies the calling thread only: a lock held by another thread stays locked in the copy. The functions
+// that the copy calls are safe: no other thread is within libhdf5 (hdf5_mutex is held), the C library handles
+// its allocator and streams, and nothing else is called. If it should hang nevertheless, its alarm ends it.
+// It ends by _exit, without the destructors and buffers of this process.
+Result<bool> ReadsWithoutCrash(const std::string& path) {
   const pid_t child = fork();
   if (child < 0) return Fail("{}: cannot be checked: no further process can be started", path);
   if (child == 0) ReadAndExit(path);
@@ -450,7 +450,7 @@ Result<Hdf5Node> ReadHdf5(const std::string& path) {
   const std::lock_guard lock(hdf5_mutex);
   H5Eset_auto2(H5E_DEFAULT, nullptr, nullptr);  // its errors become ours, not a stack trace on stderr
   if (H5Fis_hdf5(path.c_str()) <= 0) return Fail("{}: is not an HDF5 file", path);
-  SINEW_ASSIGN(const bool survives, SurvivesReading(path));
+  SINEW_ASSIGN(const bool survives, ReadsWithoutCrash(path));
   if (!survives) return Fail("{}: is damaged (HDF5 could not read it)", path);
   return ReadTree(path);
 }

@@ -54,8 +54,7 @@ struct Hdf5Node {
 /// than the file can hold or than 2^28, a dataset that is neither numbers nor text.
 Result<Hdf5Node> ReadHdf5(const std::string& path);
 
-/// Made whole in memory, then put in place as ReplaceFile does. Errors: those of ReplaceFile; the old file
-/// then still stands.
+/// Made in memory, then written by ReplaceFile. Errors: those of ReplaceFile; the old file is then unchanged.
 Status WriteHdf5(const std::string& path, const Hdf5Node& root);
 
 }  // namespace sinew

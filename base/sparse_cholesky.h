@@ -1,5 +1,4 @@
-// Normal equations of many unknowns of which most have nothing to do with each other: gains of single cycles
-// beside a shape that all share.
+// Sparse normal equations of many unknowns: gains of single cycles beside a shape that all share.
 #pragma once
 
 #include <memory>

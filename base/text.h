@@ -1,4 +1,4 @@
-// Reading numbers and words from text, and finding the name that somebody meant.
+// Reading numbers and words from text, and the closest match of a misspelt name.
 #pragma once
 
 #include <optional>
@@ -32,7 +32,7 @@ std::vector<std::string_view> SplitBlanks(Text&& text) = delete;
 [[nodiscard]] std::string Join(const std::vector<std::string>& parts, std::string_view separator);
 [[nodiscard]] std::string Lowercase(std::string_view text);
 
-/// The candidate that was probably meant (fewest edits, at most a third of the letters), or nothing.
+/// The closest candidate (fewest edits, at most a third of the letters), or nothing.
 [[nodiscard]] std::optional<std::string> ClosestName(std::string_view name,
                                                      const std::vector<std::string>& candidates);
 

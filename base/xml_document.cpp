@@ -8,7 +8,7 @@
 namespace sinew {
 namespace {
 
-// What a document puts between words.
+// The characters between words.
 std::string WithBlanks(std::string text) {
   std::replace_if(
       text.begin(), text.end(), [](char c) { return c == '\n' || c == '\r'; }, ' ');
@@ -23,7 +23,7 @@ Result<XmlDocument> XmlDocument::Parse(std::string_view text, std::string file_n
   for (std::size_t i = 0; i < text.size(); ++i) {
     if (text[i] == '\n') xml.line_ends_.push_back(static_cast<std::ptrdiff_t>(i));
   }
-  // Said to be UTF-8 so that offsets stay those of the text.
+  // Parsed as UTF-8 so that offsets are those of the text.
   xml.document_ = std::make_unique<pugi::xml_document>();
   const pugi::xml_parse_result parsed =
       xml.document_->load_buffer(text.data(), text.size(), pugi::parse_default, pugi::encoding_utf8);

@@ -1,4 +1,4 @@
-// A word of a YAML document that stands for one of several things.
+// A YAML scalar with one of several allowed words.
 #pragma once
 
 #include <string>

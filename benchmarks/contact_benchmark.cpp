@@ -3,8 +3,8 @@
 #include <benchmark/benchmark.h>
 
 #include "models/contact/simbody_contact.h"
-#include "problems/contact/contact_problem.h"
-#include "problems/contact/contact_synthesis.h"
+#include "problems/contact/problem.h"
+#include "problems/contact/synthesis.h"
 
 namespace sinew {
 namespace {

@@ -1,5 +1,5 @@
 #!/usr/bin/python3
-"""How often the 95 % intervals of the contact parameters hold the truth: many synthetic experiments, through the program.
+"""How often the 95 % intervals of the contact parameters contain the truth: many synthetic experiments, through the program.
 
 Each seed: `data synthesize contact` (robot that slips, finer mesh and motion than the fitted model), `data kinematics` if
 there are no encoders, `identify` on the full force vector. The truth is drawn here and never in the data file.

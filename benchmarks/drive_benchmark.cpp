@@ -2,8 +2,8 @@
 // of a base fit (three parameters and the initial state), and with those of a score (all of them).
 #include <benchmark/benchmark.h>
 
-#include "problems/drive/drive_problem.h"
-#include "problems/drive/drive_synthesis.h"
+#include "problems/drive/laboratory/synthesis.h"
+#include "problems/drive/problem.h"
 
 namespace sinew {
 namespace {

@@ -1,11 +1,11 @@
-// One person's model: five muscles at six speeds, nine cycles each to learn from.
+// One person's model: five muscles at six speeds, nine cycles each.
 #include <benchmark/benchmark.h>
 
 #include "identify/execution/evaluator.h"
 #include "identify/fit_setup.h"
 #include "identify/solvers/solver.h"
-#include "problems/emg_shape/emg_shape_problem.h"
-#include "problems/emg_shape/emg_shape_synthesis.h"
+#include "problems/ankle_study/emg_shape_synthesis.h"
+#include "problems/emg_shape/problem.h"
 
 namespace sinew {
 namespace {

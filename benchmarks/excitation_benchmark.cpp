@@ -1,12 +1,12 @@
 // Frames per second of the modes that find excitations, on one core: 121 frames, 11 muscles, knee and ankle
-// (CEINMS takes 1.6 s for them by annealing). The muscles are made up: as strong and as long as those of
-// CEINMS's example, alike in everything else.
+// (CEINMS takes 1.6 s for them by annealing). The muscles are synthetic, with the strengths and lengths of
+// CEINMS's example and otherwise equal.
 #include <benchmark/benchmark.h>
 
 #include <cmath>
 
 #include "identify/fit_setup.h"
-#include "problems/nms/excitation_search.h"
+#include "problems/nms/excitation/search.h"
 
 namespace sinew {
 namespace {

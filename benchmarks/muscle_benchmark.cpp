@@ -4,7 +4,7 @@
 
 #include <cmath>
 
-#include "problems/nms/muscle_force.h"
+#include "problems/nms/muscle/muscle_force.h"
 
 namespace sinew {
 namespace {
@@ -48,7 +48,7 @@ void Steps(benchmark::State& state, TendonMode tendon, int lanes = 0) {
 void Plain(benchmark::State& state, TendonMode tendon) {
   Steps<double>(state, tendon);
 }
-// Four parameters of a muscle, as a calibration usually frees; and all that a subject says of it.
+// Four parameters of a muscle, as usual in a calibration; and all parameters of a subject.
 void WithFour(benchmark::State& state, TendonMode tendon) {
   Steps<Dual<kFewLanes>>(state, tendon, kFewLanes);
 }

@@ -4,8 +4,8 @@
 
 #include <cmath>
 
-#include "problems/nms/ankle_study.h"
-#include "problems/nms/nms_problem.h"
+#include "problems/ankle_study/study.h"
+#include "problems/nms/problem.h"
 
 namespace sinew {
 namespace {

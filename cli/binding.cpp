@@ -1,6 +1,7 @@
 #include "cli/binding.h"
 
 #include "base/text.h"
+#include "cli/run_command_line.h"
 #include "cli/terminal.h"
 #include "datasets/dataset_hash.h"
 #include "datasets/io/dataset_file.h"
@@ -27,7 +28,13 @@ Status ReplaceExcitations(const std::string& path, Dataset& data) {
 }  // namespace
 
 void BindingOptions::AddTo(Command command) {
-  command.Add("problem", problem, "One of `sinew list problems`").Required().Shows("PROBLEM");
+  program = &command.program();
+  if (program->problems.size() == 1) {
+    problem = program->problems.front().name;
+    command.Add("problem", problem, "May be left out").Shows("PROBLEM");
+  } else {
+    command.Add("problem", problem, "One of `sinew list problems`").Required().Shows("PROBLEM");
+  }
   command.Add("--data", data, "Data set (HDF5, docs/dataset_file.md)").Required().Shows("F.h5");
   command.Add("--config", config, "Settings of the problem; default: PROBLEM.yaml inside the data set")
       .Shows("C.yaml");
@@ -120,7 +127,7 @@ std::string Binding::DescribeData() const {
 }
 
 Result<Binding> Bind(const BindingOptions& options, bool with_sensor_effects) {
-  SINEW_ASSIGN(const ProblemEntry* entry, FindProblem(options.problem));
+  SINEW_ASSIGN(const ProblemEntry* entry, FindProblem(options.program->problems, options.problem));
   return Bind(options, [&](const Dataset& data, const YamlReader& settings) {
     return entry->bind(data, settings, with_sensor_effects);
   });
@@ -129,7 +136,7 @@ Result<Binding> Bind(const BindingOptions& options, bool with_sensor_effects) {
 Result<Binding> Bind(const BindingOptions& options,
                      const std::function<Result<BoundProblem>(const Dataset&, const YamlReader&)>& bind) {
   Binding binding;
-  SINEW_ASSIGN(binding.entry, FindProblem(options.problem));
+  SINEW_ASSIGN(binding.entry, FindProblem(options.program->problems, options.problem));
   SINEW_ASSIGN(binding.data, ReadDataset(options.data));
   if (!options.excitations.empty()) SINEW_TRY(ReplaceExcitations(options.excitations, binding.data));
   std::string config_name = options.config;

@@ -23,6 +23,7 @@ struct BindingOptions {
   std::string problem;
   std::string data;
   std::string config;
+  const Program* program = nullptr;  ///< whose problems; set by AddTo
   std::string excitations;  ///< another file's grids "simulated" or "excitations" in place of the data's
   void AddTo(Command command);
 };

@@ -59,7 +59,7 @@ CommandWord& CommandWord::NotEmpty() {
 }
 
 Command Command::AddCommand(const std::string& name, const std::string& meaning) {
-  return *app_->add_subcommand(name, meaning);
+  return {*app_->add_subcommand(name, meaning), *program_};
 }
 
 void Command::RequireCommand() {

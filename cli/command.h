@@ -16,6 +16,8 @@ class Option;
 
 namespace sinew {
 
+struct Program;
+
 /// Exit status: done; ran, but the answer is not usable; bad input or usage.
 enum ExitStatus { kDone = 0, kNotUsable = 1, kBadInput = 2 };
 
@@ -51,8 +53,10 @@ class CommandWord {
 /// A command while it is declared. Whatever its words are read into must outlive the parsing.
 class Command {
  public:
-  // NOLINTNEXTLINE(google-explicit-constructor): the same thing
-  Command(CLI::App& app) : app_(&app) {}
+  Command(CLI::App& app, const Program& program) : app_(&app), program_(&program) {}
+
+  /// The program that it belongs to.
+  [[nodiscard]] const Program& program() const { return *program_; }
 
   Command AddCommand(const std::string& name, const std::string& meaning);
   /// One of its own commands must be given.
@@ -69,6 +73,7 @@ class Command {
 
  private:
   CLI::App* app_;
+  const Program* program_;
 };
 
 void AddListCommand(Command app, const RunAction& run);

@@ -132,7 +132,7 @@ Result<int> RunIdentify(const IdentifyWords& words) {
     const double began = evaluator.seconds();
     // A checkpoint that cannot be written is no reason to stop: the answer itself may find room again.
     const Status saved =
-        WriteHdf5(words.out, UnfinishedRunTree(evaluator.problem(), as_asked, provenance, evaluator));
+        WriteHdf5(words.out, UnfinishedRunTree(evaluator.fit(), as_asked, provenance, evaluator));
     if (!saved && !unsaved_noted) {
       line.Clear();
       std::fputs(

@@ -8,6 +8,7 @@
 #include "cli/command.h"
 #include "cli/command_files.h"
 #include "cli/list_json.h"
+#include "cli/run_command_line.h"
 #include "cli/terminal.h"
 #include "identify/solvers/solver.h"
 #include "models/mechanisms/integrator.h"
@@ -16,9 +17,16 @@
 namespace sinew {
 namespace {
 
-std::string ListProblems() {
+struct ListWords {
+  std::string what = "problems";
+  std::string problem;
+  std::string data;
+  std::string json;
+};
+
+std::string ListProblems(const Program& program) {
   std::vector<std::vector<std::string>> rows;
-  for (const ProblemEntry& entry : ProblemRegistry()) rows.push_back({entry.name, entry.description});
+  for (const ProblemEntry& entry : program.problems) rows.push_back({entry.name, entry.description});
   return Table(rows, 0);
 }
 
@@ -53,14 +61,19 @@ std::string ListFormats() {
   return Table(rows, 0);
 }
 
-std::string ListParameters(const ProblemEntry& entry) {
+std::string ParameterTable(const std::vector<Parameter>& parameters) {
   std::vector<std::vector<std::string>> rows{
       {"parameter", "unit", "lower", "upper", "start", "scale", "meaning", "source"}};
-  for (const Parameter& p : entry.parameters()) {
+  for (const Parameter& p : parameters) {
     rows.push_back({p.name, p.unit, Readable(p.lower), Readable(p.upper), Readable(p.start),
                     p.scale == Scale::kLog ? "log" : "linear", p.meaning, p.source});
   }
-  std::string text = Table(rows, 0) + "\nsinew data synthesize " + entry.name + " --set takes:\n";
+  return Table(rows, 0);
+}
+
+std::string ListParameters(const ProblemEntry& entry) {
+  std::string text =
+      ParameterTable(entry.parameters()) + "\nsinew data synthesize " + entry.name + " --set takes:\n";
   std::vector<std::vector<std::string>> settings;
   for (const auto& [name, description] : entry.experiment()) settings.push_back({name, description});
   return text + Table(settings, 2);
@@ -103,6 +116,7 @@ std::string DescribeEffects(const Problem& problem) {
 // Without data the problem is bound to an experiment that it synthesizes; a problem whose synthetic data need
 // another step first cannot be.
 Result<BoundProblem> BindToSynthetic(const ProblemEntry& entry) {
+  if (entry.synthesize == nullptr) return Fail("the problem '{}' makes none", entry.name);
   SINEW_ASSIGN(const Dataset data, entry.synthesize({}));
   const auto settings = data.files.find(entry.name + ".yaml");
   SINEW_ASSIGN(const YamlReader reader,
@@ -110,72 +124,87 @@ Result<BoundProblem> BindToSynthetic(const ProblemEntry& entry) {
   return entry.bind(data, reader, true);
 }
 
-// Of the data, or of synthetic ones.
-Result<BoundProblem> BindForEffects(const ProblemEntry& entry, const std::string& data) {
-  if (data.empty()) {
+// What a problem's parameters, effects and channels are read from: the data, or synthetic ones.
+Result<BoundProblem> BindFor(const Program& program, const ProblemEntry& entry, const ListWords& words) {
+  if (words.data.empty()) {
     auto synthetic = BindToSynthetic(entry);
-    if (!synthetic) {
-      return Fail("list effects {}: depends on data, give --data F.h5 (synthetic data alone do not do: {})",
-                  entry.name, synthetic.error().message);
-    }
-    return synthetic;
+    if (synthetic) return synthetic;
+    return Fail("list {} {}: depends on data, give --data F.h5 (synthetic data alone do not do: {})",
+                words.what, entry.name, synthetic.error().message);
   }
   BindingOptions options;
   options.problem = entry.name;
-  options.data = data;
-  SINEW_ASSIGN(Binding binding, Bind(options, true));
+  options.program = &program;
+  options.data = words.data;
+  SINEW_ASSIGN(Binding binding, Bind(options, words.what == "effects"));
   return std::move(binding.bound);
 }
 
-std::string ListEffects(const ProblemEntry& entry, const Problem& problem) {
-  return DescribeEffects(problem) + "`sinew identify " + entry.name +
-         " --release EFFECT` fits one; `sinew diagnose` asks which are needed.\n";
+std::string ListEffects(const Program& program, const ProblemEntry& entry, const Problem& problem) {
+  return DescribeEffects(problem) + "`" + program.name + " identify " + entry.name +
+         " --release EFFECT` fits one; `" + program.name + " diagnose` asks which are needed.\n";
+}
+
+// What a class of a user's own compares.
+std::string ListBlocks(const Problem& problem) {
+  std::vector<std::vector<std::string>> rows{{"trial", "channel", "unit", "role", "samples"}};
+  for (const Block& block : problem.layout()) {
+    rows.push_back(
+        {block.trial, block.channel, block.unit, ToString(block.role), std::to_string(block.samples())});
+  }
+  return Table(rows, 0);
 }
 
 const std::vector<std::string> kSubjects{"problems", "solvers",    "integrators", "formats",
                                          "effects",  "parameters", "channels"};
 
-struct ListWords {
-  std::string what = "problems";
-  std::string problem;
-  std::string data;
-  std::string json;
-};
-
-// What there is of a problem: text for people or, if `as_json`, for machines.
-Result<std::string> ListOfProblem(const ListWords& words, bool as_json) {
-  if (words.problem.empty())
-    return Fail("list {}: expected a problem, such as `sinew list {} contact`", words.what, words.what);
-  SINEW_ASSIGN(const ProblemEntry* entry, FindProblem(words.problem));
-  if (words.what == "parameters") return as_json ? ParametersJson(*entry) : ListParameters(*entry);
-  if (words.what == "channels") return as_json ? ChannelsJson(*entry) : entry->channels;
-  SINEW_ASSIGN(const BoundProblem bound, BindForEffects(*entry, words.data));
-  return as_json ? EffectsJson(*entry, *bound.problem) : ListEffects(*entry, *bound.problem);
+// A problem of somebody else's has nothing to say without data.
+bool NeedsData(const ProblemEntry& entry, const std::string& what) {
+  return what == "effects" || (what == "parameters" && entry.parameters == nullptr) ||
+         (what == "channels" && entry.channels.empty());
 }
 
-Result<std::string> ListOf(const ListWords& words, bool as_json) {
+// What there is of a problem: text for people or, if `as_json`, for machines.
+Result<std::string> ListOfProblem(const Program& program, const ListWords& words, bool as_json) {
+  if (words.problem.empty())
+    return Fail("list {}: expected a problem, such as `sinew list {} contact`", words.what, words.what);
+  SINEW_ASSIGN(const ProblemEntry* entry, FindProblem(program.problems, words.problem));
+  if (!NeedsData(*entry, words.what)) {
+    if (!words.data.empty()) return Fail("--data: list {} takes none, only list effects does", words.what);
+    if (words.what == "parameters") return as_json ? ParametersJson(*entry) : ListParameters(*entry);
+    return as_json ? ChannelsJson(*entry) : entry->channels;
+  }
+  SINEW_ASSIGN(const BoundProblem bound, BindFor(program, *entry, words));
+  const Problem& problem = *bound.problem;
+  if (words.what == "parameters")
+    return as_json ? ParametersJson(*entry, problem.parameters()) : ParameterTable(problem.parameters());
+  if (words.what == "channels") return as_json ? BlocksJson(*entry, problem) : ListBlocks(problem);
+  return as_json ? EffectsJson(*entry, problem) : ListEffects(program, *entry, problem);
+}
+
+Result<std::string> ListOf(const Program& program, const ListWords& words, bool as_json) {
   if (std::find(kSubjects.begin(), kSubjects.end(), words.what) == kSubjects.end())
     return Fail("list: '{}' does not exist{}", words.what, Suggestion(words.what, kSubjects));
   const bool of_problem = words.what == "effects" || words.what == "parameters" || words.what == "channels";
   if (!words.problem.empty() && !of_problem)
     return Fail("list {}: unexpected argument '{}'", words.what, words.problem);
-  if (!words.data.empty() && words.what != "effects")
+  if (!words.data.empty() && !of_problem)
     return Fail("--data: list {} takes none, only list effects does", words.what);
   if (words.what == "solvers") return as_json ? SolversJson() : ListSolvers();
   if (words.what == "integrators") return as_json ? IntegratorsJson() : ListIntegrators();
   if (words.what == "formats") return as_json ? FormatsJson(kFormats) : ListFormats();
-  if (words.what == "problems") return as_json ? ProblemsJson() : ListProblems();
-  return ListOfProblem(words, as_json);
+  if (words.what == "problems") return as_json ? ProblemsJson(program.problems) : ListProblems(program);
+  return ListOfProblem(program, words, as_json);
 }
 
-Result<int> List(const ListWords& words) {
+Result<int> List(const Program& program, const ListWords& words) {
   SINEW_TRY(CheckFiles({{words.data}, {}, words.json}));
   if (!words.json.empty()) {
-    SINEW_ASSIGN(const std::string json, ListOf(words, true));
+    SINEW_ASSIGN(const std::string json, ListOf(program, words, true));
     SINEW_TRY(WriteText(words.json, json));
   }
   if (words.json != "-") {
-    SINEW_ASSIGN(const std::string text, ListOf(words, false));
+    SINEW_ASSIGN(const std::string text, ListOf(program, words, false));
     std::fputs(text.c_str(), stdout);
   }
   return kDone;
@@ -188,10 +217,17 @@ void AddListCommand(Command app, const RunAction& run) {
       app.AddCommand("list", "What there is: problems, solvers, formats, and a problem's parts");
   auto words = std::make_shared<ListWords>();
   command.Add("what", words->what, "One of " + Join(kSubjects, ", ")).ShowsDefault();
+  const Program& program = app.program();
+  const bool alone = program.problems.size() == 1;
   command.Add("problem", words->problem, "For effects, parameters and channels");
   command.Add("--data", words->data, "For effects: of these data; else of synthetic ones").Shows("F.h5");
   AddJsonTo(command, words->json);
-  command.Runs(run, [=] { return List(*words); });
+  command.Runs(run, [=, &program] {
+    const bool of_problem =
+        words->what == "effects" || words->what == "parameters" || words->what == "channels";
+    if (alone && of_problem && words->problem.empty()) words->problem = program.problems.front().name;
+    return List(program, *words);
+  });
 }
 
 }  // namespace sinew

@@ -11,9 +11,9 @@ using Json = nlohmann::ordered_json;
 
 }  // namespace
 
-std::string ProblemsJson() {
+std::string ProblemsJson(const std::vector<ProblemEntry>& problems) {
   Json json{{"problems", Json::array()}};
-  for (const ProblemEntry& entry : ProblemRegistry())
+  for (const ProblemEntry& entry : problems)
     json["problems"].push_back({{"name", entry.name}, {"description", entry.description}});
   return ToText(json);
 }
@@ -47,8 +47,12 @@ std::string FormatsJson(const std::vector<FormatEntry>& formats) {
 }
 
 std::string ParametersJson(const ProblemEntry& entry) {
+  return ParametersJson(entry, entry.parameters());
+}
+
+std::string ParametersJson(const ProblemEntry& entry, const std::vector<Parameter>& parameters) {
   Json json{{"problem", entry.name}, {"parameters", Json::array()}, {"experiment", Json::array()}};
-  for (const Parameter& p : entry.parameters()) {
+  for (const Parameter& p : parameters) {
     json["parameters"].push_back({{"name", p.name},
                                   {"unit", p.unit},
                                   {"lower", p.lower},
@@ -58,7 +62,8 @@ std::string ParametersJson(const ProblemEntry& entry) {
                                   {"meaning", p.meaning},
                                   {"source", p.source}});
   }
-  for (const auto& [name, description] : entry.experiment())
+  const auto experiment = entry.experiment == nullptr ? decltype(entry.experiment()){} : entry.experiment();
+  for (const auto& [name, description] : experiment)
     json["experiment"].push_back({{"name", name}, {"description", description}});
   return ToText(json);
 }
@@ -80,6 +85,18 @@ std::string EffectsJson(const ProblemEntry& entry, const Problem& problem) {
   }
   for (const DiscrepancyPort& port : problem.ports()) {
     for (const DiscrepancyTerm& term : port.terms) json["discrepancy_terms"].push_back(term.name);
+  }
+  return ToText(json);
+}
+
+std::string BlocksJson(const ProblemEntry& entry, const Problem& problem) {
+  Json json{{"problem", entry.name}, {"blocks", Json::array()}};
+  for (const Block& block : problem.layout()) {
+    json["blocks"].push_back({{"trial", block.trial},
+                              {"channel", block.channel},
+                              {"unit", block.unit},
+                              {"role", ToString(block.role)},
+                              {"samples", block.samples()}});
   }
   return ToText(json);
 }

@@ -4,7 +4,7 @@
 #include <string>
 
 #include "cli/command.h"
-#include "problems/nms/excitation_mode.h"
+#include "problems/nms/excitation/excitation_mode.h"
 
 namespace sinew {
 

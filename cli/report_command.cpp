@@ -6,6 +6,7 @@
 #include <filesystem>
 
 #include "cli/command.h"
+#include "cli/run_command_line.h"
 #include "cli/work_options.h"
 
 namespace sinew {
@@ -16,22 +17,23 @@ namespace fs = std::filesystem;
 // Debian's own interpreter, whose packages packages.txt names; another python may come first on PATH.
 constexpr const char* kPython = "/usr/bin/python3";
 
-// Beside an installed program, else in the source tree that it was built from.
-Result<std::string> FindScript() {
+// Beside an installed program, else where its makers say, else in the source tree that it was built from.
+Result<std::string> FindScript(const std::string& named) {
   std::error_code code;
   const fs::path program = fs::read_symlink("/proc/self/exe", code);
-  for (const fs::path& folder :
-       {program.parent_path().parent_path() / "share/sinew/report", fs::path(SINEW_REPORT_SOURCE)}) {
+  for (const fs::path& folder : {program.parent_path().parent_path() / "share/sinew/report", fs::path(named),
+                                 fs::path(SINEW_REPORT_SOURCE)}) {
     const fs::path script = folder / "sinew_report.py";
-    if (fs::exists(script, code)) return script.string();
+    if (!folder.empty() && fs::exists(script, code)) return script.string();
   }
   return Fail(
       "the report's program is not installed: expected share/sinew/report/sinew_report.py beside the "
       "program");
 }
 
-Result<int> RunReport(const std::vector<std::string>& files, const std::string& out_dir, int threads) {
-  SINEW_ASSIGN(const std::string script, FindScript());
+Result<int> RunReport(const std::string& folder, const std::vector<std::string>& files,
+                      const std::string& out_dir, int threads) {
+  SINEW_ASSIGN(const std::string script, FindScript(folder));
   std::vector<std::string> words{kPython, script};
   words.insert(words.end(), files.begin(), files.end());
   words.insert(words.end(), {"--out-dir", out_dir, "--threads", std::to_string(threads)});
@@ -70,7 +72,9 @@ void AddReportCommand(Command app, const RunAction& run) {
   auto work = std::make_shared<WorkOptions>();
   work->AddThreadsTo(command);
   work->AddQuietTo(command);
-  command.Runs(run, [=] { return RunReport(*files, *out_dir, work->threads); });
+  command.Runs(run, [=, folder = app.program().report_folder] {
+    return RunReport(folder, *files, *out_dir, work->threads);
+  });
 }
 
 }  // namespace sinew

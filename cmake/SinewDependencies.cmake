@@ -9,6 +9,8 @@ find_package(yaml-cpp REQUIRED)
 find_package(CLI11 REQUIRED)
 find_package(TBB REQUIRED)
 find_package(HDF5 REQUIRED COMPONENTS C)
+# Headers of Boost.Math alone.
+find_package(Boost REQUIRED)
 find_package(Simbody REQUIRED)
 find_package(Ceres REQUIRED)
 # Ipopt 3.11 needs pkg-config's flags (HAVE_CSTDDEF); its headers are in coin/.

@@ -6,6 +6,7 @@ foreach(folder base datasets models identify problems)
   install(DIRECTORY ${PROJECT_SOURCE_DIR}/${folder} DESTINATION ${sinew_headers} FILES_MATCHING PATTERN "*.h")
 endforeach()
 install(DIRECTORY ${PROJECT_SOURCE_DIR}/sinew DESTINATION ${sinew_headers} FILES_MATCHING PATTERN "*.h")
+install(FILES ${PROJECT_SOURCE_DIR}/cli/run_command_line.h DESTINATION ${sinew_headers}/cli)
 
 install(TARGETS sinew_program RUNTIME DESTINATION ${CMAKE_INSTALL_BINDIR})
 install(DIRECTORY ${PROJECT_SOURCE_DIR}/cli/report DESTINATION ${CMAKE_INSTALL_DATADIR}/sinew

@@ -3,8 +3,9 @@
 # sinew::FOLDER_PART, whose headers are those of FOLDER/PART, or of the FOLDERS that are named; PART "core" has those that
 # stand in FOLDER itself as well.
 #
-# Headers are named from the root of the tree ("identify/problem.h"). Each target offers only its own folder (links in the
-# build tree), so that an include against the direction of DESIGN does not compile: its target is not linked.
+# Headers are named from the root of the tree ("identify/problem.h"; for users also <sinew/identify/problem.h>). Each target
+# offers only its own folder (links in the build tree), so that an include against the direction of DESIGN does not compile:
+# its target is not linked.
 function(sinew_library name)
   cmake_parse_arguments(ARG "" "" "SOURCES;PUBLIC;PRIVATE" ${ARGN})
   set(view ${PROJECT_BINARY_DIR}/include/${name})
@@ -36,11 +37,13 @@ endfunction()
 # sinew_target(NAME VIEW ...): a static library sinew_NAME, alias sinew::NAME, whose headers are reached through VIEW.
 function(sinew_target name view)
   cmake_parse_arguments(ARG "" "" "SOURCES;PUBLIC;PRIVATE" ${ARGN})
+  file(CREATE_LINK ${view} ${view}/sinew SYMBOLIC)  # <sinew/identify/problem.h>
   add_library(sinew_${name} STATIC ${ARG_SOURCES})
   add_library(sinew::${name} ALIAS sinew_${name})
   set_target_properties(sinew_${name} PROPERTIES EXPORT_NAME ${name})
   target_include_directories(sinew_${name} PUBLIC
-    $<BUILD_INTERFACE:${view}> $<INSTALL_INTERFACE:${CMAKE_INSTALL_INCLUDEDIR}/sinew>)
+    $<BUILD_INTERFACE:${view}>
+    $<INSTALL_INTERFACE:${CMAKE_INSTALL_INCLUDEDIR}/sinew> $<INSTALL_INTERFACE:${CMAKE_INSTALL_INCLUDEDIR}>)
   target_link_libraries(sinew_${name} PUBLIC sinew_compiler ${ARG_PUBLIC} PRIVATE ${ARG_PRIVATE})
   set_property(GLOBAL APPEND PROPERTY SINEW_LIBRARIES sinew_${name})
   sinew_unity(sinew_${name})

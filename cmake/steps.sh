@@ -105,7 +105,7 @@ check_format() {
   clang-format-14 --dry-run --Werror "${files[@]}"
 }
 
-# What a user does who has sinew installed: find_package(sinew), derive from Problem, identify.
+# What a user does who has sinew installed: find_package(sinew), a model of one's own, identify and diagnose it.
 check_installed() {
   local prefix=$PWD/build/installed
   rm -rf "$prefix" build/outside
@@ -113,5 +113,27 @@ check_installed() {
   cmake -S docs/examples/outside -B build/outside -G Ninja -DCMAKE_PREFIX_PATH="$prefix" -DCMAKE_BUILD_TYPE=Release
   cmake --build build/outside
   build/outside/pendulum
+  build/outside/ball
+  check_tank
   "$prefix/bin/sinew" list solvers
+}
+
+# The program that a user's model becomes finds the effect that is hidden in its data.
+check_tank() {
+  local tank=build/outside/tank data=build/outside/tank.h5
+  /usr/bin/python3 docs/examples/outside/make_tank_data.py "$data"
+  "$tank" list effects --data "$data" >build/outside/effects.txt
+  "$tank" identify --data "$data" --out build/outside/run.h5 --quiet
+  "$tank" diagnose --data "$data" --out build/outside/diagnosis.h5 --json build/outside/diagnosis.json --quiet
+  /usr/bin/python3 - build/outside/diagnosis.json <<'PYTHON'
+import json
+import sys
+with open(sys.argv[1]) as file:
+    diagnosis = json.load(file)
+causes = [cause["effect"] for cause in diagnosis["causes"]]
+sys.exit(0 if causes == ["overflow"] else f"the tank overflows, but the diagnosis names {causes}")
+PYTHON
+  "$tank" simulate --data "$data" --from build/outside/run.h5 --out build/outside/simulated.h5
+  "$tank" compare --data "$data" --solvers ceres,lm --repeats 2 --out build/outside/study.h5 --quiet
+  "$tank" report build/outside/run.h5 build/outside/diagnosis.h5 --out-dir build/outside/report
 }

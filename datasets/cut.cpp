@@ -8,7 +8,7 @@
 namespace sinew {
 namespace {
 
-constexpr double kSameInstant_s = 1e-9;  // times are not told apart below it: 0.1 + 0.2 is still inside 0.3
+constexpr double kSameInstant_s = 1e-9;  // smaller differences count as equal: 0.1 + 0.2 is still inside 0.3
 
 bool KeepsMargin(const std::string& name, const Grid& grid) {
   if (name == "coordinates" || name == "markers") return true;

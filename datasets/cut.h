@@ -1,4 +1,4 @@
-// Several stances out of one recording: a window of a trial becomes a trial of its own.
+// Cutting: a window of a trial becomes a trial of its own, such as a stance out of a recording.
 #pragma once
 
 #include <optional>
@@ -11,7 +11,7 @@ namespace sinew {
 
 /// What CutTrial keeps, and under which name.
 struct TrialWindow {
-  std::string trial;              ///< the source, which stays as it is
+  std::string trial;              ///< the source, which is not changed
   double start_s = 0;             ///< first instant that is kept
   double end_s = 0;               ///< last instant that is kept, > start_s
   std::string name;               ///< of the new trial

@@ -18,7 +18,7 @@ Status CheckName(const std::string& where, const std::string& what, const std::s
 Status CheckSiUnit(const std::string& where, const std::string& unit) {
   const auto conversion = ToSi(unit);
   if (!conversion) return Fail("{}: {}", where, conversion.error().message);
-  if (conversion->factor != 1)
+  if (conversion->factor != 1 || conversion->offset != 0)
     return Fail("{}: unit '{}', expected SI: '{}'", where, unit, conversion->si_unit);
   return {};
 }

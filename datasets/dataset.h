@@ -1,4 +1,4 @@
-// Measured data as a laboratory has them: trials, each with channels on one or more time grids.
+// Measured data: trials, each with channels on one or more time grids.
 #pragma once
 
 #include <map>
@@ -20,7 +20,7 @@ enum class ChannelKind { kMeasured, kInput };
 struct Channel {
   std::string unit;
   ChannelKind kind = ChannelKind::kMeasured;
-  std::optional<double> sigma;  ///< standard deviation of its noise, in its unit, > 0, if somebody knows it
+  std::optional<double> sigma;  ///< standard deviation of its noise, in its unit, > 0, if known
   std::vector<double> values;
 };
 
@@ -36,8 +36,8 @@ struct Trial {
   std::map<std::string, double> conditions;  ///< such as speed_rad_per_s
   std::map<std::string, Grid> grids;
 
-  /// A channel and the grid that it lies on; both nullptr if no grid has it. If several grids have a channel
-  /// of that name, the first by name; whoever must tell them apart asks the grid.
+  /// A channel and its grid; both nullptr if no grid has it. If several grids have a channel of that name,
+  /// the first by name of the grid.
   struct Found {
     const Grid* grid = nullptr;
     const Channel* channel = nullptr;
@@ -62,8 +62,9 @@ struct Dataset {
   std::map<std::string, Constant> constants;
   std::map<std::string, std::string> files;  ///< texts that belong to the trials, such as an .osim
 
-  /// Checks what every reader and writer relies on: sizes agree, time increases strictly and is finite, sigma
-  /// > 0, units are known, names are not empty and hold no '/'. The error names the trial, grid and channel.
+  /// Checks the invariants that all readers and writers rely on: sizes agree, time increases strictly and is
+  /// finite, sigma > 0, units are known, names are not empty and contain no '/'. The error names the trial,
+  /// grid and channel.
   [[nodiscard]] Status Check() const;
 };
 

@@ -1,4 +1,4 @@
-// A short name for the content of a dataset, so that a result can say what it was computed from.
+// A hash of the content of a dataset, which identifies the data of a result.
 #pragma once
 
 #include <string>

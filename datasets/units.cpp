@@ -14,11 +14,13 @@ namespace sinew {
 namespace {
 
 constexpr double kRadPerDeg = kPi / 180;
+constexpr const char* kCelsius = "degC";  // no unit of products: its zero is not that of kelvin
+constexpr double kCelsiusZero = 273.15;   // [K]
 
 // The symbols that SI units are written with, in the order in which a product names them.
-enum Symbol { kKg, kN, kJ, kW, kPa, kV, kA, kOhm, kH, kF, kM, kS, kRad, kHz, kSymbolCount };
-constexpr std::array<std::string_view, kSymbolCount> kSymbolNames = {"kg",  "N", "J", "W", "Pa", "V",   "A",
-                                                                     "ohm", "H", "F", "m", "s",  "rad", "Hz"};
+enum Symbol { kKg, kN, kJ, kW, kPa, kV, kA, kOhm, kH, kF, kM, kS, kRad, kHz, kK, kSymbolCount };
+constexpr std::array<std::string_view, kSymbolCount> kSymbolNames = {
+    "kg", "N", "J", "W", "Pa", "V", "A", "ohm", "H", "F", "m", "s", "rad", "Hz", "K"};
 
 struct Atom {
   std::string_view name;
@@ -49,6 +51,7 @@ constexpr Atom kAtoms[] = {
     {"rpm", 2 * kPi / 60, kRad, 1, kS, -1},
     {"Hz", 1, kHz, 1},
     {"kHz", 1e3, kHz, 1},
+    {"K", 1, kK, 1},
     {"kg", 1, kKg, 1},
     {"N", 1, kN, 1},
     {"mN", 1e-3, kN, 1},
@@ -212,16 +215,18 @@ Result<UnitConversion> ToSi(std::string_view unit) {
   const std::string_view trimmed = Trim(unit);
   if (trimmed.empty()) return Fail("the unit is empty; write 1 for a number without unit");
   const std::string ascii = Ascii(trimmed.substr(0, kLongest + 1));
+  if (ascii == kCelsius) return UnitConversion{"K", 1, kCelsiusZero};
   const auto dimension = trimmed.size() <= kLongest ? UnitParser(ascii).ParseAll() : std::nullopt;
   if (!dimension || !std::isfinite(dimension->factor) || dimension->factor == 0) {
     std::vector<std::string> known;
     for (const Atom& atom : kAtoms) known.emplace_back(atom.name);
+    known.emplace_back(kCelsius);
     const auto closest = ClosestName(ascii, known);
     const std::string lead = closest ? "; did you mean '" + *closest + "'? Known are" : "; known are";
     return Fail("unknown unit '{}'{} {} and their products and quotients (N*m, m/s2)",
                 trimmed.substr(0, kLongest), lead, Join(known, ", "));
   }
-  return UnitConversion{Format(*dimension), dimension->factor};
+  return UnitConversion{Format(*dimension), dimension->factor, 0};
 }
 
 }  // namespace sinew

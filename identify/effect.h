@@ -1,5 +1,5 @@
-// What might be wrong with a model: named groups of parameters that can be released, places where a term that
-// nobody knows may enter, and constraints.
+// What can be missing from a model: effects (named groups of parameters that can be released), ports at which
+// a model discrepancy term can be added, and linear constraints.
 #pragma once
 
 #include <optional>
@@ -7,6 +7,7 @@
 #include <vector>
 
 #include "base/linear_algebra.h"
+#include "base/linear_basis.h"
 
 namespace sinew {
 
@@ -19,15 +20,17 @@ enum class Level { kHuman, kRobot, kBoundary, kSensor };
 struct Effect {
   std::string name;
   Level level = Level::kSensor;
-  std::string description;  ///< the cause as a sentence: "the force plate reads too much by a constant"
-  std::string revealing_experiment;  ///< the experiment that would show it
+  std::string description;  ///< the cause as a sentence: "the force plate reads too high by a constant"
+  std::string revealing_experiment;  ///< an experiment in which the effect is large
   std::vector<int> parameters;       ///< indices into Problem::parameters()
-  std::string trial = {};            ///< the trial that alone shows it; empty: all of them (the default)
+  std::string trial = {};            ///< the only trial that it acts in; empty: all (the default)
 };
 
-/// A smooth function of one signal that may be added at a port: sum of weights times linear hats over the
-/// knots, constant beyond the outer ones. The weights are parameters (kEffect, null 0) whose `effect` is this
-/// term's name, so that a term is scored, released and refitted like any effect.
+/// A model discrepancy term: a smooth function of one signal that can be added at a port, piecewise linear
+/// between the knots and constant beyond the outer ones (weights times linear basis functions). The weights
+/// are parameters (kEffect, null 0) whose `effect` is this term's name, so that a term is scored, released
+/// and refitted like any effect.
+/// Source: Kennedy, O'Hagan (2001), J. R. Stat. Soc. B 63:425-464, for the discrepancy term.
 struct DiscrepancyTerm {
   std::string name;    ///< PORT(SIGNAL), such as torque(position)
   std::string signal;  ///< position, velocity, command, time, ...
@@ -36,23 +39,14 @@ struct DiscrepancyTerm {
   std::vector<int> parameters;  ///< [K] indices into Problem::parameters(): the weights [unit of the port]
 };
 
-/// A place where something that nobody thought of may enter (a joint torque, the output itself), and what it
-/// may depend on there.
+/// A place where a discrepancy term can be added (a joint torque, the output itself), with one term per
+/// signal that it can depend on there.
 struct DiscrepancyPort {
   std::string name;
   std::string unit;
   std::string meaning;
   std::vector<DiscrepancyTerm> terms;  ///< one per signal
 };
-
-/// Values of the hats over `knots` at x: at most two are not zero.
-struct LinearBasis {
-  int first = 0;          ///< index of the left one
-  double left = 1;        ///< value of hat `first`
-  double right = 0;       ///< value of hat `first` + 1
-  double left_slope = 0;  ///< d/dx of `left`; that of `right` is its negative
-};
-[[nodiscard]] LinearBasis LinearBasisAt(const std::vector<double>& knots, double x);
 
 /// g(theta) = offset + coefficients * theta <= 0, linear in the parameters.
 struct Constraint {

@@ -8,10 +8,10 @@ namespace {
 
 constexpr int kMinSamples = 200;
 constexpr int kStretches = 20;
-constexpr double kTellingShare = 0.25;
-constexpr double kOutstanding = 2;  // times any other stretch
+constexpr double kMinConcentratedShare = 0.25;
+constexpr double kRatioToOthers = 2;  // least ratio to any stretch that does not overlap it
 
-// Largest sum of `count` neighbours that begin in [from, to); where it begins.
+// Largest sum of `count` neighbours that begin in [from, to), and where it begins.
 std::pair<double, Eigen::Index> Largest(const Vector& sums, Eigen::Index count, Eigen::Index from,
                                         Eigen::Index to) {
   std::pair<double, Eigen::Index> largest{0, from};
@@ -30,18 +30,18 @@ std::vector<Concentration> FindConcentrations(const Layout& layout, const std::v
     const Block& block = layout[b];
     const Eigen::Index n = block.samples();
     if (n < kMinSamples || block.role == BlockRole::kPredicted) continue;
-    Vector sums = Vector::Zero(n + 1);  // of all before
+    Vector sums = Vector::Zero(n + 1);  // cumulative sums
     for (Eigen::Index i = 0; i < n; ++i) {
       const auto at = static_cast<std::size_t>(i);
       sums[i + 1] = sums[i] + std::pow(values[b][block.sample[at]] - block.measured[at], 2);
     }
     const Eigen::Index count = n / kStretches;
     const auto [most, first] = Largest(sums, count, 0, n - count + 1);
-    if (!(most > kTellingShare * sums[n])) continue;
+    if (!(most > kMinConcentratedShare * sums[n])) continue;
     const double others =
         std::max(Largest(sums, count, 0, std::max<Eigen::Index>(first - count + 1, 0)).first,
                  Largest(sums, count, std::min(first + count, n - count + 1), n - count + 1).first);
-    if (most < kOutstanding * others) continue;
+    if (most < kRatioToOthers * others) continue;
     const auto time = [&](Eigen::Index i) {
       return block.prediction_time[static_cast<std::size_t>(block.sample[static_cast<std::size_t>(i)])];
     };

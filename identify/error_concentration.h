@@ -1,5 +1,5 @@
-// Errors that gather in one short stretch of a trial: something happened there that is in no model, such as a
-// foot on the wrong plate.
+// Errors concentrated in one short stretch of a trial: an event that no model contains, such as a foot on the
+// wrong plate.
 #pragma once
 
 #include <string>
@@ -12,18 +12,18 @@
 namespace sinew {
 
 /// A stretch of a twentieth of a block's samples that holds more than a quarter of its squared errors, and
-/// more than twice as much as any stretch that does not touch it: what recurs, as errors of every stride do,
-/// is no such stretch.
+/// more than twice as much as any stretch that does not overlap it. The second condition excludes errors that
+/// recur, as those of every stride do.
 struct Concentration {
   std::string trial;
   std::string channel;
   double time = 0;   ///< [s] middle of the stretch
   double width = 0;  ///< [s]
-  double share = 0;  ///< of the squared errors
+  double share = 0;  ///< of the block's squared errors
 };
 
-/// Of every block of at least 200 measured samples, the largest share first.
-/// @param values [layout size][predictions]
+/// The concentrations of all blocks with at least 200 measured samples, the largest share first.
+/// @param values [layout size][predictions] predicted values
 [[nodiscard]] std::vector<Concentration> FindConcentrations(const Layout& layout,
                                                             const std::vector<Vector>& values);
 

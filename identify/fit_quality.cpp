@@ -4,6 +4,8 @@
 #include <cmath>
 #include <limits>
 
+#include "identify/guarded.h"
+
 namespace sinew {
 namespace {
 
@@ -21,8 +23,8 @@ struct Sums {
   }
 };
 
-// Deviations are taken from the mean of the block itself, also where blocks are pooled: otherwise two trials
-// that differ in level would look well predicted by two constants.
+// Deviations are taken from the mean of each block, also where blocks are pooled: with a common mean, two
+// trials that differ only in level would get a high r2 from two constants.
 Sums Compare(const Block& block, const Vector& predicted) {
   Sums sums;
   sums.n = block.samples();
@@ -44,7 +46,7 @@ Result<FullPrediction> PredictAll(const Problem& problem, const Vector& paramete
   const auto workspace = problem.NewWorkspace();
   Prediction prediction(layout);
   const std::vector<bool> all(layout.size(), true);
-  SINEW_TRY(problem.Predict({parameters, all, false, nullptr}, *workspace, prediction));
+  SINEW_TRY(PredictGuarded(problem, {parameters, all, false, nullptr}, *workspace, prediction));
   FullPrediction full;
   for (std::size_t b = 0; b < layout.size(); ++b)
     full.values.emplace_back(prediction.values(static_cast<int>(b)));

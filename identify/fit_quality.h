@@ -29,10 +29,10 @@ struct FullPrediction {
       pooled;  ///< the same per role and quantity (channel without the plate's name) over all trials
 };
 
-/// Errors: the problem's own.
+/// Predicts every block and compares it with its measurement. Errors: those of Problem::Predict.
 Result<FullPrediction> PredictAll(const Problem& problem, const Vector& parameters);
 
-/// The errors of `full.values` anew.
+/// Recomputes `full.quality` and `full.pooled` from `full.values`.
 void Assess(const Layout& layout, FullPrediction& full);
 
 }  // namespace sinew

@@ -4,6 +4,7 @@
 #include <set>
 
 #include "base/text.h"
+#include "identify/check_problem.h"
 
 namespace sinew {
 namespace {
@@ -25,7 +26,8 @@ Result<std::vector<int>> ParametersOf(const Problem& problem, const std::string&
   return Fail("effect '{}' does not exist{}", name, Suggestion(name, names));
 }
 
-// What belongs to a trial that is only predicted is no part of a fit: see FitHeldOutNuisance.
+// Nuisance parameters of held-out trials are not part of the fit; FitHeldOutNuisance estimates them
+// afterwards.
 bool BelongsToHeldOutTrial(const Problem& problem, const Parameter& p) {
   if (p.trial.empty()) return false;
   const Layout& layout = problem.layout();
@@ -41,6 +43,7 @@ bool FitSetup::IsFree(int parameter) const {
 }
 
 Result<FitSetup> MakeFitSetup(const Problem& problem, const FitRequest& request) {
+  SINEW_TRY(CheckEffects(problem));
   FitSetup setup;
   setup.parameters = problem.parameters();
   std::set<int> free;
@@ -54,7 +57,7 @@ Result<FitSetup> MakeFitSetup(const Problem& problem, const FitRequest& request)
     SINEW_ASSIGN(const int index, FindParameter(setup.parameters, name));
     free.insert(index);
   }
-  std::vector<int> flat_at_null;  // parameters of effects of which all have probes: no slope there
+  std::vector<int> flat_at_null;  // of effects whose parameters all have probe values: no slope at the null
   for (const std::string& name : request.release) {
     SINEW_ASSIGN(const std::vector<int> parameters, ParametersOf(problem, name));
     free.insert(parameters.begin(), parameters.end());

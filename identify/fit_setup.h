@@ -1,4 +1,4 @@
-// Which parameters of a problem are free in one fit, and where all others stand.
+// Which parameters of a problem are free in one fit, and the values of all others.
 #pragma once
 
 #include <string>
@@ -11,29 +11,30 @@
 
 namespace sinew {
 
-/// What a user asks for on top of what the problem declares. Names, not indices: it comes from a command
-/// line.
+/// What a user requests beyond what the problem declares. Parameters are given by name because the request
+/// comes from a command line.
 struct FitRequest {
-  std::vector<std::string> free;                                          ///< only these base parameters
-  std::vector<std::pair<std::string, double>> fix;                        ///< held at a value
-  std::vector<std::pair<std::string, std::pair<double, double>>> bounds;  ///< other bounds
-  std::vector<std::pair<std::string, double>> start;                      ///< other starts
+  std::vector<std::string> free;                                          ///< fit only these base parameters
+  std::vector<std::pair<std::string, double>> fix;                        ///< hold these at a value
+  std::vector<std::pair<std::string, std::pair<double, double>>> bounds;  ///< replace these bounds
+  std::vector<std::pair<std::string, double>> start;                      ///< replace these starts
   std::vector<std::string> release;                                       ///< effects to release
 };
 
-/// A problem with bounds, starts and the choice of free parameters settled.
+/// The parameters of one fit: their bounds, their starts, and which of them are free.
 struct FitSetup {
   std::vector<Parameter> parameters;  ///< as the problem's, with the requested bounds and starts
   std::vector<int> free;              ///< indices, increasing
-  Vector rest;  ///< [P] value of every parameter that is not free; start of those that are
+  Vector rest;                        ///< [P] start of every free parameter, value of every other one
 
   [[nodiscard]] bool IsFree(int parameter) const;
 };
 
 /// By default all base parameters, and the nuisance parameters of training trials, are free, and all effects
-/// rest at their null. A released effect whose parameters all have probes has no slope at its null; it starts
-/// at its middle probe, unless bounds or a start say otherwise. Errors: unknown names (with a suggestion),
-/// bounds that exclude the start, a fixed value outside the bounds, a parameter both free and fixed.
+/// are held at their null. A released effect whose parameters all have probe values has no slope at its null,
+/// so it starts at its middle probe value unless the request gives bounds or a start. Errors: unknown names
+/// (with a suggestion), bounds that exclude the start, a fixed value outside the bounds, a parameter both
+/// free and fixed.
 Result<FitSetup> MakeFitSetup(const Problem& problem, const FitRequest& request);
 
 }  // namespace sinew

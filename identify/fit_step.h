@@ -1,4 +1,4 @@
-// One of several fits that are done one after the other.
+// One step of a stepwise identification: several fits in sequence.
 #pragma once
 
 #include <string>
@@ -8,8 +8,8 @@ namespace sinew {
 
 struct FitStep {
   std::string name;
-  std::vector<int> parameters;  ///< that are free in it, increasing; all others keep what they have
-  std::vector<int> blocks;      ///< that are compared in it, increasing
+  std::vector<int> parameters;  ///< free in this step, increasing; all others keep their values
+  std::vector<int> blocks;      ///< in the cost of this step, increasing
 };
 
 }  // namespace sinew

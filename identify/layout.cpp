@@ -18,8 +18,10 @@ Status CheckBlock(const Block& block, int parameters) {
   for (std::size_t i = 0; i < block.sample.size(); ++i) {
     const int previous = i == 0 ? -1 : block.sample[i - 1];
     if (block.sample[i] <= previous || block.sample[i] >= block.predictions())
-      return Fail("bad sample index {}", i);
-    if (!std::isfinite(block.measured[i])) return Fail("measured value {} is not finite", i);
+      return Fail("sample[{}] = {}: expected increasing indices into {} prediction times", i, block.sample[i],
+                  block.predictions());
+    if (!std::isfinite(block.measured[i]))
+      return Fail("measured[{}] = {}: expected a finite number (leave gaps out)", i, block.measured[i]);
   }
   if (block.role != BlockRole::kPredicted && block.measured.empty()) return Fail("it has no measured value");
   if (!(block.weight > 0) || !std::isfinite(block.weight)) return Fail("its weight is {}", block.weight);
@@ -41,7 +43,8 @@ Status CheckBlock(const Block& block, int parameters) {
   for (std::size_t i = 0; i < block.columns.size(); ++i) {
     const int previous = i == 0 ? -1 : block.columns[i - 1];
     if (block.columns[i] <= previous || block.columns[i] >= parameters)
-      return Fail("bad parameter column {}", i);
+      return Fail("columns[{}] = {}: expected increasing indices of the {} parameters", i, block.columns[i],
+                  parameters);
   }
   return {};
 }
@@ -81,7 +84,8 @@ Prediction::Prediction(const Layout& layout) {
     derivative_offset_.push_back(size);
     size += block.predictions() * columns_.back();
   }
-  // Pages of columns that nobody asks for are never touched: with a hundred effects that is most of them.
+  // Derivatives stay uninitialised: memory pages of columns that are never requested are then never touched,
+  // and with a hundred effects these are most.
   data_.resize(size);
   data_.head(values_).setConstant(std::numeric_limits<double>::quiet_NaN());
 }

@@ -1,4 +1,4 @@
-// Which channels of which trials a problem predicts, and how they meet the measurement: residuals come in
+// Which channels of which trials a problem predicts, and how predictions and measurements form residual
 // blocks.
 #pragma once
 
@@ -12,8 +12,9 @@
 
 namespace sinew {
 
-/// Train: in the cost. Validate: predicted and compared, never fitted. Predicted: the model can tell it but
-/// it is not compared (not measured, or not asked for); used to say what measuring it would bring.
+/// kTrain: in the cost. kValidate: predicted and compared, never fitted (held out). kPredicted: predicted but
+/// not compared, because the channel was not measured or not requested; used to compute what measuring it
+/// would add.
 enum class BlockRole { kTrain, kValidate, kPredicted };
 
 [[nodiscard]] const char* ToString(BlockRole role);
@@ -26,7 +27,7 @@ enum class BlockRole { kTrain, kValidate, kPredicted };
 struct Block {
   std::string trial;
   std::string channel;
-  std::string quantity;  ///< what it measures, for people: "vertical force"; alike for both plates. Empty:
+  std::string quantity;  ///< readable name: "vertical force", the same for both plates. Empty: use
                          ///< the channel
   std::string unit;
   BlockRole role = BlockRole::kTrain;
@@ -34,28 +35,31 @@ struct Block {
   std::vector<int> sample;              ///< [N] indices into prediction_time, increasing; gaps are left out
   std::vector<double> measured;         ///< [N, unit], finite; empty for kPredicted without measurement
   double weight = 1;                    ///< [1/unit], > 0
-  /// [N] or empty: factors > 0 on the weight of single samples, about 1, where noise is not alike everywhere
-  /// (EMG is noisier while the muscle is active). Noise models are those of residuals so weighted; errors
-  /// that people read are not.
+  /// [N] or empty: factors > 0 on the weight of single samples, about 1, for noise whose level varies (EMG is
+  /// noisier while the muscle is active). Noise models describe the residuals weighted in this way; errors in
+  /// reports are not weighted by it.
   std::vector<double> relative_weight;
   std::optional<double> sigma;  ///< [unit] noise level, if known
-  /// The noise is white, and no lower than `sigma` where that is known. For predictions that fit values of
-  /// their own inside (states of a toss): their residual has lost what these took up, so that an
-  /// autoregression or a lower level estimated from it would be one of the fit.
+  /// The noise is white, and its level is not below `sigma` where that is known. For predictions that
+  /// estimate values of their own internally (the states of a toss): these estimates reduce and correlate the
+  /// residual, so that an autoregression or a lower level estimated from it would describe the fit, not the
+  /// noise.
   bool white = false;
-  /// [s, > 0] What is known of how long errors last, from how the channel was made: their correlation fades
-  /// as fast as exp(-t / noise_memory), or faster. What lasts longer is no noise. (An envelope forgets as
-  /// fast as its filter.)
+  /// [s, > 0] Known bound on the correlation time of the noise, from how the channel was made: its
+  /// autocorrelation decays at least as fast as exp(-t / noise_memory). Errors that last longer are not
+  /// noise. (For an envelope it is the memory of its low-pass filter.)
   std::optional<double> noise_memory;
-  /// kValidate, [N] or empty: samples that share an error beyond noise have one number, the same in all
-  /// blocks of a trial: a cycle whose gain and timing only a fit would tell. Such a block has a noise of its
-  /// own, larger and smoother than that of fitted trials.
+  /// kValidate, [N] or empty: group number of each sample, the same in all blocks of a trial. Samples of one
+  /// group share an error beyond noise, such as a cycle whose gain and timing are not fitted. The noise model
+  /// of such a block is estimated separately, because its errors are larger and smoother than those of fitted
+  /// trials.
   std::vector<int> group;
-  /// kPredicted only: where its values should stay. `weight` is that of the distance from it.
+  /// kPredicted only: range that the predicted values should stay in. `weight` then multiplies their distance
+  /// from it.
   std::optional<Range> range;
-  std::vector<int> columns;  ///< parameters that it may depend on, increasing
+  std::vector<int> columns;  ///< indices of the parameters that it can depend on, increasing
 
-  /// Of sample i [1/unit].
+  /// Weight of sample i [1/unit].
   [[nodiscard]] double WeightOf(std::size_t i) const {
     return relative_weight.empty() ? weight : weight * relative_weight[i];
   }
@@ -65,11 +69,10 @@ struct Block {
 
 using Layout = std::vector<Block>;
 
-/// Sizes, order, finiteness and weights of every block; the error names the block.
+/// Checks sizes, order, finiteness and weights of every block; the error names the block.
 [[nodiscard]] Status CheckLayout(const Layout& layout, int parameters);
 
-/// Predicted values and derivatives of every block, in one allocation that is made once and used again and
-/// again.
+/// Predicted values and derivatives of every block, in one allocation that is reused by all evaluations.
 class Prediction {
  public:
   explicit Prediction(const Layout& layout);
@@ -80,7 +83,8 @@ class Prediction {
     return {data_.data() + value_offset_[b], rows_[b]};
   }
 
-  /// Its derivative for each parameter in the block's `columns` [M x columns, column-major].
+  /// Derivatives of block b [M x columns, column-major]: column k is the derivative of its values with
+  /// respect to parameter Block::columns[k].
   Eigen::Map<Matrix> derivatives(int b) {
     return {data_.data() + derivative_offset_[b], rows_[b], columns_[b]};
   }
@@ -88,8 +92,8 @@ class Prediction {
     return {data_.data() + derivative_offset_[b], rows_[b], columns_[b]};
   }
 
-  /// Fills everything with NaN, so that what a problem forgot to set is found. A new prediction has NaN
-  /// values, and derivatives that are not set.
+  /// Fills everything with NaN, so that entries which Predict did not set are found. A new prediction has NaN
+  /// values and uninitialised derivatives.
   void Poison();
 
  private:
@@ -97,7 +101,7 @@ class Prediction {
   std::vector<Eigen::Index> columns_;
   std::vector<Eigen::Index> value_offset_;
   std::vector<Eigen::Index> derivative_offset_;
-  Eigen::Index values_ = 0;  // of data_, before the derivatives
+  Eigen::Index values_ = 0;  // number of predicted values in data_, before the derivatives
   Vector data_;
 };
 

@@ -3,6 +3,8 @@
 #include <algorithm>
 #include <cmath>
 
+#include "identify/guarded.h"
+
 namespace sinew {
 namespace {
 
@@ -12,7 +14,7 @@ double ToParameter(const Parameter& p, double x) {
   if (x == 1) return p.upper;
   const double value = p.scale == Scale::kLog ? p.lower * std::exp(x * std::log(p.upper / p.lower))
                                               : p.lower + x * (p.upper - p.lower);
-  return std::clamp(value, p.lower, p.upper);  // next to a bound, rounding would carry it across
+  return std::clamp(value, p.lower, p.upper);  // rounding can put a value next to a bound beyond it
 }
 
 double ToVariable(const Parameter& p, double value) {
@@ -24,6 +26,21 @@ double ToVariable(const Parameter& p, double value) {
 double Slope(const Parameter& p, double x) {
   if (p.scale == Scale::kLog) return ToParameter(p, x) * std::log(p.upper / p.lower);
   return p.upper - p.lower;
+}
+
+// Where the first predicted value that is not finite is.
+tl::unexpected<Error> NotFinite(const Layout& layout, const std::vector<LeastSquares::TrainBlock>& blocks,
+                                const Prediction& prediction) {
+  for (const auto& [b, first_row] : blocks) {
+    const Block& block = layout[static_cast<std::size_t>(b)];
+    for (std::size_t i = 0; i < block.sample.size(); ++i) {
+      const double value = prediction.values(b)[block.sample[i]];
+      if (std::isfinite(value)) continue;
+      return Fail("a predicted value is not finite: block {}/{}, sample {} (t = {:.6g} s) is {}", block.trial,
+                  block.channel, i, block.prediction_time[static_cast<std::size_t>(block.sample[i])], value);
+    }
+  }
+  return Fail("a residual is not finite");
 }
 
 }  // namespace
@@ -139,7 +156,7 @@ Status LeastSquares::Evaluate(const Vector& x, Workspace& workspace, Vector& res
                               SparseJacobian* jacobian) const {
   ParametersInto(x, workspace.parameters);
   const Query query{workspace.parameters, wanted_, jacobian != nullptr, &differentiate_};
-  SINEW_TRY(problem_.Predict(query, *workspace.problem, workspace.prediction));
+  SINEW_TRY(PredictGuarded(problem_, query, *workspace.problem, workspace.prediction));
 
   const Layout& layout = problem_.layout();
   residuals.resize(rows_);
@@ -173,7 +190,7 @@ Status LeastSquares::Evaluate(const Vector& x, Workspace& workspace, Vector& res
   }
   EvaluatePriors(x, workspace, residuals, jacobian);
   EvaluateRanges(x, workspace, residuals, jacobian);
-  if (!residuals.allFinite()) return Fail("a predicted value is not finite");
+  if (!residuals.allFinite()) return NotFinite(layout, train_blocks_, workspace.prediction);
   return {};
 }
 
@@ -265,7 +282,7 @@ Status LeastSquares::Constraints(const Vector& x, Workspace& workspace, Vector& 
   }
   if (strict_ranges_.empty()) return {};
   const Query query{workspace.parameters, constrained_, jacobian != nullptr, &differentiate_};
-  SINEW_TRY(problem_.Predict(query, *workspace.problem, workspace.prediction));
+  SINEW_TRY(PredictGuarded(problem_, query, *workspace.problem, workspace.prediction));
   for (std::size_t r = 0; r < strict_ranges_.size(); ++r) {
     const int b = strict_ranges_[r];
     const Block& block = problem_.layout()[static_cast<std::size_t>(b)];

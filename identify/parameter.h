@@ -1,4 +1,4 @@
-// What is to be found: one descriptor per parameter, the only home of its bounds.
+// One descriptor per parameter, the only place where its bounds are stated.
 #pragma once
 
 #include <optional>
@@ -9,42 +9,43 @@
 
 namespace sinew {
 
-/// How a parameter is stepped by a solver: by differences, or by ratios (then lower > 0).
+/// How a parameter is mapped to the solver's variable in [0, 1]: equal steps of the variable are equal
+/// differences of the parameter, or equal ratios (then lower > 0).
 enum class Scale { kLinear, kLog };
 
-/// What is known of a parameter before the data speak; mean and deviation in its unit (of its logarithm for
-/// kLog).
+/// Prior knowledge of a parameter; mean and deviation in its unit (of its natural logarithm for kLog).
 struct GaussianPrior {
   double mean = 0;
   double standard_deviation = 1;
 };
 
-/// Base parameters are what `identify` frees. Nuisance values (an initial state, a per-trial offset) are
-/// fitted too but are no findings. Effect parameters rest at their null value, where the effect vanishes,
-/// until the effect is released.
+/// Base parameters are what `identify` fits. Nuisance parameters (an initial state, a per-trial offset) are
+/// fitted too but not reported as results. Effect parameters are held at their null value, where the effect
+/// vanishes, until the effect is released.
 enum class ParameterKind { kBase, kNuisance, kEffect };
 
 struct Parameter {
   std::string name;
   std::string unit;     ///< SI; "1" if it has none
-  std::string meaning;  ///< one phrase for a person
+  std::string meaning;  ///< one phrase
   double lower = 0;     ///< finite
   double upper = 1;     ///< finite, > lower
-  double start = 0;     ///< within the bounds; stated, never "the middle"
+  double start = 0;     ///< within the bounds; stated by the problem, never the middle by default
   Scale scale = Scale::kLinear;
   std::string source;  ///< author, year, equation
   std::optional<GaussianPrior> prior;
 
   ParameterKind kind = ParameterKind::kBase;
-  std::string trial;           ///< the trial that alone depends on it; empty if all share it
+  std::string trial;           ///< the only trial that depends on it; empty if all share it
   std::string effect;          ///< kEffect: the effect that releases it
   double null_value = 0;       ///< kEffect: where the effect vanishes, within the bounds
-  std::vector<double> probes;  ///< kEffect: values to try where the null says nothing (a Stribeck velocity)
-  /// kEffect: if > 0, the prediction has a kink at the null (backlash) or does not change near it: its slope
-  /// there is a secant over about this step [unit], not the derivative.
+  std::vector<double> probes;  ///< kEffect: values to score at if the prediction does not depend on the
+                               ///< parameter at the null (a Stribeck velocity)
+  /// kEffect: if > 0, the prediction is not differentiable at the null (backlash has a kink there) or does
+  /// not change near it: the reported slope there is a secant over about this step [unit].
   double null_step = 0;
 
-  /// The value outside of a fit: the null of an effect, the start of all others.
+  /// The value of a parameter that is not fitted: the null of an effect, the start of all others.
   [[nodiscard]] double rest_value() const { return kind == ParameterKind::kEffect ? null_value : start; }
 };
 
@@ -52,7 +53,7 @@ struct Parameter {
 [[nodiscard]] Parameter BaseParameter(std::string name, std::string unit, std::string meaning, double lower,
                                       double upper, double start);
 
-/// A parameter of an effect, at rest where the effect vanishes.
+/// A parameter of an effect, on a linear scale, that starts at its null value.
 [[nodiscard]] Parameter EffectParameter(std::string name, std::string unit, std::string meaning, double lower,
                                         double upper, double null, std::string effect);
 
@@ -60,7 +61,7 @@ struct Parameter {
 /// constraint.
 [[nodiscard]] Status CheckParameters(const std::vector<Parameter>& parameters);
 
-/// Index of a parameter; the error suggests the name that was probably meant.
+/// Index of a parameter; the error for an unknown name suggests the closest one.
 Result<int> FindParameter(const std::vector<Parameter>& parameters, const std::string& name);
 
 }  // namespace sinew

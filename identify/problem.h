@@ -1,5 +1,5 @@
-// A problem is parameters plus a way to predict the measured channels of some trials. Solvers, uncertainty
-// and diagnosis see nothing else.
+// A problem: parameters, and a prediction of the measured channels of some trials. Solvers, uncertainty
+// analysis and diagnosis use nothing else.
 #pragma once
 
 #include <memory>
@@ -16,23 +16,28 @@
 
 namespace sinew {
 
-/// What is asked of Problem::Predict.
+/// One request to Problem::Predict: the point, the blocks, and the derivatives that are wanted.
 struct Query {
-  const Vector& parameters;         ///< [P] every parameter, fixed ones too, within bounds
-  const std::vector<bool>& blocks;  ///< [layout size] which blocks are wanted
-  bool derivatives = false;         ///< fill Prediction::derivatives too
-  /// [P] parameters whose derivatives are wanted; nullptr: all. Columns of others are left as they are.
+  const Vector&
+      parameters;  ///< [P] all parameters in the order of parameters(), fixed ones too, within bounds
+  const std::vector<bool>& blocks;  ///< [layout size] true for the blocks to be predicted
+  bool derivatives = false;         ///< true: fill Prediction::derivatives of these blocks too
+  /// [P] true for the parameters whose derivatives are wanted (the free ones); nullptr: all. Not read unless
+  /// `derivatives` is set.
   const std::vector<bool>* differentiate = nullptr;
 
+  /// True if the derivatives for this parameter are wanted: to be asked before a column is computed.
   [[nodiscard]] bool Differentiates(int parameter) const {
     return derivatives && (differentiate == nullptr || (*differentiate)[static_cast<std::size_t>(parameter)]);
   }
 };
 
-/// Physics with every known effect in it, bound to the data of some trials. Immutable after construction.
+/// A model with all its known effects, bound to the data of some trials. Immutable after construction: every
+/// const member may be called from several threads.
 class Problem {
  public:
-  /// What one thread needs between calls; holds no state that changes an answer.
+  /// Scratch memory of one thread, kept between calls. It must not influence a result: a prediction is the
+  /// same with a new workspace.
   class Workspace {
    public:
     Workspace() = default;
@@ -46,59 +51,93 @@ class Problem {
   Problem(const Problem&) = delete;
   Problem& operator=(const Problem&) = delete;
 
+  /// All parameters, base, nuisance and effect ones, in one fixed order: [P].
   [[nodiscard]] virtual const std::vector<Parameter>& parameters() const = 0;
+  /// The residual blocks: one per channel and trial, with times, measurement, weight and role.
   [[nodiscard]] virtual const Layout& layout() const = 0;
 
-  /// Groups of parameters that can be released, see Effect.
+  /// The effects: groups of parameters that can be released, see Effect. Default: none.
   [[nodiscard]] virtual const std::vector<Effect>& effects() const;
-  /// Places where an unknown term may enter, and the terms that may, see Port.
+  /// The ports: places where a model discrepancy term can be added, and these terms, see DiscrepancyPort.
+  /// Default: none.
   [[nodiscard]] virtual const std::vector<DiscrepancyPort>& ports() const;
-  /// Inequality constraints g(theta) <= 0, see Constraint.
+  /// Linear inequality constraints g(theta) <= 0, see Constraint. Default: none.
   [[nodiscard]] virtual const std::vector<Constraint>& constraints() const;
 
-  /// Fits one after the other that people are used to do instead of one of everything; empty: none.
+  /// The steps of the usual stepwise identification, which fits some parameters after the others instead of
+  /// all at once. Default: none.
   [[nodiscard]] virtual const std::vector<FitStep>& steps() const;
 
+  /// A workspace for one thread; each thread that predicts has its own.
   [[nodiscard]] virtual std::unique_ptr<Workspace> NewWorkspace() const {
     return std::make_unique<Workspace>();
   }
 
-  /// Predicts every wanted block on its prediction_time, and its derivatives for the parameters in its
-  /// `columns`.
+  /// Predicts every wanted block, and its derivatives if they are wanted. This is the one function that a
+  /// model has to provide; solvers, uncertainty analysis and diagnosis call it for many points, from several
+  /// threads.
   ///
-  /// Thread-safe for different workspaces; allocates nothing in steady state if the model is native. Blocks
-  /// that are not wanted are left as they are. The answer does not depend on which blocks are wanted.
+  /// For every block b with query.blocks[b] true, and no other:
+  ///  - prediction.values(b) [predictions() of the block, its unit] is set to the channel at each of the
+  /// times Block::prediction_time: all of them, not only those that have a measured sample. Values are
+  /// neither weighted nor compared with the measurement; the caller does both.
+  ///  - if query.derivatives is true, column k of prediction.derivatives(b) [predictions() x columns.size(),
+  /// column-major] is set to d values / d parameter, the parameter being Block::columns[k], for every k with
+  /// query.Differentiates(Block::columns[k]). Derivatives are with respect to the parameter in its own unit,
+  /// also where its scale is logarithmic. A column of a parameter that does not affect the block at this
+  /// point is set to zero, not left out. Columns that are not wanted are left as they are and are not read.
+  ///
+  /// A parameter that is not in Block::columns must not change the block; otherwise its effect on the cost is
+  /// missing from the gradient. Derivatives are those of the values returned: solvers stop too early, or
+  /// reject every step, where they are not. Documented departures: Parameter::null_step, and roundings such
+  /// as a quantised reading.
+  ///
+  /// All entries that are asked for have to be set: `prediction` is reused and holds old values or NaN.
+  /// Values that are not finite make the point fail.
+  ///
+  /// The result depends on `query.parameters` alone. Which blocks and derivatives are wanted, the calls
+  /// before, and the thread do not change it, to the last bit: runs are resumed by comparing points and
+  /// costs.
+  ///
+  /// Thread-safe for different workspaces and predictions. Native models allocate no memory here after the
+  /// first call.
+  ///
+  /// @param query references that are valid during the call only
+  /// @param workspace from NewWorkspace() of this problem
+  /// @param prediction constructed from this problem's layout()
   /// @return an Error if there is no prediction at this point (integrator step below its minimum, force not
-  /// finite at t = ...): the point is then rejected, with this reason, and the search goes on.
+  /// finite at t = ...). It is not fatal: the solver rejects the point, counts the failure, keeps the first
+  /// message for the report, and continues; `prediction` may then hold anything. Throws nothing.
   virtual Status Predict(const Query& query, Workspace& workspace, Prediction& prediction) const = 0;
 
-  /// What the cost is, for a person.
+  /// What the cost is, in words for reports.
   [[nodiscard]] virtual std::string objective() const { return "half the sum of squared weighted residuals"; }
 
-  /// Share of the cost that a small change of the parameters may add to it or take from it by chance: a
-  /// prediction that searches or integrates in steps is no smoother than these. Searches and profiles look no
-  /// closer. 0: smooth to rounding.
+  /// Relative noise of the cost: the share of it by which it can change at random between neighbouring
+  /// points, because the prediction contains a search or an integration with adaptive steps. Solvers and
+  /// profile likelihoods use no tolerance below it. 0: smooth to rounding.
   [[nodiscard]] virtual double cost_noise_level() const { return 0; }
 
-  /// Adds what only this problem has to show (pressures under a sole, muscle forces) at these parameters to a
-  /// run file.
+  /// Adds results that are specific to this problem (pressures under a sole, muscle forces) at these
+  /// parameters [P] to the details of a run file. Default: nothing.
   virtual Status WriteDetails(const Vector& parameters, Hdf5Node& details) const;
 
-  /// What a person should know about the model at these parameters, in sentences: a muscle that works where
-  /// none can.
+  /// Warnings about the model at these parameters [P], one sentence each, such as a muscle outside its
+  /// working range. Default: none.
   [[nodiscard]] virtual std::vector<std::string> WarningsAt(const Vector& parameters) const;
 
-  /// Signals that a residual of block b may be looked at against, besides time: measured channels and inputs
-  /// of its trial, at the block's samples.
+  /// A signal that the residual of a block may depend on, besides time: a measured channel or an input of its
+  /// trial, at the block's samples.
   struct Signal {
     std::string name;
     std::string unit;
     std::vector<double> values;  ///< [N of the block]
   };
+  /// The signals of one block, on which the diagnosis regresses its residual. Default: none.
   [[nodiscard]] virtual std::vector<Signal> ResidualCovariates(int block) const;
 };
 
-/// Every parameter at rest: starts, and effects at their null.
+/// The parameters without any fit [P]: starts, and effects at their null.
 [[nodiscard]] Vector RestPoint(const Problem& problem);
 
 }  // namespace sinew

@@ -6,7 +6,7 @@
 namespace sinew {
 namespace {
 
-constexpr double kSlack = 0.01;  // of the width, by which the smooth bound may lie above the farthest
+constexpr double kSlack = 0.01;  // of the width: how far the smooth bound may exceed the largest distance
 
 // Positive above the range, negative below it.
 double Outside(const Range& range, double value) {

@@ -1,5 +1,4 @@
-// The same problem with other roles of its trials: one that was held out is fitted, or one that was fitted is
-// held out.
+// A problem with other roles of its trials: a held-out trial is fitted, or a fitted one is held out.
 #pragma once
 
 #include <functional>
@@ -10,7 +9,7 @@
 
 namespace sinew {
 
-/// Parameters, predictions and everything else stay those of the inner problem, which must outlive the view.
+/// Everything but the roles is that of the inner problem, which must outlive the view.
 class RoleView final : public Problem {
  public:
   /// @param role the new role of each block

@@ -50,8 +50,8 @@ bool SharesMarker(const MarkerTrajectories& markers, const MultibodyModel& model
   });
 }
 
-MarkerFit FitOf(const std::string& trial, const IkResult& result) {
-  MarkerFit fit;
+KinematicsFit FitOf(const std::string& trial, const IkResult& result) {
+  KinematicsFit fit;
   fit.trial = trial;
   fit.frames = result.times.size();
   fit.markers = result.tracked.size();
@@ -72,9 +72,9 @@ MarkerFit FitOf(const std::string& trial, const IkResult& result) {
 
 }  // namespace
 
-Result<std::vector<MarkerFit>> AddCoordinates(const MultibodyModel& model, const IkSetup* setup,
-                                              const std::function<void(int done, int all)>& progress,
-                                              Dataset& data) {
+Result<std::vector<KinematicsFit>> AddCoordinates(const MultibodyModel& model, const IkSetup* setup,
+                                                  const std::function<void(int done, int all)>& progress,
+                                                  Dataset& data) {
   std::vector<std::pair<std::string, Trial*>> trials;
   int frames = 0;
   for (auto& [name, trial] : data.trials) {
@@ -92,7 +92,7 @@ Result<std::vector<MarkerFit>> AddCoordinates(const MultibodyModel& model, const
     ++done;
     if (progress) progress(done, frames);
   };
-  std::vector<std::optional<Result<MarkerFit>>> fits(trials.size());
+  std::vector<std::optional<Result<KinematicsFit>>> fits(trials.size());
   CurrentExecutor().ForEach(trials.size(), [&](std::size_t i, std::size_t) {
     auto& [name, trial] = trials[i];
     const MarkerTrajectories markers = MarkersOf(trial->grids.at("markers"));
@@ -106,9 +106,9 @@ Result<std::vector<MarkerFit>> AddCoordinates(const MultibodyModel& model, const
     fits[i] = FitOf(name, *solved);
   });
 
-  std::vector<MarkerFit> all;
+  std::vector<KinematicsFit> all;
   for (auto& fit : fits) {
-    SINEW_ASSIGN(MarkerFit one, std::move(*fit));
+    SINEW_ASSIGN(KinematicsFit one, std::move(*fit));
     all.push_back(std::move(one));
   }
   return all;

@@ -12,7 +12,7 @@
 namespace sinew {
 
 /// How closely the model follows the markers of one trial.
-struct MarkerFit {
+struct KinematicsFit {
   std::string trial;
   std::size_t frames = 0;
   std::size_t markers = 0;                ///< tracked
@@ -30,8 +30,8 @@ struct MarkerFit {
 /// @param progress frames done and in all; called from one thread at a time
 /// @return one fit per trial with markers, in the order of their names; empty if there is none
 /// Errors: those of SolveInverseKinematics, with the trial. The data set is then unspecified.
-Result<std::vector<MarkerFit>> AddCoordinates(const MultibodyModel& model, const IkSetup* setup,
-                                              const std::function<void(int done, int all)>& progress,
-                                              Dataset& data);
+Result<std::vector<KinematicsFit>> AddCoordinates(const MultibodyModel& model, const IkSetup* setup,
+                                                  const std::function<void(int done, int all)>& progress,
+                                                  Dataset& data);
 
 }  // namespace sinew

@@ -1,21 +1,19 @@
 #include "problems/registry.h"
 
-#include <set>
-
 #include "base/text.h"
-#include "identify/observation/sensor_effects.h"
-#include "problems/contact/contact_problem.h"
-#include "problems/contact/contact_synthesis.h"
-#include "problems/drive/drive_channels.h"
-#include "problems/drive/drive_problem.h"
-#include "problems/drive/drive_synthesis.h"
+#include "problems/ankle_study/emg_shape_synthesis.h"
+#include "problems/ankle_study/nms_synthesis.h"
+#include "problems/contact/problem.h"
+#include "problems/contact/synthesis.h"
+#include "problems/drive/data/channels.h"
+#include "problems/drive/laboratory/synthesis.h"
+#include "problems/drive/problem.h"
 #include "problems/emg_shape/averaging_problem.h"
-#include "problems/emg_shape/emg_shape_problem.h"
-#include "problems/emg_shape/emg_shape_synthesis.h"
-#include "problems/free_body/free_body_problem.h"
-#include "problems/free_body/free_body_synthesis.h"
-#include "problems/nms/nms_problem.h"
-#include "problems/nms/nms_synthesis.h"
+#include "problems/emg_shape/problem.h"
+#include "problems/free_body/problem.h"
+#include "problems/free_body/synthesis.h"
+#include "problems/kit/bind.h"
+#include "problems/nms/problem.h"
 
 namespace sinew {
 namespace {
@@ -24,66 +22,45 @@ namespace {
 // CHANNEL.time_offset.
 constexpr double kSensorMargin = 0.1;
 
-// A problem with its notes, behind the sensors' effects if they are wanted.
-template <class P>
-BoundProblem Bound(std::unique_ptr<P> problem, bool with_sensor_effects) {
-  BoundProblem bound;
-  bound.notes = problem->data().notes;
-  if (with_sensor_effects) {
-    bound.problem = std::make_unique<SensorEffects>(std::move(problem));
-  } else {
-    bound.problem = std::move(problem);
-  }
-  return bound;
+double SensorMargin(bool with_sensor_effects) {
+  return with_sensor_effects ? kSensorMargin : 0;
 }
 
 Result<BoundProblem> BindContact(const Dataset& data, const YamlReader& settings, bool with_sensor_effects) {
-  SINEW_TRY(settings.OnlyKeys({"contact"}));
-  SINEW_ASSIGN(const YamlReader section, settings.At("contact"));
-  SINEW_ASSIGN(ContactSettings contact, ReadContactSettings(section, data.files));
-  SINEW_ASSIGN(auto problem,
-               ContactProblem::Make(data, std::move(contact), with_sensor_effects ? kSensorMargin : 0));
-  return Bound(std::move(problem), with_sensor_effects);
+  const auto read = [&](const YamlReader& section) { return ReadContactSettings(section, data.files); };
+  return Bind("contact", settings, read, [&](ContactSettings contact) {
+    return Bound(ContactProblem::Make(data, std::move(contact), SensorMargin(with_sensor_effects)),
+                 with_sensor_effects);
+  });
 }
 
 Result<BoundProblem> BindDrive(const Dataset& data, const YamlReader& settings, bool with_sensor_effects) {
-  SINEW_TRY(settings.OnlyKeys({"drive"}));
-  SINEW_ASSIGN(const YamlReader section, settings.At("drive"));
-  SINEW_ASSIGN(const DriveSettings drive, ReadDriveSettings(section));
-  SINEW_ASSIGN(auto problem, DriveProblem::Make(data, drive, with_sensor_effects ? kSensorMargin : 0));
-  return Bound(std::move(problem), with_sensor_effects);
+  return Bind("drive", settings, ReadDriveSettings, [&](const DriveSettings& drive) {
+    return Bound(DriveProblem::Make(data, drive, SensorMargin(with_sensor_effects)), with_sensor_effects);
+  });
 }
 
 // The cameras' faults are effects of the problem itself: they must reach the states that its windows fit.
 Result<BoundProblem> BindFreeBody(const Dataset& data, const YamlReader& settings,
                                   bool /*with_sensor_effects*/) {
-  SINEW_TRY(settings.OnlyKeys({"free_body"}));
-  SINEW_ASSIGN(const YamlReader section, settings.At("free_body"));
-  SINEW_ASSIGN(const FreeBodySettings body, ReadFreeBodySettings(section));
-  SINEW_ASSIGN(auto problem, FreeBodyProblem::Make(data, body));
-  return Bound(std::move(problem), false);
+  return Bind("free_body", settings, ReadFreeBodySettings,
+              [&](const FreeBodySettings& body) { return Bound(FreeBodyProblem::Make(data, body), false); });
 }
 
 // Faults of electrodes are effects of the problem itself.
 Result<BoundProblem> BindEmgShape(const Dataset& data, const YamlReader& settings,
                                   bool /*with_sensor_effects*/) {
-  SINEW_TRY(settings.OnlyKeys({"emg_shape"}));
-  SINEW_ASSIGN(const YamlReader section, settings.At("emg_shape"));
-  SINEW_ASSIGN(EmgShapeSettings emg, ReadEmgShapeSettings(section));
-  if (emg.model == EmgShapeModel::kAveraging) {
-    SINEW_ASSIGN(auto averaging, AveragingProblem::Make(data, emg));
-    return Bound(std::move(averaging), false);
-  }
-  SINEW_ASSIGN(auto problem, EmgShapeProblem::Make(data, std::move(emg)));
-  return Bound(std::move(problem), false);
+  return Bind("emg_shape", settings, ReadEmgShapeSettings, [&](EmgShapeSettings emg) {
+    return emg.model == EmgShapeModel::kAveraging ? Bound(AveragingProblem::Make(data, emg), false)
+                                                  : Bound(EmgShapeProblem::Make(data, std::move(emg)), false);
+  });
 }
 
 Result<BoundProblem> BindNms(const Dataset& data, const YamlReader& settings, bool with_sensor_effects) {
-  SINEW_TRY(settings.OnlyKeys({"nms"}));
-  SINEW_ASSIGN(const YamlReader section, settings.At("nms"));
-  SINEW_ASSIGN(NmsSettings nms, ReadNmsSettings(section, data.files));
-  SINEW_ASSIGN(auto problem, NmsProblem::Make(data, std::move(nms)));
-  return Bound(std::move(problem), with_sensor_effects);
+  const auto read = [&](const YamlReader& section) { return ReadNmsSettings(section, data.files); };
+  return Bind("nms", settings, read, [&](NmsSettings nms) {
+    return Bound(NmsProblem::Make(data, std::move(nms)), with_sensor_effects);
+  });
 }
 
 }  // namespace
@@ -108,8 +85,12 @@ const std::vector<ProblemEntry>& ProblemRegistry() {
 }
 
 Result<const ProblemEntry*> FindProblem(const std::string& name) {
+  return FindProblem(ProblemRegistry(), name);
+}
+
+Result<const ProblemEntry*> FindProblem(const std::vector<ProblemEntry>& problems, const std::string& name) {
   std::vector<std::string> names;
-  for (const ProblemEntry& entry : ProblemRegistry()) {
+  for (const ProblemEntry& entry : problems) {
     if (entry.name == name) return &entry;
     names.push_back(entry.name);
   }

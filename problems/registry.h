@@ -1,10 +1,6 @@
 // Every problem that the program knows, in one visible list.
 #pragma once
 
-#include <cstdint>
-#include <map>
-#include <memory>
-#include <optional>
 #include <string>
 #include <utility>
 #include <vector>
@@ -12,24 +8,13 @@
 #include "base/error.h"
 #include "base/yaml_reader.h"
 #include "datasets/dataset.h"
-#include "identify/problem.h"
+#include "identify/parameter.h"
+#include "problems/bound_problem.h"
+#include "problems/synthesis_request.h"
 
 namespace sinew {
 
-/// A problem bound to data, and what a person should know about how it was bound.
-struct BoundProblem {
-  std::unique_ptr<Problem> problem;
-  std::vector<std::string> notes;
-};
-
-/// What `sinew data synthesize` asks for.
-struct SynthesisRequest {
-  std::uint64_t seed = 1;
-  std::map<std::string, double> set;  ///< true parameters and settings of the experiment by name
-  std::vector<std::pair<std::string, std::map<std::string, double>>> effects;  ///< name, parameters
-  std::optional<double> noise;  ///< factor on all noise; 0 for none
-};
-
+/// `synthesize`, `parameters` and `experiment` may be nullptr: a user's own problem need not have them.
 struct ProblemEntry {
   std::string name;
   std::string description;  ///< one line for `sinew list problems`
@@ -49,5 +34,6 @@ struct ProblemEntry {
 
 /// Errors: no such problem, with a suggestion.
 Result<const ProblemEntry*> FindProblem(const std::string& name);
+Result<const ProblemEntry*> FindProblem(const std::vector<ProblemEntry>& problems, const std::string& name);
 
 }  // namespace sinew

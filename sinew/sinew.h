@@ -1,4 +1,5 @@
-// Everything that a user's own model needs: derive from Problem, then Identify it.
+// Everything that a user's own model needs: derive from OdeProblem, AutoDiffProblem, DifferencedProblem or
+// Problem, then Identify and Diagnose it, or make a program of it with RunCommandLine (docs/own_model.md).
 #pragma once
 
 #include "base/error.h"
@@ -6,15 +7,23 @@
 #include "base/random.h"
 #include "base/spline.h"
 #include "base/version.h"
+#include "cli/run_command_line.h"
 #include "datasets/dataset.h"
 #include "datasets/io/dataset_file.h"
+#include "identify/check_problem.h"
 #include "identify/diagnosis/diagnosis.h"
+#include "identify/differenced_problem.h"
+#include "identify/files/diagnosis_file.h"
 #include "identify/files/run_file.h"
 #include "identify/fit_setup.h"
 #include "identify/identification/identification.h"
 #include "identify/observation/sensor_effects.h"
 #include "identify/problem.h"
+#include "identify/text/diagnosis_overview.h"
 #include "identify/text/diagnosis_sentences.h"
 #include "identify/text/findings.h"
 #include "identify/text/warnings.h"
+#include "problems/autodiff/autodiff_problem.h"
+#include "problems/ode/ode_problem.h"
+#include "problems/own_model.h"
 #include "problems/registry.h"

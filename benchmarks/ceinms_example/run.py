@@ -1,5 +1,5 @@
 #!/usr/bin/python3
-"""A CEINMS project through sinew: the calibration that CEINMS did, by several solvers, and on torques of our own model.
+"""A CEINMS project through sinew: CEINMS's calibration repeated by several solvers, and on torques of our own model.
 
 CEINMS calibrates these 50 parameters in 118 s (documented settings, f = 0.217, not converged) or 235 s (510,000 evaluations,
 f = 2.5e-6; held-out trial 0.08 and 0.04 N m). f is the sum over trials and joints of the mean squared error over the variance.
@@ -16,7 +16,7 @@ import h5py
 
 ROOT = Path(__file__).resolve().parents[2]
 LONGEST = 3600
-# With a budget where the solver would go on.
+# With a budget for solvers without a convergence test.
 SOLVERS = {"lm": [], "hop": [], "ceres": [], "ipopt": [], "multistart": [], "cmaes": ["--max-evaluations", "500000"],
            "sa": ["--max-evaluations", "500000"], "sa+lm": ["--max-evaluations", "100000"]}
 

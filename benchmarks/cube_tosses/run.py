@@ -41,7 +41,7 @@ def import_tosses(options, data):
 
 
 def every(data, step, out):
-    """Every step-th toss of those that are fitted, and of those that are held out."""
+    """Every step-th fitted toss, and every step-th held-out one."""
     shutil.copy(data, out)
     with h5py.File(out, "r+") as file:
         trials = file["trials"]
@@ -70,7 +70,7 @@ def whole_tosses(data, run_file):
 
 
 def restitution(dissipation, speed):
-    """Of a central impact by the law of Hunt and Crossley, whatever the stiffness: a (1 + e) = ln((1 + a) / (1 - a e)) with
+    """Coefficient of restitution of a central impact by the law of Hunt and Crossley, independent of the stiffness: a (1 + e) = ln((1 + a) / (1 - a e)) with
     a = 1.5 c v, from the law's phase curve."""
     a = 1.5 * dissipation * speed
     low, high = 0.0, min(1.0, 1 / a)
@@ -84,7 +84,7 @@ def restitution(dissipation, speed):
 
 
 def touches(run_file):
-    """Vertical speeds [m/s] of the middle at the last frame before the first touch."""
+    """Vertical impact speeds [m/s] of the middle at the last frame before the first touch."""
     speeds = []
     with h5py.File(run_file) as file:
         for toss in file["details/free_body"].values():

@@ -1,9 +1,9 @@
 #!/usr/bin/env python3
-"""The thesis's study of chapter 6 on made-up people: EMG predicted from speed and angle, and the moments it makes.
+"""The thesis's study of chapter 6 on synthetic people: EMG predicted from speed and angle, and the moments it makes.
 
 usage: run.py --sinew build/release/sinew [--jobs 2] [--dir D] [--out RESULTS.json] [--cycles 9] [--left-out no]
 
-For five people: data (raw EMG of five muscles at six speeds, nine cycles to learn from and three held out), the
+For five people: data (raw EMG of five muscles at six speeds, nine cycles to fit and three held out), the
 thesis's averaging (a) and the identified model (b), the calibrated muscles (nms) driven by measured and by
 predicted EMG. Prints Tables 14 to 18 with the thesis's figures, then every speed left out once.
 """
@@ -144,7 +144,7 @@ class Person:
         return rows
 
     def leave_out(self, data):
-        """Every speed once: learnt from the five others."""
+        """Every speed once: fitted to the five others."""
         results = {}
         for speed in SPEEDS:
             shape, averaged, predicted = (self.path(f"without_{speed}_{n}.h5") for n in ("shape", "a", "b"))

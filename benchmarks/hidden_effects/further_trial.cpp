@@ -1,7 +1,7 @@
 #include "benchmarks/hidden_effects/further_trial.h"
 
 #include "base/random.h"
-#include "problems/drive/drive_excitation.h"
+#include "problems/drive/laboratory/excitation.h"
 
 namespace sinew {
 namespace {

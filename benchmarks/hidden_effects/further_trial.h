@@ -1,10 +1,10 @@
-// Trials that come on top of a case's ordinary ones.
+// Further trials in addition to a case's ordinary ones.
 #pragma once
 
 #include <string>
 #include <vector>
 
-#include "problems/drive/drive_synthesis.h"
+#include "problems/drive/laboratory/synthesis.h"
 
 namespace sinew {
 
@@ -13,8 +13,8 @@ namespace sinew {
 const std::vector<std::string>& FurtherKinds();
 
 /// The experiment of `plan` with other trials: one training trial of each kind, as long as those of the plan,
-/// with motion and noise of their own, the same truth and the same scale of its commands.
-/// @param plan an ordinary one without effects: the motions are tuned for its joint. Errors: those of
+/// with their own motion and noise, the same truth and the same scale of its commands.
+/// @param plan an ordinary one without effects: the motions are designed for its joint. Errors: those of
 /// SimulateDrive.
 Result<DrivePlan> PlanFurther(const DrivePlan& plan, const std::vector<std::string>& kinds,
                               std::uint64_t seed);

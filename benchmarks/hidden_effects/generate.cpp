@@ -81,7 +81,7 @@ Result<Options> ReadOptions(const std::vector<std::string>& words) {
   return options;
 }
 
-// Streams of the seed: each choice has its own, so that one does not move the others.
+// Random streams of the seed: one per choice, so that a choice does not influence the others.
 enum Stream : std::uint64_t { kJoint = 1, kNoise, kChoice, kExperiment, kAlso };
 
 Random StreamOf(const Options& options, std::uint64_t stream) {
@@ -108,7 +108,7 @@ Result<DrivePlan> DrawPlan(const Options& options) {
   return PlanDrive(request);
 }
 
-/// What was chosen, and how plain it is to the oracle.
+/// The chosen effect, and its size for the oracle.
 struct Hidden {
   std::string name;
   DriveTruth alone;  ///< the joint with this effect only
@@ -156,7 +156,7 @@ Result<std::vector<Hidden>> Hide(const Options& options, const Oracle& oracle, c
 nlohmann::json ParametersOf(const std::string& effect, const DriveTruth& truth) {
   nlohmann::json parameters = nlohmann::json::object();
   for (const DriveTruthEntry& entry : DriveTruthEntries("torque")) {
-    if (entry.effect == effect) parameters[entry.parameter] = truth.*entry.value;
+    if (entry.effect == effect) parameters[entry.parameter] = truth[entry.slot];
   }
   return parameters;
 }
@@ -184,12 +184,12 @@ Status Generate(const Options& options) {
   SINEW_ASSIGN(const Oracle oracle, Oracle::Make(plan));
   SINEW_ASSIGN(const std::vector<Hidden> hidden, Hide(options, oracle, plan));
 
-  // What comes on top is drawn after the effect was sized, and changes none of the ordinary trials.
+  // Further trials are drawn after the effect was sized, and do not change the ordinary trials.
   SINEW_ASSIGN(DrivePlan further, PlanFurther(plan, options.also, Random::StreamSeed(options.seed, kAlso)));
   const DriveTruth joint = plan.truth;
   for (const Hidden& one : hidden) {
     for (const DriveTruthEntry& entry : DriveTruthEntries("torque")) {
-      if (entry.effect == one.name) plan.truth.*entry.value = one.alone.*entry.value;
+      if (entry.effect == one.name) plan.truth[entry.slot] = one.alone[entry.slot];
     }
   }
   further.truth = plan.truth;
@@ -205,9 +205,9 @@ Status Generate(const Options& options) {
   truth["size"] = options.size;
   if (!options.also.empty()) truth["also"] = options.also;
   truth["unit_norm"] = kUnitNorm;
-  truth["base"] = {{"inertia", joint.inertia},
-                   {"viscous_friction", joint.viscous_friction},
-                   {"gravity_torque", joint.gravity_torque}};
+  truth["base"] = {{"inertia", joint[kInertia]},
+                   {"viscous_friction", joint[kViscousFriction]},
+                   {"gravity_torque", joint[kGravityTorque]}};
   truth["noise"] = {{"kind", options.noise},
                     {"sigma", plan.position_noise.sigma},
                     {"rho", plan.position_noise.rho},
@@ -215,9 +215,9 @@ Status Generate(const Options& options) {
   truth["effects"] = nlohmann::json::array();
   const Vector noise = oracle.Noise();
   for (const Hidden& one : hidden) {
-    // The model knows the compression by the largest command that was recorded.
+    // The model's compression is given by the largest command that was recorded.
     DriveTruth stated = one.alone;
-    stated.compression *= scale / plan.trials.front().command_scale;
+    stated[kCompression] *= scale / plan.trials.front().command_scale;
     nlohmann::json effect{
         {"name", one.name},
         {"parameters", ParametersOf(one.name, stated)},

@@ -37,14 +37,13 @@ Result<Oracle> Oracle::Make(const DrivePlan& plan) {
 
   const auto train = static_cast<Eigen::Index>(plan.train);
   Matrix columns = Matrix::Zero(train * oracle.samples_, 3 + 2 * train);
-  double DriveTruth::*const base[] = {&DriveTruth::inertia, &DriveTruth::viscous_friction,
-                                      &DriveTruth::gravity_torque};
+  constexpr int base[] = {kInertia, kViscousFriction, kGravityTorque};
   for (int c = 0; c < 3; ++c) {
     DriveTruth lower = plan.truth;
     DriveTruth upper = plan.truth;
-    const double step = kRelativeStep * plan.truth.*base[c];
-    lower.*base[c] -= step;
-    upper.*base[c] += step;
+    const double step = kRelativeStep * plan.truth[base[c]];
+    lower[base[c]] -= step;
+    upper[base[c]] += step;
     SINEW_ASSIGN(const Vector above, oracle.Positions(upper, oracle.replayed_));
     SINEW_ASSIGN(const Vector below, oracle.Positions(lower, oracle.replayed_));
     columns.col(c) = (above - below) / (2 * step);
@@ -72,8 +71,9 @@ Result<Oracle> Oracle::Make(const DrivePlan& plan) {
 
 Result<Vector> Oracle::Signature(const DriveTruth& truth) const {
   const bool closed = plan_.trials.front().control != DriveControl::kTorque;
-  const bool other_input = closed || truth.input_offset != 0 || truth.input_drift != 0 ||
-                           truth.input_gain != 1 || truth.input_time_offset != 0 || truth.input_low_pass != 0;
+  const bool other_input = closed || truth[kInputOffset] != 0 || truth[kInputDrift] != 0 ||
+                           truth[kInputGain] != 1 || truth[kInputTimeOffset] != 0 ||
+                           truth[kInputLowPass] != 0;
   Matrix change(samples_ * static_cast<Eigen::Index>(plan_.train), 1);
   for (std::size_t i = 0; i < plan_.train; ++i) {
     const Eigen::Index at = static_cast<Eigen::Index>(i) * samples_;

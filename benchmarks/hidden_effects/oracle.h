@@ -1,4 +1,4 @@
-// Somebody who knows the truth and the noise: how plain would a hidden effect be to him?
+// An oracle test with known truth and noise: the detectable size of a hidden effect.
 #pragma once
 
 #include <vector>
@@ -6,11 +6,11 @@
 #include "base/error.h"
 #include "base/linear_algebra.h"
 #include "benchmarks/hidden_effects/hidden_effect.h"
-#include "problems/drive/drive_synthesis.h"
+#include "problems/drive/laboratory/synthesis.h"
 
 namespace sinew {
 
-/// A test at 5 % (two-sided) finds an effect whose signature has this norm with a probability of 95 %: the
+/// A test at 5 % (two-sided) detects an effect whose signature has this norm with a probability of 95 %: the
 /// sum of the normal quantiles 1.960 and 1.645.
 inline constexpr double kUnitNorm = 3.605;
 
@@ -30,8 +30,8 @@ class Oracle {
   /// The amplitude whose signature has norm `norm` (to 1 %); nothing if no sensible amplitude has.
   Result<std::optional<double>> Amplitude(const HiddenEffect& effect, double norm) const;
 
-  /// |R| between a signature and an effect of the library at unit size, as somebody sees it who must choose
-  /// its parameters among the probes: the largest multiple correlation over its groups of columns.
+  /// R| between a signature and an effect of the library at unit size, with its parameters restricted to the
+  /// probe values: the largest multiple correlation over its groups of columns.
   Result<double> Correlation(const Vector& signature, const std::string& effect) const;
 
   [[nodiscard]] const Extents& extents() const { return extents_; }

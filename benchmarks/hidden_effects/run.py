@@ -1,8 +1,8 @@
 #!/usr/bin/python3
-"""Hides effects in synthetic data of a driven joint, lets the program diagnose the files, and counts.
+"""Hides effects in synthetic data of a driven joint, runs the diagnosis on the files, and counts.
 
 Each case: hidden_effects_generate makes a data file without a label and the truth beside it; `sinew diagnose drive` sees the
-data only; its JSON is compared with the truth. What is counted, and what no method can do, is said in README.md.
+data only; its JSON is compared with the truth. README.md describes the counts and the limits of any method.
 
 usage: run.py --sinew PATH --generate PATH [--kind none,single,pair,outsider] [--cases 100] [--sizes 1,1.5,2,3,6]
               [--noise white,ar] [--experiment multisine] [--effect NAME] [--jobs 2] [--first-seed 1] [--out results.json]
@@ -46,7 +46,7 @@ def intervals(parameters):
 
 
 def study(options, number, kind, size, noise, seed):
-    """One case; returns what was hidden, what was said and how they compare."""
+    """One case; returns the truth, the result and their comparison."""
     case = {"kind": kind, "size": size, "noise": noise, "seed": seed}
     with tempfile.TemporaryDirectory(prefix="hidden_effects_") as folder:
         folder = Path(folder)
@@ -151,7 +151,7 @@ def compare(case, truth, found):
 
 
 def study_parser(about, detector):
-    """The words of a study whose cases the program itself synthesizes."""
+    """The command-line arguments of a study whose cases the program itself synthesizes."""
     parser = argparse.ArgumentParser(description=about.splitlines()[0])
     parser.add_argument("--sinew", type=Path)
     parser.add_argument("--kind", type=words, default=["none", "single"], help="of none,single,outsider")
@@ -166,7 +166,7 @@ def study_parser(about, detector):
 
 
 def summarise_by_name(cases):
-    """What became of every hidden effect, and up to five reasons why cases failed."""
+    """The result for every hidden effect, and up to five reasons why cases failed."""
     for kind in ("single", "outsider"):
         own = [c for c in cases if c["kind"] == kind and "failure" not in c]
         counts = ("noticed, first, in the set", ("detected", "first", "in_set"))
@@ -219,7 +219,7 @@ OF_ONE_SIGNAL = ("cubic_spring", "torque_bump", "dead_zone", "cubic_drag", "ecce
 
 
 def best_match(case):
-    """Largest |correlation| of an outsider's signature with an effect of the library; 0 where no oracle says."""
+    """Largest |correlation| of an outsider's signature with an effect of the library; 0 if the oracle has none."""
     return max((abs(r) for r in case["truth"]["effects"][0].get("correlations", {}).values()), default=0)
 
 

@@ -1,5 +1,5 @@
 #!/usr/bin/python3
-"""Does the experiment that a diagnosis suggests tell two effects apart that it could not tell apart?
+"""Does the experiment that a diagnosis suggests separate two effects that it could not distinguish?
 
 Each case: one effect is hidden as in run.py and the file is diagnosed. Where the truth is stated together with others, the case
 is made again with one more trial of the kind that `separated_by` names (joint, effect, ordinary trials and their noise stay
@@ -21,7 +21,7 @@ from pathlib import Path
 from run import cell, numbers, read, run, wilson
 
 KINDS = ("same", "rest", "creep", "hold", "fast", "sharp")
-# By what a suggestion says. None: it needs an instrument, a stop or a weight that these data do not have. Where a suggestion
+# By the text of a suggestion. None: it needs an instrument, a stop or a weight that these data do not have. Where a suggestion
 # has two parts ("several positions, one of them known", "a trigger, then a sharp command"), the trial is the part that these
 # data can have.
 KIND_OF = {
@@ -60,7 +60,7 @@ KIND_OF = {
 
 
 def diagnose(options, folder, size, seed, also):
-    """Truth and what was found, of a case with the given trials on top."""
+    """Truth and result of a case with the given trials on top."""
     name = "_".join(["case", *also])
     data, truth, found = (folder / f"{name}{end}" for end in (".h5", "_truth.json", "_found.json"))
     words = [options.generate, "--kind", "single", "--seed", seed, "--size", size, "--noise", options.noise, "--experiment",
@@ -86,7 +86,7 @@ def set_size(found):
 
 
 def rivals(truth, found):
-    """What is stated beside the truth, and the suggestion that shall tell them apart; `class`: of the truth's declared class."""
+    """What is stated beside the truth, and the suggested experiment; `class`: of the truth's declared class."""
     own = {truth}
     for _ in range(2):  # twice: the truth may come after others of its class
         for a in found["alternatives"]:
@@ -94,7 +94,7 @@ def rivals(truth, found):
                 own |= {a["instead_of"], a["effect"]}
     result = []
     for a in found["alternatives"]:
-        if a.get("contains_cause"):  # no experiment takes a law out of one that contains it
+        if a.get("contains_cause"):  # no experiment can exclude a law that contains the cause
             continue
         pair = [a["instead_of"], a["effect"]]
         others = [e for e in pair if e not in own]
@@ -109,7 +109,7 @@ def rivals(truth, found):
 
 
 def study(options, size, seed):
-    """One case: its pairs, and per kind of further trial what became of them."""
+    """One case: its pairs, and per kind of further trial the result."""
     case = {"size": size, "seed": seed, "pairs": [], "after": {}}
     with tempfile.TemporaryDirectory(prefix="separate_") as folder:
         folder = Path(folder)

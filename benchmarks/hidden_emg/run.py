@@ -1,5 +1,5 @@
 #!/usr/bin/python3
-"""Hides effects in the made-up EMG study (problem emg_shape), lets the program diagnose the files, and counts.
+"""Hides effects in the synthetic EMG study (problem emg_shape), runs the diagnosis on the files, and counts.
 
 Each case: the program synthesizes the envelopes of a person drawn at random (two muscles, four speeds, six training and three
 held-out cycles a speed; EMG of one electrode per muscle) with one effect whose size is known here and nowhere in the file;
@@ -78,7 +78,7 @@ def units_of(options, person):
 def study(options, kind, size, seed):
     case = {"kind": kind, "size": size, "noise": "emg", "seed": seed}
     own = random.Random(1000003 * seed + int(100 * size) + {"none": 0, "single": 1, "outsider": 2}[kind])
-    # Sizes need a recording without a fault of the same person; where none are asked for, everybody is another.
+    # Sizes need a recording without a fault of the same person; without sizes, every case is another person.
     person = 100 + (seed % PEOPLE if kind == "single" else seed)
     truth = {"base": {}, "effects": []}
     effects = {}

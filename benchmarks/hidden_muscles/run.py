@@ -1,5 +1,5 @@
 #!/usr/bin/python3
-"""Hides effects in the synthetic ankle study (problem nms), lets the program diagnose the files, and counts.
+"""Hides effects in the synthetic ankle study (problem nms), runs the diagnosis on the files, and counts.
 
 Each case: the program synthesizes a data set (electrodes and moment noise at their defaults) with one effect whose size is
 known here and nowhere in the file; `sinew diagnose nms` sees the data only. A size is in units of what an oracle just detects:
@@ -66,7 +66,7 @@ OUTSIDERS = {"ripple": 0.5, "tension_curve": 10, "tremor": 0.5, "soleus_fades": 
 
 
 class Sizing:
-    """How far an amplitude changes what the model with the true base parameters leaves over."""
+    """Change of the residual of the model with the true base parameters by an amplitude."""
 
     def __init__(self, sinew, folder, seed):
         self.sinew, self.folder, self.seed = sinew, folder, seed
@@ -149,7 +149,7 @@ def draw_base(seed):
 
 
 def correlations(options):
-    """Of every two effects' signatures, in the study of the first seed: what cannot be told apart."""
+    """Of every two effects' signatures, in the study of the first seed, for the pairs that cannot be distinguished."""
     with tempfile.TemporaryDirectory(prefix="hidden_muscles_") as folder:
         sizing = Sizing(options.sinew, Path(folder), options.first_seed)
         sizing.prepare()

@@ -2,8 +2,8 @@
 """The thesis's motorised ankle-foot orthosis: errors that grow with speed, their causes, and the errors after.
 
 A laboratory that shares no code with the fitted model drives the orthosis through the thesis's five trials; a late
-command and dry friction are hidden in it. The program sees the data file only. What is compared, and how the trials are
-divided, is said in README.md.
+command and dry friction are hidden in it. The program sees the data file only. README.md describes the comparison and the
+roles of the trials.
 
 usage: run.py --sinew PATH [--seed 1] [--delay 0.18] [--friction 1.5] [--work DIR] [--json FILE]
 """
@@ -31,7 +31,7 @@ TRIALS = [("speed_05", "5", (1.09, 0.98, 2.10, 0.82)),
           ("speed_20_10", "20, 10", (2.23, 0.94, 7.27, 0.76))]
 CONSTANT = {"speed_05": 5, "speed_10": 10, "speed_20": 20}  # [deg/s]
 
-# What somebody would write into a model from the data sheets, as the thesis did: a rotor of 0.0135 g m2 behind a gear of
+# A model from the data sheets, as in the thesis: a rotor of 0.0135 g m2 behind a gear of
 # 300, a foot plate of 1.5 kg at 0.1 m, starting at rest at 0. The truth lies near it, not on it.
 DATA_SHEET = {"inertia": 1.215, "viscous_friction": 2.5, "gravity_torque": 1.47}
 BASE = {"inertia": 1.25, "viscous_friction": 3.0, "gravity_torque": 1.5}  # the truth
@@ -55,7 +55,7 @@ def assignments(values):
 
 
 def channel(file, trial, name):
-    """Times and values of a channel, wherever in the trial it is."""
+    """Times and values of a channel, in whichever grid of the trial it is."""
     for grid in file[f"trials/{trial}"].values():
         if name in grid["channels"]:
             return grid["time"][()], grid[f"channels/{name}"][()]
@@ -79,7 +79,7 @@ def errors(measured_path, simulated_path):
 
 
 def study(options, folder):
-    """Makes the data, lets the program look at them; returns everything that is printed."""
+    """Makes the data, runs the program on them; returns everything that is printed."""
     data = folder / "mafo.h5"
     sinew(options, "data", "synthesize", "drive", "--set", "mafo=1", *assignments(BASE), "--set", "known_noise=0",
           "--set", "noise_rho=0.8", "--set", "noise_slow=0.5", "--seed", options.seed, "--out", data,

@@ -1,6 +1,5 @@
-// Writes models/mechanisms/converged_curves.cpp: what A03, A04 and A05 do, by rk_feldberg at an accuracy at
-// which nothing changes any more, and how far rk_merson (the default) and cpodes_bdf are from it. Takes
-// minutes.
+// Writes models/mechanisms/converged_curves.cpp: the motions of A03, A04 and A05 by rk_feldberg, converged
+// with respect to accuracy, and their differences to rk_merson (the default) and cpodes_bdf. Takes minutes.
 #include <algorithm>
 #include <cstdio>
 

@@ -1,7 +1,7 @@
 #!/usr/bin/python3
 """A rat soleus, fully activated, under six amplitudes of stretch: force predicted by the three tendons, then diagnosed.
 
-The problem nms wants joints: here the joint has a moment arm of 1 m, so that its moment in N m is the force in N.
+The problem nms needs joints: here the joint has a moment arm of 1 m, so that its moment in N m is the force in N.
 
 usage: run.py --sinew PATH [--data DIR] [--work DIR] [--json F] [--no-diagnosis]
 """
@@ -52,7 +52,7 @@ def curve(name, x, y):
 
 
 def ceinms_curves():
-    """As CEINMS's own subjects have them."""
+    """The curves of CEINMS's own subjects."""
     return (curve("activeForceLength",
                   [-5, 0, .401, .402, .4035, .52725, .62875, .71875, .86125, 1.045, 1.2175, 1.43875, 1.61875, 1.62, 1.621, 2.2, 5],
                   [0, 0, 0, 0, 0, .226667, .636667, .856667, .95, .993333, .77, .246667, 0, 0, 0, 0, 0])

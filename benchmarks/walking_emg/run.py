@@ -40,7 +40,7 @@ def sinew(options, *words, limit=900):
 
 
 def import_recordings(options):
-    """One data set with both recordings whole. A grid is named after its file, and nms asks for one called `excitations`."""
+    """One data set with both recordings whole. A grid is named after its file, and nms needs one called `excitations`."""
     out = options.work / "recordings.h5"
     subjects = []
     for file, name in (("gait2392_simbody_marker_ankle_knee_hip_r.xml", "before.xml"), ("subjectCalibrated.xml", "published.xml")):
@@ -221,7 +221,7 @@ def diagnose(options, recordings, variants):
 
 
 def split(options, recordings, variants):
-    """The same 20 s as three trials: a gross error is then judged by leaving out trials (docs/diagnosis.md)."""
+    """The same 20 s as three trials: a dominating misfit is then judged by cross-validation over trials (docs/diagnosis.md)."""
     parts, clean, ready = (options.work / f"split{i}.h5" for i in range(3))
     cut(options, recordings, SPLIT, parts)
     without_floors(recordings, parts, clean)

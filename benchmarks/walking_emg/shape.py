@@ -1,5 +1,5 @@
 #!/usr/bin/python3
-"""EMG of walking from the knee's angle alone: learnt at 3.6 km/h, predicted at 4.5 km/h, and what differs between the speeds.
+"""EMG of walking from the knee's angle alone: fitted at 3.6 km/h, predicted at 4.5 km/h, and what differs between the speeds.
 
 Both models of problem emg_shape: (a) the thesis's averaging, (b) the identified one. Strides from the knee angle. EMG as in the
 data set's envelopes. The diagnosis sees 20 s of either speed, a muscle at a time, in a model in which nothing changes with speed.

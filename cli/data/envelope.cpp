@@ -11,7 +11,7 @@
 #include "cli/terminal.h"
 #include "cli/work_options.h"
 #include "datasets/io/dataset_file.h"
-#include "problems/nms/emg_excitations.h"
+#include "problems/nms/excitation/emg_excitations.h"
 
 namespace sinew {
 namespace {

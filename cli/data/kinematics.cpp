@@ -21,7 +21,7 @@ struct KinematicsWords {
   WorkOptions work;
 };
 
-std::string Describe(const MarkerFit& fit) {
+std::string Describe(const KinematicsFit& fit) {
   std::string text = fmt::format("{}: {} frames, {} markers: {} mm RMS, {} mm at most", fit.trial, fit.frames,
                                  fit.markers, Readable(1e3 * fit.rms_m), Readable(1e3 * fit.max_m));
   if (!fit.unmatched.empty()) text += "\n  not in the model, left out: " + Join(fit.unmatched, ", ");
@@ -30,9 +30,9 @@ std::string Describe(const MarkerFit& fit) {
   return text + "\n";
 }
 
-nlohmann::ordered_json ToJson(const Dataset& data, const std::vector<MarkerFit>& fits) {
+nlohmann::ordered_json ToJson(const Dataset& data, const std::vector<KinematicsFit>& fits) {
   nlohmann::ordered_json json = DatasetJson(data);
-  for (const MarkerFit& fit : fits) {
+  for (const KinematicsFit& fit : fits) {
     json["marker_fit"].push_back({{"trial", fit.trial},
                                   {"frames", fit.frames},
                                   {"markers", fit.markers},
@@ -71,7 +71,7 @@ Result<int> Kinematics(const KinematicsWords& words) {
   if (fits->empty()) return Fail("{}: no trial has a grid 'markers'", words.path);
   SINEW_TRY(WriteDataset(words.path, data));
   std::string report;
-  for (const MarkerFit& fit : *fits) report += Describe(fit);
+  for (const KinematicsFit& fit : *fits) report += Describe(fit);
   SINEW_TRY(Report(
       words.json, [&] { return ToJson(data, *fits); }, report));
   return kDone;

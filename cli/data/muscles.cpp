@@ -7,7 +7,7 @@
 #include "cli/terminal.h"
 #include "cli/work_options.h"
 #include "datasets/io/dataset_file.h"
-#include "problems/nms/muscle_grids.h"
+#include "problems/nms/muscle/muscle_grids.h"
 
 namespace sinew {
 namespace {

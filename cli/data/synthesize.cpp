@@ -4,12 +4,14 @@
 #include "cli/command_files.h"
 #include "cli/data/data_commands.h"
 #include "cli/data/dataset_json.h"
+#include "cli/run_command_line.h"
 #include "datasets/io/dataset_file.h"
 
 namespace sinew {
 namespace {
 
 struct SynthesizeWords {
+  const Program* program = nullptr;
   std::string problem;
   std::string out;
   std::vector<std::string> set;
@@ -26,7 +28,8 @@ Result<std::pair<std::string, std::map<std::string, double>>> ParseEffect(const 
   if (at != std::string::npos) {
     for (const auto part : Split(std::string_view(text).substr(at + 1), ',')) {
       SINEW_ASSIGN(const auto assignment, ParseAssignment("--effect", std::string(part)));
-      parameters.insert(assignment);
+      if (!parameters.insert(assignment).second)
+        return Fail("--effect {}: '{}' is given twice", text.substr(0, at), assignment.first);
     }
   }
   return std::pair{text.substr(0, at), parameters};
@@ -34,7 +37,9 @@ Result<std::pair<std::string, std::map<std::string, double>>> ParseEffect(const 
 
 Result<int> Synthesize(const SynthesizeWords& words) {
   const auto limit = words.work.LimitThreads();
-  SINEW_ASSIGN(const ProblemEntry* entry, FindProblem(words.problem));
+  SINEW_ASSIGN(const ProblemEntry* entry, FindProblem(words.program->problems, words.problem));
+  if (entry->synthesize == nullptr)
+    return Fail("data synthesize: the problem '{}' has no laboratory of its own", entry->name);
   SINEW_TRY(CheckFiles({{}, {words.out}, words.json}));
   SynthesisRequest request;
   request.seed = words.work.seed;
@@ -59,6 +64,7 @@ Result<int> Synthesize(const SynthesizeWords& words) {
 
 void AddSynthesizeCommand(Command data, const RunAction& run) {
   auto words = std::make_shared<SynthesizeWords>();
+  words->program = &data.program();
   Command command = data.AddCommand("synthesize", "An experiment that never happened, marked synthetic");
   command.Add("problem", words->problem).Required().Shows("PROBLEM");
   command.Add("--out", words->out, "Data set to write").Required().Shows("F.h5");

@@ -17,7 +17,7 @@ import h5py
 SEED = 7
 JOINT = {"inertia": 0.14, "viscous_friction": 0.35, "gravity_torque": 4.0}  # [kg m2, N m s/rad, N m]
 EFFECT, SIZE = "asymmetric_friction", {"forward_friction": 0.16, "backward_friction": 0.08}  # [N m]
-# Encoder noise of 2 mrad, half of its variance white, half with a memory of some samples; the data do not tell its size.
+# Encoder noise of 2 mrad, half of its variance white, half correlated over some samples; the data do not state its level.
 BENCH = {"duration": 8, "rate": 100, "position_noise": 0.002, "noise_rho": 0.8, "noise_slow": 0.5, "known_noise": 0}
 TITLE = "knee joint on the bench"
 

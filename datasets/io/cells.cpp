@@ -34,7 +34,7 @@ int DecimalPlaces(std::string_view number) {
     const auto last = digits.find_last_not_of('0');
     places = static_cast<long>(last - point);  // 0 when only the point is left
   }
-  constexpr long kMaximum = 400;  // beyond what a double can tell apart
+  constexpr long kMaximum = 400;  // beyond the resolution of a double
   return static_cast<int>(std::clamp(places - std::clamp(exponent, -kMaximum, kMaximum), 0L, kMaximum));
 }
 

@@ -1,4 +1,4 @@
-// What a cell of a table of numbers may hold: a number, nothing (a gap), or a mistake.
+// Cells of a table of numbers: a number, a gap, or an error.
 #pragma once
 
 #include <optional>

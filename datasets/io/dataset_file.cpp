@@ -92,7 +92,7 @@ Result<Channel> ReadChannel(const Hdf5Node& node, const std::string& where) {
   channel.unit = unit.si_unit;
   SINEW_ASSIGN(channel.kind, ReadKind(node, where));
   SINEW_ASSIGN(channel.values, ReadVector(node, where));
-  for (double& value : channel.values) value *= unit.factor;
+  for (double& value : channel.values) value = unit.ToSi(value);
   if (node.attributes.count("sigma") != 0) {
     SINEW_ASSIGN(const double sigma, NumberAttribute(node, where, "sigma"));
     channel.sigma = sigma * unit.factor;
@@ -154,7 +154,7 @@ Result<Constant> ReadConstant(const Hdf5Node& node, const std::string& where) {
   const Hdf5Array* array = node.array();
   if (array == nullptr || array->values.size() != 1) return Fail("{}: expected a single number", where);
   SINEW_ASSIGN(const UnitConversion unit, ReadUnit(node, where));
-  return Constant{array->values.front() * unit.factor, unit.si_unit};
+  return Constant{unit.ToSi(array->values.front()), unit.si_unit};
 }
 
 Result<std::string> ReadText(const Hdf5Node& node, const std::string& where) {

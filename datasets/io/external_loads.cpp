@@ -41,7 +41,7 @@ class LoadsParser {
     return 1 + std::count(text_.begin(), text_.begin() + end, '\n');
   }
 
-  // OpenSim writes names that it does not know as "Unassigned".
+  // OpenSim writes unknown names as "Unassigned".
   static std::string Value(const pugi::xml_node& node, const char* element) {
     std::string value(Trim(node.child_value(element)));
     return value == "Unassigned" ? std::string() : value;

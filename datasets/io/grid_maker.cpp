@@ -22,15 +22,19 @@ Channel MakeChannel(const ColumnMeaning& meaning, std::vector<double> values) {
   channel.unit = meaning.unit;
   channel.kind = meaning.kind;
   channel.values = std::move(values);
-  for (double& value : channel.values) value *= meaning.factor;
+  for (double& value : channel.values) {
+    value *= meaning.factor;
+    if (meaning.offset != 0) value += meaning.offset;
+  }
   return channel;
 }
 
-// What the map says about a channel, on top of what is known of its column.
+// The map's entry for a channel, in addition to what its column states.
 ColumnMeaning Refine(ColumnMeaning meaning, const MappedChannel& mapped) {
   if (mapped.unit) {
     meaning.unit = mapped.unit->si_unit;
     meaning.factor = mapped.unit->factor;
+    meaning.offset = mapped.unit->offset;
     meaning.unit_is_known = true;
   }
   if (mapped.kind) meaning.kind = *mapped.kind;

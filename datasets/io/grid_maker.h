@@ -1,4 +1,4 @@
-// One file of measured data becomes one grid, as the options say.
+// Conversion of one file of measured data to one grid, by the import options.
 #pragma once
 
 #include <set>
@@ -19,8 +19,7 @@ struct NamedGrid {
   Grid grid;
 };
 
-/// Turns files into grids, and remembers which entries of the map and which plates they used. See
-/// ImportFiles.
+/// Converts files to grids, and records which entries of the map and which plates were used. See ImportFiles.
 class GridMaker {
  public:
   /// Both must outlive this object.

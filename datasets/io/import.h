@@ -1,4 +1,4 @@
-// Somebody's files become a trial of a dataset.
+// Import of the files of one trial into a dataset.
 #pragma once
 
 #include <string>

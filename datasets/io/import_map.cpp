@@ -186,7 +186,7 @@ class MapParser {
       return {};
     }));
     if (!number || !unit) return FailAt(file_, line, "{}: expected {{value: NUMBER, unit: UNIT}}", where);
-    map_.constants[name] = Constant{*number * unit->factor, unit->si_unit};
+    map_.constants[name] = Constant{unit->ToSi(*number), unit->si_unit};
     return {};
   }
 

@@ -1,4 +1,4 @@
-// What the columns of somebody's files mean: the YAML map of `sinew data import --map`.
+// The import map: the YAML file of `sinew data import --map` with the meaning of columns.
 #pragma once
 
 #include <map>
@@ -12,7 +12,7 @@
 
 namespace sinew {
 
-/// Where one channel comes from.
+/// The source of one channel.
 struct MappedChannel {
   std::string column;                  ///< its name in the file
   std::optional<UnitConversion> unit;  ///< that the file's numbers have; .csv needs it

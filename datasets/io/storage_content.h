@@ -30,6 +30,7 @@ struct ColumnMeaning {
   ChannelKind kind = ChannelKind::kMeasured;
   double factor = 1;          ///< file's number to SI
   bool unit_is_known = true;  ///< false: nothing in the file tells; `unit` is then 1
+  double offset = 0;          ///< [SI] added after `factor`
 };
 
 /// @param stem the file's name without folder and extension

@@ -15,15 +15,15 @@ namespace sinew {
 namespace {
 
 // A count that the header announces, and where.
-struct Announced {
+struct DeclaredCount {
   long count = 0;
   long line = 0;
 };
 
 struct Header {
   std::string title;
-  std::optional<Announced> rows;
-  std::optional<Announced> columns;
+  std::optional<DeclaredCount> rows;
+  std::optional<DeclaredCount> columns;
   std::optional<bool> in_degrees;
 };
 
@@ -89,12 +89,12 @@ class StorageParser {
     return {};
   }
 
-  Status ReadCount(const std::string& key, std::string_view value, std::optional<Announced>& announced) {
+  Status ReadCount(const std::string& key, std::string_view value, std::optional<DeclaredCount>& announced) {
     const auto count = ParseInteger(value);
     if (!count || *count < 0) {
       return FailAt(file_, lines_.number(), "{} is {}, expected a whole number", key, Quoted(value));
     }
-    announced = Announced{*count, lines_.number()};
+    announced = DeclaredCount{*count, lines_.number()};
     return {};
   }
 

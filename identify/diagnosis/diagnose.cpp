@@ -1,13 +1,14 @@
-// The steps of a diagnosis, in order; what each means stands in docs/diagnosis.md.
+// The steps of a diagnosis, in order; docs/diagnosis.md explains them.
 #include <algorithm>
 #include <chrono>
 #include <cmath>
 #include <limits>
 #include <vector>
 
+#include "identify/check_problem.h"
+#include "identify/diagnosis/diagnosis_state.h"
 #include "identify/diagnosis/discover/discovery.h"
 #include "identify/diagnosis/discover/structure.h"
-#include "identify/diagnosis/examination.h"
 #include "identify/diagnosis/held_out_validation.h"
 #include "identify/diagnosis/score/quantised_channels.h"
 #include "identify/diagnosis/select/cross_validated_search.h"
@@ -19,11 +20,12 @@ namespace sinew {
 namespace diagnosis {
 namespace {
 
-// A base fit that needs more of them has no minimum to speak of (it takes 10 to 200, 650 in a narrow valley).
+// Limit of evaluations of the base fit: usual fits need 10 to 200, 650 in a narrow valley, so that one that
+// needs more has no clear minimum.
 constexpr long kBaseEvaluations = 2000;
-constexpr long kMaxEvaluations = 200000;  // of another solver, which ends by its own rules
-// Of the variance of what was measured: a base model that explains less of it, and leaves the rest as
-// innovations, tells nothing from noise.
+constexpr long kMaxEvaluations = 200000;  // limit for other solvers, which have their own stopping rules
+// Least share of the measured variance that the base model must explain: below it, with the rest described as
+// innovations, misfit and noise cannot be distinguished.
 constexpr double kMinExplained = 0.1;
 
 Status CheckThatDataSuffice(const Problem& problem, const FitSetup& setup) {
@@ -38,9 +40,9 @@ Status CheckThatDataSuffice(const Problem& problem, const FitSetup& setup) {
   return {};
 }
 
-// Share of the variance of what was measured, about the mean of each training block, that is not innovations:
-// of the channel where it is largest, since one that says something is enough.
-double ShareThatIsNotNoise(const Problem& problem, const LeastSquares& fit, const noise::NoiseModel& noise) {
+// Share of the measured variance, about the mean of each training block, that is not innovations: that of the
+// channel where it is largest, because one informative channel is enough.
+double ExplainedShare(const Problem& problem, const LeastSquares& fit, const noise::NoiseModel& noise) {
   std::vector<double> variance(noise.channels.size(), 0);
   std::vector<double> innovations(noise.channels.size(), 0);
   for (std::size_t t = 0; t < fit.train_blocks().size(); ++t) {
@@ -57,21 +59,22 @@ double ShareThatIsNotNoise(const Problem& problem, const LeastSquares& fit, cons
   return largest;
 }
 
-class Diagnostician {
+class DiagnosisRun {
  public:
-  Diagnostician(const Problem& problem, const DiagnosisOptions& options)
-      : problem_(problem), options_(options), e_(problem, options) {}
+  DiagnosisRun(const Problem& problem, const DiagnosisOptions& options)
+      : problem_(problem), options_(options), state_(problem, options) {}
 
   Result<Diagnosis> Run(FitSetup setup) {
     const auto began = std::chrono::steady_clock::now();
+    SINEW_TRY(CheckProblem(problem_, setup));
     SINEW_TRY(CheckThatDataSuffice(problem_, setup));
     out_.setup = std::move(setup);
-    out_.has_held_out = e_.held_out.exists();
-    e_.candidates = ListCandidates(problem_, out_.setup);
-    RemoveQuantisation(problem_, e_.candidates);
+    out_.has_held_out = state_.held_out.exists();
+    state_.candidates = ListCandidates(problem_, out_.setup);
+    RemoveQuantisation(problem_, state_.candidates);
     Say(DiagnosisStep::kBaseFit);
     SINEW_ASSIGN(const bool fitted, FitBase());
-    if (fitted) SINEW_TRY(Investigate());
+    if (fitted) SINEW_TRY(RunSteps());
     out_.seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - began).count();
     return std::move(out_);
   }
@@ -81,7 +84,7 @@ class Diagnostician {
     if (options_.progress) options_.progress({step});
   }
 
-  // Step 0. False: there is no usable base fit, and the diagnosis says so.
+  // Step 0. Returns false if there is no usable base fit; the diagnosis then has no conclusion.
   Result<bool> FitBase() {
     const LeastSquares fit(problem_, out_.setup);
     SolverOptions how;
@@ -100,7 +103,7 @@ class Diagnostician {
       ConcludeNothing(Inconclusive::kBaseFitNotConverged);
       return false;
     }
-    e_.refitter = std::make_unique<Refitter>(problem_, out_.setup, e_.candidates, options_.interrupt);
+    state_.refitter = std::make_unique<Refitter>(problem_, out_.setup, state_.candidates, options_.interrupt);
     return true;
   }
 
@@ -109,47 +112,48 @@ class Diagnostician {
     out_.inconclusive = why;
   }
 
-  Status Investigate() {
-    Refit base = e_.refitter->Fit({}, {out_.base_point});
+  Status RunSteps() {
+    Refit base = state_.refitter->Fit({}, {out_.base_point});
     SINEW_TRY(Continue());
     if (!base.usable()) return Fail("the base model: {}", base.failure);
-    const double share = ShareThatIsNotNoise(problem_, LeastSquares(problem_, *base.setup), base.noise);
+    const double share = ExplainedShare(problem_, LeastSquares(problem_, *base.setup), base.noise);
     if (share < kMinExplained) {
       ConcludeNothing(Inconclusive::kNoiseTooLarge);
       return MeasureGain(base.noise);
     }
     if (base.noise_absorbs_misfit) {
-      e_.refitter->TakeErrorsForIndependent();
+      state_.refitter->AssumeIndependentErrors();
       out_.warnings.push_back({WarningKind::kNoiseAbsorbsMisfit, {}, {}, {}});
     }
     out_.base_point = base.point;
     Say(DiagnosisStep::kScore);
-    SINEW_ASSIGN(e_.base,
-                 ScoreModel(problem_, e_.candidates, std::move(base), options_.alarm_level, options_.seed));
+    SINEW_ASSIGN(state_.base, ScoreModel(problem_, state_.candidates, std::move(base), options_.alarm_level,
+                                         options_.seed));
     SINEW_TRY(DescribeResidual());
-    if (e_.held_out.exists()) {
-      SINEW_ASSIGN(const auto residuals, e_.held_out.Residuals(e_.base.refit.point));
-      SINEW_TRY(e_.held_out.LearnOwnNoise(residuals));
+    if (state_.held_out.exists()) {
+      SINEW_ASSIGN(const auto residuals, state_.held_out.Residuals(state_.base.refit.point));
+      SINEW_TRY(state_.held_out.EstimateOwnNoise(residuals));
     }
     Say(DiagnosisStep::kRefit);
-    SINEW_ASSIGN(e_.selection, Select(problem_, *e_.refitter, e_.candidates, e_.base, options_));
+    SINEW_ASSIGN(state_.selection,
+                 Select(problem_, *state_.refitter, state_.candidates, state_.base, options_));
     SINEW_TRY(Continue());
-    if (e_.held_out.exists() && !e_.selection.causes.empty()) {
-      SINEW_ASSIGN(out_.withdrawn, RejectUnsupportedCauses(e_));
+    if (state_.held_out.exists() && !state_.selection.causes.empty()) {
+      SINEW_ASSIGN(out_.withdrawn, RejectUnsupportedCauses(state_));
     }
-    out_.extended_point = e_.selection.model.point;
-    SINEW_TRY(Tabulate(e_, out_));
-    if (e_.selection.structure_left) {
+    out_.extended_point = state_.selection.model.point;
+    SINEW_TRY(Tabulate(state_, out_));
+    if (state_.selection.structure_left) {
       Say(DiagnosisStep::kDiscover);
-      SINEW_TRY(DiscoverUnknown(e_, out_));
+      SINEW_TRY(DiscoverUnknown(state_, out_));
     }
     SINEW_TRY(Continue());
-    SINEW_TRY(MeasureGain(e_.selection.model.noise));
+    SINEW_TRY(MeasureGain(state_.selection.model.noise));
     Conclude();
     return {};
   }
 
-  // What was interrupted half way is no answer.
+  // An interrupted diagnosis is an error: part of it is not a result.
   [[nodiscard]] Status Continue() const {
     if (options_.interrupt != nullptr && options_.interrupt->load()) return Fail("interrupted");
     return {};
@@ -157,12 +161,12 @@ class Diagnostician {
 
   // Steps 1 and 2.
   Status DescribeResidual() {
-    const LeastSquares fit(problem_, *e_.base.refit.setup);
-    SINEW_ASSIGN(const auto residuals, NoiseBlocks(fit, e_.base.refit.x));
+    const LeastSquares fit(problem_, *state_.base.refit.setup);
+    SINEW_ASSIGN(const auto residuals, NoiseBlocks(fit, state_.base.refit.x));
     out_.tests = TestResiduals(residuals);
-    SINEW_ASSIGN(out_.structure, FindStructure(problem_, e_.base.refit.point));
-    out_.threshold = e_.base.family.threshold;
-    out_.family_p_value = e_.base.family.p_value;
+    SINEW_ASSIGN(out_.structure, FindStructure(problem_, state_.base.refit.point));
+    out_.threshold = state_.base.family.threshold;
+    out_.family_p_value = state_.base.family.p_value;
     return {};
   }
 
@@ -172,7 +176,7 @@ class Diagnostician {
     SINEW_ASSIGN(out_.extended_point, FitHeldOutNuisance(problem_, out_.extended_point));
     SINEW_ASSIGN(const FullPrediction base, PredictAll(problem_, out_.base_point));
     SINEW_ASSIGN(FullPrediction extended, PredictAll(problem_, out_.extended_point));
-    for (const auto& [b, residual] : e_.added) {
+    for (const auto& [b, residual] : state_.added) {
       const Block& block = problem_.layout()[static_cast<std::size_t>(b)];
       for (std::size_t i = 0; i < block.sample.size(); ++i)
         extended.values[static_cast<std::size_t>(b)][block.sample[i]] =
@@ -197,15 +201,15 @@ class Diagnostician {
       out_.traces.push_back(std::move(trace));
     }
     ReportNoise(noise);
-    if (!e_.held_out.exists()) return {};
+    if (!state_.held_out.exists()) return {};
     std::vector<Vector> before;
     std::vector<Vector> after;
-    for (const int b : e_.held_out.blocks()) {
+    for (const int b : state_.held_out.blocks()) {
       const Block& block = problem_.layout()[static_cast<std::size_t>(b)];
       before.push_back(WeightedResidual(block, base.values[static_cast<std::size_t>(b)]));
       after.push_back(WeightedResidual(block, extended.values[static_cast<std::size_t>(b)]));
     }
-    out_.gain = e_.held_out.Gains(before, after, noise, options_.seed);
+    out_.gain = state_.held_out.Gains(before, after, noise, options_.seed);
     return {};
   }
 
@@ -243,8 +247,8 @@ class Diagnostician {
   }
 
   void Conclude() {
-    const Selection& selection = e_.selection;
-    out_.strongly_autocorrelated = !selection.alarm && MisfitDominatesNoise(e_.base.refit.noise);
+    const Selection& selection = state_.selection;
+    out_.strongly_autocorrelated = !selection.alarm && MisfitDominatesNoise(state_.base.refit.noise);
     if (out_.strongly_autocorrelated) {
       out_.verdict = DiagnosisVerdict::kUnexplained;
     } else if (!selection.alarm) {
@@ -265,12 +269,12 @@ class Diagnostician {
            {static_cast<double>(selection.searched), static_cast<double>(TrainingTrials(problem_).size())},
            {}});
     }
-    if (!e_.held_out.exists()) out_.warnings.push_back({WarningKind::kNoValidationTrial, {}, {}, {}});
+    if (!state_.held_out.exists()) out_.warnings.push_back({WarningKind::kNoValidationTrial, {}, {}, {}});
   }
 
   const Problem& problem_;
   const DiagnosisOptions& options_;
-  Examination e_;
+  DiagnosisState state_;
   Diagnosis out_;
 };
 
@@ -346,7 +350,7 @@ const char* ToString(Inconclusive reason) {
 }
 
 Result<Diagnosis> Diagnose(const Problem& problem, FitSetup setup, const DiagnosisOptions& options) {
-  return diagnosis::Diagnostician(problem, options).Run(std::move(setup));
+  return diagnosis::DiagnosisRun(problem, options).Run(std::move(setup));
 }
 
 }  // namespace sinew

@@ -1,5 +1,5 @@
-// From residual to cause to gain: what the fitted model still gets wrong, which known effect explains it,
-// which others could as well, and what that brings on trials that were never fitted.
+// Diagnosis of a fitted model: which errors remain, which known effect explains them, which other effects
+// explain them equally well, and how much the extended model improves the prediction of held-out trials.
 #pragma once
 
 #include <array>
@@ -23,9 +23,8 @@
 
 namespace sinew {
 
-/// kAdequate: nothing is wrong that these data could show. kExplained: one cause (per thing that is wrong).
-/// kAmbiguous: a stated set of causes that these data cannot tell apart. kUnexplained: something is wrong,
-/// and no known effect is the cause.
+/// kAdequate: no error that these data can show. kExplained: one cause (per error). kAmbiguous: a set of
+/// causes that these data cannot distinguish. kUnexplained: an error that no known effect explains.
 enum class DiagnosisVerdict { kAdequate, kExplained, kAmbiguous, kUnexplained };
 
 [[nodiscard]] const char* ToString(DiagnosisVerdict verdict);
@@ -40,8 +39,8 @@ struct DiagnosisProgress {
 };
 
 struct DiagnosisOptions {
-  std::string solver = "ceres";  ///< of the base fit; a global one where local minima trap
-  double alarm_level = 0.05;     ///< chance of any alarm if nothing is wrong: one level for everything
+  std::string solver = "ceres";  ///< of the base fit; a global one for costs with many local minima
+  double alarm_level = 0.05;     ///< family-wise: probability of any alarm if the model is adequate
   std::uint64_t seed = 1;
   int threads = 1;
   const std::atomic<bool>* interrupt = nullptr;
@@ -55,8 +54,8 @@ struct DiagnosedParameter {
   double value = 0;
   double std_error = 0;
   std::array<double, 2> ci95{};
-  double before = 0;          ///< in the base model (the null, for effect parameters)
-  std::string at_bound = {};  ///< "lower" or "upper": held there, std_error is NaN; else empty
+  double before = 0;          ///< value in the base model (the null, for effect parameters)
+  std::string at_bound = {};  ///< "lower" or "upper" if held at that bound (std_error is NaN); else empty
 };
 
 /// Whether the data determine it: one that no channel responds to has a standard error of 0 or none.
@@ -94,15 +93,15 @@ struct EffectScore {
   bool judged = true;
   NotJudged why_not = NotJudged::kNone;
   bool refitted = false;
-  double delta_lr = 0;   ///< drop of twice the negative log-likelihood by the refit, each with its own noise
+  double delta_lr = 0;  ///< likelihood ratio: drop of -2 log-likelihood by the refit, each with its own noise
   double delta_bic = 0;  ///< BIC(base) - BIC(with it); above 0 favours the effect
   double smallest_detectable =
-      0;  ///< size of its first parameter that would have been noticed with 95 %; 0: n/a
+      0;  ///< size of its first parameter that is detected with probability 95 %; 0: not known
   std::string detectable_parameter;
   std::string detectable_unit;
 };
 
-/// An effect that these data cannot tell from a named cause.
+/// An effect that these data cannot distinguish from a named cause.
 struct Alternative {
   std::string instead_of;
   std::string effect;
@@ -111,15 +110,16 @@ struct Alternative {
   std::vector<DiagnosedParameter> parameters;  ///< of the effect, if it is put in place of the cause
   double delta_lr = 0;                         ///< by which the named cause fits better
   double delta_bic = 0;
-  double correlation = 0;   ///< of the two signatures after the base parameters took what they can
-  bool same_class = false;  ///< |correlation| > 0.97: no experiment of this kind tells them apart
-  /// It is a richer law with the cause as a special case: no experiment can exclude it, and as long as it
-  /// fits no better it is no rival.
+  double correlation = 0;  ///< of the two signatures, projected off the base parameters
+  bool same_class =
+      false;  ///< declared class, |correlation| > 0.97: not distinguishable by data of this kind
+  /// It is a more general law with the cause as a special case. No experiment can exclude it, so it counts as
+  /// an alternative only if it fits better.
   bool contains_cause = false;
-  /// Size (as Cause::size) at which data of this kind would tell the two apart with 95 %: 1 - |R| > 0.4165 /
-  /// s^2; infinite if never.
+  /// Size (as Cause::size) from which data of this kind distinguish the two with probability 95 %: where 1 -
+  /// |R| > 0.4165 / s^2 for the correlation R; infinite if never.
   double separating_size = 0;
-  std::string separated_by;  ///< the experiment that would
+  std::string separated_by;  ///< an experiment that distinguishes the two
 };
 
 /// kEffect: an effect of the problem's library. kQuantisation: a sensor rounds its readings, which is found
@@ -137,10 +137,10 @@ struct Cause {
   std::string channel;      ///< kQuantisation: that is rounded
   std::vector<DiagnosedParameter> parameters;
   double p_value = 1;
-  double delta_lr = 0;  ///< against the model without it
+  double delta_lr = 0;  ///< likelihood ratio against the model without it
   double delta_bic = 0;
-  double size = 0;      ///< in units of what a test that knew where to look would just detect (95 % at 5 %)
-  double left_out = 0;  ///< Diagnosis::left_out: error of left-out trials with it / without it; else 0
+  double size = 0;      ///< relative to the size that a test of this effect alone detects (95 % power at 5 %)
+  double left_out = 0;  ///< if Diagnosis::left_out: error of left-out trials with it / without it; else 0
 };
 
 /// Root mean square error of one held-out trace with and without a cause [unit].
@@ -160,8 +160,8 @@ struct WithdrawnCause {
   std::optional<TraceErrors> worst = {};  ///< the trace that it makes worse most, if it does any
 };
 
-/// Where the residual is: share of its variance that a smooth curve of one signal predicts for trials that
-/// the curve was not fitted to.
+/// A dependence of the residual on one signal: the share of its variance that a smooth curve of the signal
+/// predicts for trials that the curve was not fitted to (cross-validation).
 struct Structure {
   std::string channel;
   std::string signal;
@@ -172,7 +172,7 @@ struct Structure {
   std::vector<double> curve;  ///< [knots, unit of the channel]
 };
 
-/// Step 1, per channel.
+/// A test of whiteness of the residual of one channel.
 struct ResidualTest {
   std::string channel;
   std::string name;  ///< "Ljung-Box", "runs", ...
@@ -195,7 +195,7 @@ struct NoiseFloor {
 };
 
 struct Gain {
-  std::string channel;  ///< quantity, pooled over the held-out trials
+  std::string channel;  ///< quantity, pooled over the held-out trials and plates
   std::string unit;
   double before = 0;             ///< RMSE [unit] of the base model on held-out trials
   double after = 0;              ///< of the extended model
@@ -204,7 +204,7 @@ struct Gain {
   double gap_closed = 0;  ///< share of the error above the noise floor that is removed, of mean squares
 };
 
-/// kCurve: a curve of a signal adds to a port. kDrift: a parameter is not constant in time. kPeriodic: a line
+/// kCurve: a curve of a signal is added at a port. kDrift: a parameter changes with time. kPeriodic: a line
 /// in the spectrum of a channel.
 enum class UnknownKind { kCurve, kDrift, kPeriodic };
 
@@ -223,10 +223,10 @@ struct UnknownFinding {
   double held_out_reduction = 0;  ///< of RMSE on held-out trials
   std::vector<double> knots;
   std::vector<double> curve;      ///< [knots, unit of the port]
-  std::vector<double> deviation;  ///< standard errors of `curve`; NaN where nothing is known
+  std::vector<double> deviation;  ///< standard errors of `curve`; NaN where they cannot be computed
 };
 
-/// Measured, predicted before and after, of one block; for figures.
+/// Measured and predicted values of one block, before (base model) and after (extended model), for figures.
 struct TracePair {
   std::string trial;
   BlockRole role = BlockRole::kTrain;
@@ -287,12 +287,12 @@ struct Diagnosis {
   [[nodiscard]] bool concluded() const { return inconclusive == Inconclusive::kNone; }
 };
 
-/// Diagnoses a problem: fits the base parameters (from `setup`'s start) and goes through the steps of
-/// docs/diagnosis.md. Training trials decide everything but gain and withdrawal, for which the held-out
-/// trials are used.
+/// Diagnoses a problem: fits the base parameters (from `setup`'s start) and performs the steps of
+/// docs/diagnosis.md. Training trials decide everything except the gain and the rejection of unsupported
+/// causes, which use the held-out trials.
 ///
 /// Errors: nothing to fit or to compare; the base model cannot be predicted at all. A base fit that does not
-/// converge is no error: the diagnosis is then inconclusive.
+/// converge is not an error: the diagnosis then has `concluded` false.
 Result<Diagnosis> Diagnose(const Problem& problem, FitSetup setup, const DiagnosisOptions& options);
 
 }  // namespace sinew

@@ -13,7 +13,8 @@ namespace sinew::diagnosis {
 namespace {
 
 constexpr int kDraws = 400;
-constexpr double kBlockShare = 0.05;  // of a trial: long against the noise, short against the trial
+constexpr double kBlockShare = 0.05;  // bootstrap block as a share of the trial: longer than the noise
+                                      // correlation, shorter than the trial
 constexpr int kShortestBlock = 5;
 
 const noise::ChannelNoiseModel* ChannelOf(const noise::NoiseModel& noise, const std::string& channel) {
@@ -23,8 +24,8 @@ const noise::ChannelNoiseModel* ChannelOf(const noise::NoiseModel& noise, const 
   return nullptr;
 }
 
-// Of the block's channel; a channel that is only held out (the plate of the other foot) has the noise of a
-// fitted one of the same quantity. Null if there is none.
+// Noise model of the block's channel. A channel that is only held out (the plate of the other foot) gets that
+// of a fitted one of the same quantity. Null if there is none.
 const noise::ChannelNoiseModel* TrainedNoiseOf(const Block& block, const noise::NoiseModel& noise,
                                                const Layout& layout) {
   if (const noise::ChannelNoiseModel* model = ChannelOf(noise, block.channel)) return model;
@@ -79,7 +80,7 @@ Result<std::vector<Vector>> HeldOut::Residuals(const Vector& point) const {
   return residuals;
 }
 
-Status HeldOut::LearnOwnNoise(const std::vector<Vector>& base) {
+Status HeldOut::EstimateOwnNoise(const std::vector<Vector>& base) {
   std::vector<noise::NoiseBlock> blocks;
   for (std::size_t i = 0; i < blocks_.size(); ++i) {
     if (block(i).group.empty()) continue;

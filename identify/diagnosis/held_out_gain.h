@@ -1,4 +1,4 @@
-// Step 6: what a model brings on trials that it was never fitted to.
+// Step 6: the gain of a model on trials that it was never fitted to.
 #pragma once
 
 #include <cstdint>
@@ -10,7 +10,7 @@
 
 namespace sinew::diagnosis {
 
-/// The held-out trials as one model sees them.
+/// The residuals of the held-out trials, their noise, and the gain of one model over another.
 class HeldOut {
  public:
   explicit HeldOut(const Problem& problem);
@@ -19,8 +19,8 @@ class HeldOut {
   /// Indices into the layout.
   [[nodiscard]] const std::vector<int>& blocks() const { return blocks_; }
 
-  /// Weighted residuals [held-out blocks][samples], with every held-out trial's own nuisance values fitted.
-  /// Errors: the problem's own.
+  /// Weighted residuals [held-out blocks][samples], with the nuisance parameters of every held-out trial
+  /// fitted to that trial. Errors: those of Problem::Predict.
   [[nodiscard]] Result<std::vector<Vector>> Residuals(const Vector& point) const;
 
   /// Adds `term(block)` (weighted, empty: nothing) to the residuals.
@@ -31,21 +31,21 @@ class HeldOut {
     }
   }
 
-  /// Noise of the blocks that have one of their own, from the base model's residuals: what a cause does to
-  /// them is judged against it. Errors: those of EstimateNoiseModel.
-  [[nodiscard]] Status LearnOwnNoise(const std::vector<Vector>& base);
+  /// Estimates the noise of the blocks with groups of samples (Block::group) from the base model's residuals;
+  /// gains of causes in these blocks are judged by it. Errors: those of EstimateNoiseModel.
+  [[nodiscard]] Status EstimateOwnNoise(const std::vector<Vector>& base);
 
-  /// Sum of squared innovations of such residuals in units of their variance, by a noise model that was
-  /// estimated on the training trials, or by their own.
+  /// Sum of squared innovations of the residuals in units of their variance, by the noise model of the
+  /// training trials, or by the blocks' own.
   [[nodiscard]] double Innovations(const std::vector<Vector>& residuals,
                                    const noise::NoiseModel& noise) const;
 
-  /// The same, of every group of samples (Block::group) in an order of their own; empty: there are none.
+  /// The same for every group of samples (Block::group), in a fixed order; empty: there are no groups.
   [[nodiscard]] std::vector<double> InnovationsOfGroups(const std::vector<Vector>& residuals,
                                                         const noise::NoiseModel& noise) const;
 
-  /// Pooled per quantity, with an interval from a moving-block bootstrap (Kuensch 1989) of the samples.
-  /// @param floor per channel: standard deviation of the noise, weighted units (NoiseModel::ProcessDeviation)
+  /// Gains pooled per quantity, with an interval by a moving-block bootstrap of the samples (Kuensch 1989).
+  /// @param floor noise model whose ProcessDeviation per channel is the noise floor
   [[nodiscard]] std::vector<Gain> Gains(const std::vector<Vector>& before, const std::vector<Vector>& after,
                                         const noise::NoiseModel& floor, std::uint64_t seed) const;
 
@@ -53,7 +53,7 @@ class HeldOut {
   [[nodiscard]] const Block& block(std::size_t i) const {
     return problem_.layout()[static_cast<std::size_t>(blocks_[i])];
   }
-  /// Of a block; null if nothing knows.
+  /// Noise model of a block; nullptr if there is none.
   [[nodiscard]] const noise::ChannelNoiseModel* NoiseOf(const Block& block,
                                                         const noise::NoiseModel& trained) const;
   [[nodiscard]] Vector WhitenedBlock(std::size_t i, const Vector& residual,
@@ -62,11 +62,11 @@ class HeldOut {
 
   const Problem& problem_;
   std::vector<int> blocks_;
-  noise::NoiseModel own_;  // of channels
+  noise::NoiseModel own_;  // of the blocks with groups, per channel
 };
 
-/// Standard deviation of the noise of a block, weighted: what the data state, else what the model says of its
-/// channel, or of another fitted one of the same quantity; 0 if nothing knows.
+/// Standard deviation of the noise of a block, weighted: the one stated by the data, else that of the noise
+/// model of its channel, or of another fitted channel of the same quantity; 0 if there is none.
 [[nodiscard]] double NoiseFloorOf(const Block& block, const noise::NoiseModel& noise, const Layout& layout);
 
 }  // namespace sinew::diagnosis

@@ -5,30 +5,32 @@
 #include <limits>
 #include <optional>
 
+#include "base/constants.h"
 #include "identify/diagnosis/score/shortlist.h"
 
 namespace sinew::diagnosis {
 namespace {
 
-// What a cause changes in held-out trials, in units of their noise's variance, from which a loss there counts
-// against it: with the right cause it happens by chance in 1 of 75 cases.
-constexpr double kTelling = 20;
-constexpr double kFarLess = -2.33;      // standard deviations: chance 0.01
-constexpr double kTellingShare = 0.05;  // of what is left, if that dwarfs the noise
+// Least change of the held-out residuals by a cause, in units of the noise variance, from which a worse
+// prediction rejects it: with the right cause this happens by chance in 1 of 75 cases.
+constexpr double kMinChange = 20;
+constexpr double kLowQuantile = -2.33;  // standard normal quantile of 0.01
+constexpr double kMinChangeShare =
+    0.05;  // the same as a share of the remaining error, if that dominates the noise
 
-class Withdrawal {
+class HeldOutValidation {
  public:
-  explicit Withdrawal(Examination& examination) : e_(examination), selection_(examination.selection) {}
+  explicit HeldOutValidation(DiagnosisState& state) : state_(state), selection_(state.selection) {}
 
   Result<std::vector<WithdrawnCause>> Run() {
-    SINEW_ASSIGN(const auto of_base, e_.held_out.Residuals(e_.base.refit.point));
+    SINEW_ASSIGN(const auto of_base, state_.held_out.Residuals(state_.base.refit.point));
     while (!selection_.causes.empty()) {
-      SINEW_ASSIGN(const auto with, e_.held_out.Residuals(selection_.model.point));
+      SINEW_ASSIGN(const auto with, state_.held_out.Residuals(selection_.model.point));
       const double together = Gain(of_base, with);
-      const bool worse = together < 0 && IsTelling(of_base, with);
-      Rejection worst = FindWorst(with, worse);
+      const bool rejected = together < 0 && ChangesEnoughToJudge(of_base, with);
+      Rejection worst = FindWorst(with, rejected);
       if (worst.cause == selection_.causes.size()) {
-        if (StandsInForSomethingElse(of_base, with)) selection_.structure_left = true;
+        if (GainsFarLessThanExpected(of_base, with)) selection_.structure_left = true;
         break;
       }
       if (worst.gain >= 0) {
@@ -44,27 +46,28 @@ class Withdrawal {
  private:
   struct Rejection {
     std::size_t cause = 0;
-    double gain = 0;  // of held-out trials by the cause
+    double gain = 0;  // reduction of the held-out loss by the cause
     Refit without;
     std::optional<TraceErrors> worst;  // the trace that it makes worse most
   };
 
-  // How much better the held-out trials are with the model.
+  // Reduction of the held-out loss by the model.
   [[nodiscard]] double Gain(const std::vector<Vector>& before, const std::vector<Vector>& with) const {
-    return e_.Loss(before, selection_.model.noise) - e_.Loss(with, selection_.model.noise);
+    return state_.Loss(before, selection_.model.noise) - state_.Loss(with, selection_.model.noise);
   }
 
-  [[nodiscard]] bool IsTelling(const std::vector<Vector>& before, const std::vector<Vector>& with) const {
-    const double loss = e_.Loss(Moved(before, with), selection_.model.noise);
-    if (selection_.cross_validated) return loss > kTellingShare * e_.Loss(with, selection_.model.noise);
-    if (loss <= kTelling) return false;
+  [[nodiscard]] bool ChangesEnoughToJudge(const std::vector<Vector>& before,
+                                          const std::vector<Vector>& with) const {
+    const double loss = state_.Loss(Moved(before, with), selection_.model.noise);
+    if (selection_.cross_validated) return loss > kMinChangeShare * state_.Loss(with, selection_.model.noise);
+    if (loss <= kMinChange) return false;
     double sum = 0;
     double squares = 0;
     for (const double gain : GainsOfGroups(before, with)) {
       sum += gain;
       squares += gain * gain;
     }
-    return squares == 0 || sum < kFarLess * std::sqrt(squares);
+    return squares == 0 || sum < kLowQuantile * std::sqrt(squares);
   }
 
   [[nodiscard]] static std::vector<Vector> Moved(std::vector<Vector> before,
@@ -73,59 +76,60 @@ class Withdrawal {
     return before;
   }
 
-  // Where groups of samples share an error, noise says too little of what chance does: their gains do, which
-  // are independent.
+  // Gains per group of samples. Samples of a group share an error, so that the noise model underestimates the
+  // variation by chance; gains of groups are independent.
   [[nodiscard]] std::vector<double> GainsOfGroups(const std::vector<Vector>& before,
                                                   const std::vector<Vector>& with) const {
-    std::vector<double> gains = e_.held_out.InnovationsOfGroups(before, selection_.model.noise);
-    const std::vector<double> left = e_.held_out.InnovationsOfGroups(with, selection_.model.noise);
+    std::vector<double> gains = state_.held_out.InnovationsOfGroups(before, selection_.model.noise);
+    const std::vector<double> left = state_.held_out.InnovationsOfGroups(with, selection_.model.noise);
     for (std::size_t g = 0; g < gains.size(); ++g) gains[g] -= left[g];
     return gains;
   }
 
-  [[nodiscard]] bool StandsInForSomethingElse(const std::vector<Vector>& before,
+  [[nodiscard]] bool GainsFarLessThanExpected(const std::vector<Vector>& before,
                                               const std::vector<Vector>& with) const {
     if (selection_.cross_validated) return false;
     const std::vector<Vector> moved = Moved(before, with);
-    const double squared = e_.Loss(moved, selection_.model.noise);
+    const double squared = state_.Loss(moved, selection_.model.noise);
     const double fitted = FittedChange();
     if (!(squared > 0 && fitted > 0)) return false;
     double variance = 4 * (1 + squared / fitted) * squared;
-    const std::vector<double> expected = e_.held_out.InnovationsOfGroups(moved, selection_.model.noise);
+    const std::vector<double> expected = state_.held_out.InnovationsOfGroups(moved, selection_.model.noise);
     const std::vector<double> gains = GainsOfGroups(before, with);
     double of_groups = 0;
     for (std::size_t g = 0; g < gains.size(); ++g) of_groups += std::pow(gains[g] - expected[g], 2);
     variance = std::max(variance, of_groups);
-    return Gain(before, with) - squared < kFarLess * std::sqrt(variance);
+    return Gain(before, with) - squared < kLowQuantile * std::sqrt(variance);
   }
 
-  // What the causes change in the fitted trials, in units of the noise's variance; 0 if that cannot be said.
+  // Squared change of the training residuals by the causes, in units of the noise variance; 0 if it cannot be
+  // computed.
   [[nodiscard]] double FittedChange() const {
-    LeastSquares fit(e_.problem, *selection_.model.setup);
+    LeastSquares fit(state_.problem, *selection_.model.setup);
     const noise::Whitening whitening(selection_.model.noise, TrainStretches(fit));
     fit.set_transform(&whitening);
     auto workspace = fit.NewWorkspace();
     Vector with;
     Vector without;
     if (!fit.Evaluate(selection_.model.x, workspace, with, nullptr)) return 0;
-    if (!fit.Evaluate(fit.Variables(e_.base.refit.point), workspace, without, nullptr)) return 0;
+    if (!fit.Evaluate(fit.Variables(state_.base.refit.point), workspace, without, nullptr)) return 0;
     return (with - without).squaredNorm();
   }
 
   // The cause without which held-out trials are predicted best; the number of causes if all are to be kept.
-  [[nodiscard]] Rejection FindWorst(const std::vector<Vector>& with, bool worse_together) const {
+  [[nodiscard]] Rejection FindWorst(const std::vector<Vector>& with, bool rejected_together) const {
     Rejection worst;
     worst.cause = selection_.causes.size();
-    worst.gain = worse_together ? std::numeric_limits<double>::infinity() : 0;
+    worst.gain = rejected_together ? std::numeric_limits<double>::infinity() : 0;
     for (std::size_t i = 0; i < selection_.causes.size(); ++i) {
       const int candidate = selection_.causes[i].candidate;
-      if (!e_.candidate(candidate).trial.empty()) continue;
+      if (!state_.candidate(candidate).trial.empty()) continue;
       Refit without = Without(candidate);
       if (!without.usable()) continue;
-      const auto before = e_.held_out.Residuals(without.point);
+      const auto before = state_.held_out.Residuals(without.point);
       if (!before) continue;
       const double gain = Gain(*before, with);
-      if (gain < worst.gain && (worse_together || IsTelling(*before, with)))
+      if (gain < worst.gain && (rejected_together || ChangesEnoughToJudge(*before, with)))
         worst = {i, gain, std::move(without), WorstTrace(*before, with)};
     }
     return worst;
@@ -140,7 +144,7 @@ class Withdrawal {
       const double more = with[b].squaredNorm() - before[b].squaredNorm();
       if (more <= most) continue;
       most = more;
-      const Block& block = e_.problem.layout()[static_cast<std::size_t>(e_.held_out.blocks()[b])];
+      const Block& block = state_.problem.layout()[static_cast<std::size_t>(state_.held_out.blocks()[b])];
       const auto rmse = [&](const Vector& r) {
         return r.norm() / std::sqrt(static_cast<double>(r.size())) / block.weight;
       };
@@ -154,17 +158,17 @@ class Withdrawal {
     for (const int c : selection_.model.released) {
       if (c != candidate) rest.push_back(c);
     }
-    if (rest.empty()) return e_.base.refit;
+    if (rest.empty()) return state_.base.refit;
     Vector start = selection_.model.point;
-    for (const int index : e_.candidate(candidate).parameters) start[index] = e_.base.refit.point[index];
-    return e_.Fit(rest, {start});
+    for (const int index : state_.candidate(candidate).parameters)
+      start[index] = state_.base.refit.point[index];
+    return state_.Fit(rest, {start});
   }
 
   void Withdraw(Rejection rejection) {
     const ChosenCause cause = selection_.causes[rejection.cause];
-    constexpr double kNaN = std::numeric_limits<double>::quiet_NaN();
     const bool likelihood = !selection_.cross_validated;  // else the units are no likelihoods
-    withdrawn_.push_back({e_.candidate(cause.candidate).effect, likelihood ? cause.delta_lr : kNaN,
+    withdrawn_.push_back({state_.candidate(cause.candidate).effect, likelihood ? cause.delta_lr : kNaN,
                           likelihood ? -rejection.gain : kNaN, rejection.worst});
     if (ReplaceByRival(rejection)) return;
     selection_.model = std::move(rejection.without);
@@ -175,11 +179,11 @@ class Withdrawal {
     }
     selection_.rivals = std::move(others);
     RefitRivals(cause.candidate);
-    selection_.structure_left = true;  // what it had taken up in the fitted trials has no name now
+    selection_.structure_left = true;  // the error that it had explained has no cause now
   }
 
-  // The others' rivals were fitted beside the cause that is gone. One that now explains more than what it
-  // would replace takes its place, unless that makes held-out trials worse.
+  // The rivals of the other causes were fitted together with the removed cause. A rival that now explains
+  // more than its cause replaces it if held-out trials do not reject that.
   void RefitRivals(int gone) {
     std::vector<Rival> refitted;
     for (Rival& rival : selection_.rivals) {
@@ -189,8 +193,8 @@ class Withdrawal {
       }
       std::sort(released.begin(), released.end());
       Vector start = rival.refit.point;
-      for (const int index : e_.candidate(gone).parameters) start[index] = e_.base.refit.point[index];
-      rival.refit = e_.Fit(released, {start});
+      for (const int index : state_.candidate(gone).parameters) start[index] = state_.base.refit.point[index];
+      rival.refit = state_.Fit(released, {start});
       if (rival.refit.usable()) refitted.push_back(std::move(rival));
     }
     selection_.rivals = std::move(refitted);
@@ -215,8 +219,8 @@ class Withdrawal {
       rival.delta_lr = rival.refit.deviance - selection_.model.deviance;
       const bool is_cause = std::any_of(selection_.causes.begin(), selection_.causes.end(),
                                         [&](const ChosenCause& c) { return c.candidate == rival.candidate; });
-      const double more = static_cast<double>(e_.candidate(rival.candidate).parameters.size()) -
-                          static_cast<double>(e_.candidate(rival.instead_of).parameters.size());
+      const double more = static_cast<double>(state_.candidate(rival.candidate).parameters.size()) -
+                          static_cast<double>(state_.candidate(rival.instead_of).parameters.size());
       if (!is_cause && rival.delta_lr >= 0 &&
           rival.delta_lr + kPerParameter * more <= SetWidth(selection_.model))
         close.push_back(std::move(rival));
@@ -224,14 +228,16 @@ class Withdrawal {
     selection_.rivals = std::move(close);
   }
 
-  // Held-out trials are predicted no worse than with the model.
+  // True if held-out trials are predicted no worse than with the model.
   [[nodiscard]] bool Generalises(const Refit& refit) const {
-    const auto now = e_.held_out.Residuals(selection_.model.point);
-    const auto then = e_.held_out.Residuals(refit.point);
-    return now && then && e_.Loss(*then, selection_.model.noise) <= e_.Loss(*now, selection_.model.noise);
+    const auto now = state_.held_out.Residuals(selection_.model.point);
+    const auto then = state_.held_out.Residuals(refit.point);
+    return now && then &&
+           state_.Loss(*then, selection_.model.noise) <= state_.Loss(*now, selection_.model.noise);
   }
 
-  // What each cause explains beside those that are left; its p-value stays that of its choice.
+  // Likelihood ratio of each cause against the remaining set without it; its p-value stays that of its
+  // selection.
   void CompareWithTheRest() {
     for (ChosenCause& cause : selection_.causes) {
       const Refit without = Without(cause.candidate);
@@ -239,14 +245,14 @@ class Withdrawal {
     }
   }
 
-  // The next of the set that generalises.
+  // Replaces the cause by the next alternative of its set that generalises.
   bool ReplaceByRival(const Rejection& rejection) {
     const ChosenCause cause = selection_.causes[rejection.cause];
-    const auto before = e_.held_out.Residuals(rejection.without.point);
+    const auto before = state_.held_out.Residuals(rejection.without.point);
     for (const Rival& rival : selection_.rivals) {
       if (rival.instead_of != cause.candidate || !before) continue;
-      const auto with = e_.held_out.Residuals(rival.refit.point);
-      if (!with || e_.Loss(*before, rival.refit.noise) <= e_.Loss(*with, rival.refit.noise)) continue;
+      const auto with = state_.held_out.Residuals(rival.refit.point);
+      if (!with || state_.Loss(*before, rival.refit.noise) <= state_.Loss(*with, rival.refit.noise)) continue;
       const int next = rival.candidate;
       selection_.model = rival.refit;
       selection_.causes[rejection.cause] = {next, cause.delta_lr - rival.delta_lr, cause.p_value};
@@ -262,15 +268,15 @@ class Withdrawal {
     return false;
   }
 
-  Examination& e_;
+  DiagnosisState& state_;
   Selection& selection_;
   std::vector<WithdrawnCause> withdrawn_;
 };
 
 }  // namespace
 
-Result<std::vector<WithdrawnCause>> RejectUnsupportedCauses(Examination& examination) {
-  return Withdrawal(examination).Run();
+Result<std::vector<WithdrawnCause>> RejectUnsupportedCauses(DiagnosisState& state) {
+  return HeldOutValidation(state).Run();
 }
 
 }  // namespace sinew::diagnosis

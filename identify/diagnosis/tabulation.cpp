@@ -30,29 +30,29 @@ std::vector<int> Findings(const Refit& refit) {
 
 class Tables {
  public:
-  Tables(Examination& examination, Diagnosis& diagnosis)
-      : e_(examination), out_(diagnosis), log_rows_(std::log(examination.selection.model.rows)) {}
+  Tables(DiagnosisState& state, Diagnosis& diagnosis)
+      : state_(state), out_(diagnosis), log_rows_(std::log(state.selection.model.rows)) {}
 
   Status Fill() {
-    const Refit& model = e_.selection.model;
-    SINEW_ASSIGN(const Matrix base_covariance, e_.CovarianceOf(e_.base.refit));
-    out_.base_parameters = ValuesOf(e_, e_.base.refit, base_covariance, Findings(e_.base.refit));
-    SINEW_ASSIGN(const Matrix covariance, e_.CovarianceOf(model));
-    out_.extended_parameters = ValuesOf(e_, model, covariance, Findings(model));
-    for (const ChosenCause& chosen : e_.selection.causes) AddCause(chosen, covariance);
-    for (const Rival& rival : e_.selection.rivals) SINEW_TRY(AddAlternative(rival));
+    const Refit& model = state_.selection.model;
+    SINEW_ASSIGN(const Matrix base_covariance, state_.CovarianceOf(state_.base.refit));
+    out_.base_parameters = ValuesOf(state_, state_.base.refit, base_covariance, Findings(state_.base.refit));
+    SINEW_ASSIGN(const Matrix covariance, state_.CovarianceOf(model));
+    out_.extended_parameters = ValuesOf(state_, model, covariance, Findings(model));
+    for (const ChosenCause& chosen : state_.selection.causes) AddCause(chosen, covariance);
+    for (const Rival& rival : state_.selection.rivals) SINEW_TRY(AddAlternative(rival));
     AddScores();
     return AddRoundings();
   }
 
  private:
   void AddCause(const ChosenCause& chosen, const Matrix& covariance) {
-    const Candidate& candidate = e_.candidate(chosen.candidate);
+    const Candidate& candidate = state_.candidate(chosen.candidate);
     Cause cause;
     cause.effect = candidate.effect;
     cause.level = candidate.level;
     cause.description = candidate.description;
-    cause.parameters = ValuesOf(e_, e_.selection.model, covariance, candidate.parameters);
+    cause.parameters = ValuesOf(state_, state_.selection.model, covariance, candidate.parameters);
     cause.p_value = chosen.p_value;
     cause.left_out = chosen.left_out;
     cause.delta_lr = chosen.delta_lr;
@@ -62,15 +62,15 @@ class Tables {
   }
 
   Status AddAlternative(const Rival& rival) {
-    const Candidate& candidate = e_.candidate(rival.candidate);
-    const Candidate& cause = e_.candidate(rival.instead_of);
-    SINEW_ASSIGN(const Matrix covariance, e_.CovarianceOf(rival.refit));
+    const Candidate& candidate = state_.candidate(rival.candidate);
+    const Candidate& cause = state_.candidate(rival.instead_of);
+    SINEW_ASSIGN(const Matrix covariance, state_.CovarianceOf(rival.refit));
     Alternative other;
     other.instead_of = cause.effect;
     other.effect = candidate.effect;
     other.level = candidate.level;
     other.description = candidate.description;
-    other.parameters = ValuesOf(e_, rival.refit, covariance, candidate.parameters);
+    other.parameters = ValuesOf(state_, rival.refit, covariance, candidate.parameters);
     other.delta_lr = rival.delta_lr;
     other.delta_bic = rival.delta_lr + (static_cast<double>(candidate.parameters.size()) -
                                         static_cast<double>(cause.parameters.size())) *
@@ -90,10 +90,10 @@ class Tables {
   }
 
   void AddScores() {
-    for (std::size_t c = 0; c < e_.candidates.size(); ++c) {
-      const Candidate& candidate = e_.candidates[c];
-      const Score* best = e_.base.BestOf(static_cast<int>(c));
-      // What drifts must be in the model first.
+    for (std::size_t c = 0; c < state_.candidates.size(); ++c) {
+      const Candidate& candidate = state_.candidates[c];
+      const Score* best = state_.base.BestOf(static_cast<int>(c));
+      // A drift is scored only if its parameter is in the model.
       if (best == nullptr && candidate.drifting >= 0) continue;
       EffectScore score;
       score.effect = candidate.effect;
@@ -105,10 +105,10 @@ class Tables {
       } else {
         FillScore(candidate, static_cast<int>(c), *best, score);
       }
-      for (const Refit& refit : e_.selection.tried) {
+      for (const Refit& refit : state_.selection.tried) {
         if (refit.released != std::vector<int>{static_cast<int>(c)}) continue;
         score.refitted = true;
-        score.delta_lr = e_.base.refit.deviance - refit.deviance;
+        score.delta_lr = state_.base.refit.deviance - refit.deviance;
         score.delta_bic = score.delta_lr - static_cast<double>(candidate.parameters.size()) * log_rows_;
       }
       out_.scores.push_back(std::move(score));
@@ -118,7 +118,7 @@ class Tables {
   }
 
   void FillScore(const Candidate& candidate, int c, const Score& best, EffectScore& score) const {
-    const ScoredModel& base = e_.base;
+    const ScoredModel& base = state_.base;
     for (const auto& [index, value] : candidate.probes[static_cast<std::size_t>(best.probe)].at) {
       const Parameter& p = base.refit.setup->parameters[static_cast<std::size_t>(index)];
       score.probe.push_back({p.name, p.unit, value});
@@ -141,7 +141,7 @@ class Tables {
   }
 
   Status AddRoundings() {
-    SINEW_ASSIGN(const auto roundings, FindQuantisation(e_.problem, e_.selection.model.point));
+    SINEW_ASSIGN(const auto roundings, FindQuantisation(state_.problem, state_.selection.model.point));
     for (const Quantisation& rounding : roundings) {
       const double size = SizeOf(rounding.statistic);
       EffectScore score;
@@ -166,27 +166,28 @@ class Tables {
                            reach / kNormal95,
                            {rounding.step - reach, rounding.step + reach},
                            0}};
-      // The others come as they were chosen: a fact goes before those that explain less.
+      // The other causes stay in the order of their selection: a quantisation, which is certain, is inserted
+      // before those that explain less.
       const auto less = std::find_if(out_.causes.begin(), out_.causes.end(),
                                      [&](const Cause& other) { return other.delta_lr < cause.delta_lr; });
       out_.causes.insert(less, std::move(cause));
-      e_.selection.family_p_value = 0;
-      e_.selection.alarm = true;
+      state_.selection.family_p_value = 0;
+      state_.selection.alarm = true;
     }
     return {};
   }
 
-  Examination& e_;
+  DiagnosisState& state_;
   Diagnosis& out_;
   double log_rows_;
 };
 
 }  // namespace
 
-std::vector<DiagnosedParameter> ValuesOf(const Examination& examination, const Refit& refit,
+std::vector<DiagnosedParameter> ValuesOf(const DiagnosisState& state, const Refit& refit,
                                          const Matrix& covariance, const std::vector<int>& which) {
   constexpr double kUnknown = std::numeric_limits<double>::quiet_NaN();
-  const LeastSquares fit(examination.problem, *refit.setup);
+  const LeastSquares fit(state.problem, *refit.setup);
   const Vector slopes = fit.Slopes(refit.x);
   std::vector<DiagnosedParameter> values;
   for (const int index : which) {
@@ -198,8 +199,8 @@ std::vector<DiagnosedParameter> ValuesOf(const Examination& examination, const R
     one.name = p.name;
     one.unit = p.unit;
     one.value = refit.point[index];
-    one.before = examination.base.refit.point[index];
-    if (!(covariance(v, v) > 0)) {  // held by its bound, or nothing responds
+    one.before = state.base.refit.point[index];
+    if (!(covariance(v, v) > 0)) {  // held at its bound, or without any effect
       one.std_error = kUnknown;
       one.ci95 = {kUnknown, kUnknown};
       if (one.value <= p.lower || one.value >= p.upper)
@@ -227,8 +228,8 @@ void Insert(EffectScore score, std::vector<EffectScore>& scores) {
   scores.insert(at, std::move(score));
 }
 
-Status Tabulate(Examination& examination, Diagnosis& diagnosis) {
-  return Tables(examination, diagnosis).Fill();
+Status Tabulate(DiagnosisState& state, Diagnosis& diagnosis) {
+  return Tables(state, diagnosis).Fill();
 }
 
 }  // namespace sinew::diagnosis

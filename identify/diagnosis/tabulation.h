@@ -1,24 +1,24 @@
-// The findings of a diagnosis as tables: causes, what could stand in their place, and the answer of every
-// effect of the library.
+// The findings of a diagnosis as tables: causes, their alternatives, and the score of every effect of the
+// library.
 #pragma once
 
-#include "identify/diagnosis/examination.h"
+#include "identify/diagnosis/diagnosis_state.h"
 
 namespace sinew::diagnosis {
 
-/// Values and intervals of parameters in a refit; those that it does not free are left out. A parameter that
-/// the data do not determine has a standard error and bounds of NaN.
+/// Values and intervals of parameters in a refit; parameters that it does not free are left out. A parameter
+/// that the data do not determine has a standard error and bounds of NaN.
 /// @param covariance [n x n] of the refit's variables @param which [P indices]
-[[nodiscard]] std::vector<DiagnosedParameter> ValuesOf(const Examination& examination, const Refit& refit,
+[[nodiscard]] std::vector<DiagnosedParameter> ValuesOf(const DiagnosisState& state, const Refit& refit,
                                                        const Matrix& covariance,
                                                        const std::vector<int>& which);
 
-/// Parameters before and after, causes, alternatives, scores. A channel whose readings are rounded is found
-/// here: that is certain without a test, and a cause if it makes more of the residual than a test that knew
-/// where to look would just detect. Errors: the problem's own.
-Status Tabulate(Examination& examination, Diagnosis& diagnosis);
+/// Fills in parameters before and after, causes, alternatives and scores. A quantised channel is added here:
+/// it is recognised without a test, and it is a cause if its share of the residual exceeds the size that a
+/// test of this effect alone detects. Errors: those of Problem::Predict.
+Status Tabulate(DiagnosisState& state, Diagnosis& diagnosis);
 
-/// Puts a score at its place, strongest first.
+/// Inserts a score at its place, most significant first.
 void Insert(EffectScore score, std::vector<EffectScore>& scores);
 
 }  // namespace sinew::diagnosis

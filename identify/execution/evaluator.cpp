@@ -8,17 +8,17 @@
 namespace sinew {
 namespace {
 
-// A constraint counts as satisfied up to this share of the size of its terms: rounding, and the last step of
-// an interior-point search.
+// A constraint counts as satisfied up to this share of the size of its terms, which allows for rounding and
+// for the final tolerance of an interior-point method.
 constexpr double kConstraintTolerance = 1e-9;
 
 }  // namespace
 
-Evaluator::Evaluator(const LeastSquares& problem, Options options)
-    : problem_(problem),
+Evaluator::Evaluator(const LeastSquares& fit, Options options)
+    : fit_(fit),
       options_(std::move(options)),
-      workspace_(problem.NewWorkspace()),
-      gradient_jacobian_(problem.NewJacobian()) {}
+      workspace_(fit.NewWorkspace()),
+      gradient_jacobian_(fit.NewJacobian()) {}
 
 double Evaluator::seconds() const {
   return std::chrono::duration<double>(std::chrono::steady_clock::now() - options_.began).count();
@@ -50,7 +50,7 @@ bool Evaluator::MustStop() {
   if (options_.interrupt != nullptr && options_.interrupt->load(std::memory_order_relaxed)) {
     stop_cause_ = StopCause::kInterrupted;
   }
-  // Last: what was reached with the last evaluation is reached.
+  // After the other tests, so that a target reached by the last allowed evaluation counts as reached.
   if (has_best() && best().cost <= options_.target_cost) stop_cause_ = StopCause::kTarget;
   return stop_cause_ != StopCause::kNone;
 }
@@ -62,12 +62,12 @@ const TraceEntry* Evaluator::Replayed(const Vector& x) const {
 }
 
 std::optional<std::string> Evaluator::Violated(const Vector& x) const {
-  if (problem_.constraints() == 0) return std::nullopt;
+  if (fit_.constraints() == 0) return std::nullopt;
   Vector values;
-  if (!problem_.Constraints(x, workspace_, values, nullptr)) return std::nullopt;
-  const Vector sizes = problem_.ConstraintSizes(x);
+  if (!fit_.Constraints(x, workspace_, values, nullptr)) return std::nullopt;
+  const Vector sizes = fit_.ConstraintSizes(x);
   for (Eigen::Index i = 0; i < values.size(); ++i) {
-    if (values[i] > kConstraintTolerance * sizes[i]) return problem_.ConstraintName(static_cast<int>(i));
+    if (values[i] > kConstraintTolerance * sizes[i]) return fit_.ConstraintName(static_cast<int>(i));
   }
   return std::nullopt;
 }
@@ -111,7 +111,7 @@ Evaluator::Outcome Evaluator::Cost(const Vector& x, double& cost, Infeasible inf
     Record(x, cost);
     return Outcome::kOk;
   }
-  const Result<double> result = problem_.Cost(x, workspace_);
+  const Result<double> result = fit_.Cost(x, workspace_);
   if (!result) return RecordFailure(x, result.error());
   cost = *result;
   Record(x, cost);
@@ -122,7 +122,7 @@ Evaluator::Outcome Evaluator::Residuals(const Vector& x, Vector& residuals, Spar
                                         Infeasible infeasible) {
   const Outcome admitted = Admit(x, infeasible);
   if (admitted != Outcome::kOk) return admitted;
-  const Status status = problem_.Evaluate(x, workspace_, residuals, jacobian);
+  const Status status = fit_.Evaluate(x, workspace_, residuals, jacobian);
   if (!status) return RecordFailure(x, status.error());
   if (jacobian != nullptr) {
     for (const SparseJacobian::Piece& piece : jacobian->pieces) {
@@ -139,7 +139,7 @@ Evaluator::Outcome Evaluator::Gradient(const Vector& x, double& cost, Vector& gr
   const Outcome outcome = Residuals(x, workspace_.residuals, &gradient_jacobian_, infeasible);
   if (outcome != Outcome::kOk) return outcome;
   cost = 0.5 * workspace_.residuals.squaredNorm();
-  gradient.setZero(problem_.variables());
+  gradient.setZero(fit_.variables());
   for (const SparseJacobian::Piece& piece : gradient_jacobian_.pieces) {
     const auto rows = workspace_.residuals.segment(piece.first_row, piece.values.rows());
     for (std::size_t k = 0; k < piece.variables.size(); ++k) {

@@ -1,5 +1,5 @@
-// The gate through which every evaluation of a solver passes: it counts, keeps the budget, records the trace,
-// remembers the best point, and answers from the record of an interrupted run.
+// All evaluations of a solver go through an Evaluator: it counts them, enforces the budget, records the
+// trace, keeps the best point, and replays the recorded evaluations of an interrupted run.
 #pragma once
 
 #include <atomic>
@@ -28,59 +28,75 @@ struct TraceEntry {
   Vector x;
 };
 
-/// What a person watches while it runs.
+/// State of a running search, for a progress display.
 struct Progress {
   long evaluations = 0;
   double seconds = 0;
   double best_cost = std::numeric_limits<double>::infinity();
 };
 
-/// Not thread-safe: one per thread of search. A multi-start gives each of its starts an evaluator of its own.
+/// Evaluations of one search, with their record.
+///
+/// A solver calls Cost, Residuals or Gradient, each of which is one evaluation, and reacts to the Outcome:
+/// kOk, use the values; kFailed, treat the point as rejected; kStop, return at once. It does not check
+/// budgets, interrupts or the target itself, and it need not remember its best point. Failed and rejected
+/// points count as evaluations, with an infinite cost in the trace.
+///
+/// Resuming: with Options::replay, evaluation i is answered from record i if its point is the recorded one to
+/// the last bit; a deterministic solver thus repeats its search without predictions. Only costs are recorded:
+/// residuals and derivatives are computed again. A point that differs from the record is predicted, so that a
+/// record of another search does no harm.
+///
+/// Not thread-safe. Parallel searches have one Evaluator each, and Absorb merges their records into the
+/// parent's in a fixed order, so that the trace does not depend on the number of threads.
 class Evaluator {
  public:
   enum class Outcome {
     kOk,
-    kFailed,  ///< no prediction at this point: reject it and go on
-    kStop     ///< budget used up, interrupted or target reached: return at once with best()
+    kFailed,  ///< no prediction at this point, or it violates a constraint: reject it and continue
+    kStop     ///< budget used, interrupted or target reached: return at once; stop_cause() says which
   };
 
   struct Options {
     Budget budget;
     double target_cost = -std::numeric_limits<double>::infinity();  ///< stop when the cost is at or below it
-    const std::atomic<bool>* interrupt = nullptr;                   ///< set by Ctrl-C
+    const std::atomic<bool>* interrupt = nullptr;                   ///< set to true by Ctrl-C; may be null
     std::function<void(const Progress&, const Evaluator&)> progress;  ///< called at every evaluation
-    std::vector<TraceEntry> replay;  ///< evaluations of the run that is resumed
+    std::vector<TraceEntry> replay;  ///< evaluations of the run that is resumed, in their order
     std::chrono::steady_clock::time_point began = std::chrono::steady_clock::now();
   };
 
-  Evaluator(const LeastSquares& problem, Options options);
+  Evaluator(const LeastSquares& fit, Options options);
 
-  /// What becomes of a point that violates a constraint of the problem. It is never best().
+  /// Treatment of a point that violates a constraint of the problem. Such a point never becomes best().
   enum class Infeasible {
-    kReject,   ///< kFailed without a prediction: for searches that know nothing of constraints
-    kEvaluate  ///< for searches that find their way back by themselves
+    kReject,   ///< kFailed without a prediction: for algorithms without constraints
+    kEvaluate  ///< evaluated like any other: for algorithms that handle constraints themselves
   };
 
-  /// Cost at x [n, in 0..1]; one evaluation.
+  /// Cost at x; one evaluation.
+  /// @param x [n, in 0..1; values outside are clamped] @param cost infinite unless the outcome is kOk
   Outcome Cost(const Vector& x, double& cost, Infeasible infeasible = Infeasible::kReject);
-  /// Residuals and, if jacobian is not null, the Jacobian at x; one evaluation.
+  /// Residuals and, if jacobian is not null, the Jacobian at x; one evaluation. Fails also if a derivative is
+  /// not finite.
+  /// @param residuals, jacobian as in LeastSquares::Evaluate; set if the outcome is kOk
   Outcome Residuals(const Vector& x, Vector& residuals, SparseJacobian* jacobian,
                     Infeasible infeasible = Infeasible::kReject);
-  /// Cost and gradient J' r at x; one evaluation.
+  /// Cost and gradient J'r [n] at x; one evaluation.
   Outcome Gradient(const Vector& x, double& cost, Vector& gradient,
                    Infeasible infeasible = Infeasible::kReject);
 
-  /// True if no further evaluation is allowed; stop_cause() then says why.
+  /// True if no further evaluation is allowed; stop_cause() then gives the reason.
   bool MustStop();
-  /// Name of the first constraint that x violates by more than rounding. None where there is no prediction:
-  /// the point is rejected for that.
+  /// Name of the first constraint that x violates by more than rounding. Empty also where a constraint cannot
+  /// be evaluated because there is no prediction: such a point is rejected for that reason.
   [[nodiscard]] std::optional<std::string> Violated(const Vector& x) const;
 
-  [[nodiscard]] const LeastSquares& problem() const { return problem_; }
+  [[nodiscard]] const LeastSquares& fit() const { return fit_; }
   [[nodiscard]] long evaluations() const { return static_cast<long>(trace_.size()); }
   [[nodiscard]] long failures() const { return failures_; }
   [[nodiscard]] const std::string& first_failure() const { return first_failure_; }
-  /// Points, evaluated or rejected, that violate a constraint.
+  /// Number of points, evaluated or rejected, that violate a constraint.
   [[nodiscard]] long infeasible() const { return infeasible_; }
   [[nodiscard]] bool has_best() const { return best_ >= 0; }
   /// Best evaluated point that satisfies the constraints; @pre has_best().
@@ -88,31 +104,33 @@ class Evaluator {
   [[nodiscard]] const std::vector<TraceEntry>& trace() const { return trace_; }
   [[nodiscard]] const Options& options() const { return options_; }
   [[nodiscard]] double seconds() const;
-  /// Budget that is left, of the share if one is set.
+  /// The remaining budget, that of the share if one is set.
   [[nodiscard]] Budget remaining() const;
 
-  /// Until EndShare, at most that many further evaluations: one link of a chain leaves something to the next.
+  /// Allows at most this many further evaluations until EndShare, so that one solver of a chain leaves a part
+  /// of the budget to the next.
   void BeginShare(long evaluations);
   void EndShare();
 
-  /// Why Outcome::kStop was returned; empty if it was not.
+  /// Why Outcome::kStop was returned; kNone if it was not.
   enum class StopCause { kNone, kEvaluations, kSeconds, kInterrupted, kTarget };
   [[nodiscard]] StopCause stop_cause() const { return stop_cause_; }
 
-  /// Takes over the evaluations of a child (a start of a multi-start), in the order in which this is called.
+  /// Appends the evaluations of a child (one start of a multi-start) to this record, updates the best point
+  /// and the counts. The order of the calls is the order of the trace.
   void Absorb(const Evaluator& child);
 
  private:
   [[nodiscard]] long evaluation_limit() const;
-  /// Outcome::kOk if the point may be predicted now.
+  /// kOk if the point may be predicted now; else the outcome to return.
   Outcome Admit(const Vector& x, Infeasible infeasible);
-  /// The recorded cost if this evaluation is one of the run that is resumed.
+  /// The record of this evaluation if the run is resumed and its recorded point is x, else nullptr.
   const TraceEntry* Replayed(const Vector& x) const;
   void Keep(TraceEntry entry);
   void Record(const Vector& x, double cost);
   Outcome RecordFailure(const Vector& x, const Error& error);
 
-  const LeastSquares& problem_;
+  const LeastSquares& fit_;
   Options options_;
   mutable LeastSquares::Workspace workspace_;  // scratch
   SparseJacobian gradient_jacobian_;

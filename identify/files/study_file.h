@@ -1,4 +1,4 @@
-// The file and the JSON that a comparison of solvers leaves: docs/run_file.md.
+// File and JSON of a comparison of solvers: docs/run_file.md.
 #pragma once
 
 #include <string>

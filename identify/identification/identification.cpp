@@ -2,6 +2,7 @@
 
 #include <utility>
 
+#include "identify/check_problem.h"
 #include "identify/error_concentration.h"
 #include "identify/solvers/held_out_nuisance.h"
 
@@ -9,6 +10,7 @@ namespace sinew {
 
 Result<Identification> Identify(const Problem& problem, FitSetup setup, IdentificationOptions options) {
   SINEW_ASSIGN(const auto solver, MakeSolver(options.solver, options.solver_options));
+  SINEW_TRY(CheckProblem(problem, setup));
   Identification out;
   out.solver = options.solver;
   out.solver_options = options.solver_options;

@@ -8,7 +8,7 @@ namespace sinew::noise {
 
 namespace {
 
-/// Durbin, Levinson: the predictor from one sample more, whose partial autocorrelation is `last`.
+/// Durbin-Levinson step: the coefficients for one more sample, whose partial autocorrelation is `last`.
 std::vector<double> Longer(const std::vector<double>& before, double last) {
   std::vector<double> a = before;
   for (std::size_t i = 0; i < a.size(); ++i) a[i] -= last * before[before.size() - 1 - i];
@@ -37,8 +37,8 @@ std::vector<double> PartialFromCoefficients(const std::vector<double>& coefficie
 }
 
 std::vector<double> BurgPartial(const std::vector<Vector>& stretches, int order) {
-  std::vector<Vector> forward = stretches;   // prediction errors from the past; [t]
-  std::vector<Vector> backward = stretches;  // of sample t - m from its future
+  std::vector<Vector> forward = stretches;   // error of predicting sample t from its past
+  std::vector<Vector> backward = stretches;  // error of predicting sample t - m from its future
   std::vector<double> partial;
   for (int m = 1; m <= order; ++m) {
     double product = 0;
@@ -79,7 +79,8 @@ AutoregressiveFilter::AutoregressiveFilter(const std::vector<double>& partial)
 
 void AutoregressiveFilter::Apply(double* x, Eigen::Index n) const {
   const Eigen::Index p = order();
-  for (Eigen::Index t = n - 1; t >= 0; --t) {  // backwards: what is behind is still as it was
+  for (Eigen::Index t = n - 1; t >= 0;
+       --t) {  // from the last sample, because earlier ones are still needed unfiltered
     const Eigen::Index known = std::min(t, p);
     const double* a = predictors_[static_cast<std::size_t>(known)].data();
     double error = x[t];

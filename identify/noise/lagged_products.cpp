@@ -27,7 +27,7 @@ void AddStretch(const Eigen::Ref<const Matrix>& z, int order, std::vector<Matrix
   }
 }
 
-/// Adds entry (r, c) of the products of [regressors, residual] where it belongs.
+/// Adds entry (r, c) of the products of [regressors, residual] to its place in the normal equations.
 void AddEntry(const std::vector<int>& columns, int r, int c, double value, WhitenedNormalEquations& sum) {
   const auto k = static_cast<int>(columns.size());
   if (c == k) {

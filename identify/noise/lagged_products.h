@@ -1,5 +1,5 @@
-// What the likelihood of an autoregression needs to know of the samples: sums of products at all pairs of
-// lags, so that trying other coefficients costs nothing per sample.
+// Sufficient statistics of the likelihood of an autoregression: sums of products at all pairs of lags, so
+// that the cost of trying other coefficients does not depend on the number of samples.
 #pragma once
 
 #include <cstddef>
@@ -10,7 +10,7 @@
 
 namespace sinew::noise {
 
-/// Residual and regressors of one block, ready for products.
+/// Residual and regressors of one block, in the form that the products need.
 struct LaggedBlock {
   Matrix rows;               ///< [n x (k_b + 1)] regressors, then the residual
   std::vector<int> columns;  ///< [k_b] global index of each regressor
@@ -29,8 +29,8 @@ struct WhitenedNormalEquations {
 
 /// Products of all rows of all blocks of one channel. The exact quadratic form of a stationary autoregression
 /// over a stretch of n >= 2 order samples is sum over i, j of f_i f_j (sum over t of z_{t+i} z_{t+j}', t = 0
-/// .. n-1-i-j) with f = (1, -a) (Siddiqui 1958; Box, Jenkins 1976, A7.4). Shorter stretches are filtered as
-/// they are.
+/// .. n-1-i-j) with f = (1, -a) (Siddiqui 1958; Box, Jenkins 1976, A7.4). Shorter stretches are filtered
+/// sample by sample.
 class LaggedProducts {
  public:
   /// @param order largest lag
@@ -50,8 +50,8 @@ class LaggedProducts {
   };
 
   // Lower triangles of the sums of z_{t+i} z_{t+j}' + z_{t+j} z_{t+i}' (once for i = j), one column per pair
-  // i <= j in the order (0,0), (0,1), (1,1), (0,2), ...: those of a lower order stand in front. Blocks below
-  // each other.
+  // i <= j in the order (0,0), (0,1), (1,1), (0,2), ..., so that the pairs of a lower order come first. Rows
+  // of one block after those of another.
   Matrix table_;
   std::vector<std::vector<int>> columns_;  // [blocks][k_b]
   std::vector<Short> short_;

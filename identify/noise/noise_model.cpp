@@ -15,19 +15,19 @@ namespace sinew::noise {
 namespace {
 
 constexpr double kLargestArgument = 7;  // tanh: partial autocorrelations stay below 1 - 2e-6
-constexpr double kLargestBurg = 0.999;  // of a start
-// About the start: a channel can turn out 4e-6 times as noisy as its ordinary residual. Below, rounding
-// errors of the others' part would be taken for noise.
+constexpr double kLargestBurg = 0.999;  // of the initial estimate
+// Search range about the initial estimate: a channel can be 4e-6 times as noisy as its ordinary residual.
+// Below that, rounding errors of the other channels' part would be taken for noise.
 constexpr double kLogVarianceRange = 25;
 constexpr double kSmallestDeviation = 1e-100;  // of a channel that is zero throughout
-constexpr double kRowsPerCoefficient = 10;     // degrees of freedom that a coefficient needs
+constexpr double kRowsPerCoefficient = 10;     // degrees of freedom per coefficient
 constexpr double kMinimumTolerance = 1e-8;     // of the deviance; the sweeps stop at 1e-6
-constexpr double kOrderTolerance = 1e-5;       // where orders are compared, whose prices are 2 and more
-constexpr int kOrdersWithoutGain = 4;          // in a row, after which no higher one is tried
+constexpr double kOrderTolerance = 1e-5;       // while orders are compared, whose penalties are at least 2
+constexpr int kOrdersWithoutGain = 4;          // successive orders without gain that end the search
 constexpr double kSweepTolerance = 1e-6;
 constexpr int kMaxSweeps = 50;
-constexpr double kLoud = 1.5;    // times the stated noise: there is more in the residual than noise
-constexpr int kOrderSweeps = 2;  // of several channels: the order of the first depends on the others
+constexpr double kExcessOverStated = 1.5;  // times the stated level: above it the residual is more than noise
+constexpr int kOrderSweeps = 2;            // with several channels the order of each depends on the others
 
 int RowsWithPast(const std::vector<const LaggedBlock*>& blocks, int past) {
   int rows = 0;
@@ -41,7 +41,7 @@ int RowsWithPast(const std::vector<const LaggedBlock*>& blocks, int past) {
   return rows;
 }
 
-// x_t r^-t of a stationary autoregression has roots r times as large.
+// The process x_t r^-t of a stationary autoregression x_t has roots r times as large.
 std::vector<double> WithRootsTimes(double factor, std::vector<double> coefficients) {
   double power = 1;
   for (double& coefficient : coefficients) coefficient *= power *= factor;
@@ -57,7 +57,7 @@ AutoregressiveFilter FilterOf(const Vector& shape, double largest_root) {
   return AutoregressiveFilter(partial);
 }
 
-// The way back.
+// The inverse of FilterOf.
 Vector ShapeOf(const std::vector<double>& coefficients, double largest_root) {
   const std::vector<double> partial = WithRootsTimes(1 / largest_root, coefficients);
   Vector shape(static_cast<Eigen::Index>(partial.size()));
@@ -69,18 +69,18 @@ Vector ShapeOf(const std::vector<double>& coefficients, double largest_root) {
 struct Channel {
   std::string name;
   std::vector<const LaggedBlock*> blocks;
-  std::vector<double> burg;                // partial autocorrelations of the ordinary residual, the start
-  int largest_order = 0;                   // that its rows can bear
-  bool silent = false;                     // zero throughout
-  bool white = false;                      // by decree
-  double least_deviation = 0;              // by decree
-  double largest_root = 0;                 // by decree
-  std::optional<LaggedProducts> products;  // of the rows that count now
-  Vector shape;                            // partial autocorrelations = tanh of it
+  std::vector<double> burg;    // partial autocorrelations of the ordinary residual: initial estimate
+  int largest_order = 0;       // limit by the number of rows
+  bool silent = false;         // zero throughout
+  bool white = false;          // prescribed by the data
+  double least_deviation = 0;  // prescribed by the data
+  double largest_root = 0;     // prescribed by the data
+  std::optional<LaggedProducts> products;  // of the current rows
+  Vector shape;                            // partial autocorrelations = tanh(shape)
   double log_variance = 0;                 // of the innovation
   double first_log_variance = 0;           // of the ordinary residual
   double power = 0;                        // of the ordinary residual
-  double loud_power = 0;                   // above which that is more than the stated noise
+  double excess_power = 0;                 // limit of `power` above which it is more than the stated noise
 };
 
 class Estimator {
@@ -100,7 +100,7 @@ class Estimator {
       const auto samples = static_cast<double>(blocks[b].residual.size());
       const double stated = blocks[b].stated.value_or(std::numeric_limits<double>::infinity());
       found->power += blocks[b].residual.squaredNorm();
-      found->loud_power += samples * std::pow(kLoud * stated, 2);
+      found->excess_power += samples * std::pow(kExcessOverStated * stated, 2);
       found->white = found->white || blocks[b].white;
       found->largest_root = std::max(found->largest_root, blocks[b].largest_root);
       if (blocks[b].white)
@@ -134,7 +134,7 @@ class Estimator {
   }
 
  private:
-  // The order of one channel depends on the others', and the last one knew them all.
+  // The order of one channel depends on those of the others, which are all known from the second sweep on.
   void ChooseOrders() {
     bool changed = true;
     const int sweeps = channels_.size() > 1 ? kOrderSweeps : 1;
@@ -178,8 +178,8 @@ class Estimator {
         channel.silent ? 2 * std::log(kSmallestDeviation) : std::log(power / std::max(rows, 1));
     channel.first_log_variance = channel.log_variance;
     channel.shape.resize(0);
-    if (!options_.white && !channel.white && !channel.silent && channel.power <= channel.loud_power) {
-      // Its part of what the regressors take.
+    if (!options_.white && !channel.white && !channel.silent && channel.power <= channel.excess_power) {
+      // The channel's share of the degrees of freedom of the regressors.
       const double spent = static_cast<double>(columns_) * rows / samples_;
       for (int order = 1; order <= options_.largest_order; ++order) {
         const int left = RowsWithPast(channel.blocks, order);
@@ -191,7 +191,7 @@ class Estimator {
     channel.products.emplace(channel.blocks, channel.largest_order);
   }
 
-  /// Normal equations and log variances of all channels but one, as they stand.
+  /// Sums the normal equations and log variances of all channels but one at their current estimates.
   void GatherOthers(std::size_t c) {
     others_ = WhitenedNormalEquations(columns_);
     others_deviance_ = 0;
@@ -204,8 +204,8 @@ class Estimator {
     }
   }
 
-  /// x: shape and, besides other channels, the log variance. A single channel's variance is known in closed
-  /// form.
+  /// Deviance as a function of one channel's x: its shape and, if there are other channels, its log variance.
+  /// The variance of a single channel has a closed form.
   double Deviance(Channel& channel, const Vector& x, double* log_variance) {
     const bool single = channels_.size() == 1;
     work_ = others_;
@@ -229,7 +229,7 @@ class Estimator {
     return std::isfinite(deviance) ? deviance : std::numeric_limits<double>::infinity();
   }
 
-  /// Minimises over one channel, the others as they stand. @return the deviance
+  /// Minimises over one channel with the others fixed. @return the deviance
   double Refine(std::size_t c, const Vector& shape, double tolerance) {
     Channel& channel = channels_[c];
     GatherOthers(c);
@@ -240,7 +240,7 @@ class Estimator {
     Vector curvature(x.size());
     const double rows = channel.products->rows();
     for (Eigen::Index i = 0; i < order; ++i) {
-      // Of the exact information of the last partial autocorrelation, rows / (1 - partial^2).
+      // From the exact information of the last partial autocorrelation, rows / (1 - partial^2).
       curvature[i] = 1 + 2 * rows / std::pow(std::cosh(shape[i]), 2);
     }
     if (!single) {
@@ -271,7 +271,8 @@ class Estimator {
     for (int order = 0; order <= channel.largest_order && without_gain < kOrdersWithoutGain; ++order) {
       ++without_gain;
       if (order > 0) {
-        // The next lower order's optimum, and what the ordinary residual says of one lag more.
+        // Initial estimate: the optimum of the next lower order, and the ordinary residual's partial
+        // autocorrelation at one more lag.
         shape.conservativeResize(order);
         shape[order - 1] = std::atanh(
             std::clamp(channel.burg[static_cast<std::size_t>(order - 1)], -kLargestBurg, kLargestBurg));

@@ -1,5 +1,5 @@
-// How residuals scatter if nothing is wrong: per channel an autoregression, estimated without the bias that
-// fitted parameters cause, and the whitening that follows from it.
+// The noise model of a fit: per channel an autoregression, estimated without the bias that fitted parameters
+// cause, and the whitening filter that follows from it.
 #pragma once
 
 #include <optional>
@@ -16,12 +16,13 @@ namespace sinew::noise {
 struct ChannelNoiseModel {
   std::string channel;
   std::vector<double> coefficients;  ///< [order]; empty: white
-  double deviation = 1;              ///< of the innovation, in units of the weighted residual, > 0
-  double least_deviation = 0;        ///< below which no estimate of it may go; of white channels
+  double deviation = 1;  ///< standard deviation of the innovation, in units of the weighted residual, > 0
+  double least_deviation = 0;  ///< white channels: lower limit of `deviation`
 
   /// Standard deviation of the process itself, in units of the weighted residual; infinite if not stationary.
   [[nodiscard]] double ProcessDeviation() const;
-  /// Largest modulus of the roots of the characteristic polynomial, in [0, 1); near 1 it drifts like a walk.
+  /// Largest modulus of the roots of the characteristic polynomial, in [0, 1); near 1 the process is close to
+  /// a random walk.
   [[nodiscard]] double LargestRoot() const;
 };
 
@@ -32,20 +33,21 @@ struct NoiseModel {
   [[nodiscard]] bool IsColoured() const;
 };
 
-/// Residual and regressors of one training block, in rows.
+/// Residual and regressors of one training block, one row per sample.
 struct NoiseBlock {
   std::string channel;
   Vector residual;           ///< [n]
-  Matrix regressors;         ///< [n x k_b] columns this block depends on
+  Matrix regressors;         ///< [n x k_b] derivatives for the variables that this block depends on
   std::vector<int> columns;  ///< [k_b] global index of each regressor, increasing
-  /// First row of every stretch without a gap, increasing, starts with 0. Whitening never reaches across.
+  /// First row of every stretch without a gap, increasing, starts with 0. Whitening does not predict across a
+  /// gap.
   std::vector<int> stretches;
-  std::optional<double> stated;  ///< noise level that the data state [unit of `residual`], > 0
-  bool white = false;            ///< order 0, and no lower than `stated`; as in Block
-  double largest_root = 1;       ///< in (0, 1]: that an autoregression may have; of Block::noise_memory
+  std::optional<double> stated;  ///< noise level stated by the data [unit of `residual`], > 0
+  bool white = false;            ///< order 0, and a level of at least `stated`; see Block::white
+  double largest_root = 1;       ///< in (0, 1]: limit for the autoregression, from Block::noise_memory
 };
 
-/// Price of one coefficient in the deviance: log(rows) or 2.
+/// Penalty of one coefficient in the deviance: log(rows) (Schwarz 1978) or 2 (Akaike 1974).
 enum class OrderCriterion { kBic, kAic };
 
 /// The default order keeps the level of score tests when the noise is no autoregression. Variance of the
@@ -63,15 +65,15 @@ enum class OrderCriterion { kBic, kAic };
 ///     AR(1) 0.9 + 3 x white   1.29  3.8    1.29  3.8    1.09  5.2    1.04  6.2    1.03  6.5
 ///     mean of six (MA(5))     1.65  5.9    0.85  7.6    1.67  6.0    0.97  9.4    0.95 13.9
 ///
-/// (White levels are in units of the innovation.) An effect of the size that is detected with 95 % if the
-/// noise is known is found as often with AIC to 10 as with BIC to 6 (75 % of 100; white 74 %). Larger effects
-/// are swallowed more, to a similar degree by all of these: of the score that a known noise would give, 10
-/// times that size keeps 0.4, 30 times 0.15.
+/// (White levels are in units of the innovation.) An effect of the size that is detected with probability 95
+/// % under known noise is found as often with AIC to 10 as with BIC to 6 (75 % of 100; white 74 %). Larger
+/// effects are partly absorbed by the noise model, to a similar degree by all of these: of the score under
+/// known noise, 0.4 remains at 10 times that size and 0.15 at 30 times.
 struct NoiseModelOptions {
   int largest_order = 10;
   OrderCriterion criterion = OrderCriterion::kAic;
-  bool white = false;  ///< order 0 whatever the data say
-  /// Of residuals that differ little from these: its orders are kept, which costs a fifth of choosing them.
+  bool white = false;  ///< order 0 for every channel
+  /// Noise model of similar residuals: its orders are used, which takes a fifth of the time of choosing them.
   /// May be null.
   const NoiseModel* like = nullptr;
 };
@@ -82,33 +84,35 @@ struct NoiseModelOptions {
 /// autocorrelations within (-1, 1), Barndorff-Nielsen, Schou 1973).
 ///
 /// The likelihood is the exact one of stationary stretches, not conditional on their first samples: a free
-/// decay from the initial state solves a difference equation, so the conditional likelihood is unbounded
-/// where a coefficient vector meets that equation, and its estimates are drawn there.
+/// decay from the initial state solves a difference equation, so that the conditional likelihood is unbounded
+/// where the coefficients are those of that equation, and its estimates are biased towards them.
 ///
-/// A channel whose data state its noise level, and whose residual is more than 1.5 times as loud, gets order
-/// 0: an autoregression would pass off as noise what the data say is none. (On stances of 32 samples it
-/// swallows a plate's offset of eleven times the stated noise.) By chance a white residual of 60 samples is
-/// so loud once in a million cases.
+/// A channel with a stated noise level whose residual exceeds 1.5 times that level gets order 0, because an
+/// autoregression would describe misfit as noise. (With stances of 32 samples it absorbs a plate's offset of
+/// eleven times the stated noise.) By chance a white residual of 60 samples exceeds the limit once in a
+/// million cases.
 ///
-/// A channel with a white block gets order 0, and no level below the largest stated one of its white blocks.
+/// A channel with a white block gets order 0, and a level of at least the largest stated one of its white
+/// blocks.
 ///
-/// Roots stay below the largest `largest_root` of a channel's blocks. (A trial whose floor lies higher by
-/// half the noise would else be noise with a root of 0.998, in whose fit the model is exchanged for that
-/// noise.)
+/// Roots stay below the largest `largest_root` of a channel's blocks. (Otherwise a trial whose floor is
+/// higher by half the noise level is described by a root of 0.998, and the fit under this noise ignores the
+/// trial's mean.)
 ///
-/// Regressors that are combinations of others count once. Several channels: one at a time, the others as they
-/// stand, until the likelihood no longer changes. Cost does not depend on the number of samples after one
-/// pass (lagged cross products). Errors: not more samples than regressors in all.
+/// Regressors that are linear combinations of others count once. Several channels are estimated in turn with
+/// the others fixed until the likelihood no longer changes. After one pass over the samples the cost does not
+/// depend on their number (lagged cross products). Errors: not more samples than regressors in all.
 Result<NoiseModel> EstimateNoiseModel(const std::vector<NoiseBlock>& blocks,
                                       const NoiseModelOptions& options);
 
-/// -2 log restricted likelihood of `model` for these blocks (exact, constants that do not depend on the model
-/// left out), regressors profiled out. For comparisons of noise models, of any order, with the same
+/// -2 log restricted likelihood of `model` for these blocks, regressors profiled out (exact, without the
+/// constants that do not depend on the model). Comparable between noise models of any order with the same
 /// regressors.
 [[nodiscard]] double RestrictedDeviance(const std::vector<NoiseBlock>& blocks, const NoiseModel& model);
 
-/// Filters rows by the model: (x_t - sum a_i x_{t-1-i}) / deviation. The first samples of each stretch are
-/// predicted from those before them and divided by the deviation of that prediction: no row is lost.
+/// The whitening filter of a noise model: (x_t - sum a_i x_{t-1-i}) / deviation. The first samples of each
+/// stretch are predicted from those before them and divided by the deviation of that prediction, so that no
+/// row is lost.
 class Whitening final : public RowTransform {
  public:
   /// @param stretches [train blocks] as in NoiseBlock.
@@ -123,11 +127,12 @@ class Whitening final : public RowTransform {
   std::vector<std::vector<int>> stretches_;
 };
 
-/// Where a block's samples have neighbours: a new stretch starts after a gap longer than 2.5 times the median
-/// interval. (Jitter reaches 1.9 in recordings of a servo where nothing is missing.)
+/// First samples of the stretches of a block: a new one starts after a gap longer than 2.5 times the median
+/// interval. (Intervals between samples reach 1.9 times the median in recordings of a servo without missing
+/// samples.)
 [[nodiscard]] std::vector<int> Stretches(const Block& block);
 
-/// NoiseBlock::largest_root of noise that is forgotten in the block's noise_memory.
+/// NoiseBlock::largest_root for the block's noise_memory.
 [[nodiscard]] double LargestRoot(const Block& block);
 
 }  // namespace sinew::noise

@@ -6,8 +6,9 @@
 namespace sinew::noise {
 namespace {
 
-constexpr double kDifference = 1e-4;  // its error, step^2 times a third derivative, is far below the noise
-constexpr double kLongestStep = 1;    // of any variable in one iteration
+constexpr double kDifference =
+    1e-4;                           // truncation error: step^2 times a third derivative, far below the noise
+constexpr double kLongestStep = 1;  // of any variable in one iteration
 constexpr double kSufficient = 1e-4;  // share of the predicted decrease that a step must bring
 constexpr int kMaxIterations = 100;
 constexpr int kMaxHalvings = 30;
@@ -34,7 +35,7 @@ double MinimizeSmooth(const std::function<double(const Vector&)>& function, cons
   const Matrix first = curvature.cwiseInverse().asDiagonal();
   Matrix inverse = first;
   Vector gradient = Gradient(function, x);
-  bool fresh = true;  // `inverse` is the first guess
+  bool fresh = true;  // `inverse` is still the initial estimate
   for (int iteration = 0; iteration < kMaxIterations; ++iteration) {
     Vector step = -inverse * gradient;
     double slope = gradient.dot(step);

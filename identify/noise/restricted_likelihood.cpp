@@ -11,7 +11,7 @@
 namespace sinew::noise {
 namespace {
 
-// Of squares, since it is decided on the normal equations: 1e-5 of a column's length.
+// Limit of the squared sine, because the decision is made on normal equations: 1e-5 of a column's length.
 constexpr double kDependent = 1e-10;
 constexpr double kRidge = 1e-12;
 
@@ -36,7 +36,7 @@ std::vector<int> IndependentColumns(Matrix gram) {
   return kept;
 }
 
-/// Adds what the ordinary fit leaves: r - X b.
+/// Replaces residuals r by those of the ordinary fit, r - X b.
 void FitOrdinary(ReducedBlocks& reduced) {
   const Eigen::Index k = reduced.columns;
   if (k == 0) return;

@@ -1,5 +1,4 @@
-// Likelihood of a noise model for residuals whose fitted part could be anything in the span of the
-// regressors.
+// Restricted likelihood of a noise model: that of the residuals' components orthogonal to the regressors.
 #pragma once
 
 #include <vector>
@@ -9,22 +8,22 @@
 
 namespace sinew::noise {
 
-/// Blocks without what the likelihood does not see: regressors of unit length, none that is a combination of
-/// others (squared sine below 1e-10), the ordinary least-squares fit taken off the residuals.
+/// Blocks in the form that the likelihood needs: regressors of unit length without linear combinations of
+/// others (squared sine below 1e-10), and residuals of the ordinary least-squares fit.
 struct ReducedBlocks {
-  std::vector<LaggedBlock> blocks;  ///< columns count the kept regressors
+  std::vector<LaggedBlock> blocks;  ///< their `columns` index the kept regressors
   int columns = 0;                  ///< kept regressors
   int samples = 0;
 };
 [[nodiscard]] ReducedBlocks Reduce(const std::vector<NoiseBlock>& blocks);
 
-/// What remains of normal equations when the regressors are fitted.
+/// Residual sum of squares and determinant of normal equations, with the regressors fitted.
 struct ProfiledOut {
-  double power = 0;            ///< sum of squares that is left
+  double power = 0;            ///< residual sum of squares
   double log_determinant = 0;  ///< of the gram matrix
 };
-/// A direction that whitening has shrunk below 1e-12 of its columns counts as if it were of that size.
-/// @param gram [k x k] lower triangle; overwritten
+/// Profiles out the regressors. A direction whose squared length after whitening is below 1e-12 of its
+/// columns is treated as if it had that length.
 [[nodiscard]] ProfiledOut ProfileOut(WhitenedNormalEquations& equations);
 
 }  // namespace sinew::noise

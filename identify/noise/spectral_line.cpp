@@ -8,7 +8,7 @@
 
 #include "base/constants.h"
 #include "base/decompositions.h"
-#include "identify/statistics/student_t.h"
+#include "identify/statistics/distributions.h"
 
 namespace sinew::noise {
 namespace {
@@ -16,11 +16,11 @@ namespace {
 constexpr int kMinimum = 64;
 constexpr double kUneven = 0.02;
 constexpr double kCycles = 4;
-constexpr double kHighest = 0.45;      // of the sampling rate
-constexpr std::size_t kNearest = 5;    // neighbours of a frequency: from so many bins away ...
-constexpr std::size_t kFarthest = 30;  // ... to so many; a bin is half of 1 / duration
+constexpr double kMaxFrequencyShare = 0.45;  // of the sampling rate
+constexpr std::size_t kNearest = 5;    // neighbours of a frequency are those from this many bins away ...
+constexpr std::size_t kFarthest = 30;  // ... to this many; a bin is half of 1 / duration
 constexpr double kMinBelow = 4;
-constexpr double kBinsPerIndependent = 3;  // half-spaced bins of a Hann window
+constexpr double kBinsPerIndependent = 3;  // bins per independent value with a Hann window
 
 const Block& BlockOf(const LeastSquares& fit, const LeastSquares::TrainBlock& train) {
   return fit.problem().layout()[static_cast<std::size_t>(train.block)];
@@ -96,7 +96,7 @@ std::optional<SpectralLine> FindLine(const LeastSquares& fit, const Vector& resi
       step = std::max(step, duration / (block.samples() - 1));
     }
     const double bin = 0.5 / longest;
-    const auto count = static_cast<std::size_t>(kHighest / step / bin);
+    const auto count = static_cast<std::size_t>(kMaxFrequencyShare / step / bin);
     const auto first = static_cast<std::size_t>(std::ceil(kCycles / shortest / bin));
     std::vector<double> power(count, 0);
     for (const auto& train : blocks) {
@@ -112,7 +112,7 @@ std::optional<SpectralLine> FindLine(const LeastSquares& fit, const Vector& resi
       const Side below =
           MeanOf(power, k > kFarthest ? k - kFarthest : 1, k >= kNearest ? k - kNearest + 1 : 1);
       if (below.bins < kMinBelow) continue;
-      // Where the spectrum falls or rises steeply, the higher side is the fair one.
+      // Where the spectrum is steep, the side with more power is the conservative reference.
       const Side& around = above.mean > below.mean ? above : below;
       ++tried;
       if (!(around.mean > 0)) continue;

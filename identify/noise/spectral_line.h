@@ -1,5 +1,5 @@
-// Something periodic in time, such as the hum of a motor: a line in the spectrum of the residual. An
-// autoregression would take it for colour of the noise.
+// A spectral line: an error that is periodic in time, such as the hum of a motor. An autoregression would
+// describe it as coloured noise.
 #pragma once
 
 #include <optional>
@@ -13,16 +13,16 @@ namespace sinew::noise {
 struct SpectralLine {
   std::string channel;
   double frequency = 0;  ///< [Hz]
-  /// Chance of a line so strong anywhere in the spectra, if they are smooth: bounded by the number of
-  /// frequencies times the chance at one.
+  /// Probability of a line so strong at any frequency if the spectra are smooth: bounded by the number of
+  /// frequencies times the probability at one (Bonferroni).
   double p_value = 1;
-  /// Its chance at its own frequency as a chi-squared of two degrees.
+  /// The significance at its own frequency as a chi-squared statistic with two degrees of freedom.
   double statistic = 0;
 };
 
-/// Strongest line over all channels: power of all training blocks of a channel (Hann window, Welch 1967 for
-/// the sum) at one frequency against that of its neighbours. Blocks with gaps, with uneven samples (2 %) or
-/// fewer than 64 of them are left out; frequencies below 4 cycles per block too.
+/// Strongest line over all channels: power of all training blocks of a channel (Hann window; sum over blocks
+/// after Welch 1967) at one frequency against that of its neighbours. Left out are blocks with gaps, with
+/// uneven samples (2 %) or with fewer than 64 of them, and frequencies below 4 cycles per block.
 /// @param residual [m] weighted rows of the training blocks
 [[nodiscard]] std::optional<SpectralLine> FindLine(const LeastSquares& fit, const Vector& residual);
 

@@ -10,8 +10,8 @@
 namespace sinew::noise {
 namespace {
 
-// Median intervals. A servo read over a serial bus comes at 0.95 to 1.9 of them, and nothing is missing;
-// where two samples in a row are, it is 3.
+// In median intervals. A servo read over a serial bus is sampled at 0.95 to 1.9 of them without missing
+// samples; where two samples in a row are missing it is 3.
 constexpr double kGap = 2.5;
 
 std::vector<double> Intervals(const Block& block) {

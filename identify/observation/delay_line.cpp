@@ -37,7 +37,7 @@ void DelayLine::Evaluate(double delay, const Eigen::Ref<const Vector>& signal,
     slope[0] = 0;
     return;
   }
-  Eigen::Index i = 0;  // the piece, which only moves on
+  Eigen::Index i = 0;  // current interval of the spline; times increase
   for (Eigen::Index k = 0; k < n; ++k) {
     const double t = time_[static_cast<std::size_t>(k)] - delay;
     while (i + 2 < n && t >= time_[static_cast<std::size_t>(i + 1)]) ++i;

@@ -1,5 +1,5 @@
-// A sampled signal at other times: the natural cubic spline through its samples, prepared for many signals on
-// the same times.
+// Interpolation of sampled signals at shifted times: natural cubic splines of many signals with the same
+// sample times.
 #pragma once
 
 #include <vector>
@@ -8,9 +8,9 @@
 
 namespace sinew {
 
-/// Delays signals that are sampled at fixed times. The same curve as NaturalCubicSpline (base/spline.h), but
-/// what depends on the times alone is computed once and nothing is allocated afterwards. Beyond the samples
-/// the curve continues as a straight line; a single sample as a constant.
+/// Delays signals that are sampled at fixed times. The curve is that of NaturalCubicSpline (base/spline.h),
+/// but the parts that depend on the times alone are computed once and nothing is allocated afterwards. Beyond
+/// the samples the curve continues as a straight line; a single sample as a constant.
 class DelayLine {
  public:
   /// @param time [M, s, strictly increasing, M >= 1]
@@ -26,8 +26,8 @@ class DelayLine {
 
  private:
   std::vector<double> time_;
-  std::vector<double> upper_;          // of the factorised tridiagonal system
-  std::vector<double> inverse_pivot_;  // of its rows
+  std::vector<double> upper_;          // upper diagonal of the factorised tridiagonal system
+  std::vector<double> inverse_pivot_;  // inverse pivots of its rows
 };
 
 }  // namespace sinew

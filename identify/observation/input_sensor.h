@@ -1,4 +1,4 @@
-// What the sensor of a measured input did to it, undone before the input drives a model.
+// Correction of a measured input for its sensor, before the input drives a model.
 //
 //   true(t) = (u(t + time_offset) + low_pass * du/dt(t + time_offset) - offset - drift * (t - middle)) / gain
 #pragma once
@@ -12,18 +12,18 @@
 
 namespace sinew {
 
-/// Values of the parameters of an input's sensor; at these defaults it passes the input on.
+/// Parameters of an input's sensor; with these defaults the input is unchanged.
 template <class T>
 struct InputCorrection {
-  T offset = T(0);       ///< [unit] the sensor reads too much by a constant
+  T offset = T(0);       ///< [unit] constant that the sensor adds
   T drift = T(0);        ///< [unit/s]
   T gain = T(1);         ///< [1, > 0]
-  T time_offset = T(0);  ///< [s] by which the reading is late
-  T low_pass = T(0);     ///< [s, >= 0] time constant of a first-order low-pass that the reading went through
+  T time_offset = T(0);  ///< [s] delay of the reading
+  T low_pass = T(0);     ///< [s, >= 0] time constant of the sensor's first-order low-pass
 };
 
-/// The input as it was before its sensor: the inverse of smoothing, lateness, gain, offset and drift, in
-/// that order. For a reading that is smooth enough to be differentiated (a spline).
+/// The input before its sensor: the inverse of low-pass, delay, gain, offset and drift, in that order. For a
+/// reading that can be differentiated (a spline).
 /// @param from_middle [s] time since the middle of the trial
 /// @param reading [unit] u at t + time_offset @param slope [unit/s] du/dt there
 template <class T>

@@ -5,7 +5,7 @@
 namespace sinew {
 namespace {
 
-// 1 - exp(-a) - a exp(-a), whose terms cancel for small a: the error of the series there is 2e-13 of it.
+// 1 - exp(-a) - a exp(-a). The terms cancel for small a, where the series has a relative error of 2e-13.
 double LagSlope(double a) {
   if (a < 1e-2) return a * a * (1.0 / 2 - a * (1.0 / 3 - a * (1.0 / 8 - a * (1.0 / 30 - a / 144))));
   return -std::expm1(-a) - a * std::exp(-a);

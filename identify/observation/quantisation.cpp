@@ -8,18 +8,19 @@ namespace {
 
 constexpr std::size_t kMinValues = 20;
 constexpr std::size_t kMinLevels = 4;
-constexpr double kAlmostAll = 0.99;
-constexpr double kTolerance = 0.02;     // of the step
-constexpr double kSmallestStep = 1e-6;  // of the largest value
-constexpr double kSame = 1e-9;          // of the largest value: closer values count as one
+constexpr double kMinShareOfMultiples = 0.99;
+constexpr double kTolerance = 0.02;       // of the step
+constexpr double kSmallestStep = 1e-6;    // of the largest value
+constexpr double kEqualTolerance = 1e-9;  // of the largest value: closer values count as one
 constexpr int kMaxSteps = 12;
 
-// The step of which almost all `values` are multiples if `guess` is about right. Values come in increasing
-// magnitude, so that the step is known well enough for the next one when it comes.
-std::optional<double> Refine(const std::vector<double>& values, double guess) {
-  const auto allowed = static_cast<std::size_t>((1 - kAlmostAll) * static_cast<double>(values.size()));
-  double step = guess;
-  double products = guess;
+// The step of which almost all `values` are multiples, given an approximate `trial_step`. Values come in
+// increasing magnitude, so that the step is known well enough for each next multiple.
+std::optional<double> Refine(const std::vector<double>& values, double trial_step) {
+  const auto allowed =
+      static_cast<std::size_t>((1 - kMinShareOfMultiples) * static_cast<double>(values.size()));
+  double step = trial_step;
+  double products = trial_step;
   double squares = 1;
   std::size_t misses = 0;
   std::size_t hits = 0;
@@ -29,13 +30,14 @@ std::optional<double> Refine(const std::vector<double>& values, double guess) {
       if (++misses > allowed) return std::nullopt;
       continue;
     }
-    if (multiple == 0) continue;  // zero is on every lattice, and resting signals have many
+    if (multiple == 0) continue;  // zero is a multiple of every step, and signals at rest have many
     ++hits;
     products += value * multiple;
     squares += multiple * multiple;
     step = products / squares;
   }
-  if (static_cast<double>(hits) < kAlmostAll * static_cast<double>(hits + misses)) return std::nullopt;
+  if (static_cast<double>(hits) < kMinShareOfMultiples * static_cast<double>(hits + misses))
+    return std::nullopt;
   return step;
 }
 
@@ -45,7 +47,7 @@ void SortByMagnitude(std::vector<double>& values) {
   });
 }
 
-// Distances of neighbouring values, increasing; empty if there are too few levels.
+// Differences of neighbouring values, increasing; empty if there are too few levels.
 std::vector<double> Gaps(const std::vector<double>& sorted, double same) {
   std::vector<double> gaps;
   for (std::size_t i = 1; i < sorted.size(); ++i) {
@@ -64,27 +66,29 @@ std::optional<double> QuantisationStep(const std::vector<double>& values) {
   std::vector<double> sorted = values;
   std::sort(sorted.begin(), sorted.end());
   const double largest = std::max(std::abs(sorted.front()), std::abs(sorted.back()));
-  const std::vector<double> gaps = Gaps(sorted, kSame * largest);
+  const std::vector<double> gaps = Gaps(sorted, kEqualTolerance * largest);
   if (gaps.empty()) return std::nullopt;
 
-  // A gap is a small multiple of the step; the smallest ones may be due to values that are off the lattice.
-  std::vector<double> guesses;
+  // A difference is a small multiple of the step; the smallest ones may be due to values that are not
+  // multiples.
+  std::vector<double> trial_steps;
   for (const double quantile : {0.0, 0.01, 0.02, 0.05, 0.1, 0.25, 0.5}) {
     const double gap = gaps[static_cast<std::size_t>(quantile * static_cast<double>(gaps.size() - 1))];
     for (int steps = 1; steps <= kMaxSteps; ++steps) {
-      if (gap / steps >= kSmallestStep * largest) guesses.push_back(gap / steps);
+      if (gap / steps >= kSmallestStep * largest) trial_steps.push_back(gap / steps);
     }
   }
-  std::sort(guesses.begin(), guesses.end(), std::greater<>());
+  std::sort(trial_steps.begin(), trial_steps.end(), std::greater<>());
 
-  // From the median outwards first: near it multiples are small, however far the values are from zero.
+  // First in the order of distance from the median: near it the multiples are small, however far the values
+  // are from zero.
   std::vector<double> around = sorted;
   const double median = sorted[sorted.size() / 2];
   for (double& value : around) value -= median;
   SortByMagnitude(around);
   SortByMagnitude(sorted);
-  for (const double guess : guesses) {
-    const auto spacing = Refine(around, guess);
+  for (const double trial_step : trial_steps) {
+    const auto spacing = Refine(around, trial_step);
     if (!spacing) continue;
     if (const auto step = Refine(sorted, *spacing)) return step;
   }

@@ -6,7 +6,7 @@
 
 namespace sinew {
 
-// A signal in one compared block.
+// One signal at the samples of one compared block.
 struct ReadingPort::Samples {
   std::size_t block = 0;
   Problem::Signal signal;
@@ -30,7 +30,7 @@ double BeginOf(const Layout& layout, const std::string& trial) {
   return begin.value_or(0);
 }
 
-// The signal at the prediction times of a block; it has a finite sample.
+// The signal interpolated at the prediction times of a block. @pre it has a finite sample
 std::vector<double> AtPredictions(const Block& block, const std::vector<double>& samples) {
   std::vector<double> time;
   std::vector<double> known;

@@ -1,4 +1,4 @@
-// The place where something unknown may add to a sensor's reading, and the signals it may depend on.
+// The port of a sensor's reading: the signals that a model discrepancy term there can depend on.
 #pragma once
 
 #include <optional>
@@ -11,24 +11,25 @@
 
 namespace sinew {
 
-/// Port CHANNEL with the terms CHANNEL(time), time being that since the trial's begin (its first sample of
-/// any channel that is compared), and CHANNEL(SIGNAL) for every signal that Problem::ResidualCovariates names
-/// for all compared blocks of the channel; 8 knots over the signal's range in all of them.
+/// Port CHANNEL with the terms CHANNEL(time), for the time since the trial's begin (its first sample of any
+/// compared channel), and CHANNEL(SIGNAL) for every signal that Problem::ResidualCovariates names for all
+/// compared blocks of the channel; 8 knots over the signal's range in all of them.
 ///
-/// Signals known at the samples alone run straight from one to the next and are constant beyond; a gap (NaN)
-/// is bridged likewise. A signal that never changes gives no term. A signal named like the channel itself is
-/// taken from the prediction, not from the measurement, whose noise would else stand on both sides of the
-/// comparison.
+/// Signals known at the samples only are interpolated linearly and are constant beyond; gaps (NaN) are
+/// interpolated too. A constant signal gives no term. A signal with the name of the channel itself is taken
+/// from the prediction, not from the measurement, whose noise would otherwise be in both the regressor and
+/// the residual.
 class ReadingPort {
  public:
   struct Term {
     int first_weight = 0;  ///< index of its first parameter; the others follow
     bool of_reading = false;
     std::vector<double> knots;
-    /// [blocks][M] at the prediction times; empty for other channels' blocks and if of_reading.
+    /// [blocks][M] basis functions at the prediction times; empty for the blocks of other channels and if
+    /// of_reading.
     std::vector<std::vector<LinearBasis>> basis;
 
-    /// At prediction `i` of a block. @param reading [unit] the predicted one
+    /// Basis functions at prediction `i` of a block. @param reading [unit] predicted reading
     [[nodiscard]] LinearBasis At(int block, Eigen::Index i, double reading) const {
       return of_reading ? LinearBasisAt(knots, reading)
                         : basis[static_cast<std::size_t>(block)][static_cast<std::size_t>(i)];

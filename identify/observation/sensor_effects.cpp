@@ -9,7 +9,7 @@
 
 namespace sinew {
 
-// Scratch of one thread; vectors hold the longest block.
+// Scratch memory of one thread; vectors have the size of the longest block.
 struct SensorEffects::SensorWorkspace final : Problem::Workspace {
   std::unique_ptr<Problem::Workspace> inner;
   Prediction prediction;
@@ -17,12 +17,12 @@ struct SensorEffects::SensorWorkspace final : Problem::Workspace {
   std::vector<bool> inner_differentiate;
   LowPass low_pass;
   Vector spline;      // second derivatives
-  Vector seen;        // the signal after low-pass and time offset
+  Vector delayed;     // the signal after low-pass and time offset
   Vector slope;       // its time derivative
-  Vector lag_slope;   // its derivative for the low-pass
+  Vector lag_slope;   // its derivative with respect to the low-pass
   Vector column;      // any other signal
-  Vector unused;      // a time derivative nobody asked for
-  Vector factor;      // d reading / d seen
+  Vector unused;      // a time derivative that is not needed
+  Vector factor;      // d reading / d delayed
   Vector clip_slope;  // d observed / d saturation where it is clipped
   std::vector<bool> clipped;
 
@@ -32,7 +32,7 @@ struct SensorEffects::SensorWorkspace final : Problem::Workspace {
         inner_parameters(static_cast<Eigen::Index>(problem.parameters().size())),
         inner_differentiate(problem.parameters().size()),
         spline(longest),
-        seen(longest),
+        delayed(longest),
         slope(longest),
         lag_slope(longest),
         column(longest),
@@ -42,7 +42,7 @@ struct SensorEffects::SensorWorkspace final : Problem::Workspace {
         clipped(static_cast<std::size_t>(longest)) {}
 };
 
-// One block's sensor at one point, and what is wanted of it.
+// The sensor parameters of one block at one point, and the derivatives that are needed.
 struct SensorEffects::Observation {
   double offset = 0;
   double drift = 0;
@@ -53,7 +53,7 @@ struct SensorEffects::Observation {
   double quantisation = 0;
   double shared_gain = 1;
   double trial_gain = 1;
-  bool want_slope = false;      // for a time offset
+  bool want_slope = false;      // the slope is needed for the time offset
   bool want_lag_slope = false;  // for the low-pass
   bool any_clipped = false;
 
@@ -86,13 +86,13 @@ SensorEffects::SensorEffects(std::unique_ptr<Problem> inner)
       effects_(inner_->effects()),
       ports_(inner_->ports()),
       layout_(inner_->layout()),
-      seen_(layout_.size()) {
+      observed_(layout_.size()) {
   for (std::size_t b = 0; b < layout_.size(); ++b) {
-    seen_[b].of_inner = static_cast<Eigen::Index>(layout_[b].columns.size());
+    observed_[b].of_inner = static_cast<Eigen::Index>(layout_[b].columns.size());
     longest_ = std::max<Eigen::Index>(longest_, layout_[b].predictions());
   }
   for (std::size_t b = 0; b < layout_.size(); ++b) {
-    if (layout_[b].role != BlockRole::kPredicted && seen_[b].sensor < 0) AddSensor(layout_[b].channel);
+    if (layout_[b].role != BlockRole::kPredicted && observed_[b].sensor < 0) AddSensor(layout_[b].channel);
   }
   for (Constraint constraint : inner_->constraints()) {
     const Eigen::Index old = constraint.coefficients.size();
@@ -119,14 +119,14 @@ void SensorEffects::AddSensor(const std::string& channel) {
   for (std::size_t b = 0; b < layout_.size(); ++b) {
     Block& block = layout_[b];
     if (block.channel != channel || block.role == BlockRole::kPredicted) continue;
-    SeenBlock& seen = seen_[b];
-    seen.sensor = static_cast<int>(sensors_.size());
-    seen.middle = 0.5 * (block.prediction_time.front() + block.prediction_time.back());
-    seen.delay.emplace_back(block.prediction_time);
+    ObservedBlock& observed = observed_[b];
+    observed.sensor = static_cast<int>(sensors_.size());
+    observed.middle = 0.5 * (block.prediction_time.front() + block.prediction_time.back());
+    observed.delay.emplace_back(block.prediction_time);
     for (int effect = 0; effect < kSensorEffects; ++effect) block.columns.push_back(sensor.first + effect);
     const auto alone = of_trial.find(block.trial);
     if (alone != of_trial.end()) {
-      seen.first_of_trial = alone->second;
+      observed.first_of_trial = alone->second;
       for (int effect = 0; effect < kTrialEffects; ++effect) block.columns.push_back(alone->second + effect);
     }
     for (const ReadingPort::Term& term : sensor.terms) {
@@ -157,30 +157,30 @@ Status SensorEffects::Predict(const Query& query, Workspace& workspace, Predicti
 }
 
 void SensorEffects::Observe(const Query& query, int b, SensorWorkspace& scratch, Prediction& observed) const {
-  const SeenBlock& seen = seen_[static_cast<std::size_t>(b)];
+  const ObservedBlock& block = observed_[static_cast<std::size_t>(b)];
   const Prediction& inner = scratch.prediction;
   auto values = observed.values(b);
   values = inner.values(b);
   auto derivatives = observed.derivatives(b);
   const auto& columns = layout_[static_cast<std::size_t>(b)].columns;
-  for (Eigen::Index c = 0; c < seen.of_inner; ++c) {
+  for (Eigen::Index c = 0; c < block.of_inner; ++c) {
     if (query.Differentiates(columns[static_cast<std::size_t>(c)])) {
       derivatives.col(c) = inner.derivatives(b).col(c);
     }
   }
-  if (seen.sensor < 0) return;
-  Observation o(query, sensors_[static_cast<std::size_t>(seen.sensor)].first, seen.first_of_trial);
+  if (block.sensor < 0) return;
+  Observation o(query, sensors_[static_cast<std::size_t>(block.sensor)].first, block.first_of_trial);
   ObserveValues(query, b, o, scratch, values);
   if (query.derivatives) ObserveDerivatives(query, b, o, scratch, derivatives);
 }
 
 void SensorEffects::ObserveValues(const Query& query, int b, Observation& o, SensorWorkspace& scratch,
                                   Eigen::Ref<Vector> values) const {
-  const SeenBlock& block = seen_[static_cast<std::size_t>(b)];
+  const ObservedBlock& block = observed_[static_cast<std::size_t>(b)];
   const auto& time = layout_[static_cast<std::size_t>(b)].prediction_time;
   const DelayLine& line = block.delay.front();
   const Eigen::Index n = values.size();
-  auto seen = scratch.seen.head(n);
+  auto delayed = scratch.delayed.head(n);
   auto spline = scratch.spline.head(n);
   auto lag_slope = scratch.lag_slope.head(n);
 
@@ -189,11 +189,11 @@ void SensorEffects::ObserveValues(const Query& query, int b, Observation& o, Sen
     if (o.want_lag_slope) scratch.low_pass.Differentiate(values, lag_slope);
     if (o.low_pass > 0) scratch.low_pass.Apply(values);
   }
-  seen = values;
+  delayed = values;
   if (o.delay != 0 || o.want_slope) {
     line.Fit(values, spline);
     line.Evaluate(o.delay, values, spline, scratch.column.head(n), scratch.slope.head(n));
-    if (o.delay != 0) seen = scratch.column.head(n);
+    if (o.delay != 0) delayed = scratch.column.head(n);
   }
   if (o.delay != 0 && o.want_lag_slope) {
     line.Fit(lag_slope, spline);
@@ -201,7 +201,7 @@ void SensorEffects::ObserveValues(const Query& query, int b, Observation& o, Sen
     lag_slope = scratch.column.head(n);
   }
 
-  values = seen;
+  values = delayed;
   if (o.gain != 1) values *= o.gain;
   if (o.offset != 0) values.array() += o.offset;
   if (o.drift != 0) {
@@ -214,7 +214,7 @@ void SensorEffects::ObserveValues(const Query& query, int b, Observation& o, Sen
         query.parameters.segment(term.first_weight, static_cast<Eigen::Index>(term.knots.size()));
     if ((weights.array() == 0).all()) continue;
     for (Eigen::Index i = 0; i < n; ++i) {
-      const LinearBasis basis = term.At(b, i, seen[i]);
+      const LinearBasis basis = term.At(b, i, delayed[i]);
       const double left = weights[basis.first];
       const double right = basis.right != 0 ? weights[basis.first + 1] : 0;
       values[i] += basis.left * left + basis.right * right;
@@ -240,7 +240,7 @@ void SensorEffects::ObserveValues(const Query& query, int b, Observation& o, Sen
 
 void SensorEffects::ObserveDerivatives(const Query& query, int b, const Observation& o,
                                        SensorWorkspace& scratch, Eigen::Ref<Matrix> derivatives) const {
-  const SeenBlock& block = seen_[static_cast<std::size_t>(b)];
+  const ObservedBlock& block = observed_[static_cast<std::size_t>(b)];
   const Sensor& sensor = sensors_[static_cast<std::size_t>(block.sensor)];
   const DelayLine& line = block.delay.front();
   const Block& in_layout = layout_[static_cast<std::size_t>(b)];
@@ -271,7 +271,7 @@ void SensorEffects::ObserveDerivatives(const Query& query, int b, const Observat
         for (Eigen::Index i = 0; i < n; ++i) column[i] = time[static_cast<std::size_t>(i)] - block.middle;
         break;
       case kGain:
-        column = scratch.seen.head(n);
+        column = scratch.delayed.head(n);
         break;
       case kTimeOffset:
         column.array() = -factor * scratch.slope.head(n).array();
@@ -279,7 +279,7 @@ void SensorEffects::ObserveDerivatives(const Query& query, int b, const Observat
       case kLowPass:
         column.array() = factor * scratch.lag_slope.head(n).array();
         break;
-      default:  // saturation changes only what it clips; for the rounding see the class
+      default:  // saturation changes only clipped samples; for quantisation see the class
         column.setZero();
         break;
     }
@@ -299,7 +299,7 @@ void SensorEffects::ObserveDerivatives(const Query& query, int b, const Observat
     for (int k = 0; k < knots; ++k, ++c) {
       if (!query.Differentiates(term.first_weight + k)) continue;
       for (Eigen::Index i = 0; i < n; ++i) {
-        const LinearBasis basis = term.At(b, i, scratch.seen[i]);
+        const LinearBasis basis = term.At(b, i, scratch.delayed[i]);
         derivatives(i, c) = basis.first == k ? basis.left : (basis.first + 1 == k ? basis.right : 0);
       }
     }

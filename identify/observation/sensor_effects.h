@@ -1,10 +1,9 @@
-// What a sensor does to a predicted signal: any problem gets these effects for every channel it is compared
-// on, free of charge, by being wrapped.
+// Sensor effects on predicted channels: a wrapper that adds them to every compared channel of any problem.
 //
 //   smooth(t)   = first-order low-pass of predicted(t), time constant low_pass
-//   seen(t)     = smooth(t - time_offset)
-//   reading(t)  = gain * seen(t) + offset + drift * (t - middle of the trial) + unknown terms of the port
-//   observed(t) = reading(t), held within +-1/saturation, then rounded to a multiple of quantisation
+//   delayed(t)  = smooth(t - time_offset)
+//   reading(t)  = gain * delayed(t) + offset + drift * (t - middle of the trial) + discrepancy terms
+//   observed(t) = reading(t), clipped at +-1/saturation, then rounded to a multiple of quantisation
 #pragma once
 
 #include <memory>
@@ -18,25 +17,25 @@
 
 namespace sinew {
 
-/// A problem seen through its sensors. Adds to every channel that is compared
+/// A problem with the sensors of its channels. It adds to every channel that is compared
 ///  - effects shared by all trials: CHANNEL.offset, .drift, .gain, .time_offset, .low_pass, .saturation,
 ///    .quantisation;
 ///  - if at least two trials are fitted, for each of these CHANNEL.offset@TRIAL, .drift@TRIAL, .gain@TRIAL,
 ///    .time_offset@TRIAL, which add to (gains: multiply) the shared ones;
 ///  - a port CHANNEL, after those of the wrapped problem, see ReadingPort.
-/// At their null the wrapped problem's answer passes unchanged, to the last bit.
+/// At their null the prediction of the wrapped problem is unchanged, to the last bit.
 ///
-/// A time offset interpolates the prediction by a natural cubic spline over its prediction times; what it
-/// would need beyond them continues as a straight line, so the wrapped problem should predict a margin around
-/// its samples (those of all trials and of one alone add up to twice the reach of each). A low-pass starts as
-/// if the prediction had run straight before its first sample.
+/// A time offset interpolates the prediction by a natural cubic spline over its prediction times and
+/// extrapolates it linearly, so the wrapped problem should predict a margin around its samples (shared and
+/// per-trial offsets together reach twice the bound of each). A low-pass starts as if the prediction had been
+/// linear before its first sample.
 ///
-/// Derivatives are exact but for quantisation, whose true ones are zero or infinite: the rounding is passed
-/// over (that of the reading is taken, that for the step is zero). A fit can thus follow the other parameters
-/// under a given step but cannot find the step, which is read off the measured values (QuantisationStep) and
-/// offered as probe. Quantisation the prediction explains rounded data as long as noise and the error of the
-/// rest of the model are well below the step: then a residual is zero but near the edges of the steps. Noise
-/// larger than the step hides the rounding, which then is nothing but more noise.
+/// Derivatives are exact except for quantisation, where they are zero or infinite: the derivatives of the
+/// reading before rounding are used, and that for the step is zero. A fit can thus estimate the other
+/// parameters with a given step but not the step, which is computed from the measured values
+/// (QuantisationStep) and used as a probe value. A rounded prediction explains quantised data as long as the
+/// noise and the error of the rest of the model are well below the step: the residual is then zero except
+/// near the edges of the steps. With noise above the step, quantisation is only additional noise.
 class SensorEffects final : public Problem {
  public:
   explicit SensorEffects(std::unique_ptr<Problem> inner);
@@ -60,18 +59,18 @@ class SensorEffects final : public Problem {
   }
 
  private:
-  /// One channel's sensor.
+  /// The sensor of one channel.
   struct Sensor {
     int first = 0;  ///< index of its first shared parameter, see SensorEffect
     std::vector<ReadingPort::Term> terms;
   };
-  /// A block as its sensor sees it.
-  struct SeenBlock {
-    int sensor = -1;               ///< index into sensors_; -1: passes as it is
-    int first_of_trial = -1;       ///< index of the first parameter of its trial alone; -1: none
-    Eigen::Index of_inner = 0;     ///< columns of the wrapped problem
-    double middle = 0;             ///< [s]
-    std::vector<DelayLine> delay;  ///< one, if seen through a sensor
+  /// How a block passes through its sensor.
+  struct ObservedBlock {
+    int sensor = -1;               ///< index into sensors_; -1: unchanged
+    int first_of_trial = -1;       ///< index of the first parameter of its trial's own effects; -1: none
+    Eigen::Index of_inner = 0;     ///< number of columns in the wrapped problem
+    double middle = 0;             ///< [s] middle of the trial
+    std::vector<DelayLine> delay;  ///< one if it has a sensor, else empty
   };
   struct SensorWorkspace;
   struct Observation;
@@ -90,8 +89,8 @@ class SensorEffects final : public Problem {
   std::vector<Constraint> constraints_;
   Layout layout_;
   std::vector<Sensor> sensors_;
-  std::vector<SeenBlock> seen_;  ///< per block
-  Eigen::Index longest_ = 0;     ///< most prediction times of a block
+  std::vector<ObservedBlock> observed_;  ///< per block
+  Eigen::Index longest_ = 0;             ///< largest number of prediction times of a block
 };
 
 }  // namespace sinew

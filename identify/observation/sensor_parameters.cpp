@@ -12,10 +12,11 @@ namespace {
 constexpr double kLatest = 0.1;     // [s]
 constexpr double kSlowest = 0.5;    // [s]
 constexpr double kGainReach = 0.9;  // [1]
-// Of the largest measured magnitude: limits to try, and the lowest that can be.
+// As shares of the largest measured magnitude: probe values of the saturation limit, and its lower bound.
 constexpr double kLimits[] = {0.95, 0.85, 0.7};
 constexpr double kLowestLimit = 0.5;
-// Of the largest measured magnitude: the coarsest step, and the step to try if the values show none.
+// As shares of the largest measured magnitude: the largest quantisation step, and the step to use if the
+// values show none.
 constexpr double kCoarsestStep = 0.25;
 
 Parameter Describe(SensorEffect effect, const ChannelSummary& channel) {
@@ -59,7 +60,8 @@ Parameter Describe(SensorEffect effect, const ChannelSummary& channel) {
     case kQuantisation:
       set("quantisation", channel.unit, "the recorded values are rounded to multiples of a step", 0, 0,
           kCoarsestStep * most);
-      // Values that lie on no lattice were not rounded: nothing to probe, and no slope at the null.
+      // Values that are not multiples of a step were not rounded: there is no probe value, and the slope at
+      // the null is zero.
       if (channel.quantisation) p.probes = {*channel.quantisation};
       p.null_step = channel.quantisation.value_or(0);
       p.upper = std::max(p.upper, 2 * p.null_step);

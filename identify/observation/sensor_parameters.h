@@ -11,8 +11,8 @@
 
 namespace sinew {
 
-/// What a sensor may do, in the order of its parameters. Those before kTrialEffects can also happen in a
-/// single trial.
+/// The sensor effects, in the order of their parameters. Those before kTrialEffects can also act in a single
+/// trial.
 enum SensorEffect {
   kOffset,
   kDrift,
@@ -25,17 +25,17 @@ enum SensorEffect {
   kSensorEffects
 };
 
-/// What the measurement tells of a channel: from this come bounds and probes.
+/// Properties of a measured channel from which bounds and probe values are derived.
 struct ChannelSummary {
   std::string channel;
   std::string unit;
   double magnitude = 1;                ///< [unit] largest measured magnitude; 1 if all are zero
   double duration = 1;                 ///< [s] of the longest trial
-  std::optional<double> quantisation;  ///< [unit] step of which the measured values are multiples
+  std::optional<double> quantisation;  ///< [unit] quantisation step of the measured values, if there is one
   std::vector<std::string> train_trials;
 };
 
-/// Of the blocks of `channel` that are compared.
+/// Summarises the compared blocks of `channel`.
 [[nodiscard]] ChannelSummary Summarise(const Layout& layout, const std::string& channel);
 
 /// Appends the effects that all trials share: CHANNEL.offset, .drift, .gain, .time_offset, .low_pass,

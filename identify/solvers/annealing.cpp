@@ -48,7 +48,7 @@ class Annealer {
   }
 
  private:
-  // False: the cost function said stop.
+  // Returns false if the cost function stopped the search.
   bool OneTemperature() {
     for (int m = 0; m < schedule_.adjustments; ++m) {
       for (int j = 0; j < schedule_.cycles; ++j) {
@@ -105,7 +105,8 @@ class Annealer {
     last_costs_.pop_back();
     result_.spread = f_ - result_.cost;
     for (const double last : last_costs_) result_.spread = std::max(result_.spread, std::abs(f_ - last));
-    // Infinite as long as fewer temperatures are done, or nothing has a cost (then it is not a number).
+    // The spread is infinite until enough temperatures are completed, and NaN if no point has a finite cost:
+    // both fail the test.
     return result_.spread <= schedule_.tolerance + schedule_.relative_tolerance * std::abs(result_.cost);
   }
 

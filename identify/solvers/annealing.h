@@ -1,5 +1,5 @@
 // Simulated annealing over a box, after Corana et al. and Goffe, Ferrier, Rogers: the algorithm alone,
-// without problems, budgets or a generator of its own.
+// without problems, budgets or a random generator.
 #pragma once
 
 #include <functional>
@@ -27,14 +27,14 @@ struct AnnealingResult {
   double cost = 0;         ///< there
   long moves = 0;          ///< cost evaluations; the start is not among them
   long accepted = 0;       ///< of these
-  long out_of_bounds = 0;  ///< trial points that fell outside and were drawn anew
-  int temperatures = 0;    ///< levels that were completed
+  long out_of_bounds = 0;  ///< trial points outside the bounds that were replaced
+  int temperatures = 0;    ///< completed temperatures
   double temperature = 0;  ///< at the end
-  double spread = 0;       ///< largest difference among the costs that the end is decided by
-  bool annealed = false;   ///< the costs agree; else the search was stopped by the cost function
+  double spread = 0;       ///< largest difference among the costs of the termination test
+  bool annealed = false;   ///< true: the costs agree; false: the cost function stopped the search
 };
 
-/// Cost at x, infinite to have the point rejected. False: stop at once.
+/// Sets the cost at x; an infinite cost rejects the point. Returns false to stop the search at once.
 using AnnealingCost = std::function<bool(const Vector& x, double& cost)>;
 
 /// Minimises over lower <= x <= upper.
@@ -45,7 +45,7 @@ using AnnealingCost = std::function<bool(const Vector& x, double& cost)>;
 /// after NT such adjustments T falls by RT and the search goes on from the best point. It ends when the last
 /// costs at NEPS successive temperatures agree with each other and with the best within EPS.
 ///
-/// @param start [n], @param start_cost there, infinite if it has none
+/// @param start [n] @param start_cost cost at start, infinite if it has none
 /// @param uniform random numbers in [0, 1); the order in which they are used is that of the published
 /// program. Source: Corana, Marchesi, Martini, Ridella (1987), ACM TOMS 13(3):262-280; Goffe, Ferrier, Rogers
 /// (1994), J. Econometrics 60:65-99, program simann.f 3.2. Departure: relative_tolerance.

@@ -12,10 +12,11 @@
 namespace sinew {
 namespace {
 
-// Standard deviation of a hop, as a share of the box.
+// Standard deviation of a displacement, as a share of the box.
 constexpr double kHop = 0.05;
 constexpr int kHopsAtOnce = 4;
-// A search that has not come to a lower cost by then rarely does: the next hop is worth more.
+// A local search that has not reached a lower cost after this many evaluations rarely does; the next
+// displacement is more likely to.
 constexpr long kEvaluationsPerHop = 60;
 constexpr double kImprovement = 1e-3;
 
@@ -23,7 +24,7 @@ Vector Displaced(const Vector& x, Random& random) {
   Vector y = x;
   for (double& value : y) {
     value += kHop * random.Normal();
-    // Mirrored, as many good points lie on a bound.
+    // Reflected into the box, because many good points lie on a bound.
     if (value < 0) value = -value;
     if (value > 1) value = 2 - value;
     value = std::clamp(value, 0.0, 1.0);
@@ -38,7 +39,7 @@ Search BasinHopping::DoSolve(Evaluator& evaluator, const Vector& start) const {
   Random random(options_.seed);
   Search search;
   int hops = 0;
-  int in_vain = 0;
+  int without_gain = 0;
   const auto polish = [&](const std::vector<PolishingStart>& starts) {
     for (Polished& one : PolishAll(evaluator, local, "lm", starts, options_.threads)) {
       search.iterations += one.iterations;
@@ -56,7 +57,7 @@ Search BasinHopping::DoSolve(Evaluator& evaluator, const Vector& start) const {
     }
     polish(starts);
   }
-  while (evaluator.has_best() && in_vain < options_.starts && !evaluator.MustStop()) {
+  while (evaluator.has_best() && without_gain < options_.starts && !evaluator.MustStop()) {
     const double before = evaluator.best().cost;
     std::vector<PolishingStart> starts;
     long left = evaluator.remaining().max_evaluations;
@@ -67,15 +68,15 @@ Search BasinHopping::DoSolve(Evaluator& evaluator, const Vector& start) const {
     polish(starts);
     hops += static_cast<int>(starts.size());
     const bool better = evaluator.best().cost < (1 - kImprovement) * before;
-    in_vain = better ? 0 : in_vain + static_cast<int>(starts.size());
+    without_gain = better ? 0 : without_gain + static_cast<int>(starts.size());
   }
   if (evaluator.has_best() && !evaluator.MustStop())
     polish({{evaluator.best().x, evaluator.remaining().max_evaluations}});
   std::stable_sort(search.stages.begin(), search.stages.end(),
                    [](const Stage& a, const Stage& b) { return a.cost < b.cost; });
-  search.stop = {
-      Termination::kStartsDone,
-      fmt::format("{} hops, the last {} gained less than {:.1g} of the cost", hops, in_vain, kImprovement)};
+  search.stop = {Termination::kStartsDone,
+                 fmt::format("{} hops, the last {} gained less than {:.1g} of the cost", hops, without_gain,
+                             kImprovement)};
   evaluator.MustStop();
   return search;
 }

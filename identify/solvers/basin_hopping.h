@@ -5,14 +5,14 @@
 
 namespace sinew {
 
-/// Monotonic basin hopping: the best point is displaced at random in all variables and searched from by `lm`;
-/// a lower cost becomes the new best point.
+/// Monotonic basin hopping: the best point is displaced at random in all variables and a local search by `lm`
+/// starts there; a lower cost becomes the new best point.
 ///
-/// For costs with many local minima that lie in a funnel, as those of muscles that can stand in for each
-/// other: there a start next to a good answer is worth more than one anywhere in the box (`multistart`).
-/// Four hops at a time, whatever the number of threads. Ends when SolverOptions::starts hops in a row gained
-/// less than a thousandth of the cost; the best point is then searched from once more without a limit. If the
-/// start cannot be predicted, as many others are tried.
+/// For costs with many local minima arranged in a funnel, as those of redundant muscles: there a start near a
+/// good solution is more likely to improve it than one anywhere in the box (`multistart`). Four displacements
+/// are searched at a time, whatever the number of threads. Ends when SolverOptions::starts successive ones
+/// reduced the cost by less than a thousandth; the best point is then the start of one local search without a
+/// limit. If the start cannot be predicted, up to as many other starts are tried.
 /// Source: Wales, Doye (1997), J. Phys. Chem. A 101:5111-5116; Leary (2000), J. Global Optimization
 /// 18:367-383.
 class BasinHopping : public Solver {

@@ -41,10 +41,10 @@ Vector BoxQuadraticModel::BoxStep(const Vector& x, int held, double damping, dou
     reduced.resize(n, n);
     scale.resize(n);
     pull.resize(n);
-    // Columns of unit length: the damping then has no unit.
+    // Columns are scaled to unit length, so that the damping has no unit.
     for (Eigen::Index i = 0; i < n; ++i) scale[i] = 1 / std::sqrt(normal(moving[i], moving[i]));
     for (Eigen::Index i = 0; i < n; ++i) {
-      // Of the moving variables the step is still zero.
+      // The step of the variables that are not at a bound is still zero here.
       pull[i] = -(gradient[moving[i]] + normal.row(moving[i]).dot(step)) * scale[i];
       for (Eigen::Index j = 0; j < n; ++j) reduced(i, j) = normal(moving[i], moving[j]) * scale[i] * scale[j];
       reduced(i, i) += damping;

@@ -19,12 +19,12 @@ namespace {
 constexpr double kCeresStepTolerance = 1e-14;
 // A projected gradient of this share of the first cost per unit of the box is rounding.
 constexpr double kGradientTolerance = 1e-16;
-// No search that makes progress needs so many; the budget of evaluations is what users set.
+// Never reached by a search that makes progress; users limit a search by its evaluations.
 constexpr int kMaxCeresIterations = 100000;
-// Changes of the set of variables that are held at a bound.
+// Limit for the changes of the active set (the variables held at a bound).
 constexpr int kMaxRounds = 100;
 
-// Variables that Ceres sees as one parameter block: all shared ones, or those of one trial.
+// Variables that form one parameter block of Ceres: all shared ones, or those of one trial.
 struct Group {
   std::vector<int> variables;
   std::vector<double> values;  // Ceres writes the iterate here
@@ -45,15 +45,15 @@ std::vector<Group> GroupByTrial(const LeastSquares& problem, const Vector& x, co
   return groups;
 }
 
-// Predicts the iterate that stands in the groups once; the cost functions read the answer.
+// Predicts the iterate in the groups once; all cost functions use this prediction.
 class Iterate : public ceres::EvaluationCallback {
  public:
   Iterate(Evaluator& evaluator, const Vector& start)
-      : evaluator_(evaluator), x_(start), jacobian_(evaluator.problem().NewJacobian()) {}
+      : evaluator_(evaluator), x_(start), jacobian_(evaluator.fit().NewJacobian()) {}
 
   void SetGroups(const std::vector<Group>* groups) { groups_ = groups; }
 
-  // With derivatives at once: most trial points are accepted, and then they are needed.
+  // Derivatives are always included: most trial points are accepted, and then they are needed.
   void PrepareForEvaluation(bool /*evaluate_jacobians*/, bool /*new_evaluation_point*/) override {
     Vector x = x_;
     for (const Group& group : *groups_) {
@@ -70,7 +70,7 @@ class Iterate : public ceres::EvaluationCallback {
   [[nodiscard]] const Vector& residuals() const { return residuals_; }
   [[nodiscard]] const SparseJacobian& jacobian() const { return jacobian_; }
 
-  // For every variable: the slope of the cost, and by how much the cost would fall if the variable alone went
+  // For every variable: the gradient of the cost, and the decrease of the cost if this variable alone moved
   // to the minimum of the linearised problem.
   struct Slopes {
     Vector gradient;
@@ -103,7 +103,7 @@ class Iterate : public ceres::EvaluationCallback {
   Evaluator::Outcome outcome_ = Evaluator::Outcome::kOk;
 };
 
-// Variables that the cost pushes against their bound.
+// Variables on a bound with the cost decreasing outward.
 std::vector<bool> Pushed(const Vector& x, const Vector& gradient) {
   std::vector<bool> pushed(static_cast<std::size_t>(x.size()));
   for (Eigen::Index k = 0; k < x.size(); ++k) {
@@ -134,7 +134,7 @@ class PieceCost : public ceres::CostFunction {
     }
   }
 
-  // Groups that it depends on.
+  // The groups that this piece depends on.
   [[nodiscard]] const std::vector<std::size_t>& groups() const { return groups_; }
 
   bool Evaluate(double const* const* /*parameters*/, double* residuals, double** jacobians) const override {
@@ -165,7 +165,8 @@ class PieceCost : public ceres::CostFunction {
   std::vector<Columns> columns_;  // per group in groups_
 };
 
-// Ends the iterations once the evaluator said stop, or a variable stays at a bound that it is pushed against.
+// Ends the iterations when the evaluator stops, or when a variable stays at a bound with the cost decreasing
+// outward.
 class IterationEnd : public ceres::IterationCallback {
  public:
   IterationEnd(const Evaluator& evaluator, const Iterate& iterate, const std::vector<bool>& held)
@@ -199,9 +200,9 @@ bool StartsWith(const std::string& text, const std::string& beginning) {
   return text.compare(0, beginning.size(), beginning) == 0;
 }
 
-// Ceres states the test with its figures in words, such as
-// "Function tolerance reached. |cost_change|/cost: 2.100000e-13 <= 1.000000e-12"; its summary has them for
-// accepted steps only. The figures after the colon, with the quantity in words of ours.
+// Ceres states the test and its values in a message such as "Function tolerance reached. |cost_change|/cost:
+// 2.100000e-13 <= 1.000000e-12"; its summary has the values for accepted steps only. Returns our name of the
+// quantity with the values after the colon.
 std::string Test(const std::string& quantity, const std::string& words) {
   const std::size_t colon = words.rfind(": ");
   const std::size_t sign = words.rfind("<=");
@@ -284,19 +285,19 @@ Round SolveFace(Evaluator& evaluator, Iterate& iterate, std::vector<Group>& grou
 
 }  // namespace
 
-// Ceres keeps to bounds by projecting its steps. Along an active bound these get poor, and it may stop where
-// the cost still falls along the others; so variables that are pushed against a bound are held there, and
-// released when they are no longer.
+// Ceres enforces bounds by projecting its steps. Along an active bound these become short, and it may stop
+// where the cost still decreases along the other variables; so variables with the cost decreasing outward are
+// held at their bound, and released when it no longer does.
 Search CeresSolver::DoSolve(Evaluator& evaluator, const Vector& start) const {
   SilenceGlog();
   const auto n = static_cast<std::size_t>(start.size());
-  const double cost_tolerance = std::max(cost_tolerance_, evaluator.problem().problem().cost_noise_level());
+  const double cost_tolerance = std::max(cost_tolerance_, evaluator.fit().problem().cost_noise_level());
   Iterate iterate(evaluator, start);
   Vector x = start;
   std::vector<bool> held(n, false);
   Search search;
   for (int rounds = 0; rounds < kMaxRounds; ++rounds) {
-    std::vector<Group> groups = GroupByTrial(evaluator.problem(), x, held);
+    std::vector<Group> groups = GroupByTrial(evaluator.fit(), x, held);
     Round round;
     if (!groups.empty()) {
       round = SolveFace(evaluator, iterate, groups, held, cost_tolerance);

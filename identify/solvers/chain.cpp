@@ -5,7 +5,8 @@
 namespace sinew {
 namespace {
 
-// Four fifths to the links before the last, in equal parts: a polish needs little, but it must get that.
+// Four fifths in equal parts to the solvers before the last: a final local search needs few evaluations, but
+// it must get these.
 long ShareOfLink(long remaining, std::size_t links_left) {
   const long earlier_links = static_cast<long>(links_left) - 1;
   return earlier_links == 0 ? remaining : (remaining - remaining / 5) / earlier_links;

@@ -1,4 +1,4 @@
-// A chain of solvers, `sa+ceres`: each begins at the best point so far.
+// A chain of solvers, `sa+ceres`: each starts at the best point of those before.
 #pragma once
 
 #include <memory>
@@ -10,9 +10,9 @@
 
 namespace sinew {
 
-/// Runs every link in order and keeps each as a Stage. A budget of evaluations is shared: the links before
-/// the last get equal parts of four fifths of it, and what they leave goes to those after them. The chain's
-/// own reason to stop is that of its last link.
+/// Runs the solvers in order and records each as a Stage. A budget of evaluations is shared: the solvers
+/// before the last get equal parts of four fifths of it, and evaluations they do not use go to those after
+/// them. The chain's stop reason is that of its last solver.
 class Chain : public Solver {
  public:
   struct Link {

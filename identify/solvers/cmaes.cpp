@@ -17,7 +17,7 @@ constexpr double kFirstDeviation = 0.3;
 constexpr double kSmallestDeviation = 1e-12;  // in the unit box; less is rounding
 constexpr double kLargestCondition = 1e14;    // of the covariance; more is singular in double precision
 
-// The point that a walk which is reflected at 0 and 1 would reach.
+// The point of [0, 1] that x is mapped to by reflection at 0 and 1.
 Vector Mirrored(const Vector& x) {
   return x.unaryExpr([](double value) {
     const double folded = std::fmod(std::abs(value), 2.0);
@@ -89,7 +89,7 @@ class Distribution {
 
     const Eigen::SelfAdjointEigenSolver<Matrix> eigen(covariance_);
     basis_ = eigen.eigenvectors();
-    // Quantisation may push an eigenvalue of a singular matrix below zero; condition() then ends the search.
+    // Rounding errors can make an eigenvalue of a singular matrix negative; condition() then ends the search.
     const double floor = eigen.eigenvalues().maxCoeff() / (10 * kLargestCondition);
     deviations_ = eigen.eigenvalues().cwiseMax(floor).cwiseSqrt();
   }

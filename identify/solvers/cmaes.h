@@ -7,11 +7,11 @@ namespace sinew {
 
 /// CMA-ES, (mu/mu_w, lambda) with rank-one and rank-mu update, over the box [0, 1]^n.
 ///
-/// Population 4 + 3 ln n, first standard deviation 0.3. Sample points outside the box are mirrored into it.
+/// Population 4 + 3 ln n, first standard deviation 0.3. Sample points outside the box are reflected into it.
 /// Points without prediction rank last. Ends when the best costs of the last 10 + 30 n / lambda generations
-/// agree within the tolerance, when the distribution has shrunk to rounding or has become singular.
-/// Same seed, same answer: unlike the CMA-ES in Simbody, whose eigendecomposition is rationed by the clock,
-/// and which needs two variables, may end the process, and does not say why it stopped.
+/// agree within the tolerance, or when the distribution has shrunk to rounding or become singular. Same seed,
+/// same answer: unlike the CMA-ES of Simbody, which schedules its eigendecompositions by the clock, needs at
+/// least two variables, can end the process, and reports no stop reason.
 /// Source: Hansen, Ostermeier (2001), Evolutionary Computation 9(2):159-195; Hansen (2016), The CMA Evolution
 /// Strategy: A Tutorial, arXiv:1604.00772, figure 6 and table 1 (without negative weights).
 class CmaEs : public Solver {

@@ -1,4 +1,5 @@
-// Trials that were never fitted still have initial states of their own: these are found, and nothing else.
+// Nuisance parameters of held-out trials (initial states, offsets): fitted to these trials, with all other
+// parameters fixed.
 #pragma once
 
 #include "base/error.h"
@@ -6,9 +7,9 @@
 
 namespace sinew {
 
-/// The parameters with the nuisance values of every held-out trial fitted to that trial alone, all others as
-/// given. A held-out trial whose fit fails keeps what it had.
-/// @param parameters [P] Errors: none but the problem's own failures at the given point.
+/// The parameters [P] with the nuisance parameters of every held-out trial fitted to that trial alone, all
+/// others as given. A held-out trial whose fit fails keeps its given values. @param parameters [P] Errors:
+/// only a failed prediction at the given point.
 Result<Vector> FitHeldOutNuisance(const Problem& problem, const Vector& parameters);
 
 }  // namespace sinew

@@ -15,8 +15,8 @@ using Ipopt::Number;
 
 constexpr double kIpoptTolerance = 1e-10;
 constexpr int kMaxIpoptIterations = 3000;
-// The start is moved this far (of the box) off a bound that it lies on; Ipopt's own 1e-2 would throw away
-// most of what an earlier search found.
+// A start on a bound is moved inside by this share of the box; Ipopt's default of 1e-2 would undo most of an
+// earlier search.
 constexpr double kBoundPush = 1e-6;
 
 // A fit as Ipopt's nonlinear program. The cost, its gradient and the Gauss-Newton Hessian come from one
@@ -25,7 +25,7 @@ class Program : public Ipopt::TNLP {
  public:
   Program(Evaluator& evaluator, const Vector& start)
       : evaluator_(evaluator),
-        problem_(evaluator.problem()),
+        problem_(evaluator.fit()),
         start_(start),
         x_(start),
         jacobian_(problem_.NewJacobian()),

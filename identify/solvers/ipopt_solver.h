@@ -1,4 +1,4 @@
-// Solver `ipopt`: an interior-point method that knows constraints.
+// Solver `ipopt`: an interior-point method that handles constraints.
 #pragma once
 
 #include "identify/solvers/solver.h"

@@ -21,8 +21,8 @@ constexpr double kSmallestStep = 1e-15;
 }  // namespace
 
 Search LevenbergMarquardt::DoSolve(Evaluator& evaluator, const Vector& start) const {
-  const double tolerance = std::max(cost_tolerance_, evaluator.problem().problem().cost_noise_level());
-  SparseJacobian jacobian = evaluator.problem().NewJacobian();
+  const double tolerance = std::max(cost_tolerance_, evaluator.fit().problem().cost_noise_level());
+  SparseJacobian jacobian = evaluator.fit().NewJacobian();
   Vector residuals;
   BoxQuadraticModel equations;
   Vector x = start;
@@ -62,7 +62,8 @@ Search LevenbergMarquardt::DoSolve(Evaluator& evaluator, const Vector& start) co
     }
     ++search.iterations;
     const Vector next = (x + step).cwiseMax(0).cwiseMin(1);
-    // After a rejected step the next is likely to be rejected too: derivatives wait until it is not.
+    // After a rejected step the next one is likely to be rejected too, so derivatives are computed only once
+    // a step is accepted.
     const bool at_once = growth == 2;
     double next_cost = std::numeric_limits<double>::infinity();
     auto outcome =

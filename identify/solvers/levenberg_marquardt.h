@@ -7,12 +7,13 @@ namespace sinew {
 
 /// Levenberg 1944, Marquardt 1963 over the box [0, 1]^n, with dense normal equations.
 ///
-/// Every step solves for the free variables with those that reach a bound held there (BoxQuadraticModel), so
-/// that many active bounds cost no iterations; `ceres` projects the step instead, and creeps along them. A
-/// point without prediction is a rejected step. Points are evaluated with derivatives; after a rejected one
-/// without, until one is accepted, which is then evaluated once more. Stops on the relative change of the
-/// cost, predicted or real, and on the length of the step. The normal equations square the condition number:
-/// where columns are collinear to eight digits `ceres` (QR) gets further.
+/// Every step is solved for the free variables, with those that reach a bound held there (BoxQuadraticModel),
+/// so that many active bounds cost no iterations; `ceres` projects its steps instead, and needs many short
+/// ones along active bounds. A point without prediction is a rejected step. Points are evaluated with
+/// derivatives; after a rejected step without them until one is accepted, which is then evaluated again with
+/// derivatives. Stops on the relative change of the cost, predicted or actual, and on the length of the step.
+/// Normal equations square the condition number: where columns are collinear to eight digits `ceres` (QR) is
+/// more accurate.
 class LevenbergMarquardt : public Solver {
  public:
   explicit LevenbergMarquardt(double cost_tolerance) : cost_tolerance_(cost_tolerance) {}

@@ -8,24 +8,24 @@
 namespace sinew {
 namespace {
 
-// Nearly Gauss-Newton: refits start close to their answer, where full steps are right.
+// Close to Gauss-Newton: refits start near their solution, where full steps are best.
 constexpr double kFirstRefitDamping = 1e-8;
 constexpr double kLargestRefitDamping = 1e8;
-// A violation of a constraint by a share e of its span costs as much as moving the steepest variable by 100
-// e.
+// Penalty scale: violating a constraint by a share e of its span costs as much as moving the variable with
+// the largest gradient by 100 e.
 constexpr double kPenalty = 1e4;
 
 }  // namespace
 
-LocalFit::LocalFit(const LeastSquares& problem, double penalty)
-    : problem_(problem),
-      workspace_(problem.NewWorkspace()),
-      jacobian_(problem.NewJacobian()),
+LocalFit::LocalFit(const LeastSquares& least_squares, double penalty)
+    : least_squares_(least_squares),
+      workspace_(least_squares.NewWorkspace()),
+      jacobian_(least_squares.NewJacobian()),
       penalty_(penalty) {}
 
 void LocalFit::AddPenalties(const Vector& x, double& cost, bool derivatives) {
-  if (problem_.constraints() == 0) return;
-  if (!problem_.Constraints(x, workspace_, constraint_, &constraint_jacobian_)) return;
+  if (least_squares_.constraints() == 0) return;
+  if (!least_squares_.Constraints(x, workspace_, constraint_, &constraint_jacobian_)) return;
   for (Eigen::Index i = 0; i < constraint_.size(); ++i) {
     const double span = constraint_jacobian_.row(i).squaredNorm();
     if (!(constraint_[i] > 0) || !(span > 0)) continue;
@@ -39,7 +39,7 @@ void LocalFit::AddPenalties(const Vector& x, double& cost, bool derivatives) {
 
 Status LocalFit::Cost(const Vector& x, double& cost) {
   ++evaluations_;
-  SINEW_TRY(problem_.Evaluate(x, workspace_, residuals_, nullptr));
+  SINEW_TRY(least_squares_.Evaluate(x, workspace_, residuals_, nullptr));
   cost = 0.5 * residuals_.squaredNorm();
   AddPenalties(x, cost, false);
   return {};
@@ -47,10 +47,10 @@ Status LocalFit::Cost(const Vector& x, double& cost) {
 
 Status LocalFit::CostAndDerivatives(const Vector& x, double& cost) {
   ++evaluations_;
-  SINEW_TRY(problem_.Evaluate(x, workspace_, residuals_, &jacobian_));
+  SINEW_TRY(least_squares_.Evaluate(x, workspace_, residuals_, &jacobian_));
   cost = 0.5 * residuals_.squaredNorm();
   if (!equations_.Set(x.size(), residuals_, jacobian_)) return Fail("a derivative is not finite");
-  // Fixed at the first point: a search needs one and the same cost throughout.
+  // Set at the first point and then constant, because a search needs one cost function.
   if (penalty_ == 0) penalty_ = kPenalty * equations_.normal.diagonal().maxCoeff();
   AddPenalties(x, cost, true);
   return {};
@@ -73,7 +73,7 @@ LocalFit::Outcome LocalFit::Minimize(const Vector& start, int held, Tolerance to
     const Vector step = equations_.BoxStep(outcome.x, held, damping, predicted);
     const bool tiny_step = step.cwiseAbs().maxCoeff() <= std::numeric_limits<double>::epsilon();
     const double enough = std::max(tolerance.absolute + tolerance.relative * outcome.cost,
-                                   problem_.problem().cost_noise_level() * outcome.cost);
+                                   least_squares_.problem().cost_noise_level() * outcome.cost);
     if (tiny_step || std::abs(predicted) <= enough) {
       outcome.converged = true;
       return outcome;

@@ -1,5 +1,5 @@
-// A small bounded Levenberg-Marquardt search, for refits that start next to their answer: profiles need
-// hundreds of them, so they cost an evaluation or three each and allocate little.
+// A bounded Levenberg-Marquardt search for refits that start close to their solution: profile likelihoods
+// need hundreds of them, so that each takes a few evaluations and allocates little.
 #pragma once
 
 #include <string>
@@ -10,34 +10,33 @@
 
 namespace sinew {
 
-/// Levenberg 1944, Marquardt 1963, with variables on a bound held while the gradient pushes outward, and
-/// steps that keep to the box (BoxQuadraticModel). Problem::constraints() enter as quadratic penalties. One
-/// per thread.
+/// Levenberg 1944, Marquardt 1963, in the box (BoxQuadraticModel): variables on a bound are held there while
+/// the cost decreases outward. Problem::constraints() are included as quadratic penalties. One per thread.
 class LocalFit {
  public:
   struct Outcome {
     Vector x;                ///< [n] best point
     double cost = 0;         ///< there, penalties included
-    bool converged = false;  ///< the next step would gain less than the tolerance
+    bool converged = false;  ///< the predicted decrease of the next step is below the tolerance
     std::string failure;     ///< why there is no prediction at the start; empty otherwise
   };
 
-  /// @param penalty weight of the constraints; 0: fitted to the first point. Costs of two LocalFits can be
-  /// compared if their penalties are the same.
-  explicit LocalFit(const LeastSquares& problem, double penalty = 0);
+  /// @param penalty weight of the constraints; 0: scaled to the Jacobian at the first point. Costs of two
+  /// LocalFits are comparable only if their penalties are equal.
+  explicit LocalFit(const LeastSquares& least_squares, double penalty = 0);
 
-  /// The search ends when the next step is predicted to gain less than absolute + relative * cost, or than
-  /// the grain of the cost.
+  /// The search ends when the predicted decrease of the next step is below absolute + relative * cost, or
+  /// below the noise level of the cost.
   struct Tolerance {
     double absolute = 0;
     double relative = 0;
   };
 
-  /// @param start [n, in 0..1] @param held variable that stays as it is, or -1 @param max_evaluations of
-  /// residuals, with or without Jacobian.
+  /// @param start [n, in 0..1] @param held variable that is fixed, or -1 @param max_evaluations of residuals,
+  /// with or without Jacobian
   Outcome Minimize(const Vector& start, int held, Tolerance tolerance, long max_evaluations);
 
-  [[nodiscard]] const LeastSquares& problem() const { return problem_; }
+  [[nodiscard]] const LeastSquares& least_squares() const { return least_squares_; }
   [[nodiscard]] long evaluations() const { return evaluations_; }
   [[nodiscard]] double penalty() const { return penalty_; }
 
@@ -46,7 +45,7 @@ class LocalFit {
   Status CostAndDerivatives(const Vector& x, double& cost);
   void AddPenalties(const Vector& x, double& cost, bool derivatives);
 
-  const LeastSquares& problem_;
+  const LeastSquares& least_squares_;
   LeastSquares::Workspace workspace_;
   SparseJacobian jacobian_;
   Vector residuals_;

@@ -11,7 +11,7 @@
 namespace sinew {
 namespace {
 
-// Fewer evaluations do not polish anything.
+// Least evaluations of a useful local search.
 constexpr long kSmallestShare = 20;
 
 std::vector<PolishingStart> MakeStarts(const Vector& first, int count, long budget, std::uint64_t seed) {

@@ -1,4 +1,4 @@
-// Solver `multistart`: many starts, each polished by `ceres`.
+// Solver `multistart`: local searches by `ceres` from many starts.
 #pragma once
 
 #include "identify/solvers/solver.h"
@@ -6,12 +6,12 @@
 namespace sinew {
 
 /// The given start and a Latin hypercube of others (McKay, Beckman, Conover 1979, Technometrics 21:239-245),
-/// each searched by Ceres on its own share of the budget, on several threads.
+/// each the start of a Ceres search with its own share of the budget, on several threads.
 ///
-/// Shares are equal; a budget too small for at least 20 evaluations each lowers the number of starts, which
-/// the reason to stop then says. Evaluations are taken over in the order of the starts, and those of starts
+/// Shares are equal; a budget too small for at least 20 evaluations each reduces the number of starts, which
+/// is stated in the stop reason. Evaluations are recorded in the order of the starts, and those of starts
 /// after one that reached the target are dropped: the answer and the trace, apart from times, do not depend
-/// on the number of threads. The stages are the waterfall: every start, best first.
+/// on the number of threads. The stages are the waterfall: every start, lowest cost first.
 class MultiStart : public Solver {
  public:
   explicit MultiStart(const SolverOptions& options) : options_(options) {}

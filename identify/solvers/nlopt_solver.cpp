@@ -28,15 +28,15 @@ bool Contains(const std::string& name, const char* part) {
 // What NLopt's callbacks share.
 struct Call {
   Call(Evaluator& to, Evaluator::Infeasible infeasible, nlopt_opt of)
-      : evaluator(to), objective(to, infeasible), handle(of), workspace(to.problem().NewWorkspace()) {
+      : evaluator(to), objective(to, infeasible), handle(of), workspace(to.fit().NewWorkspace()) {
     if (to.has_best() && to.best().cost > 0) scale = 1 / to.best().cost;
   }
 
   Evaluator& evaluator;
   Objective objective;
   nlopt_opt handle;
-  /// NLopt sees the cost as a multiple of the first one: SLSQP's first step is the gradient itself, and with
-  /// a cost of 1e5 that throws it into a corner of the box.
+  /// The cost is divided by its first value for NLopt: SLSQP's first step is the gradient itself, and with a
+  /// cost of 1e5 it would end in a corner of the box.
   double scale = 1;
   Vector x;
   Vector gradient;
@@ -74,9 +74,9 @@ void ConstraintsForNlopt(unsigned m, double* values, unsigned n, const double* x
                          void* data) {
   Call& call = *static_cast<Call*>(data);
   const Vector at = Eigen::Map<const Vector>(x, n);
-  const Status status = call.evaluator.problem().Constraints(
+  const Status status = call.evaluator.fit().Constraints(
       at, call.workspace, call.constraint_values, gradient == nullptr ? nullptr : &call.constraint_jacobian);
-  if (!status) {  // nothing can be said there, and the cost fails too
+  if (!status) {  // no prediction: the cost fails at this point too
     std::fill_n(values, m, 1.0);
     if (gradient != nullptr) std::fill_n(gradient, m * n, 0.0);
     return;
@@ -99,7 +99,7 @@ class NloptSolver : public Solver {
  private:
   [[nodiscard]] bool global() const { return name_[0] == 'G'; }
 
-  // NLopt itself says so.
+  // Asked of NLopt itself, which rejects constraints that the algorithm does not support.
   [[nodiscard]] bool TakesConstraints() const {
     const Handle handle(nlopt_create(algorithm_, 1), &nlopt_destroy);
     const auto constraint = [](unsigned, double*, unsigned, const double*, double*, void*) {};
@@ -124,8 +124,7 @@ class NloptSolver : public Solver {
     SetStops(opt);
     const bool limited = evaluator.options().budget.max_evaluations != Budget{}.max_evaluations;
     int most = global() && !limited ? kDefaultGlobalEvaluations : 0;
-    // StoGO heeds no nlopt_force_stop: when the evaluator says stop it goes on, on no cost, up to its own
-    // limit.
+    // StoGO ignores nlopt_force_stop: after a stop it continues to its own limit with a constant cost.
     if (limited && Contains(name_, "STOGO")) {
       most = static_cast<int>(std::min(evaluator.remaining().max_evaluations, kMaxStogoEvaluations));
     }
@@ -136,7 +135,7 @@ class NloptSolver : public Solver {
       SetStops(local.get());
       nlopt_set_local_optimizer(opt, local.get());
     }
-    const auto constraints = static_cast<unsigned>(evaluator.problem().constraints());
+    const auto constraints = static_cast<unsigned>(evaluator.fit().constraints());
     const bool aware = constraints > 0 && TakesConstraints();
     Call call(evaluator, aware ? Evaluator::Infeasible::kEvaluate : Evaluator::Infeasible::kReject, opt);
     if (aware) nlopt_add_inequality_mconstraint(opt, constraints, ConstraintsForNlopt, &call, nullptr);
@@ -150,7 +149,7 @@ class NloptSolver : public Solver {
 
   [[nodiscard]] Stop StopFromNlopt(nlopt_result result, nlopt_opt opt, const Call& call) const {
     const std::string last = fmt::format("last improvement {:.3g} of the cost", call.last_improvement);
-    // StoGO calls that a success.
+    // StoGO reports that as a success.
     const int most = nlopt_get_maxeval(opt);
     if (most > 0 && nlopt_get_numevals(opt) >= most) result = NLOPT_MAXEVAL_REACHED;
     switch (result) {

@@ -8,15 +8,15 @@
 
 namespace sinew {
 
-/// @param algorithm as in `nlopt:LN_BOBYQA`; any name NLopt knows. Johnson, S. G., The NLopt nonlinear-
-/// optimization package, github.com/stevengj/nlopt.
+/// @param algorithm as in `nlopt:LN_BOBYQA`; any algorithm name of NLopt. Johnson, S. G., The NLopt
+/// nonlinear-optimization package, github.com/stevengj/nlopt.
 ///
-/// Gradients are J'r. Constraints go to the algorithms that take them; all others reject the points that
-/// violate one. A point without prediction is given twice the largest cost seen, as NLopt's models need
-/// finite numbers. Local searches (and those inside MLSL and AUGLAG: BOBYQA or L-BFGS) stop on the relative
-/// change of the cost or on a step of 1e-10 in the unit box. Global ones often have no such test: without a
-/// budget they get 20,000 evaluations. Solves in one process run one after another: NLopt's generator is
-/// global. Errors: a name that NLopt does not know.
+/// Gradients are J'r. Constraints are passed to the algorithms that support them; all others reject the
+/// points that violate one. A point without prediction gets twice the largest cost so far, because NLopt's
+/// models need finite numbers. Local searches (and those inside MLSL and AUGLAG: BOBYQA or L-BFGS) stop on
+/// the relative change of the cost or on a step of 1e-10 in the unit box. Many global ones have no such test:
+/// without a budget they get 20,000 evaluations. Solves in one process run one after another: NLopt's random
+/// generator is global. Errors: a name that is not one of NLopt's.
 Result<std::unique_ptr<Solver>> MakeNlopt(const std::string& algorithm, const SolverOptions& options);
 
 }  // namespace sinew

@@ -7,13 +7,13 @@
 namespace sinew {
 namespace {
 
-constexpr long kHopeless = 10000;
+constexpr long kMaxPointsWithoutCost = 10000;
 
 }  // namespace
 
 double Objective::Take(Evaluator::Outcome outcome, double cost) {
-  const bool hopeless = !std::isfinite(worst_) && evaluator_.failures() >= kHopeless;
-  if (outcome == Evaluator::Outcome::kStop || hopeless) stopped_ = true;
+  const bool none_has_a_cost = !std::isfinite(worst_) && evaluator_.failures() >= kMaxPointsWithoutCost;
+  if (outcome == Evaluator::Outcome::kStop || none_has_a_cost) stopped_ = true;
   if (outcome != Evaluator::Outcome::kOk) return std::numeric_limits<double>::infinity();
   worst_ = std::max(worst_, cost);
   return cost;

@@ -1,26 +1,26 @@
-// The cost as searches without residuals see it: a number for every point they may think of.
+// The cost as a function that is defined everywhere, for algorithms that need a number at every point.
 #pragma once
 
 #include "identify/execution/evaluator.h"
 
 namespace sinew {
 
-/// An Evaluator for searches that want numbers. A point outside the box is clamped into it; a point without
-/// prediction costs infinity, and so does every point after the evaluator said stop. After 10,000 points of
-/// which none has a cost it gives up.
+/// Adapts an Evaluator to such algorithms. A point outside the box is clamped into it; a point without
+/// prediction costs infinity, and so does every point after the evaluator stopped. It stops the search after
+/// 10,000 points none of which has a cost.
 class Objective {
  public:
   explicit Objective(Evaluator& evaluator, Evaluator::Infeasible infeasible = Evaluator::Infeasible::kReject)
       : evaluator_(evaluator), infeasible_(infeasible) {}
 
-  /// @param x [n]. The best point so far (the start, when a search begins) is not evaluated again.
+  /// @param x [n]. The best point so far (at the beginning the start) is not evaluated again.
   double Cost(const Vector& x);
   /// As Cost; gradient [n] is zero where the cost is infinite.
   double Gradient(const Vector& x, Vector& gradient);
 
-  /// The evaluator said stop, or there is no hope: return at once.
+  /// True: return at once, because the evaluator stopped or no point has a cost.
   [[nodiscard]] bool stopped() const { return stopped_; }
-  /// Largest finite cost seen, or nothing yet: -infinity.
+  /// Largest finite cost so far; -infinity if there is none.
   [[nodiscard]] double worst() const { return worst_; }
 
  private:

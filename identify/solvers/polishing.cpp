@@ -39,7 +39,7 @@ class Polishing {
     options.target_cost = parent_.options().target_cost;
     options.interrupt = parent_.options().interrupt;
     options.began = parent_.options().began;
-    task.evaluator = std::make_unique<Evaluator>(parent_.problem(), std::move(options));
+    task.evaluator = std::make_unique<Evaluator>(parent_.fit(), std::move(options));
     const SolverResult result = solver_.Solve(*task.evaluator, starts_[i].x);
     task.polished = {{name_, result.stop, task.evaluator->evaluations(), result.cost, result.x},
                      result.iterations};

@@ -1,4 +1,4 @@
-// Local searches from many starts, on several threads, with one record.
+// Local searches from many starts, on several threads, with one common record.
 #pragma once
 
 #include <vector>
@@ -7,7 +7,7 @@
 
 namespace sinew {
 
-/// A start and what it may cost.
+/// A start and its limit of evaluations.
 struct PolishingStart {
   Vector x;
   long evaluations = 0;  ///< at most
@@ -18,11 +18,11 @@ struct Polished {
   int iterations = 0;
 };
 
-/// Searches from every start with a solver, each with an evaluator of its own, and hands the evaluations to
-/// the parent in the order of the starts. Starts after one that reached the parent's target are dropped: what
-/// is recorded, apart from times, does not depend on the number of threads.
-/// @param name of the solver, for the stages.
-/// @return the starts that were taken over, in order.
+/// Searches from every start with a solver, each with its own evaluator, and appends the evaluations to the
+/// parent's record in the order of the starts. Starts after one that reached the parent's target are dropped:
+/// what is recorded, apart from times, does not depend on the number of threads.
+/// @param name of the solver, for the stages
+/// @return the starts whose evaluations were appended, in order
 std::vector<Polished> PolishAll(Evaluator& parent, const Solver& solver, const std::string& name,
                                 const std::vector<PolishingStart>& starts, int threads);
 

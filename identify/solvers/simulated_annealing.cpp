@@ -11,17 +11,18 @@
 namespace sinew {
 namespace {
 
-// How far the temperature falls: from moves across the box to steps of a thousandth of it, as the cost grows
-// with the square of the step.
+// Total factor of the temperature: from moves across the box to steps of a thousandth of it, as the cost
+// grows with the square of the step.
 constexpr double kTemperatureFall = 1e-6;
 constexpr int kMinTemperatures = 20;
 constexpr int kMinCycles = 2;
-// Random points that tell the first temperature: this share of the budget, within these limits.
+// One random point for the start temperature per this many evaluations of the budget, within the limits
+// below.
 constexpr long kBudgetPerProbe = 20;
 constexpr long kMinProbes = 3;
 constexpr long kMaxProbes = 10;
-// Last costs agree: this times the best cost; and, for data without noise whose best cost is zero, this times
-// the first temperature.
+// Tolerance of the final costs: this times the best cost; for data without noise, whose best cost is zero,
+// this times the first temperature.
 constexpr double kRelativeAgreement = 1e-6;
 constexpr double kAgreementOfFirstTemperature = 1e-12;
 

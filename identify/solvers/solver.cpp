@@ -8,7 +8,7 @@
 namespace sinew {
 namespace {
 
-// A link of a chain begins where the one before ended: that point is not predicted again.
+// A solver of a chain starts at the best point of the one before: that point is not predicted again.
 bool IsEvaluated(const Evaluator& evaluator, const Vector& x) {
   if (evaluator.has_best() && evaluator.best().x == x) return true;
   return !evaluator.trace().empty() && evaluator.trace().front().x == x;
@@ -122,7 +122,7 @@ SolverResult Solver::Solve(Evaluator& evaluator, const Vector& start) const {
   if (!IsEvaluated(evaluator, start)) evaluator.Cost(start, cost);
 
   const bool evaluated = IsEvaluated(evaluator, start);
-  if (evaluated && evaluator.problem().variables() == 0) {
+  if (evaluated && evaluator.fit().variables() == 0) {
     result.stop = {Termination::kNothingFree, "no parameter is free; the start was evaluated"};
   } else if (!evaluator.MustStop() && CanBegin(evaluator, start)) {
     Search search = DoSolve(evaluator, start);

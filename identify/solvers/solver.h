@@ -1,5 +1,5 @@
-// What every solver has in common: it searches the box [0, 1]^n of a LeastSquares through an Evaluator, and
-// ends with a named reason.
+// The interface of all solvers: a search over the box [0, 1]^n of a LeastSquares through an Evaluator, which
+// ends with a named stop reason.
 #pragma once
 
 #include <cstdint>
@@ -18,15 +18,15 @@ enum class Termination {
   kGradient,        ///< projected gradient below its tolerance; usable
   kStepSize,        ///< step in the unit box below its tolerance; usable
   kAnnealed,        ///< annealing: last optima at successive temperatures agree within its tolerance; usable
-  kStartsDone,      ///< multi-start: every start was polished; usable
+  kStartsDone,      ///< multi-start: every start was searched; usable
   kTarget,          ///< the requested cost was reached; usable
   kNothingFree,     ///< no parameter is free: the start was evaluated; usable
   kMaxEvaluations,  ///< budget; best point so far, not converged
   kMaxSeconds,      ///< budget; best point so far, not converged
   kInterrupted,     ///< Ctrl-C; best point so far, not converged
-  kSolverFailed,  ///< the solver gave up (its own words are in Stop::test); best point so far, not converged
-  kInfeasible,    ///< no evaluated point satisfies the constraints; not usable
-  kNoPrediction   ///< the problem could not be predicted at the start, or anywhere; not usable
+  kSolverFailed,    ///< the solver failed (its message is in Stop::test); best point so far, not converged
+  kInfeasible,      ///< no evaluated point satisfies the constraints; not usable
+  kNoPrediction     ///< the problem could not be predicted at the start, or anywhere; not usable
 };
 
 /// snake_case name as in the JSON: "cost_change", "max_evaluations", ...
@@ -34,11 +34,11 @@ enum class Termination {
 
 struct Stop {
   Termination kind = Termination::kSolverFailed;
-  std::string test;  ///< with its figures: "relative cost change 2e-13 < 1e-10"
+  std::string test;  ///< the test with its values: "relative cost change 2e-13 < 1e-10"
 
-  /// The search came to an end of its own.
+  /// True if the search ended by its own convergence test, not by a limit or a failure.
   [[nodiscard]] bool converged() const;
-  /// There is an answer, if only the best so far.
+  /// True if there is a best point, converged or not.
   [[nodiscard]] bool usable() const {
     return kind != Termination::kNoPrediction && kind != Termination::kInfeasible;
   }
@@ -71,15 +71,15 @@ struct SolverOptions {
   int starts = 20;
 };
 
-/// How a search ended in its own terms; the best point is the evaluator's.
+/// How a search ended; the best point is in the evaluator.
 struct Search {
   Stop stop;
   int iterations = 0;
   std::vector<Stage> stages;
 };
 
-/// Template method: Solve evaluates the start, handles the cases that no solver should have to (nothing free,
-/// no prediction at the start), and DoSolve searches.
+/// Template method: Solve evaluates the start and handles the cases common to all solvers (no free parameter,
+/// no prediction at the start); DoSolve searches.
 class Solver {
  public:
   Solver() = default;
@@ -90,16 +90,16 @@ class Solver {
   /// @param start [n, in 0..1]. The start is always evaluated and never lost: the result is at least as good.
   SolverResult Solve(Evaluator& evaluator, const Vector& start) const;
 
-  /// The search can begin where the problem cannot be predicted: a global one looks elsewhere.
+  /// True if the search can begin at a point without prediction: a global one continues elsewhere.
   [[nodiscard]] virtual bool ToleratesFailedStart() const { return false; }
-  /// The search can begin where a constraint is violated: it finds its way back.
+  /// True if the search can begin at a point that violates a constraint.
   [[nodiscard]] virtual bool ToleratesInfeasibleStart() const { return ToleratesFailedStart(); }
 
  private:
   [[nodiscard]] bool CanBegin(const Evaluator& evaluator, const Vector& start) const;
 
   /// Searches from start, which has been evaluated. Every evaluation goes through the evaluator; on
-  /// Outcome::kStop it returns at once, and Solve fills in why.
+  /// Outcome::kStop it returns at once, and Solve fills in the reason.
   virtual Search DoSolve(Evaluator& evaluator, const Vector& start) const = 0;
 };
 
@@ -111,7 +111,8 @@ struct SolverEntry {
   std::string name;
   bool global = false;
   bool gradient = false;
-  /// Searches along Problem::constraints(). All others reject the points that violate one, and may get stuck.
+  /// Handles Problem::constraints(). All others reject the points that violate one, and may stop early at a
+  /// constraint.
   bool constraints = false;
   std::string description;  ///< with author and year
 };

@@ -1,4 +1,4 @@
-// Solvers against each other on one problem: every solver from the same starts, and what came of it.
+// Comparison of solvers on one problem: runs of every solver from the same starts.
 #pragma once
 
 #include <atomic>
@@ -15,7 +15,7 @@
 
 namespace sinew {
 
-/// One solver from one start.
+/// The run of one solver from one start.
 struct StudyRun {
   std::string solver;
   std::uint64_t seed = 0;
@@ -29,7 +29,7 @@ struct StudyRun {
     double evaluations;
     double seconds;
   };
-  /// What it took until the cost was at or below the target for the first time; NaN if it never was.
+  /// Evaluations and seconds until the cost first reached the target; NaN if it never did.
   [[nodiscard]] Effort ToTarget(double target) const;
 };
 
@@ -51,9 +51,9 @@ struct Study {
   double target = 0;
 };
 
-/// The first repeat starts where the problem says, each further one at a random point of the box, the same
-/// for every solver. Interrupted, it holds the runs so far. Errors: a solver that does not exist, or is named
-/// twice.
+/// Runs the comparison. The first repeat starts at the problem's start values, each further one at a random
+/// point of the box, the same for every solver. If interrupted, the result contains the runs so far. Errors:
+/// a solver that does not exist, or is named twice.
 Result<Study> CompareSolvers(const LeastSquares& problem, const StudyOptions& options);
 
 /// All runs of one solver. Medians are over the runs for which the number exists; NaN if there is none.

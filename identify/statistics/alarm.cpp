@@ -8,14 +8,15 @@
 #include "base/assert.h"
 #include "base/decompositions.h"
 #include "base/random.h"
-#include "identify/statistics/chi_squared.h"
+#include "identify/statistics/distributions.h"
 
 namespace sinew::statistics {
 namespace {
 
 constexpr double kSingular = 1e-8;  // eigenvalue, relative to the largest
 
-/// A root of `symmetric` or of its pseudo-inverse, without the directions whose eigenvalue counts as zero.
+/// A matrix root of `symmetric` or of its pseudo-inverse, without the directions whose eigenvalue counts as
+/// zero.
 /// @return [rank x n], root' * root
 Matrix Root(const Matrix& symmetric, bool inverse) {
   if (symmetric.size() == 0) return symmetric;
@@ -31,7 +32,7 @@ Matrix Root(const Matrix& symmetric, bool inverse) {
   return root;
 }
 
-/// What turns the scores of a group into its statistic.
+/// Computes the statistic of a group from its scores.
 class Judge {
  public:
   Judge(const Matrix& correlation, const AlarmGroup& group) : group_(group) {
@@ -51,7 +52,7 @@ class Judge {
 
   [[nodiscard]] int rank() const { return static_cast<int>(root_.rows()); }
 
-  /// Chi-squared with rank() degrees; 0 for the wrong sign.
+  /// Chi-squared with rank() degrees of freedom; 0 for a one-sided group with the wrong sign.
   template <class Scores>
   double Statistic(const Scores& t) {
     if (scores_.size() == 1) {
@@ -87,8 +88,8 @@ double GroupPValue(const Matrix& correlation, const Vector& t, const AlarmGroup&
 
 AlarmLevel::AlarmLevel(const Matrix& correlation, const std::vector<AlarmGroup>& groups, std::uint64_t seed,
                        int draws) {
-  // Among groups of one rank, sign and weight the largest statistic has the smallest p-value: one tail for
-  // each kind, not for each group.
+  // Among groups of the same rank, sign and weight the largest statistic has the smallest p-value: one
+  // evaluation of the tail per kind instead of per group.
   using Kind = std::tuple<int, bool, double>;
   std::map<Kind, std::vector<Judge>> kinds;
   for (const AlarmGroup& group : groups) {
@@ -118,7 +119,7 @@ AlarmLevel::AlarmLevel(const Matrix& correlation, const std::vector<AlarmGroup>&
 }
 
 double AlarmLevel::FamilyPValue(double weighted_p) const {
-  if (shares_ == 0) return 1;  // nothing could raise an alarm
+  if (shares_ == 0) return 1;  // no group has a test
   const auto above = std::upper_bound(smallest_.begin(), smallest_.end(), weighted_p);
   const auto reached = static_cast<double>(above - smallest_.begin());
   const double drawn = (1 + reached) / (1 + static_cast<double>(smallest_.size()));

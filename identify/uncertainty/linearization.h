@@ -1,4 +1,4 @@
-// A fit made linear at its solution: residuals, Jacobian, and how each free variable stands there.
+// The linearised fit at its solution: residuals, Jacobian, and the status of each free variable.
 #pragma once
 
 #include <string>

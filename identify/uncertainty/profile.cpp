@@ -42,8 +42,8 @@ class EndSearch {
         last_(fit.evaluations() + max_evaluations),
         interrupt_(interrupt),
         // Half of an error of the rise is that of the end.
-        end_tolerance_(
-            std::max(kEndTolerance, fit.problem().problem().cost_noise_level() * cost / request.rise / 2)),
+        end_tolerance_(std::max(kEndTolerance,
+                                fit.least_squares().problem().cost_noise_level() * cost / request.rise / 2)),
         inner_{0, 0, minimum, true},
         lowest_(cost) {}
 

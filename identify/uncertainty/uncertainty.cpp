@@ -10,7 +10,7 @@
 #include "base/constants.h"
 #include "base/decompositions.h"
 #include "identify/solvers/local_fit.h"
-#include "identify/statistics/student_t.h"
+#include "identify/statistics/distributions.h"
 #include "identify/uncertainty/covariance.h"
 #include "identify/uncertainty/explain.h"
 #include "identify/uncertainty/information.h"

@@ -1,11 +1,11 @@
 // The fast path of the elastic foundation: forces, moments and their exact derivatives for any parameters,
-// from sums over the touching faces that were prepared once.
+// from sums over the touching faces that are computed once.
 //
-// With the geometry given, the wrench is linear in everything but the dissipation:
-//   w_i = a_i x_i max(0, 1 + c v_i),     F_y = k sum w_i,     F_x = -k sum w_i (mu_s S_i + mu_d D_i + mu_v
-//   V_i) e_x,i
-// where S, D, V hold the slip's part of the friction law and e its direction. So one instant is a handful of
-// dot products over contiguous arrays. A parameter that moves the geometry (floor height, tilt) starts from
+// With the geometry given, the wrench is linear in all parameters but the dissipation:
+//   w_i = a_i x_i max(0, 1 + c v_i),  F_y = k sum w_i,
+//   F_x = -k sum w_i (mu_s S_i + mu_d D_i + mu_v V_i) e_x,i
+// where S, D, V are the slip's part of the friction law and e its direction. So one instant takes a few dot
+// products over contiguous arrays. A parameter that changes the geometry (floor height, tilt) uses
 // ContactKinematics instead, which keeps every face, touching or not.
 #pragma once
 
@@ -27,7 +27,7 @@ enum class WrenchParts {
 /// forces n [N m].
 using ContactLoad = Eigen::Matrix<double, 6, 1>;
 enum ContactLoadRow { kForceX, kForceY, kForceZ, kMomentY, kFirstMomentX, kFirstMomentZ };
-/// Derivatives of a ContactLoad for k, c, mu_s, mu_d, mu_v.
+/// Derivatives of a ContactLoad with respect to k, c, mu_s, mu_d, mu_v.
 using ContactLoadJacobian = Eigen::Matrix<double, 6, 5>;
 
 class ContactSums {

@@ -7,10 +7,10 @@
 namespace sinew {
 
 std::vector<int> ContactRegion::SpringFaceIndices() const {
-  constexpr double kLooksDown = -0.5;  // within 60 degrees of straight down
+  constexpr double kMaxDownwardNormal = -0.5;  // within 60 degrees of straight down
   std::vector<int> faces;
   for (int face = 0; face < mesh.face_count(); ++face) {
-    if (springs == SpringFaces::kAll || mesh.Normal(face).y() < kLooksDown) faces.push_back(face);
+    if (springs == SpringFaces::kAll || mesh.Normal(face).y() < kMaxDownwardNormal) faces.push_back(face);
   }
   return faces;
 }

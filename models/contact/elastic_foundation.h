@@ -1,14 +1,13 @@
 // The elastic foundation: a bed of springs, one at the centre of each face of the sole, with Hollars
 // friction.
 //
-//   normal force of a face    n = k a x (1 + c v), never pulling          (thesis eq 5.1; Simbody
-//   ElasticFoundationForce) friction of a face        n ( min(s/vt, 1) (mu_d + 2 (mu_s - mu_d) / (1 +
-//   (s/vt)^2)) + mu_v s )       (eq 5.2, Hollars)
+//   normal force of a face  n = k a x (1 + c v), never tensile
+//   friction of a face      n ( min(s/vt, 1) (mu_d + 2 (mu_s - mu_d) / (1 + (s/vt)^2)) + mu_v s )
 //
-// a area, x depth, v depth rate, s slip speed. With prescribed motion
-// the force of a stance is an algebraic function of the kinematics: what follows separates what depends on
-// the kinematics alone (ContactKinematics, computed once) from what depends on the parameters (ContactSums, a
-// few sums per instant).
+// a area, x depth, v depth rate, s slip speed. Thesis eq 5.1 (as Simbody's ElasticFoundationForce) and 5.2
+// (Hollars). With prescribed motion the force of a stance is an algebraic function of the kinematics: the
+// part that depends on the kinematics alone (ContactKinematics, computed once) is separated from the part
+// that depends on the parameters (ContactSums, a few sums per instant).
 #pragma once
 
 #include <string>
@@ -31,9 +30,9 @@ struct ElasticFoundation {
 
 /// Which faces of a mesh carry a spring.
 enum class SpringFaces {
-  kBottom,  ///< those that look down in the frame of the mesh: a sole that sinks deep is not carried by its
+  kBottom,  ///< those that face down in the frame of the mesh: a sole that sinks deep is not supported by its
             ///< sides and top
-  kAll      ///< the whole closed mesh, as Simbody has it
+  kAll      ///< the whole closed mesh, as in Simbody
 };
 
 /// A sole mesh on a body.
@@ -55,9 +54,9 @@ struct Floor {
   double velocity_z = 0;
 };
 
-/// What the kinematics say of every spring of a region at every instant, touching or not.
+/// Kinematics of every spring of a region at every instant, touching or not.
 ///
-/// Arrays are [instants x faces], row-major: all faces of one instant lie together.
+/// Arrays are [instants x faces], row-major: all faces of one instant are adjacent.
 struct ContactKinematics {
   int instants = 0;
   int faces = 0;
@@ -82,8 +81,8 @@ struct ContactWrench {
   Vec3 moment = Vec3::Zero();  ///< [N m]
 };
 
-/// One instant straight from the equations, face by face: what the fast path is checked against and what
-/// draws pressures.
+/// One instant directly from the equations, face by face: the reference for the fast path, and the source of
+/// pressure figures.
 struct FaceLoad {
   double pressure = 0;  ///< [Pa]
   double slip = 0;      ///< [m/s]

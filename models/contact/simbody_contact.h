@@ -1,5 +1,5 @@
-// The reference path: Simbody's own ElasticFoundationForce on a prescribed state. Slow; what the fast path is
-// checked against, and what a forward simulation uses.
+// The reference path: Simbody's own ElasticFoundationForce on a prescribed state. Slow; the fast path is
+// tested against it, and forward simulations use it.
 #pragma once
 
 #include <memory>
@@ -23,8 +23,8 @@ class SimbodyContact {
   SimbodyContact(SimbodyContact&&) noexcept;
   SimbodyContact& operator=(SimbodyContact&&) noexcept;
 
-  /// Wrench of the floor on each region when the bodies that carry them move like this (one motion per
-  /// region). Errors: Simbody's own, as a sentence.
+  /// Wrench of the floor on each region for these motions of their bodies (one motion per region). Errors:
+  /// Simbody's own, as a sentence.
   Result<std::vector<ContactWrench>> WrenchesAt(const std::vector<BodyMotion>& motion);
 
  private:

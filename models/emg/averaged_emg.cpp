@@ -56,7 +56,7 @@ void AverageOverSpeeds(MuscleAverage& average) {
     average.factors.push_back(*std::max_element(curve.mean.begin(), curve.mean.end()) / average.peak);
 }
 
-// About the model; a speed at which the model predicts nothing says nothing about it.
+// Scatter about the model; speeds at which the model predicts zero are left out.
 void SpreadOverCycles(const std::vector<const Cycles*>& at_speeds, const ShapeFactor& factor,
                       MuscleAverage& average) {
   std::vector<double> sum(average.shape.size(), 0);

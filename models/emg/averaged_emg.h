@@ -18,7 +18,7 @@
 
 namespace sinew {
 
-/// What was recorded at one speed, without the cycles that were left out.
+/// The recorded cycles at one speed, without those that were left out.
 struct SpeedCycles {
   double speed = 0;  ///< of the movement [rad/s, finite]
   /// [muscles][cycles][K]; each from WarpCycle. The muscles need not have equally many.
@@ -30,7 +30,7 @@ struct AveragedEmgSettings {
   std::size_t fewest_cycles = 2;  ///< a muscle's speed with fewer cycles is left out [>= 1]
 };
 
-/// One muscle's.
+/// The model of one muscle.
 struct MuscleAverage {
   std::string name;
   std::size_t cycles = 0;            ///< in all
@@ -40,17 +40,14 @@ struct MuscleAverage {
   double peak = 0;                   ///< of the shape
   std::vector<double> factors;       ///< measured [S]
   /// Standard deviation of a cycle about the model, with factor 1 [K]: of cycle / factor(speed) - shape over
-  /// all cycles, n - 1. It holds the scatter from cycle to cycle and what the model misses at the speeds it
-  /// was built from.
+  /// all cycles, n - 1. It contains the scatter from cycle to cycle and the error of the model at the speeds
+  /// it was built from.
   std::vector<double> spread;
 };
 
 class AveragedEmg {
  public:
-  /// What has too few cycles, or no signal, is left out, and `notes` says so.
-  /// @param muscles names [M >= 1] @param speeds [>= 1, no speed twice]
-  /// @return Errors: settings, sizes, a value that is not finite, a speed that comes twice, no muscle with a
-  /// shape. O(all samples).
+  /// Muscles and speeds with too few cycles or without signal are left out, with a note in `notes`.
   static Result<AveragedEmg> Build(const std::vector<std::string>& muscles,
                                    const std::vector<SpeedCycles>& speeds,
                                    const AveragedEmgSettings& settings);

@@ -12,7 +12,7 @@
 
 namespace sinew {
 
-constexpr int kHighestFilterOrder = 16;  // of one pass: beyond, nobody has a use for it
+constexpr int kHighestFilterOrder = 16;  // of one pass; higher orders are not used in practice
 
 /// Of one pass at the cut-off: amplitude 1 / sqrt(2) (-3 dB); far above, 6 dB per octave and order.
 ///

@@ -1,4 +1,4 @@
-// Which cycles of a muscle's EMG must not be learnt from, and why.
+// Checks of a muscle's EMG: the cycles that a model must not be built from, with reasons.
 #pragma once
 
 #include <cstddef>
@@ -14,7 +14,7 @@ namespace sinew {
 enum class MuscleFault {
   kNoSignal,   ///< the envelope stays near zero, or never changes
   kSaturated,  ///< the envelope stays at the recording's maximum, or the raw signal is clipped
-  kFrozen,     ///< the raw signal stands still: the transmission dropped out
+  kFrozen,     ///< the raw signal is constant: the transmission dropped out
   kGap,        ///< samples are missing
 };
 
@@ -61,7 +61,7 @@ void AddRawFaults(const RawEmgFaults& faults, double first_s, double rate_Hz, do
 
 [[nodiscard]] std::size_t CountUsable(const MuscleCheck& check);
 
-/// One sentence for what was left out, one for what was tolerated; none if there is nothing to say.
+/// One sentence for the cycles left out, one for the tolerated ones; none if there are no faults.
 [[nodiscard]] std::vector<std::string> DescribeMuscleCheck(const std::string& muscle,
                                                            const std::vector<MovementCycle>& cycles,
                                                            const MuscleCheck& check);

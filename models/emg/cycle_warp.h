@@ -1,4 +1,4 @@
-// Cycles without their time: the same number of samples for each, and the mean of many. SCIENCE section 5.
+// Time normalisation: the same number of samples for every cycle, and the mean of many. SCIENCE section 5.
 #pragma once
 
 #include <cstddef>

@@ -1,4 +1,4 @@
-// The cycles of a movement to and fro, found in a recorded angle. SCIENCE section 5: plantar-dorsiflexion at
+// Cycles of a periodic movement, found in a recorded angle. SCIENCE section 5: plantar-dorsiflexion at
 // constant speeds on a dynamometer; strides of walking as well.
 #pragma once
 
@@ -43,7 +43,7 @@ enum class CycleFault {
   kDuration,    ///< the duration is outside of the tolerance
 };
 
-/// A stretch of the recording that is no cycle to learn from.
+/// A stretch of the recording that is not used as a cycle.
 struct LeftOutCycle {
   double begin_s = 0;
   double end_s = 0;
@@ -84,7 +84,7 @@ Result<CycleFindings> FindCycles(const std::vector<double>& time, const std::vec
 
 [[nodiscard]] std::size_t CountLeftOut(const CycleFindings& findings, CycleFault fault);
 
-/// What was found and what was left out and why, one sentence each, for people.
+/// The cycles found and those left out with reasons, one sentence each.
 [[nodiscard]] std::vector<std::string> DescribeCycles(const CycleFindings& findings);
 
 }  // namespace sinew

@@ -14,7 +14,7 @@ constexpr int kHighestOrder = 16;
 // Shorter means would be one sample's chance.
 constexpr std::size_t kMinNeighbours = 8;
 
-// At least a period: what is shorter has no amplitude at this frequency that could be told.
+// At least a period: a shorter signal has no determined amplitude at this frequency.
 Status CheckLength(std::size_t samples, double rate_Hz, const EnvelopeSettings& settings) {
   const double length_s = static_cast<double>(samples) / rate_Hz;
   const double period_s = 1 / std::min(settings.low_pass_Hz, settings.high_pass_Hz);

@@ -1,10 +1,10 @@
-// Raw EMG -> envelope: high-pass, full-wave rectification, low-pass. SCIENCE section 3.
+// Envelope of raw EMG: high-pass, full-wave rectification, low-pass. SCIENCE section 3.
 //
 //   e = max(0, LP |HP raw|),  HP and LP Butterworth filters without lag (forward and backward)
 //
-// The high-pass takes away the electrode's offset and movement artefacts, the low-pass leaves what a muscle
-// can follow. Sources: Lloyd, Besier 2003, J. Biomech. 36, 765 (30 Hz, 6 Hz); Winter, D. 2009, Biomechanics
-// and Motor Control of Human Movement, sections 3.4 and 10.2.
+// The high-pass removes the electrode's offset and movement artefacts, the low-pass all frequencies that
+// muscle force cannot follow. Sources: Lloyd, Besier 2003, J. Biomech. 36, 765 (30 Hz, 6 Hz); Winter, D.
+// 2009, Biomechanics and Motor Control of Human Movement, sections 3.4 and 10.2.
 #pragma once
 
 #include <cstddef>
@@ -18,10 +18,10 @@ namespace sinew {
 struct EnvelopeSettings {
   double high_pass_Hz = 30;  ///< [Hz, below half of the sampling rate]
   double low_pass_Hz = 6;    ///< [Hz, below half of the sampling rate]
-  /// Of the filters as they act, both passes together [2, 4, .. 16]. 4 is a Butterworth filter of order 2 run
-  /// forward and backward, which is what biomechanics calls a zero-lag filter of fourth order (Winter 2009).
-  /// 8 is scipy's `butter(4)` with `sosfiltfilt`. The cut-offs are those of the single pass: after both, the
-  /// amplitude is 1/2 there (-6 dB), not 1 / sqrt(2); no cut-off is changed to make up for it.
+  /// Order of the filters, both passes together [2, 4, .. 16]. 4 is a Butterworth filter of order 2 run
+  /// forward and backward, which biomechanics calls a zero-lag filter of fourth order (Winter 2009). 8 is
+  /// scipy's `butter(4)` with `sosfiltfilt`. The cut-offs are those of the single pass: after both, the
+  /// amplitude is 1/2 there (-6 dB), not 1 / sqrt(2); no cut-off is changed to compensate.
   int order = 4;
   double longest_gap_s = 0.05;  ///< samples that are missing for longer are an error [s, >= 0]
 };
@@ -41,13 +41,14 @@ struct Envelope {
 /// A gap of up to longest_gap_s is bridged: the raw signal by a straight line, and the rectified signal there
 /// by its mean over as long before and after, so that the envelope does not dip.
 ///
-/// Both ends are scipy's (see FilterZeroLag): there the envelope hangs on the first or last sample of the
-/// rectified signal, which is chance, for about UnsettledSeconds. So: envelopes first, cut trials afterwards.
+/// Both ends are scipy's (see FilterZeroLag): for about UnsettledSeconds the envelope there depends on the
+/// first or last sample of the rectified signal, which is random. So compute envelopes first and cut trials
+/// afterwards.
 ///
-/// A signal that never changes has the envelope 0. Works in O(N).
+/// A constant signal has the envelope 0. Works in O(N).
 /// @param raw [N, any unit; NaN where there is a gap] @param rate_Hz [Hz, > 0]
-/// @return Errors: a setting outside of its range, a cut-off that the rate cannot carry, a signal shorter
-/// than one period of a cut-off or than the filters need, a gap that is too long, no finite sample.
+/// @return Errors: a setting outside of its range, a cut-off of half the rate or more, a signal shorter than
+/// one period of a cut-off or than the filters need, a gap that is too long, no finite sample.
 Result<Envelope> ComputeEnvelope(const std::vector<double>& raw, double rate_Hz,
                                  const EnvelopeSettings& settings);
 

@@ -65,7 +65,7 @@ MovementPeriod FindMovementPeriod(const std::vector<double>& time, const std::ve
   correlation.reserve(count / 2 + 1);
   for (std::size_t lag = 0; lag <= count / 2; ++lag) correlation.push_back(Correlation(stretches, lag));
 
-  // Peaks only behind the first time that nothing is alike.
+  // Peaks are searched after the first lag without correlation.
   std::size_t from = 1;
   while (from < correlation.size() && correlation[from] > 0) ++from;
   from = std::max(from, kMinPerPeriod);

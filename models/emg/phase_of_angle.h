@@ -1,5 +1,4 @@
-// Where in its cycle a movement is, from the angle and its direction alone: what a device knows while it
-// moves.
+// Phase of a movement within its cycle, from the angle and its direction alone, as needed in real time.
 #pragma once
 
 #include <cstddef>

@@ -1,4 +1,4 @@
-// How well a predicted curve meets a measured one: the thesis's two figures. SCIENCE section 5.
+// Errors of a predicted curve: the two measures of the thesis. SCIENCE section 5.
 #pragma once
 
 #include <cstddef>
@@ -10,8 +10,8 @@ namespace sinew {
 
 struct PredictionError {
   double rmse = 0;  ///< root mean square of the differences [unit of the curves]
-  /// Square of Pearson's correlation (product moment, section 6.4.3): says how alike the shapes are, not
-  /// whether the sizes agree, and not the share of variance explained [0..1]. NaN if a curve never changes.
+  /// Square of Pearson's correlation (product moment, section 6.4.3): a measure of the similarity of shapes,
+  /// not of sizes, and not the share of variance explained [0..1]. NaN if a curve is constant.
   double r_squared = 0;
 };
 

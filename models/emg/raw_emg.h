@@ -1,4 +1,4 @@
-// What is wrong with a raw EMG signal as it was recorded, found before it is filtered.
+// Faults of a raw EMG signal, found before it is filtered.
 #pragma once
 
 #include <cstddef>
@@ -6,7 +6,7 @@
 
 namespace sinew {
 
-/// Neighbouring samples.
+/// A run of neighbouring samples.
 struct SampleRun {
   std::size_t first = 0;
   std::size_t count = 0;
@@ -21,7 +21,8 @@ struct RawEmgFaults {
   std::vector<SampleRun> frozen;   ///< at one value elsewhere for 20 ms or more: the transmission dropped out
 };
 
-/// A signal of fewer than 64 steps of its converter stays at one value by itself: it is not called clipped.
+/// A signal of fewer than 64 quantisation steps is often constant without a fault: it is not reported as
+/// clipped.
 /// @param raw [N, any unit] @param rate_Hz [Hz, > 0]
 [[nodiscard]] RawEmgFaults FindRawEmgFaults(const std::vector<double>& raw, double rate_Hz);
 

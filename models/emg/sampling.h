@@ -1,4 +1,4 @@
-// The clock of a recorded signal, and fewer samples of it.
+// Sampling rate of a recorded signal, and resampling to a lower one.
 #pragma once
 
 #include <vector>
@@ -7,10 +7,10 @@
 
 namespace sinew {
 
-/// The rate of a uniform clock: samples per second from the first to the last.
+/// The sampling rate of a uniformly sampled signal: samples per second from the first to the last.
 /// @param time [N >= 2, s, strictly increasing] @return [Hz]. Errors: fewer than two samples; a step of less
 /// than half or more than one and a half of the median step: samples are missing, or were taken at another
-/// rate (the message says where). Filters have no meaning there.
+/// rate (the message states the time). Filters are not valid there.
 Result<double> UniformRate(const std::vector<double>& time);
 
 struct SampledSignal {

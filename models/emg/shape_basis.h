@@ -46,7 +46,7 @@ class ShapeBasis {
   std::vector<One> table_;  // of b over one cycle; empty without a filter
 };
 
-/// Control points by least squares. Where no sample speaks, the curve runs smoothly on.
+/// Control points by least squares. Where there are no samples, the curve is continued smoothly.
 /// @param phase [N, cycles] @param values [N]
 /// @return [K]. Errors: sizes, fewer samples than control points, a number that is not finite.
 Result<Vector> FitShape(const std::vector<double>& phase, const std::vector<double>& values,

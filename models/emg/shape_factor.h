@@ -1,4 +1,4 @@
-// How high a muscle's EMG rises at a speed: the shape factor as a function of speed. SCIENCE section 5.
+// The shape factor: the peak of a muscle's EMG as a function of speed. SCIENCE section 5.
 #pragma once
 
 #include <vector>

@@ -1,4 +1,4 @@
-// Where a recorded angle turns back: found despite noise, timed between its samples.
+// Turning points of a recorded angle with noise, timed between its samples.
 #pragma once
 
 #include <cstddef>
@@ -10,7 +10,7 @@ namespace sinew {
 struct TurningPoint {
   bool highest = false;
   std::size_t sample = 0;  ///< the extreme sample; the first of equal ones
-  double angle = 0;        ///< without what noise adds to an extreme sample [unit of the angle]
+  double angle = 0;        ///< corrected for the bias of an extreme sample by noise [unit of the angle]
   double time_s = 0;       ///< [s]
   double from_s = 0;       ///< time_s was found from the samples from here [s]
   double to_s = 0;         ///< to here [s]

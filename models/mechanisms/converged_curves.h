@@ -1,4 +1,4 @@
-// Runs of an integrator other than the default, at an accuracy at which nothing changes any more.
+// Converged runs of an integrator other than the default.
 #pragma once
 
 #include <cstddef>

@@ -1,4 +1,4 @@
-// Makes Simbody's integrators; it brings Simbody's headers along.
+// Makes Simbody's integrators; it includes Simbody's headers.
 #pragma once
 
 #include <Simbody.h>

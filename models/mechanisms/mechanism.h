@@ -1,4 +1,4 @@
-// The five mechanisms that the simulator is proved on: the IFToMM "Library of Computational Benchmark
+// The five mechanisms on which the simulator is validated: the IFToMM "Library of Computational Benchmark
 // Problems" (Gonzalez, Dopico, Lugris, Cuadrado 2006), as Simbody models, each with a point whose path is
 // compared.
 #pragma once

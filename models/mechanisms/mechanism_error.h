@@ -1,4 +1,4 @@
-// How far a run is from a reference.
+// Error of a run against a reference.
 #pragma once
 
 #include <vector>

@@ -1,4 +1,4 @@
-// What the paths of the mechanisms' points should be.
+// Reference paths of the mechanisms' points.
 #pragma once
 
 #include <string>
@@ -16,8 +16,8 @@ struct ReferenceCurve {
 };
 
 struct MechanismReference {
-  std::string source;                  ///< what it is and how it was made, for a person
-  double certain_to = 0;               ///< how far off it may be itself
+  std::string source;                  ///< what it is and how it was made
+  double certain_to = 0;               ///< its own uncertainty
   std::vector<ReferenceCurve> curves;  ///< [coordinates]
 };
 

@@ -101,7 +101,7 @@ class Integration {
   std::unique_ptr<SimTK::Integrator> integrator_;
 };
 
-// The last sentence of what Simbody says over several lines.
+// The last sentence of a Simbody message of several lines.
 std::string Sentence(const std::exception& exception) {
   std::string text = exception.what();
   std::replace(text.begin(), text.end(), '\n', ' ');

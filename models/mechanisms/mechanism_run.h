@@ -1,4 +1,4 @@
-// A mechanism integrated: the path of its point, and what a good simulator would keep.
+// An integrated mechanism: the path of its point, and the quantities that should be conserved.
 #pragma once
 
 #include <string>
@@ -34,7 +34,7 @@ struct MechanismRun {
 [[nodiscard]] Status CheckMechanismOptions(const Mechanism& mechanism, const MechanismOptions& options);
 
 /// @param times [samples] s, from 0 on, increasing. Errors: no such formulation or integrator, an accuracy
-/// out of range, Simbody's own (step size, projection) as a sentence, time is up.
+/// out of range, Simbody's own (step size, projection) as a sentence, the limit of CPU time is reached.
 [[nodiscard]] Result<MechanismRun> SimulateMechanism(const Mechanism& mechanism,
                                                      const MechanismOptions& options,
                                                      const std::vector<double>& times);

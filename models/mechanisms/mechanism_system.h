@@ -1,4 +1,4 @@
-// A mechanism as Simbody sees it. For the files of this folder; it brings Simbody's headers along.
+// A mechanism as a Simbody system. For the files of this folder only; it includes Simbody's headers.
 #pragma once
 
 #include <Simbody.h>
@@ -19,8 +19,8 @@ struct MechanismSystem {
   SimTK::State state;  ///< at t = 0, on the constraints
   /// The coordinates that are compared, of a state realized to Position.
   std::function<Vector(const SimTK::State&)> coordinates;
-  /// Work that was put into the mechanism since t = 0 by what has no potential [J], of a state realized to
-  /// Velocity; empty: none.
+  /// Work of non-conservative forces on the mechanism since t = 0 [J], of a state realized to Velocity;
+  /// empty: none.
   std::function<double(const SimTK::State&)> work;
 };
 

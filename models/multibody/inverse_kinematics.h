@@ -10,7 +10,7 @@
 
 namespace sinew {
 
-/// Measured markers in ground axes. A marker with a NaN component was not seen in that frame.
+/// Measured markers in ground axes. A marker that is missing in a frame has a NaN component.
 struct MarkerTrajectories {
   std::vector<double> times;                 ///< [N, s]
   std::vector<std::string> names;            ///< [M]
@@ -29,12 +29,12 @@ struct IkResult {
   std::vector<double> times;                  ///< [N, s]
   std::vector<std::string> coordinate_names;  ///< [C], the model's
   Matrix coordinates;                         ///< [N x C, rad or m]; NaN in frames without any marker
-  Vector marker_rms_m;                        ///< [N], over the tracked markers seen in the frame, unweighted
-  Vector marker_max_m;                        ///< [N]
-  std::vector<std::string> tracked;           ///< markers with a positive weight in model and measurement
-  std::vector<std::string> unmatched;         ///< measured markers that the model lacks
-  std::vector<std::string> undetermined;      ///< free coordinates that no tracked marker or task ever moves
-  std::vector<int> unconverged;               ///< frames that stopped at max_iterations
+  Vector marker_rms_m;                    ///< [N], over the tracked markers present in the frame, unweighted
+  Vector marker_max_m;                    ///< [N]
+  std::vector<std::string> tracked;       ///< markers with a positive weight in model and measurement
+  std::vector<std::string> unmatched;     ///< measured markers that the model lacks
+  std::vector<std::string> undetermined;  ///< free coordinates that no tracked marker or task ever moves
+  std::vector<int> unconverged;           ///< frames that stopped at max_iterations
 };
 
 /// Minimises in each frame `sum w_i |m_i(q) - o_i|^2 / sum w_i + sum w_c (q_c - target_c)^2` over the free

@@ -12,7 +12,7 @@ namespace sinew {
 /// Errors: not `size` numbers, or one that is not finite. @param what  "values".
 Status CheckCoordinateVector(const Vector& vector, std::size_t size, const char* what);
 
-/// Sets every dependent coordinate to what its coupler says.
+/// Sets every dependent coordinate to the value of its coupler.
 void ApplyCouplers(const SimbodyModel& model, Vector& values);
 /// The same for values, rates and accelerations.
 void ApplyCouplers(const SimbodyModel& model, CoordinateState& coordinates);
@@ -28,7 +28,7 @@ class KinematicState {
 
   /// Places the bodies; for values whose couplers are already applied.
   void SetValues(const Vector& values);
-  /// The same with what went wrong as a value.
+  /// The same with the failure as a value.
   Status Place(const Vector& values);
   /// Positions and rotations of bodies that exist, placed as they are; the motion is zero.
   [[nodiscard]] std::vector<BodyMotion> Poses(const std::vector<int>& bodies) const;

@@ -15,7 +15,7 @@ double Limited(const OsimCoordinate& coordinate, double value) {
 // that moves nothing has a zero row, and the floor keeps it where it is.
 Vector DampedStep(const Matrix& hessian, const Vector& gradient, const std::vector<bool>& blocked,
                   double damping) {
-  constexpr double kFloor = 1e-12;  // far below the curvature of any coordinate that a marker sees
+  constexpr double kFloor = 1e-12;  // far below the curvature of any coordinate that moves a marker
   Matrix system = hessian;
   Vector right = -gradient;
   const double floor = kFloor * std::max(hessian.diagonal().maxCoeff(), kFloor);
@@ -149,7 +149,7 @@ MarkerFit::Solution MarkerFit::Solve(const Vector& start, double accuracy, int m
     } else {
       damping = std::max(10 * damping, kFirstDamping);
     }
-    // A small step that fails is one that rounding cannot tell from none.
+    // A small step that fails is within rounding.
     if (is_small) {
       solution.converged = true;
       break;

@@ -34,19 +34,19 @@ class MarkerFit {
   MarkerFit(const MultibodyModel& model, std::vector<TrackedMarker> markers,
             std::vector<CoordinateGoal> goals);
 
-  /// @param observed  [markers of the data, m], NaN where not seen.
-  /// @return whether any tracked marker is seen.
+  /// @param observed  [markers of the data, m], NaN where missing.
+  /// @return whether any tracked marker is present.
   bool SetFrame(const std::vector<Vec3>& observed);
 
   /// Minimises from `start` (all coordinates); stops when no coordinate would move by more than `accuracy`.
   Solution Solve(const Vector& start, double accuracy, int max_iterations);
 
-  /// Distances [m] of the markers seen, unweighted.
+  /// Distances [m] of the markers present, unweighted.
   std::vector<double> Distances(const Vector& values);
 
-  /// Coordinates that are neither locked nor decided by a coupler.
+  /// Coordinates that are neither locked nor dependent by a coupler.
   [[nodiscard]] const std::vector<int>& free_coordinates() const { return free_; }
-  /// Of each free coordinate: whether it has ever moved a marker that was seen, or has a goal.
+  /// Per free coordinate: whether it has moved a marker that was present, or has a goal.
   [[nodiscard]] const std::vector<bool>& ever_determined() const { return ever_determined_; }
 
  private:

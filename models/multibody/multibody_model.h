@@ -1,5 +1,4 @@
-// A body tree with joints, couplers and markers: where everything is, and how it moves, for given
-// coordinates.
+// A body tree with joints, couplers and markers: positions and motions of bodies for given coordinates.
 #pragma once
 
 #include <memory>
@@ -40,14 +39,14 @@ class MultibodyModel {
   /// Sentences on what was changed to make the model physically possible.
   [[nodiscard]] const std::vector<std::string>& notes() const;
 
-  /// Errors: no such body or coordinate, with the name that was probably meant.
+  /// Errors: no such body or coordinate, with the closest name.
   [[nodiscard]] Result<int> BodyIndex(std::string_view name) const;
   [[nodiscard]] Result<int> CoordinateIndex(std::string_view name) const;
   /// @param index  0 .. number of coordinates - 1.
   [[nodiscard]] const OsimCoordinate& coordinate(int index) const;
   /// Whether the coordinate is an angle, which motion files may give in degrees; false for an unknown name.
   [[nodiscard]] bool IsRotational(std::string_view name) const;
-  /// Whether a coupler decides the coordinate's value.
+  /// Whether the coordinate depends on others by a coupler.
   [[nodiscard]] bool IsDependent(int index) const;
   /// Whether the coordinate moves a body directly against ground.
   [[nodiscard]] bool IsGroundCoordinate(int index) const;
@@ -70,7 +69,7 @@ class MultibodyModel {
   /// finite.
   [[nodiscard]] Result<std::vector<Vec3>> MarkerPositions(const Vector& values) const;
 
-  /// The engine's side; for the sources of models/ (models/multibody/simbody_model.h).
+  /// The Simbody objects; for the sources of models/ (models/multibody/simbody_model.h).
   [[nodiscard]] const SimbodyModel& simbody() const;
 
  private:

@@ -18,8 +18,8 @@ struct MuscleGeometryState {
   Vector lengths;      ///< [muscles, m], of muscle and tendon
   Vector velocities;   ///< [muscles, m/s], dl/dt, > 0 while the muscle lengthens
   Matrix moment_arms;  ///< [muscles x coordinates asked for, m (N m per N), or 1 for a coordinate in m]
-  /// Muscles (indices) whose path over several objects jumps to and fro between two ways; the values are
-  /// those of one of them.
+  /// Muscles (indices) whose path over several objects alternates between two solutions; the values are those
+  /// of one of them.
   std::vector<int> unsettled;
 };
 
@@ -28,7 +28,8 @@ struct MuscleGeometrySeries {
   Matrix lengths;                   ///< [times x muscles, m]
   Matrix velocities;                ///< [times x muscles, m/s]
   std::vector<Matrix> moment_arms;  ///< [coordinates asked for] [times x muscles, m]
-  std::vector<int> unsettled;       ///< [muscles] at how many times the path did not settle, see the state
+  std::vector<int>
+      unsettled;  ///< [muscles] number of times at which the path did not converge, see the state
 };
 
 /// The paths of some muscles of a model. It does not change after it is built, and every const member may be

@@ -1,5 +1,4 @@
-// What an OpenSim model file says about bodies, joints, couplers and markers, as plain data without an
-// engine.
+// The bodies, joints, couplers and markers of an OpenSim model file, as plain data.
 #pragma once
 
 #include <array>

@@ -1,4 +1,4 @@
-// What an OpenSim model file says about the path of a muscle, as plain data without an engine.
+// The path of a muscle in an OpenSim model file, as plain data.
 #pragma once
 
 #include <array>

@@ -58,7 +58,7 @@ std::vector<pugi::xml_node> BodyElements(const pugi::xml_node& model) {
   return elements;
 }
 
-// The names seen so far of one kind of thing, each of which must be new.
+// The names so far of one kind of element, each of which must be new.
 class UniqueNames {
  public:
   UniqueNames(const OsimXml& xml, const char* kind) : xml_(xml), kind_(kind) {}

@@ -42,7 +42,7 @@ class Tracer {
   }
 
   TracedPath Trace() {
-    const bool settled = corners_.size() < 2 || muscle_.wraps.empty() || LayOverAll();
+    const bool settled = corners_.size() < 2 || muscle_.wraps.empty() || WrapOverAll();
     return {std::move(corners_), settled};
   }
 
@@ -52,27 +52,27 @@ class Tracer {
     std::size_t segment = 0;  // between this corner and the next
   };
 
-  // Whether the length came to rest.
-  bool LayOverAll() {
+  // Wraps the path over all objects in turn until its length converges; false if it does not.
+  bool WrapOverAll() {
     std::vector<int> order;
     for (std::size_t i = 0; i < muscle_.wraps.size(); ++i) order.push_back(static_cast<int>(i));
     std::vector<WrapOutcome> outcomes(order.size(), WrapOutcome::kNone);
     double length = std::numeric_limits<double>::infinity();
     for (int round = 0; round < kMaxRounds; ++round) {
-      for (std::size_t i = 0; i < order.size(); ++i) outcomes[i] = LayOver(order[i]);
+      for (std::size_t i = 0; i < order.size(); ++i) outcomes[i] = WrapOver(order[i]);
       if (order.size() == 1) return true;  // nothing else moves its ends
       const double before = std::exchange(length, LengthOf(corners_));
       if (std::abs(length - before) < kLengthTolerance) return true;
-      // OpenSim's rule: where the second object did not see the path only because a point was inside it, it
-      // is tried first.
+      // OpenSim's rule: if the second object was not wrapped only because a point was inside it, it is tried
+      // first.
       if (round == 0 && outcomes[0] == WrapOutcome::kNone && outcomes[1] == WrapOutcome::kInside)
         std::swap(order[0], order[1]);
     }
     return false;
   }
 
-  // Takes the path off the object and lays it over again; the outcome of the last segment looked at.
-  WrapOutcome LayOver(int index) {
+  // Removes the path from one object and wraps it again; the outcome of the last segment tried.
+  WrapOutcome WrapOver(int index) {
     const TracedMuscle::Wrap& wrap = muscle_.wraps[static_cast<std::size_t>(index)];
     corners_.erase(std::remove_if(corners_.begin(), corners_.end(),
                                   [&](const PathCorner& corner) { return corner.wrap == index; }),

@@ -23,7 +23,7 @@ double Between(double from, double to) {
   return std::abs(std::remainder(to - from, kCylinderTurn));
 }
 
-// Seen along the axis: a point outside of a circle and the two lines from it that touch the circle.
+// In the projection along the axis: a point outside of a circle and its two tangents.
 struct Outside {
   Outside(const Vec3& p, double r)
       : point(p),

@@ -11,7 +11,7 @@ constexpr double kLargest = 500;      // exp stays finite
 // CEINMS's corner, and the slope from there on.
 constexpr double kCorner = 0.3085;
 constexpr double kPerShape = 0.7071;
-constexpr double kStraight = 1e-9;  // below, the bend is less than rounding can tell
+constexpr double kStraight = 1e-9;  // below, the curvature is less than rounding
 
 // Slope of (1 - exp(-k)) / k.
 double BendSlope(double k) {

@@ -68,9 +68,9 @@ template <class T>
   return {-2.0 * decay * (cosh + slope * (square - Value(square))), decay * decay};
 }
 
-/// By how much the filter of FilterOfTimes is faster than the poles say, because it takes each sample as it
-/// comes instead of the line between samples: read its output so much later and it does not depend on the
-/// sampling rate, to the second order in the step. @return [s], about one step
+/// Lead of the filter of FilterOfTimes over its poles, because it uses each sample at once instead of the
+/// line between samples: if its output is read later by this lead, it does not depend on the sampling rate,
+/// to the second order in the step. @return [s], about one step
 template <class T>
 [[nodiscard]] T FilterLead(const T& time, double step) {
   return 2.0 * (time - step / (Exp(step / time) - 1.0));
@@ -94,9 +94,9 @@ class ExcitationFilter {
     return u;
   }
 
-  /// CEINMS stores its state twice per frame where it prepares fibre lengths: of the two last values one is
-  /// forgotten.
-  void ForgetTheOneBefore() { before_ = last_; }
+  /// Reproduces CEINMS, which stores its state twice per frame where it computes fibre lengths: of the two
+  /// last values the older one is lost.
+  void DropPreviousState() { before_ = last_; }
 
  private:
   T beta1_;

@@ -1,10 +1,9 @@
-// Fibre length with an elastic tendon: where fibre and tendon pull alike.
+// Fibre length with an elastic tendon: equilibrium of the forces of fibre and tendon.
 //
 //   f_T((lmt - l cos(phi)) / lst - 1) F0 delta = F_m(l, v, a) cos(phi)
 //
-// The velocity is a linear function of the length looked for, v = rate l + past, which covers the static
-// equilibrium (both 0), every implicit integrator of one stage, and the derivative of a spline that ends
-// here.
+// The velocity is a linear function of the unknown length, v = rate l + past, which covers the static
+// equilibrium (both 0), every implicit one-stage integrator, and the derivative of a spline that ends here.
 #pragma once
 
 #include <cmath>
@@ -27,19 +26,19 @@ struct FibreVelocity {
   T past{0.0};      ///< [m/s]
 };
 
-/// Plain numbers: a safeguarded Newton search. @param guess [m]; 0: none
-/// Errors: no equilibrium between a fibre of no length and a slack tendon.
+/// Safeguarded Newton search in double precision. @param guess [m]; 0: none
+/// Errors: no equilibrium between a fibre of zero length and a slack tendon.
 Result<double> EquilibriumLength(const MuscleCurves& curves, const HillMuscle<double>& muscle,
                                  double unit_length, double activation, const FibreVelocity<double>& velocity,
                                  double guess);
 
 namespace elastic_tendon {
 
-/// Where neither fibre nor tendon pulls, any length would do: a spring of this stiffness [F0 per l0] holds
-/// the fibre where a rigid tendon would.
+/// If both fibre and tendon forces are zero, the length is undetermined: a spring of this stiffness [F0 per
+/// l0] holds the fibre where a rigid tendon would.
 constexpr double kHold = 1e-6;
 
-/// Pull of the fibre less that of the tendon [N].
+/// Force of the fibre less that of the tendon [N].
 template <class T, class U>
 T Imbalance(const MuscleCurves& curves, const HillMuscle<T>& muscle, const U& unit_length, const T& length,
             const T& velocity, const T& activation) {

@@ -1,5 +1,4 @@
-// What a muscle remembers of its stretch and shortening: its force after a stretch is larger than at rest at
-// the same length, after shortening smaller.
+// History dependence of muscle force: enhancement after stretch and depression after shortening.
 #pragma once
 
 #include <cmath>
@@ -9,15 +8,15 @@
 namespace sinew {
 
 /// Factor on the active force, (1 + enhancement S) (1 - depression D): S and D are the stretch and the
-/// shortening of the fibre so far [optimal lengths], forgotten at a time constant. Both effects last as long
-/// as the muscle is active; that they fade in a second or two stands for muscles that are active in turns.
-/// Source: Abbott, Aubert (1952), J. Physiol. 117:77-86; the linear dependence on the way: Edman, Elzinga,
-/// Noble (1978), J. Physiol. 281:139-155; Marechal, Plaghki (1979), J. Gen. Physiol. 73:453-467.
+/// shortening of the fibre so far [optimal lengths], with exponential decay. Physiologically both last as
+/// long as the muscle is active; the decay represents muscles that are active in turns.
+/// Source: Abbott, Aubert (1952), J. Physiol. 117:77-86; the linear dependence on the distance: Edman,
+/// Elzinga, Noble (1978), J. Physiol. 281:139-155; Marechal, Plaghki (1979), J. Gen. Physiol. 73:453-467.
 template <class T>
 class ForceHistory {
  public:
-  static constexpr double kForgetting = 2;  ///< [s]
-  static constexpr double kMinimum = 0.05;  ///< the factor never falls below
+  static constexpr double kTimeConstant = 2;  ///< [s]
+  static constexpr double kMinimum = 0.05;    ///< the factor never falls below
 
   /// @param enhancement, depression per optimal length [1]
   ForceHistory(const T& enhancement, const T& depression)
@@ -28,7 +27,7 @@ class ForceHistory {
   void Pass(double time, const T& velocity) {
     if (any_) {
       const double step = time - time_;
-      const double kept = std::exp(-step / kForgetting);
+      const double kept = std::exp(-step / kTimeConstant);
       stretch_ = kept * stretch_ + (0.5 * step) * (Positive(velocity) + Positive(velocity_));
       shortening_ = kept * shortening_ + (0.5 * step) * (Positive(-velocity) + Positive(-velocity_));
     }

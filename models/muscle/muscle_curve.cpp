@@ -132,7 +132,7 @@ Result<MuscleCurve> MuscleCurve::Smooth(const std::vector<double>& x, const std:
   const Hermite::Taylor start = through.At(breaks.front() - window);
   std::vector<Piece> pieces{{breaks.front(), {start.value + start.first * window, start.first, 0, 0, 0}}};
   for (std::size_t i = 0; i + 1 < breaks.size(); ++i) {
-    // The ends of the window lie on breaks of the curve: an inch further in, each is on the piece meant.
+    // The ends of the window lie on breaks of the curve: slightly inside, each is on the intended piece.
     const double inside = breaks[i] + 1e-6 * (breaks[i + 1] - breaks[i]);
     const double back = inside - breaks[i];
     const auto right = through.At(inside + window / 2);

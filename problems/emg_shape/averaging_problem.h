@@ -8,7 +8,7 @@
 
 #include "identify/problem.h"
 #include "models/emg/averaged_emg.h"
-#include "problems/emg_shape/emg_shape_data.h"
+#include "problems/emg_shape/data.h"
 
 namespace sinew {
 

@@ -9,7 +9,7 @@ namespace {
 
 constexpr double kThreshold = 1e-8;
 
-// Four columns that touch everything, then pairs that touch ten rows each: cycles beside a shape.
+// Four columns without zero rows, then pairs that are not zero in ten rows each.
 Matrix Arrow(int groups) {
   Random random(1);
   const Eigen::Index rows = 60 * groups;
@@ -35,7 +35,7 @@ Matrix RandomRows(Eigen::Index rows, Eigen::Index columns) {
   return made;
 }
 
-// What one decomposition of the whole matrix says.
+// The result of one decomposition of the whole matrix.
 Matrix Projected(const Matrix& columns, const Matrix& rows) {
   const Matrix unit = columns * columns.colwise().norm().cwiseMax(1e-300).cwiseInverse().asDiagonal();
   Eigen::ColPivHouseholderQR<Matrix> qr(unit);
@@ -70,7 +70,7 @@ TEST(ColumnSpace, ZeroAndDependentColumnsCountOnce) {
   EXPECT_LT((columns * space.Solve(rows) - Projected(columns, rows)).norm(), 1e-9);
 }
 
-TEST(ColumnSpace, OfNothingIsNothing) {
+TEST(ColumnSpace, OfNoColumnsIsEmpty) {
   const Matrix rows = RandomRows(20, 2);
   const ColumnSpace space(Matrix::Zero(20, 3), kThreshold);
   EXPECT_EQ(space.rank(), 0);

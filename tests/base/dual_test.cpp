@@ -9,7 +9,7 @@
 namespace sinew {
 namespace {
 
-// Everything that Dual can do, of three variables; on double it is the same text.
+// All functions of Dual, of three variables; the same text compiles for double.
 template <class T>
 T Anything(const T& x, const T& y, const T& z) {
   T sum = x * y + 2.0 * z - y / x + 3.0;
@@ -70,7 +70,7 @@ TEST(Dual, TangentLeavesTheValueOut) {
   EXPECT_EQ(Tangent(3.0), 0);
 }
 
-TEST(Dual, AConstantDependsOnNothing) {
+TEST(Dual, AConstantHasZeroDerivatives) {
   const Dual<4> x = 2;
   for (const double d : x.d) EXPECT_EQ(d, 0);
 }

@@ -67,7 +67,7 @@ TEST_F(Hdf5Tree, ReadsWhatItWrote) {
   EXPECT_EQ(read->Number("synthetic", 0), 1);
 }
 
-TEST_F(Hdf5Tree, SaysWhatIsWrongWithAFile) {
+TEST_F(Hdf5Tree, ReportsWhatIsWrongWithAFile) {
   EXPECT_THAT(ReadHdf5(Path("none.h5")).error().message, HasSubstr("no such file"));
   std::ofstream(Path("text.h5")) << "time,force\n";
   EXPECT_THAT(ReadHdf5(Path("text.h5")).error().message, HasSubstr("is not an HDF5 file"));

@@ -62,7 +62,7 @@ TEST_F(ReplacedFile, HoldsTheBytes) {
   EXPECT_EQ(Files(), 1);
 }
 
-TEST_F(ReplacedFile, StaysAsItWasWhereThereIsNoRoomAndTheSignalOfThatDoesNotEndTheProcess) {
+TEST_F(ReplacedFile, IsUnchangedByAFullDiskAndItsSignalDoesNotEndTheProcess) {
   ASSERT_TRUE(ReplaceFile(Path("a"), "old"));
   for (const auto disposition : {SIG_DFL, SIG_IGN}) {
     std::signal(SIGXFSZ, disposition);
@@ -79,7 +79,7 @@ TEST_F(ReplacedFile, StaysAsItWasWhereThereIsNoRoomAndTheSignalOfThatDoesNotEndT
   EXPECT_EQ(Files(), 2);
 }
 
-TEST_F(ReplacedFile, IsWhatALinkLeadsTo) {
+TEST_F(ReplacedFile, IsTheTargetOfALink) {
   ASSERT_TRUE(ReplaceFile(Path("a"), "old"));
   fs::create_symlink("a", folder_ / "link");
   ASSERT_TRUE(ReplaceFile(Path("link"), "new"));

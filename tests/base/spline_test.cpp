@@ -58,7 +58,7 @@ TEST(NaturalCubicSpline, ContinuesAsAStraightLine) {
   EXPECT_NEAR(spline.At(-1).value, -spline.At(0).first, 1e-14);
 }
 
-TEST(NaturalCubicSpline, RejectsWhatItCannotFit) {
+TEST(NaturalCubicSpline, RejectsInvalidSamples) {
   EXPECT_EQ(NaturalCubicSpline::Fit({0, 1}, {1}).error().message, "spline: 2 times but 1 values");
   EXPECT_EQ(NaturalCubicSpline::Fit({0}, {1}).error().message, "spline: 1 sample(s), expected at least 2");
   EXPECT_EQ(NaturalCubicSpline::Fit({0, 1, 1}, {1, 2, 3}).error().message,

@@ -24,7 +24,7 @@ TEST(Text, NumbersMustFillTheWholeText) {
   EXPECT_FALSE(ParseInteger("4.2"));
 }
 
-TEST(Text, SuggestsWhatWasProbablyMeant) {
+TEST(Text, SuggestsTheClosestName) {
   const std::vector<std::string> names{"stiffness", "dissipation", "static_friction"};
   EXPECT_EQ(ClosestName("stifness", names), "stiffness");
   EXPECT_EQ(ClosestName("Dissipaton", names), "dissipation");

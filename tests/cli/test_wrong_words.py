@@ -73,6 +73,24 @@ class Names(ProgramTest):
         self.fails("--effect: 'force_y.gian' does not exist; did you mean 'force_y.gain'?", "data", "synthesize",
                    "contact", "--effect", "force_y.gian:factor=1.1", "--out", "new.h5")
 
+    def test_effects_to_hide_need_a_number(self):
+        """Without one nothing would be hidden, and nobody would be told."""
+        expected = {"contact": "tilted_floor:floor_slope_x=NUMBER,floor_slope_z=NUMBER",
+                    "drive": "coulomb_friction:coulomb_torque=NUMBER",
+                    "emg_shape": "warp_with_speed:warp_sine=NUMBER,warp_cosine=NUMBER",
+                    "free_body": "air_drag:air_drag=NUMBER",
+                    "nms": "emg_drift:emg_drift=NUMBER"}
+        problems = [line.split()[0] for line in self.succeeds("list", "problems").splitlines()]
+        self.assertEqual(problems, sorted(expected))
+        for problem, numbers in expected.items():
+            with self.subTest(problem):
+                effect = numbers.split(":")[0]
+                words = ("data", "synthesize", problem, "--out", "new.h5", "--effect")
+                self.fails(f"--effect {effect}: expected {numbers}", *words, effect)
+                self.refuses("expected NAME=VALUE", *words, effect + ":")
+        self.fails("--effect air_drag: 'air_drag' is given twice", "data", "synthesize", "free_body", "--effect",
+                   "air_drag:air_drag=1,air_drag=0.5", "--out", "new.h5")
+
     def test_of_trials(self):
         self.fails("stances.h5: trial 'train_9' does not exist; did you mean 'train_1'?", "data", "drop", "stances.h5",
                    "--trial", "train_9")

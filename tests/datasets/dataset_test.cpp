@@ -11,7 +11,7 @@ namespace {
 
 using testing::HasSubstr;
 
-TEST(Dataset, AccordingToItselfAGoodOneIsGood) {
+TEST(Dataset, AValidOnePassesItsCheck) {
   EXPECT_EQ(ErrorOf(SmallDataset().Check()), "");
 }
 

@@ -55,6 +55,19 @@ TEST_F(ImportTest, ATableWithoutTimesGetsThemFromItsRate) {
   EXPECT_THAT(At("walk", "position").values, ElementsAre(1, 2, 4));
 }
 
+TEST_F(ImportTest, DegreesCelsiusBecomeKelvinAndTheirNoiseStaysADifference) {
+  UseMap(
+      "time: {rate: 8}\nchannels: {temperature: {column: q, unit: degC, kind: input, scale: 10, sigma: "
+      "0.5}}\n"
+      "constants: {room: {value: 20, unit: degC}}\n");
+  ASSERT_EQ(ErrorOf(Import({folder_.Write("walk.csv", "q\n1\n2\n")})), "");
+  const Channel& temperature = At("walk", "temperature");
+  EXPECT_EQ(temperature.unit, "K");
+  EXPECT_THAT(temperature.values, ElementsAre(283.15, 293.15));
+  EXPECT_EQ(temperature.sigma, 0.5);
+  EXPECT_EQ(dataset_.constants.at("room").value, 293.15);
+}
+
 TEST_F(ImportTest, MarkersForcesAndAnglesMakeOneTrial) {
   options_.plates = *ParsePlates("right=ground_,left=1_ground_");
   options_.role = Role::kValidate;
@@ -84,7 +97,7 @@ TEST_F(ImportTest, MarkersForcesAndAnglesMakeOneTrial) {
                                   HasSubstr("plate 'left' has no columns for its moment")));
 }
 
-TEST_F(ImportTest, TheModelSaysWhichCoordinatesAreAngles) {
+TEST_F(ImportTest, TheModelDecidesWhichCoordinatesAreAngles) {
   options_.trial = "walk";
   options_.is_rotational = [](const std::string& name) -> std::optional<bool> {
     if (name == "patella") return false;
@@ -246,7 +259,7 @@ TEST_F(ImportTest, OtherBadFilesAreErrors) {
   EXPECT_THAT(ErrorOf(Import({folder_.Write("m.osim", std::string("a\0b", 3))})), HasSubstr("not text"));
 }
 
-TEST_F(ImportTest, ChannelsThatShareANameAreSaid) {
+TEST_F(ImportTest, ChannelsThatShareANameAreReported) {
   options_.trial = "walk";
   ASSERT_EQ(ErrorOf(Import({folder_.Write("Length.sto", "Length\nendheader\ntime\tsoleus_r\n0\t0.3\n"),
                             folder_.Write("emg.mot", "emg\nendheader\ntime\tsoleus_r\n0\t0.5\n")})),

@@ -26,7 +26,7 @@ std::vector<double> Rounded(int count, double start, double rate, double digit) 
   return time;
 }
 
-TEST(UsableTimes, RoundedTimesAreRebuiltAndSaidOnce) {
+TEST(UsableTimes, RoundedTimesAreRebuiltAndReportedOnce) {
   std::vector<std::string> notes;
   const auto time = UsableTimes("grf.mot", Printed(Rounded(1501, 0, 600, 1e-4), 1e-4), notes);
   ASSERT_TRUE(time) << ErrorOf(time);

@@ -142,8 +142,7 @@ TEST(SharedData, ServoLogsComeInThroughAMap) {
     Dataset dataset;
     std::vector<std::string> notes;
     ASSERT_EQ(ErrorOf(ImportFile(Shared(path), options, dataset, notes)), "");
-    ASSERT_EQ(notes.size(), 1U)
-        << path;  // jittered times stay as they are; only the other columns are spoken of
+    ASSERT_EQ(notes.size(), 1U) << path;  // jittered times are unchanged; notes concern other columns only
     EXPECT_THAT(notes[0], HasSubstr("left out")) << path;
     const Grid& grid = dataset.trials.at("t").grids.begin()->second;
     if (step > 0) {

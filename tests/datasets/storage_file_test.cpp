@@ -139,7 +139,7 @@ TEST(StorageFile, WrittenFilesReadBackToTheLastBit) {
   EXPECT_TRUE(read->notes.empty());
 }
 
-TEST(StorageFile, WritingWhatDoesNotFitIsAnError) {
+TEST(StorageFile, WritingColumnsOfUnequalLengthIsAnError) {
   const TemporaryFolder folder;
   Storage storage;
   storage.time = {0, 1};

@@ -65,7 +65,7 @@ TEST(TrcFile, RoundedTimesAreRebuiltFromDataRateAndFrameNumbers) {
               ElementsAre("x.trc: times are rounded to 0.001 s; they were rebuilt at 60 Hz from 0.5 s"));
 }
 
-TEST(TrcFile, ARateThatContradictsTheTimesIsSaid) {
+TEST(TrcFile, ARateThatContradictsTheTimesIsReported) {
   const std::string cells = "\t1\t2\t3\t4\t5\t6\n";
   const auto trc = ParseTrc(Trc("1\t0" + cells + "2\t0.01" + cells), "x.trc");
   ASSERT_TRUE(trc) << ErrorOf(trc);

@@ -71,6 +71,21 @@ TEST(Units, SiUnitsConvertToThemselves) {
   }
 }
 
+TEST(Units, DegreesCelsiusBecomeKelvin) {
+  for (const char* unit : {"degC", " degC ",
+                           "\xC2\xB0"
+                           "C"}) {
+    const auto conversion = ToSi(unit);
+    ASSERT_TRUE(conversion) << unit << ": " << ErrorOf(conversion);
+    EXPECT_EQ(conversion->si_unit, "K");
+    EXPECT_EQ(conversion->factor, 1);
+    EXPECT_EQ(conversion->ToSi(20), 293.15);
+  }
+  EXPECT_EQ(ToSi("K")->ToSi(20), 20);
+  EXPECT_EQ(ToSi("N*m/K")->si_unit, "N*m/K");
+  EXPECT_FALSE(ToSi("N*m/degC"));  // a difference or a temperature?
+}
+
 TEST(Units, UnknownUnitsAreErrorsThatListTheKnown) {
   EXPECT_THAT(ErrorOf(ToSi("furlong")), testing::AllOf(testing::HasSubstr("unknown unit 'furlong'"),
                                                        testing::HasSubstr("deg"), testing::HasSubstr("rpm")));

@@ -24,7 +24,7 @@ std::vector<Concentration> Found(const std::function<double(int)>& error) {
   return FindConcentrations(layout, {values});
 }
 
-TEST(Concentration, NoiseAndWhatRecursIsNone) {
+TEST(Concentration, NoiseAndRecurringErrorsAreNone) {
   Random random(3);
   EXPECT_THAT(Found([&](int) { return random.Normal(); }), IsEmpty());
   EXPECT_THAT(Found([](int i) { return i % 250 < 20 ? 5.0 : 0.1; }), IsEmpty()) << "four strides";
@@ -44,7 +44,7 @@ TEST(Concentration, OneBadStretchIsFoundWhereItIs) {
   EXPECT_THAT(warning.numbers, ElementsAre(found[0].share, found[0].width, found[0].time));
 }
 
-TEST(Concentration, AtTheEndsToo) {
+TEST(Concentration, IsFoundAtTheEndsToo) {
   for (const int begin : {0, kSamples - 30}) {
     const auto found = Found([&](int i) { return i >= begin && i < begin + 30 ? 8.0 : 1.0; });
     ASSERT_EQ(found.size(), 1U) << begin;

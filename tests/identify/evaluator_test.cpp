@@ -188,7 +188,7 @@ TEST_F(EvaluatorTest, PointsThatViolateAConstraintAreRejectedOrEvaluatedButNever
   EXPECT_EQ(evaluator.Violated(At(3, 0)), std::nullopt) << "on the boundary is feasible";
 }
 
-TEST_F(EvaluatorTest, ProgressIsToldAtEveryEvaluation) {
+TEST_F(EvaluatorTest, ProgressIsReportedAtEveryEvaluation) {
   std::vector<double> best;
   Evaluator::Options options;
   options.progress = [&](const Progress& progress, const Evaluator& evaluator) {
@@ -203,7 +203,7 @@ TEST_F(EvaluatorTest, ProgressIsToldAtEveryEvaluation) {
   EXPECT_EQ(best, (std::vector<double>{kInfinity, 0.5, 0.5}));
 }
 
-// A search that depends on every cost it is told, to the last bit.
+// A search that depends on every cost, to the last bit.
 void AutocorrelationExcess(Evaluator& evaluator, int steps) {
   Random random(5);
   double cost = 0;
@@ -244,7 +244,7 @@ TEST_F(EvaluatorTest, AReplayedRunIsTheUninterruptedRunToTheLastBit) {
   EXPECT_EQ(on.best().x, whole.best().x);
 }
 
-TEST_F(EvaluatorTest, ARecordOfAnotherSearchIsNotBelieved) {
+TEST_F(EvaluatorTest, ARecordOfAnotherSearchIsIgnored) {
   Evaluator::Options options;
   options.replay = {{0, 123, At(0, 1)}};
   Evaluator evaluator = Make(options);
@@ -253,7 +253,7 @@ TEST_F(EvaluatorTest, ARecordOfAnotherSearchIsNotBelieved) {
   EXPECT_EQ(cost, 5);
 }
 
-TEST_F(EvaluatorTest, AbsorbsAChildInOrder) {
+TEST_F(EvaluatorTest, AppendsTheRecordOfAChildInOrder) {
   Evaluator parent = Make();
   Evaluator child = Make();
   double cost = 0;

@@ -75,14 +75,15 @@ TEST(FitQuality, PoolsTheTrialsOfARoleByQuantity) {
   EXPECT_EQ(full.pooled[0].n, 4);
   EXPECT_DOUBLE_EQ(full.pooled[0].rmse, std::sqrt((1 + 1 + 81 + 121) / 4.0));
   EXPECT_DOUBLE_EQ(full.pooled[0].mae, (1 + 1 + 9 + 11) / 4.0);
-  // From the mean of each trial: that one stands 10 above the other explains nothing.
+  // Deviations from the mean of each trial: the difference of 10 between the trials counts as explained by
+  // nothing.
   EXPECT_DOUBLE_EQ(full.pooled[0].r2, 1 - 204 / 4.0);
   EXPECT_EQ(full.pooled[1].channel, "angle");
   EXPECT_EQ(full.pooled[2].role, BlockRole::kValidate);
   EXPECT_EQ(full.pooled[2].n, 2);
 }
 
-TEST(FitQuality, WhatIsNotMeasuredIsPredictedAndNotJudged) {
+TEST(FitQuality, UnmeasuredChannelsArePredictedButNotCompared) {
   const auto full = *PredictAll(
       Constant({MakeBlock("t", "w", 3, 1, BlockRole::kPredicted), Measured("t", "y", {1, 2})}), Values({4}));
   ASSERT_EQ(full.values.size(), 2U);

@@ -83,7 +83,7 @@ TEST_F(FitSetupTest, ReleaseFreesAllParametersOfAnEffectFromTheirStarts) {
   EXPECT_EQ(setup.rest, Values({2, 1, 0.25, 0.5, 0.75, 0}));
 }
 
-// A saturation: at its null nothing responds, so that a local search would never leave it.
+// A saturation: at its null no prediction depends on it, so that a local search would not change it.
 class Saturated final : public FunctionProblem {
  public:
   Saturated() {

@@ -33,7 +33,7 @@ TEST(InputSensor, HasFiveEffectsThatVanishAtTheirNull) {
   EXPECT_EQ(CorrectedInput(sensor.At(rest), 7.0, 1.2345, 88.0), 1.2345);
 }
 
-TEST(InputSensor, UndoesWhatASensorDidToASine) {
+TEST(InputSensor, RecoversASineFromItsReading) {
   // The reading of a sine through a lag, then late, then with gain, offset and drift, in closed form.
   constexpr double kRounding = 1e-14;
   constexpr double kRate = 5;  // [rad/s]

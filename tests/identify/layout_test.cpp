@@ -73,14 +73,17 @@ TEST(Layout, TimesMustIncrease) {
 TEST(Layout, SamplesMustPointIntoThePredictionInOrder) {
   EXPECT_EQ(ErrorAfter([](Block& b) { b.sample.pop_back(); }),
             "block walk/force: 2 sample indices but 3 measured values");
-  EXPECT_EQ(ErrorAfter([](Block& b) { b.sample[0] = -1; }), "block walk/force: bad sample index 0");
-  EXPECT_EQ(ErrorAfter([](Block& b) { b.sample[1] = 0; }), "block walk/force: bad sample index 1");
-  EXPECT_EQ(ErrorAfter([](Block& b) { b.sample[2] = 4; }), "block walk/force: bad sample index 2");
+  EXPECT_EQ(ErrorAfter([](Block& b) { b.sample[0] = -1; }),
+            "block walk/force: sample[0] = -1: expected increasing indices into 4 prediction times");
+  EXPECT_EQ(ErrorAfter([](Block& b) { b.sample[1] = 0; }),
+            "block walk/force: sample[1] = 0: expected increasing indices into 4 prediction times");
+  EXPECT_EQ(ErrorAfter([](Block& b) { b.sample[2] = 4; }),
+            "block walk/force: sample[2] = 4: expected increasing indices into 4 prediction times");
 }
 
 TEST(Layout, MeasuredValuesMustBeThereAndFinite) {
   EXPECT_EQ(ErrorAfter([](Block& b) { b.measured[1] = kNaN; }),
-            "block walk/force: measured value 1 is not finite");
+            "block walk/force: measured[1] = nan: expected a finite number (leave gaps out)");
   for (const BlockRole role : {BlockRole::kTrain, BlockRole::kValidate}) {
     EXPECT_EQ(ErrorAfter([&](Block& b) {
                 b.role = role;
@@ -109,13 +112,17 @@ TEST(Layout, EverySampleHasAGroupOrNoneHas) {
 }
 
 TEST(Layout, ColumnsMustBeParametersInOrder) {
-  EXPECT_EQ(ErrorAfter([](Block& b) { b.columns = {1, 1}; }), "block walk/force: bad parameter column 1");
+  EXPECT_EQ(ErrorAfter([](Block& b) {
+              b.columns = {1, 1};
+            }),
+            "block walk/force: columns[1] = 1: expected increasing indices of the 4 parameters");
   EXPECT_EQ(ErrorAfter([](Block& b) { b.columns = {kParameters}; }),
-            "block walk/force: bad parameter column 0");
-  EXPECT_EQ(ErrorAfter([](Block& b) { b.columns = {-1}; }), "block walk/force: bad parameter column 0");
+            "block walk/force: columns[0] = 4: expected increasing indices of the 4 parameters");
+  EXPECT_EQ(ErrorAfter([](Block& b) { b.columns = {-1}; }),
+            "block walk/force: columns[0] = -1: expected increasing indices of the 4 parameters");
 }
 
-TEST(Prediction, HasOnePlacePerBlockAndBeginsWithPoisonedValues) {
+TEST(Prediction, HasOnePlacePerBlockAndStartsWithNaN) {
   Block wide = GoodBlock();
   wide.columns = {0, 1, 2};
   wide.prediction_time = {0, 1};
@@ -128,7 +135,7 @@ TEST(Prediction, HasOnePlacePerBlockAndBeginsWithPoisonedValues) {
   ASSERT_EQ(prediction.values(1).size(), 2);
   ASSERT_EQ(prediction.derivatives(1).cols(), 3);
 
-  // Every place is its own: what is written to one is not read from another.
+  // Entries do not overlap: a value written to one is not read from another.
   prediction.values(0).setConstant(1);
   prediction.derivatives(0).setConstant(2);
   EXPECT_TRUE(prediction.values(1).array().isNaN().all());

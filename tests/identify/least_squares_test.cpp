@@ -4,6 +4,7 @@
 
 #include <cmath>
 #include <limits>
+#include <stdexcept>
 
 #include "base/random.h"
 #include "tests/identify/support/error_of.h"
@@ -64,7 +65,7 @@ TEST(LeastSquaresVariables, BoundsAreExactAtZeroAndOneAndClampedBeyond) {
   EXPECT_EQ(fit.view.Variables(upper), Vector::Ones(3));
 }
 
-// A Query promises parameters within bounds; next to a bound, rounding must not carry them across.
+// The parameters of a Query are within bounds, also where rounding next to a bound would put them beyond it.
 TEST(LeastSquaresVariables, NoPointOfTheBoxLeavesTheBounds) {
   Random random(1);
   const double near_one = std::nextafter(1.0, 0.0);
@@ -99,7 +100,7 @@ TEST(LeastSquaresVariables, VariablesAndParametersAreInverse) {
   }
 }
 
-TEST(LeastSquaresVariables, ParametersThatAreNotFreeRest) {
+TEST(LeastSquaresVariables, FixedParametersKeepTheirValue) {
   const ToyProblem problem = DecayProblem({MakeBlock("t", "y", 3, 1)});
   FitRequest request;
   request.fix = {{"a", 4}};
@@ -272,8 +273,14 @@ TEST(LeastSquares, FailuresArePassedOn) {
   const ToyProblem not_finite(
       {MakeParameter("a", 0, 1, 0.5)}, {MakeBlock("t", "y", 2, 1)},
       [](const Block&, double, const Vector& p, Vector*) -> Result<double> { return 1 / (p[0] - 0.5); });
-  for (const auto& [problem, message] : {std::pair{&failing, "the integrator gave up at t = 0.2 s"},
-                                         std::pair{&not_finite, "a predicted value is not finite"}}) {
+  const ToyProblem throwing({MakeParameter("a", 0, 1, 0.5)}, {MakeBlock("t", "y", 2, 1)},
+                            [](const Block&, double, const Vector&, Vector*) -> Result<double> {
+                              throw std::runtime_error("no licence");
+                            });
+  for (const auto& [problem, message] :
+       {std::pair{&failing, "the integrator gave up at t = 0.2 s"},
+        std::pair{&not_finite, "a predicted value is not finite: block t/y, sample 0 (t = 0 s) is inf"},
+        std::pair{&throwing, "the model threw: no licence"}}) {
     const ToyFit fit(*problem);
     auto workspace = fit.view.NewWorkspace();
     Vector residuals;

@@ -131,13 +131,13 @@ TEST(LowPass, WithoutATimeConstantNothingChangesAndTheSlopeIsTheLimit) {
   }
 }
 
-TEST(LowPass, AConstantPasses) {
+TEST(LowPass, AConstantIsUnchanged) {
   const Vector constant = Vector::Constant(20, 3.5);
   Random random(5);
   EXPECT_EQ(Filtered(IrregularTimes(20, random), constant, 0.2), constant);
 }
 
-TEST(LowPass, OneSamplePasses) {
+TEST(LowPass, OneSampleIsUnchanged) {
   Vector one = Vector::Constant(1, 2);
   LowPass filter;
   filter.Set({0.5}, 0.2);

@@ -22,7 +22,7 @@ std::vector<double> Rounded(std::vector<double> values, double step) {
   return values;
 }
 
-TEST(Lattice, FindsTheStepOfRoundedValues) {
+TEST(QuantisationStep, FindsTheStepOfRoundedValues) {
   Random random(1);
   for (const double step : {0.4, 0.1, 2 * M_PI / 4096, 1.0 / 32768, 1e-4}) {
     const auto found = QuantisationStep(Rounded(Continuous(random), step));
@@ -31,14 +31,14 @@ TEST(Lattice, FindsTheStepOfRoundedValues) {
   }
 }
 
-TEST(Lattice, ContinuousValuesHaveNone) {
+TEST(QuantisationStep, ContinuousValuesHaveNone) {
   Random random(2);
   for (int round = 0; round < 200; ++round) {
     EXPECT_FALSE(QuantisationStep(Continuous(random, 0.1 * round / 200))) << round;
   }
 }
 
-TEST(Lattice, FewContinuousValuesHaveNone) {
+TEST(QuantisationStep, FewContinuousValuesHaveNone) {
   Random random(3);
   for (int round = 0; round < 1000; ++round) {
     std::vector<double> values;
@@ -47,7 +47,7 @@ TEST(Lattice, FewContinuousValuesHaveNone) {
   }
 }
 
-TEST(Lattice, DoesNotDependOnOrderSignOrUnit) {
+TEST(QuantisationStep, DoesNotDependOnOrderSignOrUnit) {
   Random random(4);
   auto values = Rounded(Continuous(random), 0.05);
   const auto step = QuantisationStep(values);
@@ -58,7 +58,7 @@ TEST(Lattice, DoesNotDependOnOrderSignOrUnit) {
   EXPECT_NEAR(QuantisationStep(values).value_or(0), 50, 1e-9);
 }
 
-TEST(Lattice, AFewValuesMayLieBesideIt) {
+TEST(QuantisationStep, AFewOtherValuesAreAllowed) {
   Random random(5);
   auto values = Rounded(Continuous(random), 0.05);
   values[17] += 0.0213;
@@ -69,7 +69,7 @@ TEST(Lattice, AFewValuesMayLieBesideIt) {
   EXPECT_FALSE(QuantisationStep(values));
 }
 
-TEST(Lattice, IsFoundFarFromZeroAndThroughPrintedDigits) {
+TEST(QuantisationStep, IsFoundFarFromZeroAndThroughPrintedDigits) {
   Random random(6);
   const double step = 2 * M_PI / 4096;
   auto values = Rounded(Continuous(random), step);
@@ -77,7 +77,7 @@ TEST(Lattice, IsFoundFarFromZeroAndThroughPrintedDigits) {
   EXPECT_NEAR(QuantisationStep(values).value_or(0), step, 1e-6 * step);
 }
 
-TEST(Lattice, AConstantAddedAfterRoundingLeavesItToDifferences) {
+TEST(QuantisationStep, AConstantAddedAfterRoundingIsRemovedByDifferences) {
   Random random(7);
   auto values = Rounded(Continuous(random), 0.05);
   for (double& value : values) value += 0.02 * M_SQRT1_2;
@@ -87,7 +87,7 @@ TEST(Lattice, AConstantAddedAfterRoundingLeavesItToDifferences) {
   EXPECT_NEAR(QuantisationStep(values).value_or(0), 0.05, 1e-9);
 }
 
-TEST(Lattice, RestIsNoLattice) {
+TEST(QuantisationStep, ASignalAtRestHasNone) {
   std::vector<double> values(1000, 0.0);  // a plate before the step, exactly zero
   Random random(8);
   for (int i = 0; i < 9; ++i) values.push_back(random.Uniform(10, 500));

@@ -57,7 +57,7 @@ TEST(Range, FarthestIsBoundedFromAboveByAHundredthOfTheWidth) {
   ExpectSlopesAgree(FarthestFrom, range, Values({1.49, 1.495, 0.505, 1}));
 }
 
-// y = a is measured at 3; z = 2 a, which nobody measured, should stay below 4.
+// y = a is measured at 3; z = 2 a is not measured and should stay below 4.
 ToyProblem Pulled(bool strict, double tolerance) {
   Block z = MakeBlock("t", "z", 4, 1);
   z.role = BlockRole::kPredicted;
@@ -84,7 +84,7 @@ Identification Fit(const ToyProblem& problem, const std::string& solver) {
 }
 
 // 25 (a - 3.0048)^2 + 4 (2 a - 4)^2 / tolerance^2 is least at the weighted mean.
-TEST(Range, DrawsTheFitTowardsIt) {
+TEST(Range, AResidualPullsTheFitTowardsIt) {
   constexpr double kMeasured = 3.0048;  // mean of 3 and 12 of 25 times 0.01 more
   for (const double tolerance : {0.5, 2.0}) {
     const double pull = 16 / (tolerance * tolerance);
@@ -94,7 +94,7 @@ TEST(Range, DrawsTheFitTowardsIt) {
   }
 }
 
-TEST(Range, SaysNothingWithin) {
+TEST(Range, TheResidualIsZeroWithin) {
   const ToyProblem problem = Pulled(false, 0.5);
   const FitSetup setup = MakeFitSetup(problem, {}).value();
   const LeastSquares fit(problem, setup);

@@ -101,7 +101,7 @@ TEST(SensorEffects, AreReleasedByName) {
   }
 }
 
-TEST(SensorEffects, TheNullPassesToTheLastBit) {
+TEST(SensorEffects, TheNullChangesNothingToTheLastBit) {
   const auto bare = Sines();
   const SensorEffects problem(Sines());
   Random random(1);
@@ -241,8 +241,8 @@ Vector DifferenceOf(const Problem& problem, const Vector& p, int k, double step)
 }
 
 TEST(SensorEffects, ALowPassIsExactForItsRampAndLagsASine) {
-  // A sine through a first-order lag, once the start has died away (8 time constants: 3e-4 of the start's
-  // error); straight pieces of 0.01 s miss a sine by h^2 w^2 / 8 = 5e-4.
+  // A sine through a first-order lag, after the initial transient (8 time constants: 3e-4 of its size);
+  // linear pieces of 0.01 s deviate from a sine by h^2 w^2 / 8 = 5e-4.
   constexpr double kTolerance = 1e-3;
   constexpr double kTimeConstant = 0.1;  // [s]
   const SensorEffects problem(Sines());
@@ -271,7 +271,7 @@ TEST(SensorEffects, LowPassComesBeforeTheTimeOffsetAndGainAfterBoth) {
   EXPECT_LT((all.array() - 1.5 * late.array() - 0.25).abs().maxCoeff(), kRounding);
 }
 
-TEST(SensorEffects, TheLowPassAtItsNullAnswersByTheNegativeSlope) {
+TEST(SensorEffects, DerivativeForTheLowPassAtItsNullIsTheNegativeSlope) {
   // Straight pieces: the slope of the piece before, half a sample off (h/2 w^2 = 0.2).
   const SensorEffects problem(Sines());
   const Prediction at = PredictAt(problem, RestPoint(problem));
@@ -286,7 +286,7 @@ TEST(SensorEffects, TheLowPassAtItsNullAnswersByTheNegativeSlope) {
   }
 }
 
-TEST(SensorEffects, SaturationClipsTheReadingAndSilencesAllElse) {
+TEST(SensorEffects, SaturationClipsTheReadingAndItsDerivatives) {
   constexpr double kStep = 1e-6;
   constexpr double kTolerance = 1e-8;  // differences: kStep^2, eps / kStep
   const SensorEffects problem(Sines());
@@ -321,7 +321,7 @@ TEST(SensorEffects, SaturationClipsTheReadingAndSilencesAllElse) {
   }
 }
 
-TEST(SensorEffects, QuantisationRoundsAndHandsTheSlopesOfTheReadingOn) {
+TEST(SensorEffects, QuantisationRoundsAndKeepsTheDerivativesOfTheReading) {
   const SensorEffects problem(Sines());
   EXPECT_TRUE(problem.parameters()[kOfY + kQuantisation].probes.empty()) << "these values are continuous";
   Vector p = RestPoint(problem);
@@ -351,7 +351,7 @@ TEST(SensorEffects, AHalfStepIsRoundedAwayFromZero) {
   EXPECT_EQ(PredictAt(problem, p).values(0)[3], -1);
 }
 
-TEST(SensorEffects, RoundedMeasurementsOfferTheirStep) {
+TEST(SensorEffects, QuantisedMeasurementsGiveTheProbeValue) {
   constexpr double kStep = 0.125;
   auto inner = Sines();
   // Noise before the rounding, as in a sensor.
@@ -367,7 +367,7 @@ TEST(SensorEffects, RoundedMeasurementsOfferTheirStep) {
   EXPECT_EQ(rounding.null_step, rounding.probes[0]);
   EXPECT_TRUE(problem.parameters()[kOfZ + kQuantisation].probes.empty());
 
-  // The rounded prediction explains what the smooth one leaves.
+  // The rounded prediction explains the quantised data better than the smooth one.
   const auto sum_of_squares = [&](double step) {
     Vector p = RestPoint(problem);
     p.head(2) << 2, 0.1;

@@ -1,4 +1,4 @@
-// Sensors in several trials: effects of one trial alone, and the port where something unknown may enter.
+// Sensors in several trials: effects of one trial alone, and the port for discrepancy terms.
 #include <gtest/gtest.h>
 
 #include <algorithm>
@@ -149,7 +149,7 @@ TEST(SensorTrials, EachFittedTrialHasItsOwnEffects) {
                                       "y.offset@two", "y.drift@two", "y.gain@two", "y.time_offset@two"}));
 }
 
-TEST(SensorTrials, AnEffectOfOneTrialTouchesNoOther) {
+TEST(SensorTrials, AnEffectOfOneTrialChangesNoOther) {
   const SensorEffects problem(ThreeTrials());
   const Prediction at_rest = PredictAt(problem, RestPoint(problem));
   for (const auto& [kind, value] : {std::pair<std::string, double>{"offset", 0.3},

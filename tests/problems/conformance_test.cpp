@@ -10,6 +10,7 @@
 #include "identify/least_squares.h"
 #include "problems/registry.h"
 #include "tests/problems/support/jacobian_check.h"
+#include "tests/problems/support/spring.h"
 
 namespace sinew {
 namespace {
@@ -33,7 +34,7 @@ const std::map<std::string, Exact> kExact{
        {"dynamic_friction", 0.55},
        {"viscous_friction", 0.45}}}},
     {"drive",
-     {{{"exact", 1}, {"speed", 1}, {"train", 2}, {"validate", 1}, {"duration", 2}},
+     {{{"exact", 1}, {"speed", 1}, {"train", 2}, {"validate", 1}, {"duration", 2}, {"warming", 20}},
       {{"inertia", 0.034}, {"viscous_friction", 0.061}, {"gravity_torque", 0.52}}}},
     {"emg_shape",
      {{{"exact", 1}, {"speeds", 3}, {"muscles", 2}, {"moments", 0}, {"train", 2}, {"validate", 1}},
@@ -55,6 +56,8 @@ const std::map<std::string, Exact> kExact{
       // Excitations are cut off at 0, to which effects of all and of single trials lower them, and fibres
       // turn from stretch to shortening: columns with such kinks are not compared.
       0.8}},
+    // A user's own model: what the two bases for them promise.
+    {"spring", {{}, {{"stiffness", 30}, {"damping", 0.5}}}},
 };
 
 struct Case {
@@ -390,6 +393,9 @@ std::vector<Case> Cases() {
     cases.push_back({&entry, false});
     cases.push_back({&entry, true});
   }
+  static const ProblemEntry kSpring = SpringEntry();
+  cases.push_back({&kSpring, false});
+  cases.push_back({&kSpring, true});
   return cases;
 }
 

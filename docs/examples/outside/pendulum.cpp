@@ -1,91 +1,63 @@
-// Somebody else's model in about 100 lines: a pendulum that swings out, seen by a camera.
+// A user's model in about 100 lines: a damped pendulum, recorded by a camera.
 //
 //   angle(t) = amplitude * exp(-damping t) * cos(frequency t + phase),    frequency = sqrt(g / length)
 //
-// One class says what the parameters are, how the channel follows from them, and what its derivatives are.
+// One class declares the parameters, the prediction of the channel, and its derivatives.
 // Solvers, verdicts and sensor effects come with it.
 #include <sinew/sinew.h>
 
-#include <cmath>
 #include <cstdio>
-
-namespace {
 
 using namespace sinew;
 
-constexpr double kGravity = 9.81;
+constexpr double kGravity = 9.81;  // [m/s2]
 
-class Pendulum final : public Problem {
+class Pendulum final : public AutoDiffProblem {
  public:
-  Pendulum(std::vector<double> time, std::vector<double> angle) {
-    parameters_ = {BaseParameter("length", "m", "from the pivot to the mass", 0.1, 2.0, 0.9),
-                   BaseParameter("damping", "1/s", "rate of decay", 0.0, 2.0, 0.1),
-                   BaseParameter("amplitude", "rad", "of the swing at t = 0", 0.01, 1.0, 0.2),
-                   BaseParameter("phase", "rad", "of the swing at t = 0", -1.5, 1.5, 0.0),
-                   // It does not show in the angle: sinew will say so.
-                   BaseParameter("mass", "kg", "at the end", 0.1, 10.0, 1.0)};
-    Block block;
-    block.trial = "swing";
-    block.channel = "angle";
-    block.unit = "rad";
-    for (int i = 0; i < static_cast<int>(time.size()); ++i) block.sample.push_back(i);
-    block.prediction_time = std::move(time);
-    block.measured = std::move(angle);
-    block.columns = {0, 1, 2, 3, 4};
-    layout_.push_back(std::move(block));
-  }
-
-  const std::vector<Parameter>& parameters() const override { return parameters_; }
-  const Layout& layout() const override { return layout_; }
-
-  Status Predict(const Query& query, Workspace& /*workspace*/, Prediction& prediction) const override {
-    const double length = query.parameters[0];
-    const double damping = query.parameters[1];
-    const double amplitude = query.parameters[2];
-    const double phase = query.parameters[3];
-    const double frequency = std::sqrt(kGravity / length);
-    for (Eigen::Index i = 0; i < prediction.values(0).size(); ++i) {
-      const double t = layout_[0].prediction_time[static_cast<std::size_t>(i)];
-      const double decay = std::exp(-damping * t);
-      const double angle = amplitude * decay * std::cos(frequency * t + phase);
-      prediction.values(0)[i] = angle;
-      if (!query.derivatives) continue;
-      const double by_phase = -amplitude * decay * std::sin(frequency * t + phase);
-      prediction.derivatives(0).row(i) << by_phase * t * (-0.5 * frequency / length), -t * angle,
-          angle / amplitude, by_phase, 0;
-    }
-    return {};
+  explicit Pendulum(const Dataset& data) : AutoDiffProblem(data) {
+    length_ = parameter("length", "m").bounds(0.1, 2).start(0.9).meaning("from the pivot to the mass");
+    damping_ = parameter("damping", "1/s").bounds(0, 2).start(0.1).meaning("rate of decay");
+    parameter("mass", "kg").bounds(0.1, 10).start(1);  // it does not show in the angle: sinew says so
+    amplitude_ = per_trial("amplitude", "rad").bounds(0.01, 1).start(0.2);
+    phase_ = per_trial("phase", "rad").bounds(-1.5, 1.5).start(0);
+    observe("angle", [this](const auto& p, double t) {
+      return p[amplitude_] * exp(-p[damping_] * t) * cos(sqrt(kGravity / p[length_]) * t + p[phase_]);
+    });
   }
 
  private:
-  std::vector<Parameter> parameters_;
-  Layout layout_;
+  ParameterHandle length_, damping_, amplitude_, phase_;
 };
 
-}  // namespace
+// Made-up recordings of a length of 1 m and a damping of 0.15 1/s, with noise of 5 mrad.
+Dataset Recordings() {
+  Random random(1);
+  Dataset data;
+  data.synthetic = true;
+  for (const double amplitude : {0.3, 0.2}) {
+    Trial& trial = data.trials["swing_" + std::to_string(data.trials.size() + 1)];
+    trial.role = data.trials.size() == 1 ? Role::kTrain : Role::kValidate;
+    Grid& grid = trial.grids["camera"];
+    Channel& angle = grid.channels["angle"];
+    angle.unit = "rad";
+    for (int i = 0; i < 200; ++i) {
+      const double t = 0.05 * i;
+      grid.time.push_back(t);
+      angle.values.push_back(amplitude * std::exp(-0.15 * t) * std::cos(std::sqrt(kGravity) * t + 0.2) +
+                             0.005 * random.Normal());
+    }
+  }
+  return data;
+}
 
 int main() {
-  // A synthetic recording: length 1 m, damping 0.15 1/s, noise of 5 mrad.
-  Random random(1);
-  std::vector<double> time;
-  std::vector<double> angle;
-  for (int i = 0; i < 200; ++i) {
-    time.push_back(0.05 * i);
-    angle.push_back(0.3 * std::exp(-0.15 * time.back()) * std::cos(std::sqrt(kGravity) * time.back() + 0.2) +
-                    0.005 * random.Normal());
-  }
-  const Pendulum pendulum(time, angle);
-
-  const auto setup = MakeFitSetup(pendulum, {});
-  IdentificationOptions options;
-  options.solver = "multistart";
-  const auto result = setup ? Identify(pendulum, *setup, options) : tl::unexpected(setup.error());
+  const auto pendulum = BindModel<Pendulum>(Recordings(), false);
+  const auto setup = pendulum ? MakeFitSetup(**pendulum, {}) : tl::unexpected(pendulum.error());
+  const auto result = setup ? Identify(**pendulum, *setup, {}) : tl::unexpected(setup.error());
   if (!result) {
     std::fprintf(stderr, "%s\n", result.error().message.c_str());
     return 1;
   }
-  for (const sinew::text::Sentence& finding : sinew::text::Findings(*result))
-    std::printf("%s\n", finding.text.c_str());
-  const double length = result->parameters[0];
-  return result->result.stop.converged() && std::abs(length - 1) < 0.01 ? 0 : 1;
+  for (const text::Sentence& finding : text::Findings(*result)) std::printf("%s\n", finding.text.c_str());
+  return result->result.stop.converged() && std::abs(result->parameters[0] - 1) < 0.01 ? 0 : 1;
 }

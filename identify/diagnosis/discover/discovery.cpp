@@ -15,7 +15,7 @@ namespace sinew::diagnosis {
 namespace {
 
 constexpr std::size_t kMaxUnknown = 3;
-constexpr double kLarge = 2000;  // statistic above which a linear estimate is only a hint
+constexpr double kLarge = 2000;  // statistic above which a linear estimate is only a start value
 
 double Squares(const std::vector<Vector>& residuals) {
   double sum = 0;
@@ -27,21 +27,21 @@ double Reduction(const std::vector<Vector>& before, const std::vector<Vector>& a
   return 1 - std::sqrt(Squares(after) / Squares(before));
 }
 
-class Explorer {
+class DiscoveryStep {
  public:
-  Explorer(Examination& examination, Diagnosis& diagnosis) : e_(examination), out_(diagnosis) {}
+  DiscoveryStep(DiagnosisState& state, Diagnosis& diagnosis) : state_(state), out_(diagnosis) {}
 
-  Status Explore() {
-    const Selection& selection = e_.selection;
-    if (e_.held_out.exists()) {
-      SINEW_ASSIGN(before_, e_.held_out.Residuals(selection.model.point));
+  Status Run() {
+    const Selection& selection = state_.selection;
+    if (state_.held_out.exists()) {
+      SINEW_ASSIGN(before_, state_.held_out.Residuals(selection.model.point));
     }
-    SINEW_ASSIGN(const ScoredModel scored, ScoreModel(e_.problem, e_.candidates, selection.model,
-                                                      e_.options.alarm_level, e_.options.seed));
+    SINEW_ASSIGN(const ScoredModel scored, ScoreModel(state_.problem, state_.candidates, selection.model,
+                                                      state_.options.alarm_level, state_.options.seed));
     if (selection.line_left && scored.line) AddLine(scored);
     for (std::size_t i = 0; i < std::min(selection.unknown.size(), kMaxUnknown); ++i) {
       const int c = selection.unknown[i];
-      if (e_.candidate(c).drifting >= 0) {
+      if (state_.candidate(c).drifting >= 0) {
         AddDrift(c, selection.unknown_p_value[i], scored.noise);
       } else {
         AddCurve(c, selection.unknown_p_value[i], scored);
@@ -51,7 +51,7 @@ class Explorer {
   }
 
  private:
-  // To first order, unless the curve is so large that it moves the system elsewhere.
+  // Adds a curve, to first order unless it is so large that the linearisation is not valid.
   void AddCurve(int c, double p_value, const ScoredModel& scored) {
     UnknownFinding finding = NameCurve(c);
     finding.p_value = p_value;
@@ -68,8 +68,8 @@ class Explorer {
 
   [[nodiscard]] UnknownFinding NameCurve(int c) const {
     UnknownFinding finding;
-    finding.name = e_.candidate(c).effect;
-    for (const DiscrepancyPort& port : e_.problem.ports()) {
+    finding.name = state_.candidate(c).effect;
+    for (const DiscrepancyPort& port : state_.problem.ports()) {
       for (const DiscrepancyTerm& term : port.terms) {
         if (term.name != finding.name) continue;
         finding.port = port.name;
@@ -82,22 +82,22 @@ class Explorer {
     return finding;
   }
 
-  // False: there is no such model, or it makes held-out trials worse.
+  // Returns false if the refit failed or held-out trials reject it.
   bool RefitCurve(int c, const ScoredModel& scored, UnknownFinding& finding) {
-    std::vector<int> released = e_.selection.model.released;
+    std::vector<int> released = state_.selection.model.released;
     released.push_back(c);
-    const Refit refit = e_.Fit(released, StartsFor(scored, e_.candidates, c));
+    const Refit refit = state_.Fit(released, RefitStarts(scored, state_.candidates, c));
     if (!refit.usable()) return false;
-    const auto covariance = e_.refitter->Covariance(refit);
+    const auto covariance = state_.refitter->Covariance(refit);
     const Matrix none = Matrix::Zero(refit.x.size(), refit.x.size());
     for (const auto& value :
-         ValuesOf(e_, refit, covariance ? *covariance : none, e_.candidate(c).parameters)) {
+         ValuesOf(state_, refit, covariance ? *covariance : none, state_.candidate(c).parameters)) {
       finding.curve.push_back(value.value);
       finding.deviation.push_back(value.std_error);
     }
     if (before_) {
-      const auto after = e_.held_out.Residuals(refit.point);
-      if (!after || e_.Loss(*before_, refit.noise) <= e_.Loss(*after, refit.noise)) return false;
+      const auto after = state_.held_out.Residuals(refit.point);
+      if (!after || state_.Loss(*before_, refit.noise) <= state_.Loss(*after, refit.noise)) return false;
       finding.held_out_reduction = Reduction(*before_, *after);
     }
     if (!std::exchange(extended_, true)) out_.extended_point = refit.point;
@@ -105,7 +105,7 @@ class Explorer {
   }
 
   bool AddToFirstOrder(int c, const noise::NoiseModel& noise, UnknownFinding& finding) {
-    const auto term = FitLinearTerm(e_.problem, e_.selection.model, e_.candidate(c), noise);
+    const auto term = FitLinearTerm(state_.problem, state_.selection.model, state_.candidate(c), noise);
     if (!term) return false;
     const bool whole =
         finding.knots.empty() || finding.knots.size() == static_cast<std::size_t>(term->values.size());
@@ -113,14 +113,14 @@ class Explorer {
     finding.curve.assign(term->values.begin(), term->values.end());
     finding.deviation.assign(term->deviations.begin(), term->deviations.end());
     if (!term->before.empty()) {
-      if (e_.Loss(term->before, noise) <= e_.Loss(term->after, noise)) return false;
+      if (state_.Loss(term->before, noise) <= state_.Loss(term->after, noise)) return false;
       finding.held_out_reduction = Reduction(term->before, term->after);
     }
     if (!std::exchange(extended_, true)) {
-      const LeastSquares fit(e_.problem, *e_.selection.model.setup);
+      const LeastSquares fit(state_.problem, *state_.selection.model.setup);
       for (std::size_t t = 0; t < fit.train_blocks().size(); ++t)
-        e_.added[fit.train_blocks()[t].block] = term->train[t];
-      AddHeldOut(term->after, e_.added);
+        state_.added[fit.train_blocks()[t].block] = term->train[t];
+      AddHeldOut(term->after, state_.added);
     }
     return true;
   }
@@ -128,8 +128,8 @@ class Explorer {
   void AddLine(const ScoredModel& scored) {
     constexpr int kPoints = 17;
     const noise::SpectralLine& line = *scored.line;
-    const LeastSquares fit(e_.problem, *scored.refit.setup);
-    // The residual is predicted minus measured.
+    const LeastSquares fit(state_.problem, *scored.refit.setup);
+    // The sign is negative because the residual is predicted minus measured.
     const Vector amplitudes = -noise::LineAmplitudes(fit, scored.design.residual, line);
     UnknownFinding finding;
     finding.kind = UnknownKind::kPeriodic;
@@ -142,7 +142,7 @@ class Explorer {
     std::map<int, Vector> added;
     double weight = 1;
     for (const auto& train : fit.train_blocks()) {
-      const Block& block = e_.problem.layout()[static_cast<std::size_t>(train.block)];
+      const Block& block = state_.problem.layout()[static_cast<std::size_t>(train.block)];
       if (block.channel != line.channel) continue;
       finding.unit = block.unit;
       weight = block.weight;
@@ -158,7 +158,7 @@ class Explorer {
     }
     if (before_) {
       std::vector<Vector> after = *before_;
-      e_.held_out.Add(
+      state_.held_out.Add(
           [&](const Block& block) {
             return block.channel == line.channel ? noise::LineAt(block, line, amplitudes) : Vector();
           },
@@ -175,15 +175,15 @@ class Explorer {
     score.family_p_value = finding.p_value;
     Insert(std::move(score), out_.scores);
     if (finding.held_out_reduction >= 0) {
-      e_.added = std::move(added);
+      state_.added = std::move(added);
       extended_ = true;
     }
     out_.unknown_terms.push_back(std::move(finding));
   }
 
   void AddDrift(int c, double p_value, const noise::NoiseModel& noise) {
-    const Candidate& candidate = e_.candidate(c);
-    const Refit& model = e_.selection.model;
+    const Candidate& candidate = state_.candidate(c);
+    const Refit& model = state_.selection.model;
     const Parameter& p = model.setup->parameters[static_cast<std::size_t>(candidate.drifting)];
     UnknownFinding finding;
     finding.kind = UnknownKind::kDrift;
@@ -197,7 +197,7 @@ class Explorer {
     const double change = finding.curve.front();
     const double deviation = finding.deviation.front();
     double longest = 0;
-    for (const Block& block : e_.problem.layout())
+    for (const Block& block : state_.problem.layout())
       longest = std::max(longest, block.prediction_time.back() - block.prediction_time.front());
     const double value = model.point[candidate.drifting];
     finding.knots = {0, longest};
@@ -207,19 +207,19 @@ class Explorer {
   }
 
   void AddHeldOut(const std::vector<Vector>& residuals, std::map<int, Vector>& added) const {
-    for (std::size_t i = 0; i < residuals.size(); ++i) added[e_.held_out.blocks()[i]] = residuals[i];
+    for (std::size_t i = 0; i < residuals.size(); ++i) added[state_.held_out.blocks()[i]] = residuals[i];
   }
 
-  Examination& e_;
+  DiagnosisState& state_;
   Diagnosis& out_;
-  std::optional<std::vector<Vector>> before_;  // held-out residuals without any unknown term
-  bool extended_ = false;                      // the extended model has one already
+  std::optional<std::vector<Vector>> before_;  // held-out residuals without any discrepancy term
+  bool extended_ = false;                      // the extended model contains one already
 };
 
 }  // namespace
 
-Status DiscoverUnknown(Examination& examination, Diagnosis& diagnosis) {
-  return Explorer(examination, diagnosis).Explore();
+Status DiscoverUnknown(DiagnosisState& state, Diagnosis& diagnosis) {
+  return DiscoveryStep(state, diagnosis).Run();
 }
 
 }  // namespace sinew::diagnosis

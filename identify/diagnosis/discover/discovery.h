@@ -1,16 +1,17 @@
-// Step 7: what is wrong and in no library: a curve of one signal, a parameter that drifts, a line in the
-// spectrum.
+// Step 7: errors that no effect of the library explains: a curve of one signal, a parameter that drifts, a
+// line in the spectrum.
 #pragma once
 
 #include <vector>
 
-#include "identify/diagnosis/examination.h"
+#include "identify/diagnosis/diagnosis_state.h"
 
 namespace sinew::diagnosis {
 
-/// Fits the unknown terms that the selection left, on top of its causes, strongest first; those that make the
-/// held-out trials worse are left out. The first one that does not becomes part of the extended model: a
-/// curve moves `extended_point`, anything else fills `examination.added`. Errors: the problem's own.
-Status DiscoverUnknown(Examination& examination, Diagnosis& diagnosis);
+/// Fits the discrepancy terms that are significant after the selection, on top of its causes, most
+/// significant first; terms that make the held-out trials worse are left out. The first one that does not
+/// becomes part of the extended model: a curve changes `extended_point`, anything else fills
+/// `DiagnosisState::added`. Errors: those of Problem::Predict.
+Status DiscoverUnknown(DiagnosisState& state, Diagnosis& diagnosis);
 
 }  // namespace sinew::diagnosis

@@ -32,15 +32,17 @@ std::vector<Vector> PerBlock(const LeastSquares& fit, const Vector& rows) {
   return blocks;
 }
 
-/// Of values that are N(0, deviation^2) each and reach unit noise through columns with these eigenvalues of
-/// their Gram matrix and these scores along its eigenvectors: the deviation of greatest likelihood.
-double LikeliestDeviation(const Vector& eigenvalues, const Vector& scores) {
+/// Maximum-likelihood estimate of the common standard deviation of values that are N(0, deviation^2), seen in
+/// unit noise through columns whose Gram matrix has these eigenvalues, with these scores along its
+/// eigenvectors.
+double MaximumLikelihoodDeviation(const Vector& eigenvalues, const Vector& scores) {
   constexpr int kSteps = 120;
   const double most = eigenvalues.maxCoeff();
   double best = 0;
   double best_likelihood = -std::numeric_limits<double>::infinity();
   for (int step = 0; step < kSteps; ++step) {
-    // From a hundredth of what the best seen direction could just tell, to a million times it.
+    // Search range: from a hundredth of the deviation that the best determined direction can detect, to a
+    // million times that.
     const double variance = std::pow(10.0, -4 + 16.0 * step / (kSteps - 1)) / most;
     double likelihood = 0;
     for (Eigen::Index i = 0; i < scores.size(); ++i) {
@@ -55,7 +57,7 @@ double LikeliestDeviation(const Vector& eigenvalues, const Vector& scores) {
   return std::sqrt(best);
 }
 
-/// What the training trials say, for the held-out ones.
+/// Predicts the held-out trials with the parameters from the training trials.
 class Transfer {
  public:
   Transfer(const Problem& problem, const Refit& refit, const Candidate& candidate)
@@ -70,7 +72,7 @@ class Transfer {
     const RoleView view(problem_, [](const Block& block) {
       return block.role == BlockRole::kValidate ? BlockRole::kTrain : BlockRole::kPredicted;
     });
-    // The same shared variables, then the nuisance values of held-out trials.
+    // Shared variables as in the training fit, then the nuisance parameters of the held-out trials.
     FitSetup setup = *refit_.setup;
     setup.rest = point;
     for (std::size_t i = 0; i < setup.parameters.size(); ++i) {
@@ -133,11 +135,12 @@ Result<LinearTerm> FitLinearTerm(const Problem& problem, const Refit& refit, con
   LinearTerm answer;
   const Eigen::SelfAdjointEigenSolver<Matrix> eigen(Matrix(left.transpose() * left));
   const Vector gram = eigen.eigenvalues();
-  // The residual is predicted minus measured: a term that is there makes it negative.
+  // The sign is negative because the residual is predicted minus measured.
   const Vector pull = -(left.transpose() * taken.TakenFrom(residual).col(0));
   const Vector turned = eigen.eigenvectors().transpose() * pull;
   const bool curve = candidate.drifting < 0;
-  answer.shrinkage = curve ? LikeliestDeviation(gram, turned) : std::numeric_limits<double>::infinity();
+  answer.shrinkage =
+      curve ? MaximumLikelihoodDeviation(gram, turned) : std::numeric_limits<double>::infinity();
   const double precision = 1 / (answer.shrinkage * answer.shrinkage);
   answer.values = Vector::Zero(gram.size());
   Vector variance = Vector::Zero(gram.size());

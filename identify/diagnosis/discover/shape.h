@@ -1,4 +1,4 @@
-// What a curve looks like.
+// Classification of the shape of a curve.
 #pragma once
 
 #include <string>

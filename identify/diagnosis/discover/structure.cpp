@@ -7,7 +7,7 @@
 
 #include "base/decompositions.h"
 #include "identify/diagnosis/discover/shape.h"
-#include "identify/statistics/chi_squared.h"
+#include "identify/statistics/distributions.h"
 
 namespace sinew::diagnosis {
 namespace {
@@ -15,16 +15,16 @@ namespace {
 constexpr int kLags = 20;
 constexpr int kKnots = 8;
 constexpr double kRidge = 1e-3;
-constexpr double kWorthSaying = 0.01;
+constexpr double kMinReportedShare = 0.01;
 
-// One block's residual against one signal.
+// Residual and signal at one sample of a block.
 struct Sample {
   int fold = 0;
   double signal = 0;
   double residual = 0;
 };
 
-// A fit of hats by least squares, accumulated sample by sample.
+// A least-squares fit of linear basis functions, accumulated sample by sample.
 struct Curve {
   Matrix normal = Matrix::Zero(kKnots, kKnots);
   Vector pull = Vector::Zero(kKnots);
@@ -207,7 +207,7 @@ Result<std::vector<Structure>> FindStructure(const Problem& problem, const Vecto
       structure.channel = channel;
       structure.signal = signal;
       structure.unit = of.first;
-      if (structure.explained_fraction > kWorthSaying) found.push_back(std::move(structure));
+      if (structure.explained_fraction > kMinReportedShare) found.push_back(std::move(structure));
     }
   }
   std::stable_sort(found.begin(), found.end(), [](const Structure& a, const Structure& b) {

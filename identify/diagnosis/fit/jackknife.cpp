@@ -6,7 +6,7 @@
 #include "base/text.h"
 #include "identify/diagnosis/fit/trial_folds.h"
 #include "identify/role_view.h"
-#include "identify/statistics/student_t.h"
+#include "identify/statistics/distributions.h"
 
 namespace sinew::diagnosis {
 

@@ -11,13 +11,13 @@
 namespace sinew::diagnosis {
 namespace {
 
-constexpr long kScoutEvaluations = 8;  // of each start, before the best goes on
+constexpr long kScoutEvaluations = 8;  // per start, before the best one is continued
 constexpr long kFitEvaluations = 80;
-constexpr double kOrdinaryTolerance = 1e-7;  // relative: a tenth of a unit of deviance in 1e6 samples
-constexpr double kWhitenedTolerance = 1e-3;  // of half the deviance
+constexpr double kOrdinaryTolerance = 1e-7;  // relative: 0.1 units of deviance in 1e6 samples
+constexpr double kWhitenedTolerance = 1e-3;  // absolute, in half the deviance
 constexpr int kNoiseRounds = 2;
-// Times the least sum of squares: a fit under coloured noise that leaves so much has exchanged the model for
-// the noise. (Inefficiency of ordinary least squares costs it a few percent.)
+// Ratio to the least sum of squares above which a fit under coloured noise has absorbed the misfit in the
+// noise. (The inefficiency of ordinary least squares costs it a few percent.)
 constexpr double kNoiseAbsorbsMisfit = 2;
 
 bool IsPlain(const noise::NoiseModel& noise) {
@@ -56,7 +56,8 @@ double Deviance(const LeastSquares& fit, const Vector& residual, const noise::No
       deviance += filters[channel].LogDeterminant(rows.size());
     }
   }
-  // What is known of parameters beforehand: a cause that takes over from an unlikely nuisance is believed.
+  // The priors are part of the likelihood: a cause that makes an unlikely nuisance value unnecessary is
+  // favoured.
   if (!blocks.empty()) {
     const Block& last = fit.problem().layout()[static_cast<std::size_t>(blocks.back().block)];
     deviance += residual.tail(residual.size() - blocks.back().first_row - last.samples()).squaredNorm();
@@ -66,7 +67,7 @@ double Deviance(const LeastSquares& fit, const Vector& residual, const noise::No
     if (count[c] == 0) continue;
     const double least = std::pow(noise.channels[c].least_deviation, 2);
     const double variance = std::max({sum[c] / count[c], least, std::numeric_limits<double>::min()});
-    // Counts where the least one stands in for the estimate, else 0.
+    // The second term is zero unless the lower limit replaces the estimate.
     deviance += count[c] * std::log(variance) + (sum[c] / variance - count[c]);
     if (counted != nullptr) *counted += static_cast<int>(count[c]);
   }
@@ -154,7 +155,7 @@ Refit Refitter::Fit(std::vector<int> released, const std::vector<Vector>& starts
   if (!refit.usable()) return refit;
   LeastSquares fit(problem_, *refit.setup);
   const Vector ordinary = refit.x;
-  Status status = independent_ ? Status() : Generalise(fit, refit);
+  Status status = independent_ ? Status() : FitGeneralised(fit, refit);
   if (status && !independent_) {
     auto workspace = fit.NewWorkspace();
     Vector residual;
@@ -171,8 +172,8 @@ Refit Refitter::Fit(std::vector<int> released, const std::vector<Vector>& starts
   return refit;
 }
 
-// Generalised least squares with the noise of its own residual.
-Status Refitter::Generalise(LeastSquares& fit, Refit& refit) const {
+// Generalised least squares with the noise model of its own residual.
+Status Refitter::FitGeneralised(LeastSquares& fit, Refit& refit) const {
   const auto stretches = TrainStretches(fit);
   for (int round = 0; round < kNoiseRounds; ++round) {
     if (round > 0) {

@@ -1,5 +1,5 @@
-// Refitting a model with some candidates released: all base parameters free, noise estimated anew, so that
-// two models can be compared by likelihood, each with its own noise.
+// Refits of a model with some candidates released: all base parameters free, the noise estimated again, so
+// that two models can be compared by likelihood, each with its own noise.
 #pragma once
 
 #include <atomic>
@@ -14,62 +14,84 @@
 
 namespace sinew::diagnosis {
 
-/// A fitted model. Owns its setup, so that a LeastSquares made for it can be used as long as it lives.
+/// A fitted model. It owns its setup, so that a LeastSquares made for that setup stays valid as long as the
+/// Refit exists.
 struct Refit {
-  std::vector<int> released;  ///< candidates, increasing
+  std::vector<int> released;  ///< indices of the released candidates, increasing
   std::shared_ptr<const FitSetup> setup;
   Vector x;      ///< [n] variables
   Vector point;  ///< [P]
   noise::NoiseModel noise;
-  double cost = 0;      ///< half the least sum of squared weighted residuals, before any noise model
-  double deviance = 0;  ///< -2 log-likelihood, noise levels profiled out; comparable between refits
-  int rows = 0;         ///< residuals that the deviance counts
+  double cost = 0;      ///< half the sum of squared weighted residuals of ordinary least squares
+  double deviance = 0;  ///< -2 log-likelihood with profiled noise levels; comparable between refits
+  int rows = 0;         ///< number of residuals in the deviance
   bool converged = false;
-  bool noise_absorbs_misfit = false;  ///< coloured noise would have taken the place of the model: errors
-                                      ///< count as independent, the fit is ordinary least squares
-  std::string failure;                ///< why there is no such model; empty otherwise
+  bool noise_absorbs_misfit = false;  ///< the noise model would have absorbed the misfit: errors
+                                      ///< are assumed independent, the fit is ordinary least squares
+  std::string failure;                ///< why the fit failed; empty if it did not
 
   [[nodiscard]] bool usable() const { return failure.empty(); }
   [[nodiscard]] int parameters() const { return static_cast<int>(setup->free.size()); }
 };
 
+/// Fits models with any set of candidates released, by the same procedure, so that they can be compared.
 class Refitter {
  public:
-  /// @param interrupt once true, every further fit fails at once; may be null
+  /// Keeps references to `problem` and `candidates`, which must outlive it.
+  /// @param base bounds, starts and free parameters of the base model
+  /// @param candidates what can be released; released sets are indices into it
+  /// @param interrupt if it becomes true, every further fit fails at once with "interrupted"; may be null
   Refitter(const Problem& problem, FitSetup base, const std::vector<Candidate>& candidates,
            const std::atomic<bool>* interrupt = nullptr)
       : problem_(problem), base_(std::move(base)), candidates_(candidates), interrupt_(interrupt) {}
 
   [[nodiscard]] const FitSetup& base() const { return base_; }
 
-  /// Ordinary least squares from every start, the best of them to the end; noise of its residual; generalised
-  /// least squares with it; noise again.
-  /// @param starts [P] each, not empty @param held [P index, value] parameters that stay where the starts
-  /// have them although a candidate owns them
+  /// Fits the base parameters and the released candidates to the training trials, with a noise model of the
+  /// residual.
+  ///
+  /// Steps: (1) ordinary least squares: a short local search from every start, the best of them continued to
+  /// convergence; (2) noise model of its residual (EstimateNoiseModel); (3) generalised least squares, that
+  /// is least squares of the whitened residuals, with the noise estimated once more on the way. If the
+  /// generalised fit has more than twice the sum of squares of the ordinary one, the noise model has absorbed
+  /// misfit: then the ordinary fit is kept, with white noise (Refit::noise_absorbs_misfit). After
+  /// AssumeIndependentErrors all fits end in this way.
+  ///
+  /// @param released indices of candidates, in any order, without duplicates
+  /// @param starts [P] each, not empty. Free parameters start there; all others are held at the values of
+  /// starts.front(), which may differ from their null.
+  /// @return always a Refit. If it is not usable(), `failure` is the reason (interrupted, no prediction at
+  /// any start, no noise estimate) and the fitted fields are undefined. A search that stops at its limit
+  /// of evaluations is usable, with `converged` false.
+  ///
+  /// Thread-safe: const, and each call has its own workspaces. The result depends on the arguments alone.
+  /// Source of step 3: Cochrane, Orcutt (1949), J. Am. Stat. Assoc. 44:32-61, with the noise model by
+  /// restricted likelihood.
   [[nodiscard]] Refit Fit(std::vector<int> released, const std::vector<Vector>& starts) const;
 
-  /// Ordinary least squares alone: what is wrong dwarfs the noise, and a noise model would swallow it. Noise
-  /// and deviance are those of its residual.
-  /// @param tolerance relative, of the cost
+  /// Ordinary least squares alone (step 1 of Fit), for misfits that dominate the noise, where a noise model
+  /// would absorb them. Noise and deviance are those of its residual.
+  /// @param tolerance relative change of the cost at which the search ends
   [[nodiscard]] Refit FitOrdinary(std::vector<int> released, const std::vector<Vector>& starts,
                                   double tolerance) const;
 
-  /// The base setup with the candidates' parameters free too.
+  /// The base setup with the parameters of these candidates free too.
   [[nodiscard]] FitSetup SetupWith(const std::vector<int>& released) const;
 
-  /// From now on all fits are ordinary and take errors for independent: models can be compared only if all of
-  /// them do.
-  void TakeErrorsForIndependent() { independent_ = true; }
+  /// From now on every fit is ordinary least squares with white noise. For all models at once: deviances can
+  /// be compared only between models with the same assumption. Not thread-safe.
+  void AssumeIndependentErrors() { independent_ = true; }
 
-  /// Standard deviations and covariance of the variables [n x n, unit box] under the refit's own noise; of
-  /// variables on a bound 0. Errors: the problem's own.
+  /// Covariance of the variables [n x n, unit box] under the refit's own noise model; zero rows and columns
+  /// for variables on a bound. Errors: those of Problem::Predict.
   [[nodiscard]] Result<Matrix> Covariance(const Refit& refit) const;
 
  private:
-  /// Noise of the refit's residual; white if errors count as independent. @param like may be null
+  /// Noise model of the refit's residual; white if errors are assumed independent. @param like see
+  /// NoiseModelOptions, may be null
   [[nodiscard]] Status EstimateNoise(LeastSquares& fit, bool white, const noise::NoiseModel* like,
                                      Refit& refit) const;
-  [[nodiscard]] Status Generalise(LeastSquares& fit, Refit& refit) const;
+  [[nodiscard]] Status FitGeneralised(LeastSquares& fit, Refit& refit) const;
   [[nodiscard]] Status Finish(const LeastSquares& fit, Refit& refit) const;
 
   const Problem& problem_;
@@ -79,17 +101,19 @@ class Refitter {
   bool independent_ = false;
 };
 
-/// Least squares from every start, the best of them to the end. @param starts [P] each, not empty. Infinite
-/// cost and a reason if there is no prediction at any.
+/// Least squares by a short search from every start, the best of them continued to convergence. @param starts
+/// [P] each, not empty. If there is no prediction at any start, the cost is infinite and `failure` is the
+/// reason.
 [[nodiscard]] LocalFit::Outcome FitFromStarts(const LeastSquares& fit, const std::vector<Vector>& starts,
                                               double tolerance);
 
-/// Stretches of every training block.
+/// Rows at which the stretches without a gap begin, of every training block.
 [[nodiscard]] std::vector<std::vector<int>> TrainStretches(const LeastSquares& fit);
 
-/// -2 log-likelihood and priors (exact, that of stationary stretches; constants left out) with the
-/// innovations' variance of each channel profiled out: comparable between noise models of any order.
-/// @param residual [m] weighted @param counted how many rows that were; may be null
+/// -2 log-likelihood of the training residuals, plus the priors, with the innovation variance of each channel
+/// profiled out. The likelihood is the exact one of stationary stretches without its constants, so that noise
+/// models of any order can be compared.
+/// @param residual [m] weighted @param counted if not null, set to the number of rows in the likelihood
 [[nodiscard]] double Deviance(const LeastSquares& fit, const Vector& residual, const noise::NoiseModel& noise,
                               int* counted);
 

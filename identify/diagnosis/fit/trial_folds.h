@@ -1,4 +1,4 @@
-// Training trials in groups that are left out of a fit in turn.
+// The folds of cross-validation: training trials in groups that are left out of a fit in turn.
 #pragma once
 
 #include <string>
@@ -14,8 +14,8 @@ struct TrialFold {
   [[nodiscard]] bool Has(const std::string& trial) const;
 };
 
-/// Every trial on its own, or ten groups if there are more than ten: trials are dealt to them in turn, so
-/// that each group sees all of a session.
+/// Every trial on its own, or ten groups if there are more than ten trials. Trials are assigned to the groups
+/// in turn, so that each group contains all parts of a session.
 [[nodiscard]] std::vector<TrialFold> FoldsOf(const Problem& problem);
 
 /// Training trials, each once, by name.

@@ -43,7 +43,7 @@ std::vector<Candidate> ListCandidates(const Problem& problem, const FitSetup& ba
       candidates.push_back({term.name, Level::kRobot, false, "", "", "", term.parameters, {{}}});
     }
   }
-  // Parameters that are free, or would be if their effect were.
+  // Drifts: of parameters that are free, or would be free with a candidate effect.
   for (std::size_t i = 0; i < base.parameters.size(); ++i) {
     const Parameter& p = base.parameters[i];
     const auto index = static_cast<int>(i);

@@ -1,5 +1,4 @@
-// What may be wrong, as the diagnosis tries it: an effect or an unknown term, and the points at which it is
-// probed.
+// A candidate of the diagnosis: an effect or a discrepancy term, and the points at which it is scored.
 #pragma once
 
 #include <string>
@@ -12,39 +11,41 @@
 namespace sinew::diagnosis {
 
 struct Candidate {
-  std::string effect;  ///< name of the effect, or of the unknown term
+  std::string effect;  ///< name of the effect or of the discrepancy term
   Level level = Level::kSensor;
   bool known = true;        ///< false: an unknown term
   std::string description;  ///< of a known effect
   std::string revealing_experiment;
-  std::string trial;            ///< the trial that alone shows it; empty: all
-  std::vector<int> parameters;  ///< what a refit releases
-  /// Parameters that mean nothing at the null stand at these values while the others are scored there.
+  std::string trial;            ///< the only trial that it acts in; empty: all
+  std::vector<int> parameters;  ///< the parameters that a refit releases
+  /// Values at which some parameters are held while the others are scored, because the prediction does not
+  /// depend on them at the null.
   struct Probe {
     std::vector<std::pair<int, double>> at;  ///< empty at the null itself
   };
   std::vector<Probe> probes;  ///< at least one
-  /// >= 0: this parameter, which the model has, may not be constant but change with time within a trial (a
-  /// fluctuation test, Zeileis, Hornik 2007). Nothing can be released then: what is scored, and fitted, is
-  /// the parameter's derivative times TimeInTrial; and only if the parameter is free.
+  /// >= 0: index of a parameter of the model that may change with time within a trial (a fluctuation test,
+  /// Zeileis, Hornik 2007). There is no parameter to release then: the column that is scored and fitted is
+  /// the parameter's derivative times TimeInTrial, and only if the parameter is free.
   int drifting = -1;
 
-  /// Shared by all trials and known: the library proper, which is tried first.
+  /// True for known effects that all trials share: the part of the library that is tried first.
   [[nodiscard]] bool primary() const { return known && trial.empty(); }
 };
 
-/// From -1 at the begin of a block's trial to 1 at its end [samples].
+/// Time from -1 at the begin of a block's trial to 1 at its end [samples].
 [[nodiscard]] Vector TimeInTrial(const Block& block);
 
-/// Every effect and unknown term of which no parameter is free already. Secondary parameters that stand at a
-/// probe are not scored; an effect whose only parameter has probes is scored by the change from its null to
-/// each of them.
+/// Every effect and discrepancy term none of whose parameters is free already, and a drift of every free base
+/// parameter and of every parameter of a shared effect. Parameters that are held at a probe value are not
+/// scored; an effect whose only parameter has probe values is scored by the secant from its null to each of
+/// them.
 [[nodiscard]] std::vector<Candidate> ListCandidates(const Problem& problem, const FitSetup& base);
 
-/// Parameters of a candidate that are scored at its probes: those that stand at none.
+/// Parameters of a candidate that are scored at a probe: those that have no probe value there.
 [[nodiscard]] std::vector<int> ScoredParameters(const Candidate& candidate, std::size_t probe);
 
-/// True if the candidate is scored by the change from its null to the probe.
+/// True if the candidate is scored by the secant from its null to the probe value.
 [[nodiscard]] bool IsScoredBySecant(const Candidate& candidate, std::size_t probe);
 
 }  // namespace sinew::diagnosis

@@ -6,7 +6,8 @@
 namespace sinew::diagnosis {
 namespace {
 
-constexpr double kWellSized = 2.5;  // a secant's trace may be so many times longer or shorter than that
+constexpr double kWellSized =
+    2.5;  // accepted ratio of a secant's length to kDetectableLength, or its inverse
 constexpr int kSecantTries = 12;
 
 // Predicts at points near one point, and turns predictions into rows of the training blocks.
@@ -42,7 +43,7 @@ class Rows {
     return rows;
   }
 
-  /// Weighted derivative [m] for a parameter of the last call; zero where a block does not know it.
+  /// Weighted derivative [m] for a parameter of the last call; zero in blocks that do not depend on it.
   [[nodiscard]] Vector Derivative(int parameter) const {
     Vector rows = Vector::Zero(rows_);
     for (const auto& train : fit_.train_blocks()) {
@@ -86,15 +87,15 @@ class DesignMaker {
     SparseJacobian jacobian = fit_.NewJacobian();
     SINEW_TRY(fit_.Evaluate(x, workspace, design.residual, &jacobian));
     design.base = jacobian.Dense(fit_.residuals(), fit_.variables());
-    // A parameter that its bound holds cannot imitate anything.
+    // A parameter held at its bound is not a base column: it cannot compensate anything.
     const Vector gradient = design.base.transpose() * design.residual;
     for (Eigen::Index v = 0; v < x.size(); ++v) {
       if ((x[v] <= 0 && gradient[v] >= 0) || (x[v] >= 1 && gradient[v] <= 0)) design.base.col(v).setZero();
     }
     SINEW_TRY(rows_.Predict(point_, nullptr));
     at_null_ = rows_.Values();
-    // Priors and ranges have rows too. Priors know nothing of candidates; what a candidate changes in a
-    // ranged prediction is left out of the scores, and counted in full when the candidate is fitted.
+    // Priors and ranges have rows too. Candidates do not change priors; the change of a ranged prediction by
+    // a candidate is left out of the scores, and counted in full when the candidate is refitted.
     height_ = design.residual.size();
 
     std::size_t most_probes = 1;
@@ -119,7 +120,7 @@ class DesignMaker {
     Vector rows;
   };
 
-  // What the fit has released already is no candidate any more.
+  // A candidate that the fit has released already is not scored again.
   [[nodiscard]] bool IsReleased(const Candidate& candidate) const {
     return std::any_of(candidate.parameters.begin(), candidate.parameters.end(),
                        [&](int index) { return fit_.setup().IsFree(index); });
@@ -140,7 +141,8 @@ class DesignMaker {
     made_.push_back(std::move(made));
   }
 
-  // All candidates that have such a probe at once: at their nulls they do not see each other.
+  // Derivatives of all candidates with such a probe in one prediction: at their nulls they do not influence
+  // each other.
   void AddDerivatives(std::size_t probe) {
     Vector point = point_;
     std::vector<bool> differentiate(fit_.setup().parameters.size(), false);
@@ -160,8 +162,8 @@ class DesignMaker {
     for (const auto& [c, index] : wanted) Add(c, probe, index, rows_.Derivative(index));
   }
 
-  // Change of the weighted predictions when a parameter goes from its null to `value`, per unit; empty if
-  // that cannot be predicted or changes nothing.
+  // Change of the weighted predictions from the null of a parameter to `value`, per unit; empty if the
+  // prediction fails or does not change.
   Vector Secant(Vector point, int index, double value) {
     point[index] = value;
     if (!rows_.Predict(point, nullptr)) return {};
@@ -188,8 +190,8 @@ class DesignMaker {
     }
   }
 
-  // A secant as long as the noise: shorter ones see the kink's grain, longer ones what the effect does when
-  // it is large.
+  // A secant whose trace is about as long as the shortest one that can be detected: shorter ones are
+  // dominated by the noise of the cost at the kink, longer ones by nonlinearity.
   void AddSizedSecant(int c, std::size_t probe, int index, const Vector& point) {
     const Parameter& p = parameter(index);
     const double direction = p.null_value < p.upper ? 1 : -1;
@@ -231,7 +233,7 @@ class DesignMaker {
     }
   }
 
-  // Columns of one candidate and probe stand together, in the order of the candidates.
+  // Sorts the columns by candidate and probe.
   void Order() {
     std::stable_sort(made_.begin(), made_.end(), [](const Made& a, const Made& b) {
       return std::pair(a.column.candidate, a.column.probe) < std::pair(b.column.candidate, b.column.probe);

@@ -1,5 +1,5 @@
-// A fit made linear for the diagnosis: residuals, what the fitted parameters can do to them, and what every
-// candidate would do.
+// The linearised fit of a diagnosis: residuals, the columns of the fitted parameters, and the columns of all
+// candidates.
 #pragma once
 
 #include <vector>
@@ -11,16 +11,17 @@
 
 namespace sinew::diagnosis {
 
-/// Length of a whitened signature that a test for it alone notices with 95 % at the 5 % level: 1.960 + 1.645.
+/// Length of a whitened signature that a test for it alone at the 5 % level detects with probability 95 %:
+/// 1.960 + 1.645.
 inline constexpr double kDetectableLength = 3.605;
 
-/// One column of a design: what one parameter of a candidate adds to the weighted residuals, per unit.
+/// One column of a design: the change of the weighted residuals per unit of one parameter of a candidate.
 struct DesignColumn {
   int candidate = 0;
   int probe = 0;
   int parameter = 0;
-  bool positive = false;  ///< the null is its lower bound: only one sign makes sense
-  bool negative = false;  ///< the null is its upper bound
+  bool positive = false;  ///< the null is its lower bound, so that only increases are possible
+  bool negative = false;  ///< the null is its upper bound, so that only decreases are possible
 };
 
 struct Design {
@@ -31,13 +32,14 @@ struct Design {
   std::vector<DesignColumn> columns;  ///< [K]
 };
 
-/// Residuals and the fitted parameters' columns alone, as the noise model wants them.
-/// Errors: the problem's own at x.
+/// Residuals and the columns of the fitted parameters, as EstimateNoiseModel needs them. Errors: those of
+/// Problem::Predict at x.
 Result<std::vector<noise::NoiseBlock>> NoiseBlocks(const LeastSquares& fit, const Vector& x);
 
-/// Candidates that the fit has released already get no columns.
-/// @param whitening says how long a secant should be: its trace about as large as what a test would just
-/// detect. Candidates whose prediction fails are left out of the columns. Errors: the problem's own at x.
+/// Linearises the fit at x. Candidates that the fit has released already get no columns, nor do those whose
+/// prediction fails.
+/// @param whitening decides the length of secants: their trace is about as long as the shortest one that a
+/// test detects. Errors: those of Problem::Predict at x.
 Result<Design> MakeDesign(const LeastSquares& fit, const Vector& x, const std::vector<Candidate>& candidates,
                           const noise::Whitening& whitening);
 

@@ -1,5 +1,5 @@
-// Readings on a lattice: no fit is needed to see that a sensor rounds, and no model can undo it; what counts
-// is how much of the residual it makes.
+// Quantised channels: they are recognised from the readings without a fit, and what counts for the diagnosis
+// is the share of quantisation in the residual.
 #pragma once
 
 #include <string>
@@ -15,15 +15,17 @@ struct Quantisation {
   std::string unit;
   std::string effect;      ///< CHANNEL.quantisation
   double step = 0;         ///< [unit]
-  double uncertainty = 0;  ///< of the step [unit]: how far its multiples may be off at the largest reading
-  double statistic = 0;  ///< sum of squares of rounding (step^2 / 12 per sample) over the residual's variance
+  double uncertainty = 0;  ///< of the step [unit], such that its multiples fit the largest reading
+  double statistic =
+      0;  ///< sum of squared rounding errors (step^2 / 12 per sample) over the residual's variance
 };
 
-/// Channels whose fitted readings lie on a lattice (QuantisationStep), against the residual of a model.
-/// @param point [P] of the model. Errors: the problem's own.
+/// Channels whose readings in the training trials are multiples of a step (QuantisationStep), with its share
+/// of the residual of a model. @param point [P] of the model. Errors: those of Problem::Predict.
 Result<std::vector<Quantisation>> FindQuantisation(const Problem& problem, const Vector& point);
 
-/// Takes the rounding of channels out of the candidates: their change of the prediction is no signature.
+/// Removes the quantisation effects from the candidates: the change of the prediction by rounding is not a
+/// signature that a score test can use.
 void RemoveQuantisation(const Problem& problem, std::vector<Candidate>& candidates);
 
 }  // namespace sinew::diagnosis

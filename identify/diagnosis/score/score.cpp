@@ -6,17 +6,18 @@
 
 #include "base/column_space.h"
 #include "base/decompositions.h"
-#include "identify/statistics/chi_squared.h"
+#include "identify/statistics/distributions.h"
 
 namespace sinew::diagnosis {
 namespace {
 
 constexpr double kNothingLeft =
-    1e-3;  // share of a column that the base cannot imitate, below which it is none
-constexpr int kUnknownDirections = 5;   // of a smooth curve: more only dilute
-constexpr double kSecondaryWeight = 5;  // unknown terms and single trials share a fifth of the level
-// A curve with so many knots is also looked at through windows, each at one place of the signal: what happens
-// only there is diluted in all of it.
+    1e-3;  // share of a column outside the span of the base, below which it counts as zero
+constexpr int kUnknownDirections = 5;  // principal components per smooth curve: more of them reduce the power
+constexpr double kSecondaryWeight =
+    5;  // discrepancy terms and single-trial effects share a fifth of the level
+// A curve with at least this many knots is also scored in windows of its signal, because the score of the
+// whole curve has little power for a local error.
 constexpr std::size_t kFineKnots = 16;
 constexpr std::array<double, 3> kWindows{0.5, 1, 2};  // standard deviations, in knots
 constexpr double kWindowWeight = 25;
@@ -36,7 +37,8 @@ void WhitenAll(const LeastSquares& fit, const noise::Whitening* whitening, const
   }
 }
 
-// Without whitening: one over the residual's deviation per channel, so that channels can be added.
+// Scale without whitening: one over the residual's standard deviation per channel, so that channels can be
+// added.
 Vector PlainScale(const LeastSquares& fit, const Vector& residual) {
   const auto& blocks = fit.train_blocks();
   Vector scale(static_cast<Eigen::Index>(blocks.size()));
@@ -55,7 +57,8 @@ Vector PlainScale(const LeastSquares& fit, const Vector& residual) {
   return scale;
 }
 
-// Drop of the squared residual for a set of directions; a single one that is positive counts only so.
+// Predicted drop of the squared residual for a set of directions; a single one-sided direction counts only if
+// t > 0.
 double Drop(const ScoreTable& table, const std::vector<int>& which) {
   if (which.size() == 1) {
     const auto i = static_cast<std::size_t>(which.front());
@@ -89,7 +92,7 @@ class TableMaker {
 
   ScoreTable Make() {
     const Vector before = columns_.colwise().norm();
-    TakeBaseAway();
+    ProjectOutBase();
     const auto count = columns_.cols();
     table_.length = columns_.colwise().norm();
     table_.kept = Vector::Zero(count);
@@ -97,7 +100,7 @@ class TableMaker {
     for (Eigen::Index k = 0; k < count; ++k) {
       if (before[k] > 0) table_.kept[k] = table_.length[k] / before[k];
       if (!(table_.kept[k] > kNothingLeft)) table_.length[k] = 0;
-      // The residual is predicted minus measured: an effect that is there makes it negative.
+      // The sign is negative because the residual is predicted minus measured.
       if (table_.length[k] > 0)
         table_.estimate[k] = -columns_.col(k).dot(residual_.col(0)) / (table_.length[k] * table_.length[k]);
     }
@@ -118,7 +121,7 @@ class TableMaker {
     return x.candidate == y.candidate && x.probe == y.probe;
   }
 
-  void TakeBaseAway() {
+  void ProjectOutBase() {
     const ColumnSpace base(base_, kSingular);
     residual_ = base.TakenFrom(residual_);
     columns_ = base.TakenFrom(columns_);
@@ -174,7 +177,7 @@ class TableMaker {
     }
   }
 
-  // Smooth curves carry most of what shows; wiggly ones are mostly noise.
+  // Keeps the smooth curves, which contain most of a detectable error; rough ones are mostly noise.
   void AddSmoothDirections(Score& score) {
     Matrix basis(columns_.rows(), static_cast<Eigen::Index>(score.columns.size()));
     for (std::size_t k = 0; k < score.columns.size(); ++k)
@@ -221,7 +224,7 @@ class TableMaker {
   ScoreTable table_;
 };
 
-// An orthonormal basis of what some directions span, in terms of all directions [D x rank].
+// An orthonormal basis of the span of some directions, in terms of all directions [D x rank].
 Matrix BasisOf(const ScoreTable& table, const std::vector<int>& which) {
   const auto n = static_cast<Eigen::Index>(which.size());
   Matrix gram(n, n);
@@ -247,7 +250,8 @@ Matrix BasisOf(const ScoreTable& table, const std::vector<int>& which) {
 double ScoreTable::Correlation(const Score& a, const Score& b) const {
   const Matrix cross = BasisOf(*this, a.directions).transpose() * correlation * BasisOf(*this, b.directions);
   const Eigen::JacobiSVD<Matrix> svd(cross);
-  // The smallest: only if every direction of the smaller span lies in the other is one the other's double.
+  // The smallest canonical correlation: it is 1 only if every direction of the smaller span lies in the
+  // other.
   return svd.singularValues().size() > 0 ? std::min(1.0, svd.singularValues().minCoeff()) : 0;
 }
 

@@ -9,17 +9,17 @@
 namespace sinew::diagnosis {
 namespace {
 
-constexpr double kLarge = 150;  // statistic above which linear estimates are only a hint
+constexpr double kLarge = 150;  // statistic above which linear estimates are only start values
 constexpr double kVeryLarge = 2000;
 
-// The refit's point with a candidate at one of its probes, `factor` times as large as the linear estimate.
+// The refit's point with a candidate at one of its probes, at `factor` times its linear estimate.
 Vector StartAt(const ScoredModel& scored, const ScoreTable& table, const Candidate& candidate,
                const Score& score, double factor) {
   Vector point = scored.refit.point;
   const auto& parameters = scored.refit.setup->parameters;
   for (const auto& [index, value] : candidate.probes[static_cast<std::size_t>(score.probe)].at)
     point[index] = value;
-  // What vanishes near its null has no slope there to start from.
+  // A candidate that is scored by a secant has no linear estimate: its probe value is the start.
   if (IsScoredBySecant(candidate, static_cast<std::size_t>(score.probe))) return point;
   for (const int column : score.columns) {
     const DesignColumn& one = scored.design.columns[static_cast<std::size_t>(column)];
@@ -39,9 +39,9 @@ constexpr Eigen::Index kRowsPerDirection = 50;
 constexpr Eigen::Index kMaxDirections = 40;
 constexpr double kRejected = 10;  // deviance
 constexpr double kSingularCovariance = 1e-8;
-constexpr double kMinShare = 1e-4;  // of the largest eigenvalue
+constexpr double kMinShare = 1e-4;  // smallest eigenvalue that counts, as a share of the largest
 
-// Leading directions of what all candidates can do and the base cannot, unit length [m x r].
+// Leading directions of the columns of all candidates, projected off the base, unit length [m x r].
 Matrix LeadingDirections(const Design& design) {
   const Vector before = design.candidates.colwise().norm();
   Matrix columns = ColumnSpace(design.base, kSingularCovariance).TakenFrom(design.candidates);
@@ -64,11 +64,11 @@ Matrix LeadingDirections(const Design& design) {
   return directions;
 }
 
-// A noise model of the residual of a model that lacks something swallows what it lacks; so everything that
-// might be there is among the regressors.
-Result<noise::NoiseModel> NoiseBehindCandidates(const LeastSquares& fit, const Vector& x,
-                                                const Design& design, const noise::NoiseModel& own,
-                                                bool white) {
+// If a model lacks an effect, the noise model of its residual partly absorbs that effect; so the leading
+// directions of all candidates are regressors when the noise is estimated.
+Result<noise::NoiseModel> NoiseWithCandidatesFitted(const LeastSquares& fit, const Vector& x,
+                                                    const Design& design, const noise::NoiseModel& own,
+                                                    bool white) {
   SINEW_ASSIGN(auto blocks, NoiseBlocks(fit, x));
   const Matrix directions = LeadingDirections(design);
   for (std::size_t t = 0; t < blocks.size(); ++t) {
@@ -83,7 +83,8 @@ Result<noise::NoiseModel> NoiseBehindCandidates(const LeastSquares& fit, const V
   noise::NoiseModelOptions how;
   how.white = white;
   SINEW_ASSIGN(auto behind, noise::EstimateNoiseModel(blocks, how));
-  // With so many regressors it is less certain; it stands only if the data deny the other one.
+  // With so many regressors the estimate has a larger variance; it is used only if the likelihood clearly
+  // rejects the other one.
   const double rejection = noise::RestrictedDeviance(blocks, own) - noise::RestrictedDeviance(blocks, behind);
   return rejection > kRejected ? behind : own;
 }
@@ -91,7 +92,7 @@ Result<noise::NoiseModel> NoiseBehindCandidates(const LeastSquares& fit, const V
 }  // namespace
 
 double ScoredModel::AlarmPValue() const {
-  constexpr double kLineWeight = 20;  // a twentieth of the level
+  constexpr double kLineWeight = 20;  // the spectral line gets a twentieth of the level
   return line ? std::min(family.p_value, std::min(1.0, kLineWeight * line->p_value)) : family.p_value;
 }
 
@@ -110,8 +111,8 @@ Result<ScoredModel> ScoreModel(const Problem& problem, const std::vector<Candida
   const LeastSquares fit(problem, *scored.refit.setup);
   const noise::Whitening whitening(scored.refit.noise, TrainStretches(fit));
   SINEW_ASSIGN(scored.design, MakeDesign(fit, scored.refit.x, candidates, whitening));
-  SINEW_ASSIGN(scored.noise, NoiseBehindCandidates(fit, scored.refit.x, scored.design, scored.refit.noise,
-                                                   scored.refit.noise_absorbs_misfit));
+  SINEW_ASSIGN(scored.noise, NoiseWithCandidatesFitted(fit, scored.refit.x, scored.design, scored.refit.noise,
+                                                       scored.refit.noise_absorbs_misfit));
   const noise::Whitening behind(scored.noise, TrainStretches(fit));
   scored.whitened = MakeScores(fit, scored.design, candidates, &behind);
   scored.plain =
@@ -121,8 +122,8 @@ Result<ScoredModel> ScoreModel(const Problem& problem, const std::vector<Candida
   return scored;
 }
 
-std::vector<Vector> StartsFor(const ScoredModel& scored, const std::vector<Candidate>& candidates,
-                              int candidate) {
+std::vector<Vector> RefitStarts(const ScoredModel& scored, const std::vector<Candidate>& candidates,
+                                int candidate) {
   const Candidate& which = candidates[static_cast<std::size_t>(candidate)];
   const Score* whitened = scored.BestOf(candidate);
   const Score* plain = scored.BestOf(candidate, scored.plain);

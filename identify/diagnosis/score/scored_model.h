@@ -1,5 +1,4 @@
-// Where a diagnosis stands: a fitted model, and how everything that it does not contain answers to its
-// residual.
+// A fitted model with the score tests of everything that it does not contain.
 #pragma once
 
 #include <vector>
@@ -13,27 +12,29 @@ namespace sinew::diagnosis {
 struct ScoredModel {
   Refit refit;
   Design design;
-  noise::NoiseModel noise;  ///< with everything that candidates can do among the regressors
-  ScoreTable whitened;      ///< by that noise
-  ScoreTable plain;         ///< without whitening, which swallows what is large
+  noise::NoiseModel noise;  ///< estimated with the leading directions of all candidates as regressors
+  ScoreTable whitened;      ///< scores whitened by that noise
+  ScoreTable plain;         ///< scores without whitening, which absorbs large effects
   Family family;
-  std::optional<noise::SpectralLine> line;  ///< strongest in the residual, whether it means something or not
-  /// Chance of any alarm as strong, by scores or by the line, which has a small share of the level.
+  std::optional<noise::SpectralLine> line;  ///< strongest line of the residual's spectrum, significant or not
+  /// Family-wise p-value of the most significant score or of the spectral line, to which a twentieth of the
+  /// level is assigned.
   [[nodiscard]] double AlarmPValue() const;
 
-  /// Best score of a candidate over its probes, nullptr if it was not judged.
+  /// Largest score statistic of a candidate over its probes, nullptr if it was not judged.
   [[nodiscard]] const Score* BestOf(int candidate, const ScoreTable& table) const;
   [[nodiscard]] const Score* BestOf(int candidate) const { return BestOf(candidate, whitened); }
 };
 
-/// Errors: the problem's own at the refit's point. @pre refit.usable()
+/// Scores all candidates at the point of a refit. Errors: those of Problem::Predict there. @pre
+/// refit.usable()
 Result<ScoredModel> ScoreModel(const Problem& problem, const std::vector<Candidate>& candidates, Refit refit,
                                double level, std::uint64_t seed);
 
-/// Points from which a refit with `candidate` released should start: its estimate at the probe that answers
-/// best, whitened and not; at all probes and several sizes if what is wrong is large, where a local search
-/// from the null alone gets stuck. Never empty.
-[[nodiscard]] std::vector<Vector> StartsFor(const ScoredModel& scored,
-                                            const std::vector<Candidate>& candidates, int candidate);
+/// Start points for a refit with `candidate` released: its linear estimate at the probe with the largest
+/// statistic, whitened and not; if the statistic is large, at all probes and several sizes, because a local
+/// search from the null then ends in local minima. Never empty.
+[[nodiscard]] std::vector<Vector> RefitStarts(const ScoredModel& scored,
+                                              const std::vector<Candidate>& candidates, int candidate);
 
 }  // namespace sinew::diagnosis

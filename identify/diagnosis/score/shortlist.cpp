@@ -10,19 +10,20 @@ namespace {
 constexpr std::size_t kMinSurvivors = 4;
 constexpr std::size_t kMaxSurvivors = 14;
 constexpr std::size_t kMaxPairs = 8;
-constexpr double kStandsOut = 3;   // times the answer of any other trial beside it ...
-constexpr double kNoticeable = 6;  // ... and so much more
+constexpr double kOutlyingRatio = 3;       // least ratio to the score of any other trial fitted beside it ...
+constexpr double kOutlyingDifference = 6;  // ... and least difference
 
 }  // namespace
 
 Shortlist::Shortlist(const std::vector<Candidate>& candidates, const ScoredModel& base)
     : candidates_(candidates), base_(base) {
-  FindTrialThatStandsOut();
+  FindOutlyingTrial();
 }
 
-// Of a kind of effect that every trial has, one trial's may be named if no other's answers once it is in.
-// (The base model meets a fault of one trial half way, so that all the others seem to have its opposite.)
-void Shortlist::FindTrialThatStandsOut() {
+// Among the effects of one kind that every trial has, one trial is outlying if its score stays far above
+// those of the others once it is released. (The base model compensates a fault of one trial by half, so that
+// before the release all other trials show the opposite fault.)
+void Shortlist::FindOutlyingTrial() {
   std::map<std::string, std::vector<const Score*>> of_kind;  // effect without its trial
   for (std::size_t c = 0; c < candidates_.size(); ++c) {
     const Candidate& candidate = candidates_[c];
@@ -43,15 +44,16 @@ void Shortlist::FindTrialThatStandsOut() {
       const double beside = JointStatistic(base_.whitened, {first, other}) - first->statistic;
       others = std::max(others, beside - kPerParameter * static_cast<double>(other->directions.size()));
     }
-    if (first->statistic - price < kStandsOut * others + kNoticeable || first->statistic <= most) continue;
+    if (first->statistic - price < kOutlyingRatio * others + kOutlyingDifference || first->statistic <= most)
+      continue;
     most = first->statistic;
-    trial_that_stands_out_ = candidates_[static_cast<std::size_t>(first->candidate)].trial;
+    outlying_trial_ = candidates_[static_cast<std::size_t>(first->candidate)].trial;
   }
 }
 
 bool Shortlist::MayBeNamed(int c) const {
   const std::string& trial = candidates_[static_cast<std::size_t>(c)].trial;
-  return trial.empty() || trial == trial_that_stands_out_;
+  return trial.empty() || trial == outlying_trial_;
 }
 
 std::vector<int> Shortlist::Singles(const ScoredModel& scored) const {

@@ -1,4 +1,4 @@
-// Which candidates are worth a refit: by their scores alone.
+// Choice of the candidates that are refitted, by their scores alone.
 #pragma once
 
 #include <string>
@@ -9,34 +9,35 @@
 
 namespace sinew::diagnosis {
 
-/// Price of a parameter in units of deviance: two standard deviations.
+/// Penalty per parameter in units of deviance: two standard deviations squared.
 inline constexpr double kPerParameter = 4;
-/// Units of deviance within which causes count as not told apart.
+/// Deviance difference below which two causes count as not distinguishable.
 inline constexpr double kSetWidth = 6;
-inline constexpr double kSetWidthColoured = 9;  ///< ... if the noise model itself is a guess
+inline constexpr double kSetWidthColoured =
+    9;  ///< ... if the noise model is estimated with several coefficients
 
 class Shortlist {
  public:
-  /// @param base where the base model stands. Both must outlive this.
+  /// @param base the base model and its scores. Both arguments must outlive this.
   Shortlist(const std::vector<Candidate>& candidates, const ScoredModel& base);
 
-  /// Known candidates whose score, whitened or not, is so near the best that a refit may put them first,
-  /// increasing. Of those that concern one trial alone only the trial that stands out: a sensor that fails in
-  /// one trial answers there much more than in any other, while an effect that is not in the library answers
-  /// in several.
+  /// Known candidates whose score, whitened or not, is close enough to the largest that a refit can put them
+  /// first; increasing. Of effects that act in one trial only those of the outlying trial are included: a
+  /// sensor that fails in one trial has a much larger score there than in any other, while an effect that is
+  /// missing from the library has large scores in several.
   [[nodiscard]] std::vector<int> Singles(const ScoredModel& scored) const;
 
-  /// Pairs of shared effects that the linear analysis at the base model likes best, best first: two causes
-  /// that only show together, or of which a third imitates the sum.
+  /// Pairs of shared effects with the largest joint statistic at the base model, largest first: two causes
+  /// whose scores are large only together, or whose sum is matched by a third.
   [[nodiscard]] std::vector<std::pair<int, int>> Pairs() const;
 
  private:
-  void FindTrialThatStandsOut();
+  void FindOutlyingTrial();
   [[nodiscard]] bool MayBeNamed(int c) const;
 
   const std::vector<Candidate>& candidates_;
   const ScoredModel& base_;
-  std::string trial_that_stands_out_;
+  std::string outlying_trial_;
 };
 
 }  // namespace sinew::diagnosis

@@ -14,19 +14,20 @@ namespace sinew::diagnosis {
 namespace {
 
 constexpr double kStronglyAutocorrelated = 0.97;  // root of the noise ...
-constexpr double kFarther = 5;                    // ... and deviation over that of its innovations
+constexpr double kProcessOverInnovation = 5;      // ... and deviation over that of its innovations
 constexpr double kTolerance = 1e-4;               // relative, of the cost, while searching ...
 constexpr double kFineTolerance = 1e-6;           // ... and of the answer
 constexpr std::size_t kMaxPromising = 10;
 constexpr std::size_t kMaxLeftOut = 6;
 constexpr int kDraws = 40;
-// Fits take longer with more trials, and many trials leave fewer poor places to stop at.
+// Fits take longer with more trials, and with many trials local searches end in poor local minima less often.
 constexpr double kFewTrials = 6;
 constexpr std::size_t kMaxSearched = 20;  // two in each fold
 constexpr double kSpread = 0.8;
-constexpr std::size_t kBeam = 2;  // by each of the two errors
+constexpr std::size_t kBeam = 2;  // sets that are extended, by each of the two errors
 constexpr std::size_t kMaxSearchedCauses = 5;
-constexpr double kWorthIt = 0.97;  // error of left-out trials with a cause, as a share of that without
+constexpr double kMaxErrorRatio =
+    0.97;  // largest error of left-out trials with a cause, as a share of that without it
 
 template <class T>
 bool ByLeftOut(const T& a, const T& b) {
@@ -59,7 +60,7 @@ bool MisfitDominatesNoise(const noise::NoiseModel& noise) {
   return std::any_of(noise.channels.begin(), noise.channels.end(),
                      [](const noise::ChannelNoiseModel& channel) {
                        return channel.LargestRoot() > kStronglyAutocorrelated &&
-                              channel.ProcessDeviation() > kFarther * channel.deviation;
+                              channel.ProcessDeviation() > kProcessOverInnovation * channel.deviation;
                      });
 }
 
@@ -106,7 +107,7 @@ double CrossValidatedSearch::LeftOutError(const Set& released, const Vector& sta
   return std::sqrt(squares / Rows());
 }
 
-// Shared by all trials, known, and among the best by the linear prediction.
+// Candidates that all trials share, that are known, and that are among the best by the linear prediction.
 std::vector<int> CrossValidatedSearch::Promising(const ScoredModel& scored, const Set& have) const {
   std::vector<std::pair<double, int>> ranking;
   for (std::size_t c = 0; c < candidates_.size(); ++c) {
@@ -145,7 +146,7 @@ void CrossValidatedSearch::Grow(const Trial& from, const ScoredModel& scored, st
     Set next = With(from.released, c);
     if (!seen_.insert(next).second) continue;
     trials.push_back({std::move(next), {}, 0, 0});
-    starts.push_back(StartsFor(scored, candidates_, c));
+    starts.push_back(RefitStarts(scored, candidates_, c));
   }
   FitAll(trials, starts);
   for (Trial& trial : trials) {
@@ -153,8 +154,8 @@ void CrossValidatedSearch::Grow(const Trial& from, const ScoredModel& scored, st
   }
 }
 
-// Local searches stop in poor places: every set is tried again from what the others found for the parameters
-// that they share, and from random places around its own.
+// Local searches end in local minima: every set is fitted again from the values that the other sets found for
+// the parameters they share, and from random points around its own solution.
 void CrossValidatedSearch::Polish(const ScoredModel& base, std::vector<Trial>& sets) const {
   std::vector<Trial> again = sets;
   std::vector<std::vector<Vector>> starts(sets.size());
@@ -219,15 +220,15 @@ std::vector<CrossValidatedSearch::Trial> CrossValidatedSearch::OneLess(const Tri
   return smaller;
 }
 
-// What the prediction of left-out trials does not need goes; what is left of the set is judged one by
-// one.
+// Removes the causes that do not improve the prediction of left-out trials; the remaining ones are judged one
+// by one.
 Result<CrossValidatedSearch::Outcome> CrossValidatedSearch::Conclude(Trial best, double base_error) const {
   Outcome outcome;
   outcome.base_error = base_error;
   while (!best.released.empty()) {
     std::vector<Trial> smaller = OneLess(best);
     const auto least = std::min_element(smaller.begin(), smaller.end(), ByLeftOut<Trial>);
-    if (best.released.size() > 1 && best.left_out_error > kWorthIt * least->left_out_error) {
+    if (best.released.size() > 1 && best.left_out_error > kMaxErrorRatio * least->left_out_error) {
       best = *least;
       continue;
     }
@@ -289,7 +290,7 @@ Result<CrossValidatedSearch::Outcome> CrossValidatedSearch::Run(const ScoredMode
       options_.progress(progress);
     }
     ++without_gain;
-    if (by_left_out.front().left_out_error < kWorthIt * best.left_out_error) {
+    if (by_left_out.front().left_out_error < kMaxErrorRatio * best.left_out_error) {
       best = by_left_out.front();
       without_gain = 0;
     }

@@ -1,11 +1,11 @@
-// When what is wrong dwarfs the noise, any noise model swallows it and likelihoods tell little. A set of
-// causes is then judged by what it predicts for trials that were left out of its fit (cross-validation, Stone
-// 1974), and sets are built from several beginnings at a time, since a cause may show only once another one
-// is in. Trials, not conditions, are left out: without the condition that excites an effect no fit can tell
-// its size.
+// Selection by cross-validation, for misfits that dominate the noise: a noise model then absorbs the misfit,
+// and likelihoods say little. A set of causes is judged by its prediction of trials that were left out of the
+// fit (Stone 1974, J. R. Stat. Soc. B 36:111-147). Several sets are extended at a time (beam search), because
+// a cause may improve the prediction only once another one is included. Trials, not conditions, are left out:
+// without the condition that excites an effect its size cannot be estimated.
 //
-// Hundreds of fits are made, so that of many trials only some are searched; what is found is then fitted to
-// all.
+// The search makes hundreds of fits, so that only some of many trials are used in it; the set that is found
+// is then fitted to all.
 #pragma once
 
 #include <set>
@@ -21,7 +21,8 @@
 
 namespace sinew::diagnosis {
 
-/// True if the residual wanders, in some channel, much farther than its innovations: no instrument does that.
+/// True if, in some channel, the residual is strongly autocorrelated with a standard deviation far above that
+/// of its innovations: instrument noise is not like this.
 [[nodiscard]] bool MisfitDominatesNoise(const noise::NoiseModel& noise);
 
 class CrossValidatedSearch {
@@ -31,28 +32,29 @@ class CrossValidatedSearch {
   CrossValidatedSearch(const Problem& problem, const Refitter& refitter,
                        const std::vector<Candidate>& candidates, const DiagnosisOptions& options);
 
-  /// At least two trials to leave out in turn.
+  /// True if there are at least two trials, so that they can be left out in turn.
   [[nodiscard]] bool possible() const { return folds_.size() > 1; }
-  /// Training trials in the search: all, or twenty of them, evenly from the first to the last by name.
+  /// The problem with the training trials of the search: all, or twenty of them, spaced evenly in the order
+  /// of their names.
   [[nodiscard]] const Problem& searched() const { return searched_; }
-  /// What is left out in turn, of these.
+  /// The groups of these trials that are left out in turn.
   [[nodiscard]] const std::vector<TrialFold>& folds() const { return folds_; }
 
-  /// Root mean square of the weighted residuals of left-out trials; infinite where a fit failed.
-  /// @param start [P] from which every fit starts
+  /// Root mean square of the weighted residuals of left-out trials; infinite if a fit failed. @param start
+  /// [P] from which every fit starts
   [[nodiscard]] double LeftOutError(const Set& released, const Vector& start) const;
 
   struct Outcome {
     Set released;
     Refit model;                          ///< ordinary least squares
-    bool misfit_still_dominates = false;  ///< what is left is gross still
-    double base_error = 0;                ///< of left-out trials, by the base model
-    double error = 0;                     ///< by this one
-    /// Error of left-out trials with each cause as a share of that without it.
+    bool misfit_still_dominates = false;  ///< with the chosen causes MisfitDominatesNoise is still true
+    double base_error = 0;                ///< RMS error of left-out trials by the base model
+    double error = 0;                     ///< RMS error of left-out trials by this model
+    /// Per cause: error of left-out trials with it as a share of that without it.
     std::vector<std::pair<int, double>> left_out_shares;
   };
-  /// Best set, from the base model on; ends early if one cause leaves nothing gross. Errors: the problem's
-  /// own.
+  /// Searches for the set with the smallest error of left-out trials, starting from the base model; ends
+  /// early if one cause suffices for MisfitDominatesNoise to become false. Errors: those of Problem::Predict.
   [[nodiscard]] Result<Outcome> Run(const ScoredModel& base);
 
  private:
@@ -77,7 +79,7 @@ class CrossValidatedSearch {
   const DiagnosisOptions& options_;
   RoleView searched_;
   std::vector<TrialFold> folds_;
-  int restarts_ = 0;  // of every set, from random places
+  int restarts_ = 0;  // random starts per set
   std::set<Set> seen_;
 };
 

@@ -10,18 +10,18 @@
 #include "identify/diagnosis/score/shortlist.h"
 #include "identify/diagnosis/select/cross_validated_search.h"
 #include "identify/execution/executor.h"
-#include "identify/statistics/chi_squared.h"
+#include "identify/statistics/distributions.h"
 
 namespace sinew::diagnosis {
 namespace {
 
 constexpr int kMaxCauses = 5;
-constexpr int kMaxExchanges = 8;        // each lowers the deviance, so they end anyway
-constexpr double kFurtherLevel = 0.02;  // of an alarm after the first cause
-constexpr double kParsimony = 10.8;     // chi-squared with one degree: chance 0.001
-constexpr double kDouble = 0.97;        // correlation of traces above which they count as one
-constexpr double kWalk = 0.97;          // root of the noise above which it may well be an effect in disguise
-// Share of a score that its linearity costs, per square root of the score: 1 % at size 3, 4 % at size 12.
+constexpr int kMaxExchanges = 8;  // each lowers the deviance, so that the loop would end without this limit
+constexpr double kFurtherLevel = 0.02;  // family-wise level after the first cause
+constexpr double kParsimony = 10.8;     // 0.999 quantile of chi-squared with one degree of freedom
+constexpr double kDouble = 0.97;        // correlation of traces above which they count as equal
+constexpr double kNearUnitRoot = 0.97;  // root of the noise model above which it may describe an effect
+// Relative error of a score by its linearity, per square root of the score: 1 % at size 3, 4 % at size 12.
 constexpr double kCurvature = 1e-3;
 
 class Selector {
@@ -42,7 +42,7 @@ class Selector {
     selection.family_p_value = base_.AlarmPValue();
     selection.alarm = selection.family_p_value <= options_.alarm_level;
     selection.model = base_.refit;
-    if (!selection.alarm && !MayHide()) return selection;
+    if (!selection.alarm && !NoiseMayAbsorbEffect()) return selection;
 
     std::vector<int> chosen;
     ScoredModel scored = base_;
@@ -73,7 +73,7 @@ class Selector {
     }
     if (!selection.alarm) return selection;
     Eliminate(chosen);
-    if (IsOutdoneByUnknown(chosen)) chosen.clear();
+    if (UnknownTermFitsBetter(chosen)) chosen.clear();
     for (int exchanges = 0;; ++exchanges) {
       selection.causes.clear();
       selection.rivals.clear();
@@ -86,15 +86,15 @@ class Selector {
     }
     SINEW_ASSIGN(scored, ScoreModel(problem_, candidates_, cache_.at(chosen), kFurtherLevel, options_.seed));
     selection.model = cache_.at(chosen);
-    Leftovers(scored, chosen.empty(), selection);
+    FindRemainingStructure(scored, chosen.empty(), selection);
     return selection;
   }
 
  private:
   using Set = std::vector<int>;
 
-  // If one known cause leaves nothing gross, the usual steps do better. If several together do, the usual
-  // steps go on from them; else what left-out trials say counts.
+  // If with one known cause the misfit no longer dominates, the steps by likelihood are more powerful. If it
+  // takes several, these steps continue from them; if it still dominates, cross-validation decides.
   Status SearchByCrossValidation(Selection& selection, Set& chosen) {
     CrossValidatedSearch search(problem_, refitter_, candidates_, options_);
     if (!search.possible()) return {};
@@ -121,7 +121,7 @@ class Selector {
     }
     std::stable_sort(selection.causes.begin(), selection.causes.end(),
                      [](const ChosenCause& a, const ChosenCause& b) { return a.left_out < b.left_out; });
-    // Likelihoods mean nothing here.
+    // Likelihood ratios are not valid where the misfit dominates the noise.
     for (ChosenCause& cause : selection.causes) {
       cause.p_value = std::numeric_limits<double>::quiet_NaN();
       cause.delta_lr = std::numeric_limits<double>::quiet_NaN();
@@ -129,12 +129,13 @@ class Selector {
     return {};
   }
 
-  // Coloured noise with a root near one, or much larger than its innovations, may be an effect that the noise
-  // model has swallowed.
-  [[nodiscard]] bool MayHide() const {
+  // Coloured noise with a root near one, or a process deviation far above that of its innovations, may be an
+  // effect that the noise model has absorbed.
+  [[nodiscard]] bool NoiseMayAbsorbEffect() const {
     const auto& channels = base_.refit.noise.channels;
-    return std::any_of(channels.begin(), channels.end(),
-                       [](const noise::ChannelNoiseModel& channel) { return channel.LargestRoot() > kWalk; });
+    return std::any_of(channels.begin(), channels.end(), [](const noise::ChannelNoiseModel& channel) {
+      return channel.LargestRoot() > kNearUnitRoot;
+    });
   }
 
   [[nodiscard]] double Price(const Set& released) const {
@@ -154,7 +155,7 @@ class Selector {
     return set;
   }
 
-  // Refits what is not in the cache yet, in parallel; each from the given starts.
+  // Refits the sets that are not in the cache yet, in parallel, each from the given starts.
   void Fit(const std::map<Set, std::vector<Vector>>& wanted) {
     std::vector<std::pair<Set, std::vector<Vector>>> work;
     for (const auto& [released, starts] : wanted) {
@@ -167,7 +168,7 @@ class Selector {
     for (std::size_t i = 0; i < work.size(); ++i) cache_[work[i].first] = std::move(made[i]);
   }
 
-  // Family-wise p-value of the drop that `more` candidates bring together.
+  // Family-wise p-value of the likelihood ratio of the candidates `more` together.
   [[nodiscard]] double RefitPValue(double delta_lr, const Set& more) const {
     double degrees = 0;
     bool primary = true;
@@ -191,7 +192,7 @@ class Selector {
   Result<Set> Extend(const Set& chosen, const ScoredModel& scored) {
     std::map<Set, std::vector<Vector>> wanted;
     for (const int c : shortlist_.Singles(scored))
-      wanted[With(chosen, c)] = StartsFor(scored, candidates_, c);
+      wanted[With(chosen, c)] = RefitStarts(scored, candidates_, c);
     if (chosen.size() == 1) AddPairs(wanted);
     Fit(wanted);
     const Refit* best = nullptr;
@@ -217,7 +218,8 @@ class Selector {
     return best->released;
   }
 
-  // The same size, fewer parameters, nearly the same trace, and hardly a worse fit: the simpler law is named.
+  // True for a set of the same size with fewer parameters, nearly the same trace and hardly a worse fit: the
+  // simpler law is then named.
   [[nodiscard]] bool IsSimplerDouble(const Set& released, const Refit& best) const {
     const Refit& refit = cache_.at(released);
     if (!refit.usable() || released.size() != best.released.size() || Price(released) >= Price(best.released))
@@ -232,7 +234,7 @@ class Selector {
     return own.size() == 1 && Correlation(own.front(), other.front()) > kDouble;
   }
 
-  // The alarm comes from the library, not from an unknown term.
+  // True if the most significant score is that of a library effect, not of a discrepancy term.
   [[nodiscard]] bool BestIsKnown(const ScoredModel& scored) const {
     double known = 1;
     for (std::size_t i = 0; i < scored.whitened.scores.size(); ++i) {
@@ -245,19 +247,19 @@ class Selector {
 
   void AddPairs(std::map<Set, std::vector<Vector>>& wanted) const {
     for (const auto& [a, b] : shortlist_.Pairs()) {
-      Vector start = StartsFor(base_, candidates_, a).front();
-      const Vector second = StartsFor(base_, candidates_, b).front();
+      Vector start = RefitStarts(base_, candidates_, a).front();
+      const Vector second = RefitStarts(base_, candidates_, b).front();
       for (const int index : candidates_[static_cast<std::size_t>(b)].parameters)
         start[index] = second[index];
       wanted[With({a}, b)].push_back(std::move(start));
     }
   }
 
-  // One curve of one signal does better than all that is in the library: then the cause is not in it.
-  // Compared at the base model, before any refit, and only if the refit agrees that the known ones explain
-  // little more. Scores are linear: what they neglect grows with the effect. Where no noise model holds, they
-  // compare nothing.
-  [[nodiscard]] bool IsOutdoneByUnknown(const Set& chosen) const {
+  // True if one curve of one signal fits better than all effects of the library: then the cause is not in it.
+  // The scores at the base model are compared before any refit, and the result counts only if the refit
+  // confirms that the known causes explain little more. Scores are linear, and their error grows with the
+  // size of the effect. Where no noise model is valid, the comparison is not made.
+  [[nodiscard]] bool UnknownTermFitsBetter(const Set& chosen) const {
     if (chosen.empty() || base_.refit.noise_absorbs_misfit) return false;
     std::vector<const Score*> known;
     double parameters = 0;
@@ -278,7 +280,7 @@ class Selector {
     return false;
   }
 
-  // Backward: what no longer pays its way goes.
+  // Backward elimination of causes whose likelihood ratio is below their penalty.
   void Eliminate(Set& chosen) {
     bool again = chosen.size() > 1;
     while (again) {
@@ -331,7 +333,7 @@ class Selector {
                      [](const ChosenCause& a, const ChosenCause& b) { return a.delta_lr > b.delta_lr; });
   }
 
-  // For each cause: what else could stand in its place.
+  // The rivals of each cause.
   Status FindRivals(const Set& chosen, Selection& selection) {
     for (const int c : chosen) {
       const Set rest = Without(chosen, c);
@@ -344,14 +346,14 @@ class Selector {
       std::map<Set, std::vector<Vector>> wanted;
       for (const int other : shortlist_.Singles(scored)) {
         if (std::find(chosen.begin(), chosen.end(), other) == chosen.end())
-          wanted[With(rest, other)] = StartsFor(scored, candidates_, other);
+          wanted[With(rest, other)] = RefitStarts(scored, candidates_, other);
       }
       Fit(wanted);
       for (const auto& [released, starts] : wanted) {
         AddRival(chosen, c, released, selection);
       }
     }
-    // Pairs in which both causes are replaced.
+    // Rivals that replace both causes of a pair.
     if (chosen.size() == 2) {
       for (const auto& [released, refit] : cache_) {
         const bool disjoint =
@@ -366,8 +368,9 @@ class Selector {
     return {};
   }
 
-  // One step at a time need not lead to the best set: what explains more in the place of a cause, takes it.
-  // What does so only at the end of its range stands in for something else. Empty: none does.
+  // Forward selection need not find the best set: a rival that explains more than a cause replaces it, unless
+  // it does so only at the end of its range, where it compensates for something else. Empty: there is no such
+  // rival.
   [[nodiscard]] Set BetterRival(const Set& chosen, const Selection& selection) const {
     const Refit* best = &cache_.at(chosen);
     for (const Rival& rival : selection.rivals) {
@@ -410,14 +413,14 @@ class Selector {
     }
   }
 
-  // Of the two signatures at the base model, at the probes that answer best.
+  // Correlation of two signatures at the base model, at the probes with the largest statistics.
   [[nodiscard]] double Correlation(int a, int b) const {
     const Score* first = base_.BestOf(a);
     const Score* second = base_.BestOf(b);
     return first != nullptr && second != nullptr ? base_.whitened.Correlation(*first, *second) : 0;
   }
 
-  void Leftovers(const ScoredModel& scored, bool nothing_chosen, Selection& selection) const {
+  void FindRemainingStructure(const ScoredModel& scored, bool nothing_chosen, Selection& selection) const {
     std::vector<std::pair<double, int>> unknown;
     double smallest = 1;
     for (std::size_t i = 0; i < scored.whitened.scores.size(); ++i) {

@@ -1,4 +1,5 @@
-// Steps 3 to 5: which candidates explain what is wrong, and which others these data cannot tell from them.
+// Steps 3 to 5: the candidates that explain the error, and the alternatives that these data cannot
+// distinguish from them.
 #pragma once
 
 #include <string>
@@ -9,29 +10,29 @@
 
 namespace sinew::diagnosis {
 
-/// A candidate that could stand in place of a chosen cause.
+/// An alternative to a chosen cause that fits nearly as well in its place.
 struct Rival {
   int candidate = 0;
   int instead_of = 0;      ///< a chosen candidate
-  Refit refit;             ///< of the chosen set with this one in place
-  double delta_lr = 0;     ///< by which the chosen set fits better
-  double correlation = 0;  ///< of the two signatures, base taken away
+  Refit refit;             ///< of the chosen set with this candidate in place of the cause
+  double delta_lr = 0;     ///< likelihood ratio in favour of the chosen set
+  double correlation = 0;  ///< of the two signatures, projected off the base columns
 };
 
-/// Twice the log-likelihood, and its price in parameters, by which a rival may fit worse than this model.
+/// Largest penalised likelihood ratio at which a rival still counts as not distinguishable from this model.
 [[nodiscard]] double SetWidth(const Refit& model);
 
 struct ChosenCause {
   int candidate = 0;
-  double delta_lr = 0;  ///< against the chosen set without it
+  double delta_lr = 0;  ///< likelihood ratio against the chosen set without it
   double p_value = 1;   ///< family-wise
-  double left_out = 0;  ///< Selection::gross: error of left-out trials with it, as a share of that without
+  double left_out = 0;  ///< if Selection::cross_validated: error of left-out trials with it / without it
 };
 
 struct Selection {
   bool alarm = false;
-  /// What is wrong dwarfs the noise, and something of that kind is left: causes were chosen by what they
-  /// predict for trials left out of the fit, not by likelihood.
+  /// The misfit dominates the noise, also with the causes: these were chosen by cross-validation over trials,
+  /// not by likelihood.
   bool cross_validated = false;
   std::vector<std::vector<std::string>> left_out;  ///< groups of trials, if cross_validated
   std::size_t searched = 0;                        ///< of the training trials, if gross
@@ -40,13 +41,39 @@ struct Selection {
   std::vector<Rival> rivals;
   std::vector<Refit> tried;     ///< every model with one candidate released, for the table of scores
   Refit model;                  ///< with all causes; the base model if there are none
-  bool structure_left = false;  ///< something is wrong still, and no known candidate explains it
-  bool line_left = false;       ///< something periodic in time
-  std::vector<int> unknown;     ///< unknown terms that answer to what is left, strongest first
+  bool structure_left = false;  ///< an error remains that no known candidate explains
+  bool line_left = false;       ///< the remaining residual has a spectral line
+  std::vector<int>
+      unknown;  ///< discrepancy terms that are significant in the remaining residual, most significant first
   std::vector<double> unknown_p_value;
 };
 
-/// @param base the base model. Errors: the problem's own.
+/// Selects the causes: the smallest set of known candidates that explains the error of the base model.
+///
+/// 1. Alarm: nothing is selected if the family-wise p-value of the base model's scores is above
+/// DiagnosisOptions::alarm_level, unless its noise model is so strongly autocorrelated that it can hide an
+/// effect; refits decide then.
+/// 2. If the misfit dominates the noise: CrossValidatedSearch. Its result is final if the misfit still
+/// dominates with the causes that it finds; else the next steps start from several such causes, or from the
+/// base model if it found only one.
+/// 3. Forward: the shortlist of candidates by score (Shortlist; at the first step also pairs) is refitted,
+/// and the best is added if it is significant by likelihood ratio. Repeated with scores of the extended
+/// model, at a level of 0.02.
+/// 4. Backward: causes whose likelihood ratio is below their penalty are removed. If one discrepancy term
+/// fits better than all causes together, no cause is named: the cause is then not in the library.
+/// 5. Rivals: every cause is replaced by each candidate that could explain the same, and pairs by pairs. A
+/// rival that fits better replaces the cause, at most 8 times; one whose penalised deviance is within
+/// SetWidth is reported as an alternative.
+/// 6. The scores of the final model: what remains is reported in structure_left, line_left and unknown.
+///
+/// @param problem the problem, of which only training trials are used
+/// @param refitter fits all models that are compared; its candidates must be `candidates`
+/// @param candidates all candidates; indices in the result refer to it
+/// @param base the fitted base model with its scores at DiagnosisOptions::alarm_level
+/// @param options seed, threads, interrupt and alarm level. The result does not depend on the number of
+/// threads.
+/// @return the selection; without an alarm its `model` is the base model. Errors: those of Problem::Predict.
+/// Refits that fail are left out and are no error.
 Result<Selection> Select(const Problem& problem, const Refitter& refitter,
                          const std::vector<Candidate>& candidates, const ScoredModel& base,
                          const DiagnosisOptions& options);

@@ -6,7 +6,7 @@
 
 #include "base/text.h"
 #include "base/xml_document.h"
-#include "problems/nms/nms_settings.h"
+#include "problems/nms/settings.h"
 
 namespace sinew {
 namespace {
@@ -32,9 +32,9 @@ std::string Around(double share) {
   return fmt::format("{{share: single, lower: {}, upper: {}, relative: true}}", 1 - share, 1 + share);
 }
 
-class Reader {
+class RtReader {
  public:
-  Reader(const XmlDocument& xml, CeinmsRtCalibration& out) : xml_(xml), out_(out) {}
+  RtReader(const XmlDocument& xml, CeinmsRtCalibration& out) : xml_(xml), out_(out) {}
 
   Status Read() {
     const pugi::xml_node root = xml_.root();
@@ -155,7 +155,7 @@ Result<CeinmsRtCalibration> ReadCeinmsRtCalibration(const std::string& text, con
     return xml.FailAt(xml.root(), "the outermost element is <{}>, expected <simulatedAnnealing>",
                       xml.root().name());
   CeinmsRtCalibration out;
-  SINEW_TRY(Reader(xml, out).Read());
+  SINEW_TRY(RtReader(xml, out).Read());
   return out;
 }
 

@@ -8,7 +8,7 @@
 
 #include "base/error.h"
 #include "problems/nms/ceinms/calibration.h"
-#include "problems/nms/subject.h"
+#include "problems/nms/muscle/subject.h"
 
 namespace sinew {
 

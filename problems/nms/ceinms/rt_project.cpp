@@ -18,8 +18,8 @@
 #include "problems/nms/ceinms/rt_recording.h"
 #include "problems/nms/ceinms/rt_trials.h"
 #include "problems/nms/ceinms/subject.h"
-#include "problems/nms/muscle_grids.h"
-#include "problems/nms/nms_settings.h"
+#include "problems/nms/muscle/muscle_grids.h"
+#include "problems/nms/settings.h"
 
 namespace sinew {
 namespace {

@@ -7,7 +7,7 @@
 #include "base/error.h"
 #include "datasets/dataset.h"
 #include "problems/nms/ceinms/rt_emg.h"
-#include "problems/nms/muscle_grids.h"
+#include "problems/nms/muscle/muscle_grids.h"
 
 namespace sinew {
 

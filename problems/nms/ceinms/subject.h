@@ -10,7 +10,7 @@
 #include <vector>
 
 #include "base/error.h"
-#include "problems/nms/subject.h"
+#include "problems/nms/muscle/subject.h"
 
 namespace sinew {
 

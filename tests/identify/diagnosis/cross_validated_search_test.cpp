@@ -1,5 +1,4 @@
-// Causes chosen by what they predict for trials that were left out, where something unknown dwarfs the
-// noise.
+// Causes chosen by cross-validation over trials, where an unknown misfit dominates the noise.
 #include "identify/diagnosis/select/cross_validated_search.h"
 
 #include <gtest/gtest.h>
@@ -46,17 +45,17 @@ struct Case {
   std::unique_ptr<CrossValidatedSearch> search;
 };
 
-/// A ramp of mean zero in trials of 100 samples: 0.3 (time - 5) shows a little alone, the offset of 0.9 only
-/// once the drift is in. And a slow motion, alike in no two trials, that nothing in the library tells.
+/// A ramp of mean zero in trials of 100 samples: 0.3 (time - 5) has a small effect alone, the offset of 0.9
+/// only together with the drift. And a slow error that differs between trials and that no effect explains.
 LinearLaws::Truth Hidden() {
   LinearLaws::Truth truth;
   truth.noise = 0.005;
   truth.effects = {{"drift_size", 0.3}, {"offset_size", 0.9}};
-  truth.wander = 0.15;
+  truth.slow_error = 0.15;
   return truth;
 }
 
-TEST(CrossValidatedSearch, GrossIsWhatWandersFartherThanItsInnovations) {
+TEST(CrossValidatedSearch, MisfitDominatesIfStronglyAutocorrelated) {
   noise::NoiseModel noise;
   noise.channels = {{"a", {}, 1}};
   EXPECT_FALSE(MisfitDominatesNoise(noise));
@@ -68,7 +67,7 @@ TEST(CrossValidatedSearch, GrossIsWhatWandersFartherThanItsInnovations) {
   EXPECT_FALSE(MisfitDominatesNoise(noise));
 }
 
-TEST(CrossValidatedSearch, AnUnknownWanderIsGrossAndNoiseIsNot) {
+TEST(CrossValidatedSearch, MisfitDominatesForAnUnknownSlowErrorButNotForNoise) {
   const LinearLaws wandering(Hidden(), 1, 8, 0);
   EXPECT_TRUE(MisfitDominatesNoise(Case(wandering).Base().noise));
   LinearLaws::Truth truth;
@@ -89,7 +88,7 @@ TEST(CrossValidatedSearch, FoldsAreTheFittedTrials) {
   EXPECT_FALSE(Case(one).search->possible());
 }
 
-TEST(CrossValidatedSearch, ManyTrialsAreDealtToTenFolds) {
+TEST(CrossValidatedSearch, ManyTrialsFormTenFolds) {
   const LinearLaws many({}, 1, 23, 1);
   const std::vector<TrialFold> folds = FoldsOf(many);
   ASSERT_EQ(folds.size(), 10U);
@@ -119,7 +118,7 @@ TEST(CrossValidatedSearch, OfManyTrialsTwentyAreSearched) {
 }
 
 // By normal equations on the other trials.
-TEST(CrossValidatedSearch, LeftOutErrorIsTheOneByHand) {
+TEST(CrossValidatedSearch, LeftOutErrorMatchesAHandCalculation) {
   const LinearLaws problem(Hidden(), 2, 6, 2, 100);
   const Case one(problem);
   const LeastSquares fit(problem, one.setup);
@@ -148,17 +147,17 @@ TEST(CrossValidatedSearch, LeftOutErrorIsTheOneByHand) {
   EXPECT_NEAR(one.search->LeftOutError({}, one.setup.rest), by_hand, 1e-4 * by_hand);
 }
 
-TEST(CrossValidatedSearch, TrialsOwnValuesAreNoObstacle) {
+TEST(CrossValidatedSearch, NuisanceOfLeftOutTrialsIsFitted) {
   LinearLaws::Truth truth;
   truth.starts = true;
   const LinearLaws problem(truth, 2, 4, 0);
   const Case one(problem);
-  // Values that fade are found in left-out trials too: the noise remains, less a value per trial; three
-  // deviations of a root mean square of 1000.
+  // Decaying initial values are fitted in left-out trials too: the noise remains, less one value per trial;
+  // three standard deviations of a root mean square of 1000.
   EXPECT_NEAR(one.search->LeftOutError({}, one.setup.rest), truth.noise, 3 * truth.noise / std::sqrt(2000.0));
 }
 
-TEST(CrossValidatedSearch, FindsACauseThatShowsOnceAnotherIsIn) {
+TEST(CrossValidatedSearch, FindsACauseThatImprovesOnlyTogetherWithAnother) {
   int right = 0;
   constexpr int kCases = 2;
   for (std::uint64_t seed = 1; seed <= kCases; ++seed) {
@@ -171,7 +170,7 @@ TEST(CrossValidatedSearch, FindsACauseThatShowsOnceAnotherIsIn) {
     ASSERT_TRUE(found) << found.error().message;
     EXPECT_TRUE(found->misfit_still_dominates);
     right += one.NamesOf(found->released) == std::vector<std::string>{"drift", "offset"} ? 1 : 0;
-    // The second predicts nothing alone, and something once the first is in.
+    // The second effect improves nothing alone, but does together with the first.
     EXPECT_LT(found->error, 0.6 * found->base_error) << seed;
     EXPECT_GT(one.search->LeftOutError(one.SetOf({"offset"}), base->refit.point), 0.97 * found->base_error)
         << seed;
@@ -185,11 +184,11 @@ TEST(CrossValidatedSearch, FindsACauseThatShowsOnceAnotherIsIn) {
   EXPECT_EQ(right, kCases);
 }
 
-// What fits the fitted trials a little better and predicts nothing stays out.
-TEST(CrossValidatedSearch, FindsNothingThatLeftOutTrialsDoNotNeed) {
+// An effect that improves the fitted trials a little and the left-out ones not at all is not added.
+TEST(CrossValidatedSearch, AddsNoCauseThatLeftOutTrialsDoNotNeed) {
   LinearLaws::Truth truth = Hidden();
   truth.effects.clear();
-  truth.wander = 1;
+  truth.slow_error = 1;
   for (std::uint64_t seed = 1; seed <= 2; ++seed) {
     const LinearLaws problem(truth, seed, 6, 0, 100);
     Case one(problem);
@@ -204,7 +203,7 @@ TEST(CrossValidatedSearch, FindsNothingThatLeftOutTrialsDoNotNeed) {
   }
 }
 
-TEST(CrossValidatedSearch, DiagnosisSaysWhatItLeftOut) {
+TEST(CrossValidatedSearch, DiagnosisListsTheLeftOutTrials) {
   const LinearLaws problem(Hidden(), 1, 6, 2, 100);
   const auto setup = MakeFitSetup(problem, {});
   ASSERT_TRUE(setup);
@@ -217,7 +216,7 @@ TEST(CrossValidatedSearch, DiagnosisSaysWhatItLeftOut) {
     EXPECT_TRUE(cause.effect == "drift" || cause.effect == "offset") << cause.effect;
     EXPECT_GT(cause.left_out, 0);
     EXPECT_LT(cause.left_out, 0.97);
-    // The jackknife's intervals allow for a slow misfit that is no noise and moves the parameters.
+    // The jackknife's intervals include the scatter of the parameters by the slow error.
     const double truth = cause.effect == "drift" ? 0.3 : 0.9;
     ASSERT_FALSE(cause.parameters.empty());
     EXPECT_LT(cause.parameters[0].ci95[0], truth) << cause.effect;

@@ -26,7 +26,7 @@ bool InStatedSet(const Diagnosis& d, const std::string& effect) {
          std::any_of(d.alternatives.begin(), d.alternatives.end(), is);
 }
 
-TEST(Diagnose, SaysAdequateWhenNothingIsWrongAsOftenAsItClaims) {
+TEST(Diagnose, FalseAlarmsHaveTheStatedRate) {
   // 400 cases at 5 %: 20 expected, standard deviation 4.4; four of them above or below is the limit.
   for (const double correlation : {0.0, 0.8}) {
     int alarms = 0;
@@ -57,7 +57,7 @@ TEST(Diagnose, NamesOneEffectAndMeasuresItsGain) {
   EXPECT_TRUE(d.withdrawn.empty());
 }
 
-TEST(Diagnose, TwinsAreStatedTogether) {
+TEST(Diagnose, IndistinguishableEffectsAreStatedTogether) {
   LinearLaws::Truth truth;
   truth.effects = {{"step_size", 0.05}};
   const Diagnosis d = Examine(LinearLaws(truth, 3));
@@ -81,7 +81,7 @@ TEST(Diagnose, FindsTwoCausesAtOnce) {
   EXPECT_TRUE(InStatedSet(d, "drift"));
 }
 
-TEST(Diagnose, BlamesTheOneTrialThatStandsOut) {
+TEST(Diagnose, NamesTheEffectOfAnOutlyingTrial) {
   LinearLaws::Truth truth;
   truth.effects = {{"offset_size", 0.1}};
   truth.only_trial = "trial_3";
@@ -90,8 +90,8 @@ TEST(Diagnose, BlamesTheOneTrialThatStandsOut) {
   EXPECT_EQ(d.causes[0].effect, "offset@trial_3");
 }
 
-// The base model meets such a fault half way: the other trials seem to have its opposite.
-TEST(Diagnose, BlamesOneTrialWhoseFaultTheOthersShare) {
+// The base model compensates such a fault by half: the other trials seem to have its opposite.
+TEST(Diagnose, NamesTheEffectOfOneTrialThatTheBaseModelSpreadsOverAll) {
   int blamed = 0;
   for (std::uint64_t seed = 1; seed <= 20; ++seed) {
     LinearLaws::Truth truth;
@@ -124,7 +124,7 @@ TEST(Diagnose, HeldOutCyclesRejectACauseOnlyBeyondTheirScatter) {
   EXPECT_GE(rejected, 17);
 }
 
-TEST(Diagnose, SaysThatTheCauseIsNotInTheLibrary) {
+TEST(Diagnose, ReportsThatTheCauseIsNotInTheLibrary) {
   LinearLaws::Truth truth;
   truth.unknown = 0.1;
   const Diagnosis d = Examine(LinearLaws(truth, 5));
@@ -134,7 +134,7 @@ TEST(Diagnose, SaysThatTheCauseIsNotInTheLibrary) {
   EXPECT_GT(d.unknown_terms[0].held_out_reduction, 0.05);
 }
 
-TEST(Diagnose, ARicherLawThatContainsTheCauseMakesNothingAmbiguous) {
+TEST(Diagnose, AMoreGeneralLawDoesNotMakeTheVerdictAmbiguous) {
   LinearLaws::Truth truth;
   truth.lopsided = true;
   truth.effects = {{"quadratic_size", 0.3}};
@@ -149,7 +149,7 @@ TEST(Diagnose, ARicherLawThatContainsTheCauseMakesNothingAmbiguous) {
       << "no experiment takes a law out of one that contains it";
 }
 
-TEST(Diagnose, TheRicherLawIsNamedWhereItIsNeeded) {
+TEST(Diagnose, TheMoreGeneralLawIsNamedWhereItIsNeeded) {
   LinearLaws::Truth truth;
   truth.lopsided = true;
   truth.effects = {{"lopsided_size", 0.3}};
@@ -158,7 +158,7 @@ TEST(Diagnose, TheRicherLawIsNamedWhereItIsNeeded) {
   EXPECT_EQ(d.causes[0].effect, "lopsided");
 }
 
-TEST(Diagnose, ACauseThatHelpsHeldOutTrialsTooLittleStandsInForSomethingElse) {
+TEST(Diagnose, ACauseWithTooLittleHeldOutGainLeavesTheErrorUnexplained) {
   LinearLaws::Truth truth;
   truth.effects = {{"quadratic_size", 0.2}};
   EXPECT_EQ(Examine(LinearLaws(truth, 7)).verdict, DiagnosisVerdict::kExplained);
@@ -181,14 +181,14 @@ TEST(Diagnose, ACauseThatHelpsHeldOutTrialsTooLittleStandsInForSomethingElse) {
   EXPECT_GT(withdrawn.worst->with, withdrawn.worst->without);
 }
 
-// What differs from trial to trial and hides from every effect raises no alarm under a noise model that took
-// it up; but no instrument has such noise.
+// An error that differs from trial to trial and has no score raises no alarm under a noise model that
+// absorbed it; but no instrument has such noise.
 TEST(Diagnose, AStronglyAutocorrelatedResidualIsNotAdequate) {
   int strongly_autocorrelated = 0;
   for (std::uint64_t seed = 1; seed <= 20; ++seed) {
     LinearLaws::Truth truth;
     truth.noise = 0.02;
-    truth.wander = 1;
+    truth.slow_error = 1;
     const Diagnosis d = Examine(LinearLaws(truth, seed));
     EXPECT_NE(d.verdict, DiagnosisVerdict::kAdequate) << seed;
     if (!d.strongly_autocorrelated) continue;
@@ -199,7 +199,7 @@ TEST(Diagnose, AStronglyAutocorrelatedResidualIsNotAdequate) {
   EXPECT_GT(strongly_autocorrelated, 0);
 }
 
-// A problem during whose n-th prediction somebody presses Ctrl-C.
+// A problem that sets the interrupt during its n-th prediction.
 class Impatient final : public Problem {
  public:
   Impatient(const LinearLaws& laws, long predictions) : laws_(laws), left_(predictions) {}
@@ -220,7 +220,7 @@ class Impatient final : public Problem {
   mutable std::atomic<bool> pressed_{false};
 };
 
-TEST(Diagnose, WhatWasInterruptedIsNoAnswer) {
+TEST(Diagnose, AnInterruptedDiagnosisIsAnError) {
   LinearLaws::Truth truth;
   truth.effects = {{"quadratic_size", 0.05}, {"drift_size", 0.01}};
   const LinearLaws laws(truth, 5);
@@ -248,7 +248,7 @@ TEST(Diagnose, WhatWasInterruptedIsNoAnswer) {
   }
 }
 
-TEST(Diagnose, JudgesNothingThatTheDataDoNotContain) {
+TEST(Diagnose, EffectsWithoutInfluenceOnTheDataAreNotJudged) {
   const Diagnosis d = Examine(LinearLaws({}, 2));
   const auto absent = std::find_if(d.scores.begin(), d.scores.end(),
                                    [](const EffectScore& score) { return score.effect == "absent"; });
@@ -257,7 +257,7 @@ TEST(Diagnose, JudgesNothingThatTheDataDoNotContain) {
   EXPECT_EQ(absent->why_not, NotJudged::kNoDistinctChange);
 }
 
-TEST(Diagnose, SaysWhatAMissingValidationTrialMeans) {
+TEST(Diagnose, WarnsWithoutValidationTrials) {
   LinearLaws::Truth truth;
   truth.effects = {{"quadratic_size", 0.2}};
   const Diagnosis d = Examine(LinearLaws(truth, 5, 4, 0));

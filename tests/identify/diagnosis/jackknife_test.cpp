@@ -1,4 +1,4 @@
-// What leaving out each trial says of the parameters, against the covariance of a linear model.
+// The jackknife against the covariance of a linear model.
 #include "identify/diagnosis/fit/jackknife.h"
 
 #include <gtest/gtest.h>
@@ -8,7 +8,7 @@
 #include <cmath>
 #include <cstdio>
 
-#include "identify/statistics/student_t.h"
+#include "identify/statistics/distributions.h"
 #include "tests/identify/diagnosis/linear_laws.h"
 
 namespace sinew::diagnosis {
@@ -54,10 +54,10 @@ double Widening(double trials) {
   return std::pow(statistics::StudentTQuantile(0.975, trials - 1) / 1.959964, 2);
 }
 
-TEST(Jackknife, IsWhatLeavingOutEachTrialByHandGives) {
+TEST(Jackknife, MatchesLeavingOutEachTrialByHand) {
   constexpr int kTrials = 6;
   LinearLaws::Truth truth;
-  truth.wander = 0.4;  // not noise: that is what it is for
+  truth.slow_error = 0.4;  // misfit, for which the jackknife is meant
   const LinearLaws problem(truth, 5, kTrials, 1, 80);
   const Fitted fitted(problem);
   const auto trials = TrialsOf(problem, fitted);
@@ -82,8 +82,8 @@ TEST(Jackknife, IsWhatLeavingOutEachTrialByHandGives) {
   EXPECT_LT((*covariance - by_hand).norm(), 1e-4 * by_hand.norm());
 }
 
-// Equal to the analytic covariance on average, but for what few trials of unequal weight add (Efron, Stein
-// 1981: the jackknife is biased upwards).
+// Equal to the analytic covariance on average, except for the bias with few trials of unequal weight (Efron,
+// Stein 1981: the jackknife is biased upwards).
 TEST(Jackknife, AgreesWithTheCovarianceOfALinearModel) {
   constexpr int kCases = 100;
   constexpr int kTrials = 10;
@@ -109,12 +109,13 @@ TEST(Jackknife, AgreesWithTheCovarianceOfALinearModel) {
   }
 }
 
-// Where the residual is not noise, its samples count for far less than as many.
-TEST(Jackknife, CoversWhatIsNotNoise) {
+// Under misfit the samples of a trial are not independent, so that intervals which assume this are too
+// narrow.
+TEST(Jackknife, CoversTheTruthUnderMisfit) {
   constexpr int kCases = 100;
   LinearLaws::Truth truth;
   truth.noise = 0.001;
-  truth.wander = 0.5;
+  truth.slow_error = 0.5;
   int within = 0;
   int claimed = 0;
   for (std::uint64_t seed = 1; seed <= kCases; ++seed) {
@@ -128,7 +129,7 @@ TEST(Jackknife, CoversWhatIsNotNoise) {
     right[problem.Index("rate")] = truth.rate;
     const Vector off = fitted.model.x - fit.Variables(right);
     within += std::abs(off[0]) < 1.96 * std::sqrt((*covariance)(0, 0)) ? 1 : 0;
-    // As if the errors were independent.
+    // The interval under the assumption of independent errors.
     Matrix normal = Matrix::Zero(2, 2);
     for (const Trial& trial : TrialsOf(problem, fitted)) normal += trial.design.transpose() * trial.design;
     const double variance = 2 * fitted.model.cost / (6 * 60 - 2);

@@ -1,5 +1,5 @@
-// A problem that is linear in its parameters, with effects and a port: what the diagnosis does can be checked
-// by hand.
+// A problem that is linear in its parameters, with effects and a port, so that a diagnosis can be checked by
+// hand.
 #pragma once
 
 #include <cmath>
@@ -17,9 +17,9 @@ namespace sinew {
 
 /// y = gain u + rate du/dt + effects, for an input u(t) of several sines that differs from trial to trial.
 /// Effects: quadratic u|u| (>= 0), step sign(u), drift, offset, twin (1.001 times the step plus a little),
-/// absent (changes nothing), stretch tanh(u / width) with probes; per trial an offset. Port y with y(u),
-/// y(time), whose values at the knots are parameters y(u)[0] ... What is wrong may also be something that
-/// none of these is (Truth).
+/// absent (changes nothing), stretch tanh(u / width) with probe values; per trial an offset. Port y with
+/// y(u), y(time), whose values at the knots are parameters y(u)[0] ... The data can also contain errors that
+/// none of these describes (Truth).
 class LinearLaws final : public Problem {
  public:
   struct Truth {
@@ -33,18 +33,19 @@ class LinearLaws final : public Problem {
     double gain_change = 0;    ///< times u and time, from -1 at the begin of a trial to 1 at its end
     double hum = 0;            ///< amplitude of a sine in time, in phase with the begin of every trial ...
     double hum_frequency = 5;  ///< [Hz]
-    double wander = 0;  ///< of a slow sine whose phase and rate differ from trial to trial: nothing tells it
+    double slow_error = 0;  ///< amplitude of a slow sine whose phase and rate differ from trial to trial: no
+                            ///< effect describes it
     /// The reading may be rounded (effect y.quantisation, known by name alone) to multiples of this; 0: it
     /// is not.
     std::optional<double> reading_step;
-    bool starts = false;  ///< a nuisance value per trial, that fades with exp(-time)
+    bool starts = false;  ///< a nuisance value per trial that decays with exp(-time)
     /// Effect lopsided: u|u| for u > 0 and for u < 0 with a size of its own each; it contains quadratic.
     bool lopsided = false;
     double held_out_share = 1;  ///< of the effects, in held-out trials
     int knots = 8;              ///< of y(u) and y(time)
     bool free_offset = false;   ///< the offset of all trials is a base parameter, no effect
-    /// Held-out trials: standard deviation of the gain of every 25 samples about what the law says; where >
-    /// 0, their blocks say so (Block::group).
+    /// Held-out trials: standard deviation of the gain of every 25 samples about the law; where it is > 0,
+    /// their blocks have groups (Block::group).
     double cycle_scatter = 0;
   };
 
@@ -253,7 +254,7 @@ class LinearLaws final : public Problem {
       }
       y += truth.gain_change * (2 * time / end - 1) * inputs_[b][i];
       y += truth.hum * std::sin(2 * kPi * truth.hum_frequency * time + 1);
-      y += truth.wander * std::sin(rate * time + phase);
+      y += truth.slow_error * std::sin(rate * time + phase);
       if (truth.starts) y += (t % 2 == 0 ? 1 : -0.5) * std::exp(-time);
       if (truth.reading_step && *truth.reading_step > 0)
         y = *truth.reading_step * std::round(y / *truth.reading_step);

@@ -81,7 +81,7 @@ TEST(Drift, ChangeIsWithinItsInterval) {
   }
 }
 
-TEST(Drift, IsNothingWhereNothingChanges) {
+TEST(Drift, IsZeroForAConstantParameter) {
   constexpr int kCases = 100;
   int within = 0;
   for (std::uint64_t seed = 1; seed <= kCases; ++seed) {
@@ -128,8 +128,8 @@ TEST(Drift, WithoutHeldOutTrialsThereIsNothingToCompare) {
   EXPECT_TRUE(drift->after.empty());
 }
 
-TEST(Drift, OfWhatIsNotInTheModelIsAnError) {
-  // The effect rests at its null: its parameter is not free, so nothing says what a change of it would do.
+TEST(Drift, OfAParameterThatIsNotInTheModelIsAnError) {
+  // The effect is at its null: its parameter is not free, so a change of it has no derivative column.
   const auto drift = Examined(LinearLaws({}, 3), "quadratic_size(time)");
   ASSERT_FALSE(drift);
   EXPECT_NE(drift.error().message.find("quadratic_size(time)"), std::string::npos) << drift.error().message;
@@ -148,7 +148,7 @@ TEST(Drift, TimeRunsFromMinusOneToOneInEveryTrial) {
   EXPECT_EQ(TimeInTrial(block)[0], 0);
 }
 
-// A curve whose knots are drawn from a normal distribution, which is what shrinking supposes.
+// A curve whose values at the knots are drawn from a normal distribution, as shrinkage assumes.
 LinearLaws DrawnCurve(double deviation, std::uint64_t seed, int train, int samples) {
   LinearLaws::Truth truth;
   truth.noise = kNoise;
@@ -185,8 +185,9 @@ TEST(Curve, StandardDeviationsAreThoseOfTheError) {
   EXPECT_EQ(better, kCases);
 }
 
-// One short trial sees few of the knots: without shrinking, those that it hardly sees go wild elsewhere.
-TEST(Curve, OfFewDataStaysNearZeroWhereTheyDoNotReach) {
+// One short trial covers few of the knots: without shrinkage the values at the others are very large in other
+// trials.
+TEST(Curve, StaysNearZeroWhereThereAreNoData) {
   constexpr int kCases = 40;
   double worst = 0;
   for (std::uint64_t seed = 1; seed <= kCases; ++seed) {
@@ -198,7 +199,7 @@ TEST(Curve, OfFewDataStaysNearZeroWhereTheyDoNotReach) {
   EXPECT_LT(worst, 2);
 }
 
-TEST(Curve, IsFlatWhereThereIsNone) {
+TEST(Curve, IsZeroForDataWithoutACurve) {
   constexpr int kCases = 100;
   int flat = 0;
   for (std::uint64_t seed = 1; seed <= kCases; ++seed) {
@@ -209,7 +210,7 @@ TEST(Curve, IsFlatWhereThereIsNone) {
   EXPECT_GE(flat, 90);
 }
 
-TEST(Drift, DiagnosisSaysThatTheParameterIsNotConstant) {
+TEST(Drift, DiagnosisReportsThatTheParameterIsNotConstant) {
   int named = 0;
   constexpr int kCases = 3;
   for (std::uint64_t seed = 1; seed <= kCases; ++seed) {

@@ -91,7 +91,7 @@ TEST(Quantisation, IsNotNamedWhereTheProblemHasNoSuchEffect) {
   EXPECT_TRUE(found->empty());
 }
 
-TEST(Quantisation, LeavesTheCandidatesAsTheOnlyOne) {
+TEST(Quantisation, IsTheOnlyEffectRemovedFromTheCandidates) {
   const LinearLaws problem(Rounded(0.3), 3);
   const auto setup = MakeFitSetup(problem, {});
   ASSERT_TRUE(setup);
@@ -127,7 +127,7 @@ TEST(Quantisation, FarBelowTheNoiseIsNoCause) {
   EXPECT_EQ(score->p_value, 1);
 }
 
-TEST(Quantisation, ComesOnTopOfAnotherCause) {
+TEST(Quantisation, IsFoundBesideAnotherCause) {
   LinearLaws::Truth truth = Rounded(0.2);
   truth.effects = {{"quadratic_size", 0.1}};
   const Diagnosis d = Examine(LinearLaws(truth, 7));

@@ -1,4 +1,4 @@
-// What models are compared by: the deviance of a residual under a noise model.
+// The deviance of a residual under a noise model, by which models are compared.
 #include "identify/diagnosis/fit/refit.h"
 
 #include <gtest/gtest.h>
@@ -16,7 +16,7 @@ namespace {
 
 constexpr int kSamples = 40;
 
-/// Two trials of one constant: residuals are what the test says.
+/// Two trials of one constant, whose residuals each test prescribes.
 class Constant final : public FunctionProblem {
  public:
   Constant() {
@@ -89,7 +89,7 @@ TEST(Deviance, IsThatOfTheWholeRecordForAnyOrder) {
   }
 }
 
-TEST(Deviance, DoesNotChangeWithAnOrderThatSaysNothing) {
+TEST(Deviance, DoesNotChangeWithZeroCoefficients) {
   const Constant problem;
   const Fit fit(problem);
   const Vector residual = SomeResidual();

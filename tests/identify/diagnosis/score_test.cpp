@@ -1,4 +1,4 @@
-// How candidates answer to a residual, where that can be said by hand.
+// Scores of candidates in cases that can be calculated by hand.
 #include "identify/diagnosis/score/score.h"
 
 #include <gtest/gtest.h>
@@ -52,9 +52,9 @@ LinearLaws::Truth Bump(int knots) {
   return truth;
 }
 
-// Five smooth directions of a curve hardly see a bump at one of 24 knots; windows do, though each may spend a
-// fifth of the level that the whole curve may.
-TEST(Score, WindowsSeeWhatIsNarrow) {
+// Five smooth directions of a curve have little power for a bump at one of 24 knots; windows have more,
+// although each gets a fifth of the level of the whole curve.
+TEST(Score, WindowsDetectLocalErrors) {
   int sharper = 0;
   constexpr int kCases = 20;
   for (std::uint64_t seed = 1; seed <= kCases; ++seed) {

@@ -66,7 +66,7 @@ TEST_F(DiagnosisFileTest, PredictionsAreThoseOfTheExtendedModel) {
   EXPECT_EQ(tree.Find("prediction/check/y")->Text("role"), "validate");
 }
 
-TEST_F(DiagnosisFileTest, EveryFindingStandsInItsTable) {
+TEST_F(DiagnosisFileTest, EveryFindingIsInItsTable) {
   const Hdf5Node tree = Reread();
   const Hdf5Node* diagnosis = tree.Find("diagnosis");
   ASSERT_NE(diagnosis, nullptr);
@@ -101,7 +101,7 @@ TEST_F(DiagnosisFileTest, EveryFindingStandsInItsTable) {
 }
 
 // Empty lists must be written and read like full ones.
-TEST_F(DiagnosisFileTest, NothingWrongCanBeWritten) {
+TEST_F(DiagnosisFileTest, AnAdequateDiagnosisCanBeWritten) {
   Diagnosis nothing;
   nothing.setup = diagnosis_.setup;
   nothing.base.stop = diagnosis_.base.stop;
@@ -125,7 +125,7 @@ TEST_F(DiagnosisFileTest, WithoutABaseFitThereAreNoParameters) {
   EXPECT_TRUE(ReadRun(file_.path())) << "it is still a run file";
 }
 
-TEST_F(DiagnosisFileTest, AnInterruptedDiagnosisSaysSo) {
+TEST_F(DiagnosisFileTest, AnInterruptedDiagnosisIsMarked) {
   std::atomic<bool> interrupt{true};
   options_.interrupt = &interrupt;
   EXPECT_EQ(Tree().Find("run")->Number("finished", -1), 0);

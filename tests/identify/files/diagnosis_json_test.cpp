@@ -43,7 +43,8 @@ TEST_F(DiagnosisJsonTest, HasTheFieldsOfTheContract) {
   EXPECT_EQ(json["verdict"], "ambiguous");
   ASSERT_EQ(json["sentences"].size(), 7U);
   ASSERT_EQ(json["sentence_facts"].size(), 7U);
-  EXPECT_EQ(json["sentence_facts"][3], Json({{"kind", "alternative"}, {"about", {"y.delay", "friction"}}, {"step", ""}}));
+  EXPECT_EQ(json["sentence_facts"][3],
+            Json({{"kind", "alternative"}, {"about", {"y.delay", "friction"}}, {"step", ""}}));
   EXPECT_EQ(json["warnings"], Json({"only one held-out trial"}));
   EXPECT_EQ(json["warning_facts"][0]["kind"], "other");
 
@@ -120,7 +121,7 @@ TEST_F(DiagnosisJsonTest, EveryEffectHasOneFinding) {
   EXPECT_EQ(json["scores"][4]["finding"], "ruled_out");
 }
 
-// An unknown term that was not found is no effect that could be ruled out.
+// A discrepancy term that was not found is no effect that could be ruled out.
 TEST_F(DiagnosisJsonTest, UnknownTermsAreNotAmongTheEffectsRuledOut) {
   diagnosis_.unknown_terms.clear();
   const Json json = Parse();
@@ -152,7 +153,7 @@ TEST_F(DiagnosisJsonTest, WhatIsNotFiniteOrNotThereIsNull) {
   EXPECT_THAT(json["gains"], IsEmpty());
 }
 
-// A friction that no channel answers to: no interval of width zero.
+// A friction that no channel depends on: no interval of width zero.
 TEST_F(DiagnosisJsonTest, AParameterThatIsNotDeterminedHasNoInterval) {
   diagnosis_.base_parameters[0].std_error = 0;
   diagnosis_.base_parameters[0].ci95 = {1.5, 1.5};

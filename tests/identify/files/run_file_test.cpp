@@ -28,7 +28,7 @@ class RunFileTest : public testing::Test {
     EXPECT_EQ(ErrorOf(WriteHdf5(file_.path(), tree)), "");
     return ReadRun(file_.path());
   }
-  /// What ReadRun says of the tree after it was damaged.
+  /// The error of ReadRun for the damaged tree.
   [[nodiscard]] std::string ErrorAfter(const std::function<void(Hdf5Node&)>& damage) const {
     Hdf5Node tree = tree_;
     damage(tree);
@@ -97,7 +97,7 @@ TEST_F(RunFileTest, PredictionsHoldMeasuredAndSimulatedSamples) {
   EXPECT_EQ(tree_.Find("residual/train/z"), nullptr);
 }
 
-TEST_F(RunFileTest, ParametersAndUncertaintyStandBesideTheirNames) {
+TEST_F(RunFileTest, ParametersAndUncertaintyHaveTheirNames) {
   EXPECT_THAT(*tree_.Find("parameters/name")->texts(), ElementsAre("offset", "slope"));
   EXPECT_THAT(tree_.Find("parameters/free")->array()->values, ElementsAre(1, 1));
   EXPECT_THAT(*tree_.Find("uncertainty/verdict")->texts(), ElementsAre("identifiable", "identifiable"));
@@ -112,7 +112,7 @@ TEST_F(RunFileTest, ParametersAndUncertaintyStandBesideTheirNames) {
   EXPECT_EQ(*tree_.Find("run/config")->text(), kProvenance.config);
 }
 
-TEST_F(RunFileTest, ARunThatGoesOnIsUnfinishedAndHasItsTrace) {
+TEST_F(RunFileTest, ARunningSearchIsUnfinishedAndHasItsTrace) {
   const FitSetup setup = MakeFitSetup(problem_, {}).value();
   const LeastSquares least_squares(problem_, setup);
   Evaluator evaluator(least_squares, {});
@@ -132,7 +132,7 @@ TEST_F(RunFileTest, ARunThatGoesOnIsUnfinishedAndHasItsTrace) {
   EXPECT_EQ(read->values[0].second, least_squares.Parameters(evaluator.best().x)[0]);
 }
 
-TEST_F(RunFileTest, ARunWithoutAnAnswerSaysWhy) {
+TEST_F(RunFileTest, ARunWithoutAnAnswerHasItsReason) {
   const toy::ToyProblem hopeless(
       {toy::MakeParameter("a", 0, 1, 0.5)}, {toy::MakeBlock("t", "y", 3, 1)},
       [](const Block&, double, const Vector&, Vector*) -> Result<double> { return Fail("no way"); });
@@ -146,7 +146,7 @@ TEST_F(RunFileTest, ARunWithoutAnAnswerSaysWhy) {
   EXPECT_EQ(read->trace.size(), none.trace.size());
 }
 
-TEST_F(RunFileTest, WhatOtherDataNeedNotKnowIsSaid) {
+TEST_F(RunFileTest, ParametersThatOtherDataMayLackAreMarked) {
   std::vector<Parameter> parameters;
   for (const char* name : {"slope", "control", "scatter", "initial"}) {
     parameters.push_back(toy::MakeParameter(name, -1, 1, 0));
@@ -155,8 +155,11 @@ TEST_F(RunFileTest, WhatOtherDataNeedNotKnowIsSaid) {
   parameters[0].prior = parameters[2].prior = GaussianPrior{0.25, 0.5};
   parameters[3].trial = "train";
   const toy::ToyProblem problem(
-      parameters, {toy::MakeBlock("train", "y", 8, 0)},
-      [](const Block&, double t, const Vector& p, Vector*) -> Result<double> { return p.sum() * t; });
+      parameters, {toy::MakeBlock("train", "y", 8, 1)},
+      [](const Block&, double t, const Vector& p, Vector* gradient) -> Result<double> {
+        if (gradient != nullptr) gradient->setConstant(t);
+        return p.sum() * t;
+      });
   const auto fit = Identify(problem, MakeFitSetup(problem, {}).value(), {}).value();
   const Hdf5Node tree = RunTree(problem, fit, kProvenance).value();
   EXPECT_EQ(tree.Find("parameters/prior_mean")->array()->values[2], 0.25);

@@ -44,7 +44,7 @@ StudyRun MadeUp(const std::string& solver, std::vector<double> costs, double par
   return run;
 }
 
-TEST_F(SolverStudy, EverySolverBeginsAtTheSamePlacesOfWhichTheFirstIsTheProblemsOwn) {
+TEST_F(SolverStudy, EverySolverUsesTheSameStartsBeginningWithTheProblemsOwn) {
   const Study study = Compared({"ceres", "lm"}, 3);
   ASSERT_EQ(study.runs.size(), 6U);
   EXPECT_EQ(study.runs[0].trace.front().x, fit_.Start());
@@ -77,7 +77,7 @@ TEST_F(SolverStudy, AnInterruptedOneHoldsTheRunsSoFar) {
   EXPECT_EQ(study->runs.size(), 2U);
 }
 
-TEST_F(SolverStudy, AWrongNameIsKnownBeforeAnyRun) {
+TEST_F(SolverStudy, AWrongNameIsAnErrorBeforeAnyRun) {
   StudyOptions options;
   options.solvers = {"lm", "cerez"};
   options.progress = [](int, int) { FAIL() << "ran"; };

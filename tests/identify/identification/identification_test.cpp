@@ -14,7 +14,7 @@ using toy::LineProblem;
 using toy::ToyProblem;
 using toy::Values;
 
-TEST(Identification, FindsTheLineAndSaysHowWell) {
+TEST(Identification, FitsALineWithItsUncertainty) {
   constexpr double kFourSigma =
       0.16;  // 4 x 0.1 x 2 / sqrt(30): chance of failure below 1e-4, the seed is fixed
   const ToyProblem problem = LineProblem();

@@ -51,7 +51,7 @@ TEST(Stepwise, EachStepHoldsWhatWasFoundBefore) {
   EXPECT_EQ(fit->prediction.quality.size(), 2U) << "of everything that was measured";
 }
 
-// The first step sees only its own trial: where trials disagree, the order shows.
+// The first step fits only its own trial: where trials disagree, the result depends on the order.
 TEST(Stepwise, IsNotTheFitOfEverything) {
   Sum problem;
   problem.steps_ = {{"step 1 (b)", {1}, {1}}, {"step 2 (a)", {0}, {0}}};
@@ -61,7 +61,7 @@ TEST(Stepwise, IsNotTheFitOfEverything) {
   EXPECT_NEAR(fit->parameters[0], 2, 1e-6);
 }
 
-TEST(Stepwise, WhatCannotBeDoneIsSaid) {
+TEST(Stepwise, ImpossibleRequestsAreErrors) {
   Sum problem;
   FitRequest request;
   request.fix = {{"a", 3}};

@@ -39,7 +39,7 @@ struct NoiseProcess {
   }
 };
 
-/// A few sines below one fiftieth of the sampling rate, as a slow mechanism answers.
+/// A few sines below one fiftieth of the sampling rate, like the response of a slow mechanism.
 inline Vector SmoothSignal(Random& random, int n) {
   Vector signal = Vector::Zero(n);
   for (int i = 0; i < 5; ++i) {

@@ -15,7 +15,7 @@ namespace {
 
 const NoiseProcess kWhite;
 const NoiseProcess kFirstOrder = {{0.9}, {}, 0};
-// Finds the true order almost always, where there is one.
+// The criterion that finds the true order almost always, if there is one.
 const NoiseModelOptions kConsistent = {6, OrderCriterion::kBic, false, nullptr};
 
 NoiseModel Estimated(const std::vector<NoiseBlock>& blocks, const NoiseModelOptions& options = {}) {
@@ -24,7 +24,7 @@ NoiseModel Estimated(const std::vector<NoiseBlock>& blocks, const NoiseModelOpti
   return model ? *model : NoiseModel();
 }
 
-/// What a plain autoregression of the least-squares residual would see.
+/// A plain autoregression of the least-squares residual.
 std::vector<NoiseBlock> WithoutRegressors(std::vector<NoiseBlock> blocks) {
   const Matrix design = StackedRegressors(blocks);
   Vector residual = StackedResiduals(blocks);
@@ -187,8 +187,8 @@ TEST(NoiseModel, WhitensAndFindsTheOrder) {
   EXPECT_GE(right, 0.9 * kCases);
 }
 
-// What the default order is for: noise that is no autoregression of any order. With BIC and six coefficients
-// the variance here is 1.65.
+// The default order is chosen for noise that is not an autoregression of any order. With BIC and six
+// coefficients the variance here is 1.65.
 TEST(NoiseModel, ScoresKeepTheirVarianceUnderOtherNoise) {
   constexpr int kCases = 100;
   constexpr int kColumns = 6;
@@ -294,7 +294,7 @@ TEST(NoiseModel, DependentRegressorsCountOnce) {
   EXPECT_NEAR(again.channels[0].coefficients[0], once.channels[0].coefficients[0], 1e-5);
 }
 
-TEST(NoiseModel, StaysStationaryOnWalksAndCurves) {
+TEST(NoiseModel, StaysStationaryOnRandomWalksAndCurves) {
   Random random(4);
   auto blocks = SmoothTrials(random, kWhite, 2, 200, 1);
   for (NoiseBlock& block : blocks) {
@@ -321,11 +321,11 @@ TEST(NoiseModel, FewSamplesAreAnErrorOrWhite) {
   ASSERT_FALSE(model);
   EXPECT_EQ(model.error().message,
             "5 residuals cannot tell their noise besides 5 fitted values: add samples");
-  // Nine degrees of freedom bear no coefficient.
+  // Nine degrees of freedom are too few for a coefficient.
   EXPECT_FALSE(Estimated(SmoothTrials(random, kFirstOrder, 1, 14, 3)).IsColoured());
 }
 
-TEST(NoiseModel, OptionsAreObeyed) {
+TEST(NoiseModel, OptionsAreUsed) {
   Random random(6);
   const auto blocks = SmoothTrials(random, {{0.9}, {}, 1}, 4, 500, 3);
   NoiseModelOptions options;
@@ -339,13 +339,13 @@ TEST(NoiseModel, OptionsAreObeyed) {
   EXPECT_LE(Estimated(blocks, options).channels[0].coefficients.size(), 2);
 }
 
-// Three short trials, as stances on a force plate are; what is wrong is a constant.
-TEST(NoiseModel, WhatIsLouderThanTheStatedNoiseIsNotCalledNoise) {
+// Three short trials, like stances on a force plate, with a constant error.
+TEST(NoiseModel, ResidualsAboveTheStatedNoiseGetOrderZero) {
   Random random(11);
   auto blocks = SmoothTrials(random, kWhite, 3, 32, 2);
   for (NoiseBlock& block : blocks) {
     block.residual.array() += 8;
-    block.regressors.resize(block.residual.size(), 0);  // those of this case could imitate a constant
+    block.regressors.resize(block.residual.size(), 0);  // the usual regressors could compensate a constant
     block.columns.clear();
   }
   EXPECT_FALSE(Estimated(blocks).channels[0].coefficients.empty()) << "nothing is stated: it may be noise";
@@ -355,14 +355,14 @@ TEST(NoiseModel, WhatIsLouderThanTheStatedNoiseIsNotCalledNoise) {
   EXPECT_NEAR(model.channels[0].deviation, std::hypot(8, 1), 1);
   for (NoiseBlock& block : blocks) block.stated = 8;
   EXPECT_FALSE(Estimated(blocks).channels[0].coefficients.empty()) << "as loud as stated";
-  // Coloured noise of the stated level keeps its colour.
+  // Coloured noise of the stated level is still described as coloured.
   auto coloured = SmoothTrials(random, kFirstOrder, 4, 1000, 2);
   const NoiseModel free = Estimated(coloured);
   for (NoiseBlock& block : coloured) block.stated = 1 / std::sqrt(1 - 0.81);
   EXPECT_EQ(Estimated(coloured).channels[0].coefficients, free.channels[0].coefficients);
 }
 
-TEST(NoiseModel, AChannelWithoutAnyErrorIsNoObstacle) {
+TEST(NoiseModel, AChannelWithoutErrorsIsAccepted) {
   Random random(6);
   auto blocks = SmoothTrials(random, kFirstOrder, 1, 400, 1, "position");
   blocks.push_back(SmoothTrials(random, kWhite, 1, 400, 1, "force").front());
@@ -370,12 +370,13 @@ TEST(NoiseModel, AChannelWithoutAnyErrorIsNoObstacle) {
   blocks[1].columns = {1, 3, 4};
   const NoiseModel model = Estimated(blocks);
   EXPECT_NEAR(model.channels[0].ProcessDeviation(), 1 / std::sqrt(1 - 0.81), 1.2);  // 3 deviations
-  // What one regressor of both channels had carried over is taken back, down to the stated range.
+  // The error that a regressor of both channels had spread to this one is removed, down to the stated range.
   EXPECT_LT(model.channels[1].ProcessDeviation(), 1e-3);
 }
 
-// What a fit inside the prediction has taken from the residual must not count as quiet or coloured noise.
-TEST(NoiseModel, AWhiteBlockKeepsToItsStatedLevel) {
+// The reduction of the residual by a fit inside the prediction must not count as a low level or as coloured
+// noise.
+TEST(NoiseModel, AWhiteBlockHasAtLeastItsStatedLevel) {
   Random random(8);
   std::vector<NoiseBlock> blocks = SmoothTrials(random, kFirstOrder, 4, 200, 3);
   ASSERT_FALSE(Estimated(blocks).channels[0].coefficients.empty());
@@ -387,7 +388,7 @@ TEST(NoiseModel, AWhiteBlockKeepsToItsStatedLevel) {
   EXPECT_TRUE(quiet.channels[0].coefficients.empty());
   EXPECT_EQ(quiet.channels[0].deviation, 1e3);
   EXPECT_EQ(quiet.channels[0].least_deviation, 1e3);
-  // Louder than stated: the estimate.
+  // Above the stated level: the estimate.
   for (NoiseBlock& block : blocks) block.stated = 0.1;
   const NoiseModel loud = Estimated(blocks);
   EXPECT_TRUE(loud.channels[0].coefficients.empty());
@@ -395,7 +396,7 @@ TEST(NoiseModel, AWhiteBlockKeepsToItsStatedLevel) {
   EXPECT_EQ(loud.channels[0].least_deviation, 0.1);
 }
 
-TEST(NoiseModel, NoRootLastsLongerThanTheNoiseIsKnownTo) {
+TEST(NoiseModel, RootsAreLimitedByTheNoiseMemory) {
   constexpr double kLargest = 0.7;
   Random random(4);
   std::vector<NoiseBlock> blocks = SmoothTrials(random, {{0.5}, {}, 0}, 4, 300, 3);
@@ -406,14 +407,14 @@ TEST(NoiseModel, NoRootLastsLongerThanTheNoiseIsKnownTo) {
   const NoiseModel held = Estimated(blocks);
   EXPECT_LE(held.channels[0].LargestRoot(), kLargest + 1e-9);
   EXPECT_GT(held.channels[0].LargestRoot(), 0.4);
-  // What stays below anyway stays as it is.
+  // A root below the limit is unchanged.
   blocks[1].residual.array() -= 3;
   const NoiseModel within = Estimated(blocks);
   for (NoiseBlock& block : blocks) block.largest_root = 1;
   EXPECT_NEAR(RestrictedDeviance(blocks, within), RestrictedDeviance(blocks, Estimated(blocks)), 1);
 }
 
-TEST(NoiseModel, OrdersOfALikeOneAreKept) {
+TEST(NoiseModel, OrdersOfAGivenModelAreUsed) {
   for (const double largest : {1.0, 0.97}) {
     Random random(5);
     std::vector<NoiseBlock> blocks = SmoothTrials(random, {{1.2, -0.5}, {}, 0}, 3, 300, 3);

@@ -1,4 +1,4 @@
-// A line in the spectrum of the residual: found where it is, and seldom where there is none.
+// Detection and false alarms of a line in the spectrum of the residual.
 #include "identify/noise/spectral_line.h"
 
 #include <gtest/gtest.h>
@@ -78,8 +78,8 @@ Vector Hum(const LeastSquares& fit, double frequency, double amplitude, double p
   return rows;
 }
 
-/// Amplitude of a line that a test which knew its frequency, phase and the noise would find with 95 % at the
-/// level of 5 %.
+/// Detectable amplitude of a line for a test with known frequency, phase and noise (probability 95 % at the
+/// level of 5 %).
 double JustDetectable(const NoiseProcess& process, double frequency, int samples) {
   std::complex<double> above = 1;
   std::complex<double> below = 1;
@@ -94,8 +94,8 @@ double JustDetectable(const NoiseProcess& process, double frequency, int samples
 }
 
 const NoiseProcess kProcesses[] = {{{0.5}, {}, 0}, {{0.9}, {}, 0}, {{1.2, -0.5}, {0.6}, 0}};
-// Times what a test that knows frequency, phase and noise just detects: three or less in most places, but
-// nearly five where the spectrum is steep, since the higher side counts there.
+// Ratio to that amplitude: three or less in most places, but nearly five where the spectrum is steep, because
+// the side with more power is the reference.
 constexpr double kEasily = 5;
 constexpr double kBin = 0.2;  // [Hz] of 250 samples
 
@@ -123,7 +123,7 @@ TEST(SpectralLine, SmoothSpectraHaveNone) {
 // A twentieth of the level of 5 % is the share of the line in a diagnosis.
 constexpr double kLevel = 0.0025;
 
-TEST(SpectralLine, FindsWhatAnOracleFindsEasily) {
+TEST(SpectralLine, DetectsALineWellAboveTheDetectableSize) {
   constexpr int kCases = 20;
   const Recording recording(4, 250);
   const FitSetup setup;
@@ -156,7 +156,7 @@ TEST(SpectralLine, SumsOverTrialsOfDifferentLengths) {
   EXPECT_NEAR(line->frequency, 20, kBin);
 }
 
-TEST(SpectralLine, BlocksThatTellNothingGiveNothing) {
+TEST(SpectralLine, UnsuitableBlocksAreLeftOut) {
   const FitSetup setup;
   const auto line_of = [&](const Recording& recording) {
     const LeastSquares fit(recording, setup);
@@ -178,7 +178,7 @@ TEST(SpectralLine, BlocksThatTellNothingGiveNothing) {
 }
 
 // Two cycles per block are a curve, not a line.
-TEST(SpectralLine, KeepsAwayFromTheTrialsOwnDuration) {
+TEST(SpectralLine, LeavesOutFrequenciesOfAFewCyclesPerTrial) {
   const Recording recording(4, 250);
   const FitSetup setup;
   const LeastSquares fit(recording, setup);
@@ -188,7 +188,7 @@ TEST(SpectralLine, KeepsAwayFromTheTrialsOwnDuration) {
   EXPECT_GT(line->p_value, 0.01);
 }
 
-TEST(SpectralLine, NothingIsThereWhereNothingIsLeft) {
+TEST(SpectralLine, AZeroResidualHasNone) {
   const Recording recording(2, 128);
   const FitSetup setup;
   const LeastSquares fit(recording, setup);
@@ -213,7 +213,7 @@ TEST(SpectralLine, AmplitudesAreThoseOfItsChannel) {
   EXPECT_LT((LineAt(recording.layout()[2], line, amplitudes) - rows.tail(200)).norm(), 1e-11);
 }
 
-// An autoregression would take the hum for colour of the noise, and no curve of any signal answers to it.
+// An autoregression would describe the hum as coloured noise, and no curve of any signal explains it.
 TEST(SpectralLine, DiagnosisNamesItAndMeasuresIt) {
   LinearLaws::Truth truth;
   truth.correlation = 0.5;
@@ -236,7 +236,7 @@ TEST(SpectralLine, DiagnosisNamesItAndMeasuresIt) {
                                   [&](const EffectScore& s) { return s.effect == hum.name; });
   ASSERT_NE(score, diagnosis->scores.end());
   EXPECT_EQ(score->family_p_value, hum.p_value);
-  // The figures show it: trials that were fitted are explained better too.
+  // The traces include it: the fit of training trials improves too.
   double before = 0;
   double after = 0;
   for (const TracePair& trace : diagnosis->traces) {

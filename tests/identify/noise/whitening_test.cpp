@@ -29,7 +29,7 @@ Matrix FirstOrderCovariance(double a, int n) {
   return covariance;
 }
 
-TEST(Whitening, RootsFollowFromHowFastNoiseIsForgotten) {
+TEST(Whitening, LargestRootFollowsFromTheNoiseMemory) {
   Block block;
   for (int i = 0; i < 10; ++i) {
     block.prediction_time.push_back(0.01 * i);
@@ -101,7 +101,7 @@ TEST(ChannelNoiseModel, RootsAndStationarity) {
   EXPECT_TRUE(std::isinf((ChannelNoiseModel{"x", {1.01}, 1}).ProcessDeviation()));
 }
 
-TEST(Whitening, NeverReachesAcrossAGap) {
+TEST(Whitening, DoesNotPredictAcrossGaps) {
   NoiseModel model;
   model.channels = {{"force", {0.5, 0.2}, 2}, {"speed", {}, 4}};
   model.channel_of = {0, 1};
@@ -112,7 +112,7 @@ TEST(Whitening, NeverReachesAcrossAGap) {
   for (const int t : {2, 3, 4, 7, 8, 10}) {
     EXPECT_NEAR(white(t, 1), (x(t, 1) - 0.5 * x(t - 1, 1) - 0.2 * x(t - 2, 1)) / 2, kRounding) << t;
   }
-  // Each stretch as if it stood alone.
+  // Each stretch like a separate block.
   const Whitening alone(model, {{0}, {0}});
   Matrix second = x.bottomRows(6);
   alone.Apply(0, second);

@@ -115,7 +115,7 @@ TEST(SimulatedAnnealing, FindsTheGlobalMinimumFromTheLocalOne) {
   EXPECT_NEAR(2 * result.cost, Judge::kOptimum, 1e-5);
 }
 
-TEST(SimulatedAnnealing, SaysWhatTheEndWasDecidedBy) {
+TEST(SimulatedAnnealing, ReportsTheTerminationTest) {
   FunctionProblem problem;
   Judge::MakeProblem(problem);
   const Fit fit(problem);

@@ -1,4 +1,4 @@
-// What every solver in the registry, and a chain, must do.
+// Properties of every solver in the registry, and of a chain.
 #include <gtest/gtest.h>
 
 #include <algorithm>

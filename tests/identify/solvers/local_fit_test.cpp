@@ -29,8 +29,8 @@ class NoisyCost : public FunctionProblem {
   double stated_;
 };
 
-// Without a word on the grain, it damps its steps again and again for gains that are none.
-TEST(LocalFitTest, LooksNoCloserThanTheGrainOfTheCost) {
+// Without a stated noise level it increases its damping again and again for random changes of the cost.
+TEST(LocalFitTest, StopsAtTheNoiseLevelOfTheCost) {
   const auto evaluations = [](const NoisyCost& problem) {
     const Fit prepared(problem);
     LocalFit fit(prepared.least_squares);
@@ -43,7 +43,7 @@ TEST(LocalFitTest, LooksNoCloserThanTheGrainOfTheCost) {
   EXPECT_LT(3 * told, evaluations(NoisyCost(1e-2, 0)));
 }
 
-TEST(LocalFitTest, AViewOfTrialsIsAsGrainyAsItsProblem) {
+TEST(LocalFitTest, ARoleViewHasTheNoiseLevelOfItsProblem) {
   const NoisyCost problem(0, 0.25);
   const RoleView view(problem, [](const Block& block) { return block.role; });
   EXPECT_EQ(view.cost_noise_level(), 0.25);

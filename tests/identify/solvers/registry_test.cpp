@@ -21,11 +21,11 @@ TEST(SolverRegistry, EveryEntryCanBeMade) {
   }
 }
 
-TEST(SolverRegistry, AnyNameThatNloptKnows) {
+TEST(SolverRegistry, EveryNloptNameCanBeMade) {
   EXPECT_EQ(ErrorOf("nlopt:LN_NEWUOA_BOUND"), "");
 }
 
-TEST(SolverRegistry, UnknownNamesAreAnsweredWithTheClosest) {
+TEST(SolverRegistry, UnknownNamesAreErrorsWithTheClosestName) {
   EXPECT_EQ(ErrorOf("cers"), "solver 'cers' does not exist; did you mean 'ceres'?");
   EXPECT_EQ(ErrorOf("sa+cers"), "solver 'cers' does not exist; did you mean 'ceres'?");
   EXPECT_EQ(ErrorOf("nlopt:LN_BOBYQUA"),

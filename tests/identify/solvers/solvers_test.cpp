@@ -1,4 +1,4 @@
-// What single solvers promise beyond the conformance suite.
+// Properties of single solvers beyond the conformance suite.
 #include <gtest/gtest.h>
 
 #include <atomic>
@@ -246,7 +246,7 @@ TEST(MultiStart, ThreadsDoNotChangeAnswerOrTrace) {
   }
 }
 
-TEST(MultiStart, SaysWhenTheBudgetAllowsFewerStarts) {
+TEST(MultiStart, ReportsWhenTheBudgetAllowsFewerStarts) {
   FunctionProblem problem;
   Judge::MakeProblem(problem);
   const Fit fit(problem);

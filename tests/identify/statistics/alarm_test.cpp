@@ -8,7 +8,7 @@
 #include <vector>
 
 #include "base/random.h"
-#include "identify/statistics/chi_squared.h"
+#include "identify/statistics/distributions.h"
 
 namespace sinew::statistics {
 namespace {
@@ -41,7 +41,7 @@ TEST(GroupPValue, IsTheChiSquaredTailOfTheRank) {
   EXPECT_NEAR(GroupPValue(r, t, {{0, 1}, false, 1}), std::exp(-statistic / 2), kRounding);
 }
 
-TEST(GroupPValue, ClassMatesCountOnce) {
+TEST(GroupPValue, EqualColumnsCountOnce) {
   Matrix r = Matrix::Identity(3, 3);
   r(0, 1) = r(1, 0) = -1;
   Vector t(3);
@@ -65,7 +65,7 @@ TEST(AlarmLevel, OfIndependentTestsIsSidak) {
   EXPECT_NEAR(alarm.Threshold(0.05) / sidak, 1, 3 * deviation / 0.05);
 }
 
-TEST(AlarmLevel, OfOneThingUnderManyNamesIsItsOwnLevel) {
+TEST(AlarmLevel, OfEqualGroupsIsThatOfOne) {
   const int n = 30;
   Matrix r(n, n);
   std::vector<AlarmGroup> groups;
@@ -104,12 +104,12 @@ TEST(AlarmLevel, SameSeedSameAnswer) {
   EXPECT_NE(AlarmLevel(r, groups, 9).FamilyPValue(0.3), AlarmLevel(r, groups, 10).FamilyPValue(0.3));
 }
 
-TEST(AlarmLevel, NothingToJudgeNeverAlarms) {
+TEST(AlarmLevel, NoGroupsRaiseNoAlarm) {
   const AlarmLevel alarm(Matrix(0, 0), {}, 1);
   EXPECT_EQ(alarm.FamilyPValue(1e-9), 1);
 }
 
-// The level is kept for designs as the diagnosis has them: correlated columns, signs, groups, class mates,
+// The level holds for designs like those of a diagnosis: correlated columns, signs, groups, equal columns,
 // weights; every case has its own design and its own draws.
 TEST(AlarmLevel, FalseAlarmsHaveTheStatedRate) {
   constexpr int kCases = 1000;

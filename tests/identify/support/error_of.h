@@ -1,4 +1,4 @@
-// What a failure says.
+// Access to the message of a failure.
 #pragma once
 
 #include <string>

@@ -1,4 +1,4 @@
-// A Problem made of functions, for tests of everything that stands on Problem.
+// A Problem made of functions, for tests of code that uses problems.
 #pragma once
 
 #include <functional>
@@ -21,7 +21,7 @@ class FunctionProblem : public Problem {
     parameters_.push_back(std::move(parameter));
     return *this;
   }
-  /// A parameter named, bounded and started as told, on a linear scale.
+  /// A parameter on a linear scale with this name, these bounds and this start.
   FunctionProblem& Add(const std::string& name, double lower, double upper, double start) {
     Parameter parameter;
     parameter.name = name;
@@ -82,7 +82,7 @@ class FunctionProblem : public Problem {
   std::vector<Function> functions_;
 };
 
-/// A problem ready to be searched, all of whose parts live as long as it does.
+/// A problem with its setup and least squares, owned together.
 struct Fit {
   explicit Fit(const Problem& problem, const FitRequest& request = {})
       : setup(MakeFitSetup(problem, request).value()), least_squares(problem, setup) {}

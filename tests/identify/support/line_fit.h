@@ -1,4 +1,4 @@
-// A straight line through noisy points: the smallest identification that has everything a run file holds.
+// A straight line through noisy points: the smallest identification with all parts of a run file.
 #pragma once
 
 #include <utility>

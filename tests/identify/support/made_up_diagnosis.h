@@ -1,4 +1,4 @@
-// A diagnosis as an engine might return it, with something in every list; nothing in it was computed.
+// A diagnosis with an entry in every list, whose values were not computed.
 #pragma once
 
 #include <string>
@@ -9,7 +9,7 @@
 
 namespace sinew::toy {
 
-/// y = rate t + friction + delay on a training and a held-out trial; friction and delay rest at 0.
+/// y = rate t + friction + delay on a training and a held-out trial; the null of friction and delay is 0.
 inline ToyProblem JointProblem() {
   Parameter friction = MakeParameter("friction_level", 0, 5, 0, ParameterKind::kEffect);
   friction.effect = "friction";
@@ -34,8 +34,8 @@ inline EffectScore Scored(std::string effect, Level level) {
   return score;
 }
 
-/// Friction is the cause, a delay could be as well, a gain was withdrawn, an offset was ruled out, a drift
-/// not judged, and an unknown term was found.
+/// Friction is the cause, a delay an alternative; a gain was rejected, an offset ruled out, a drift not
+/// judged, and a discrepancy term found.
 inline Diagnosis JointDiagnosis(const ToyProblem& problem) {
   Diagnosis d;
   d.verdict = DiagnosisVerdict::kAmbiguous;

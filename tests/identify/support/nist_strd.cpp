@@ -19,7 +19,7 @@ Dual ArcTangent(const Dual& u) {
   return {std::atan(u.value()), u.derivatives() / (1 + u.value() * u.value())};
 }
 
-// The equations as they stand in the files.
+// The equations as given in the files.
 const std::map<std::string, Model>& Models() {
   static const std::map<std::string, Model> kModels = {
       {"Misra1a", [](const auto& b, double x) -> Dual { return b[0] * (1.0 - exp(-b[1] * x)); }},
@@ -93,7 +93,7 @@ Result<NistDataset> ReadNist(const std::string& folder, const std::string& name)
     } else if (words.size() == 5 && words[0] == "Residual" && words[1] == "Sum") {
       data.residual_sum_of_squares = ParseNumber(words[4]).value_or(0);
     } else if (words[0] == "Data:") {
-      in_data = true;  // the word also stands in the header, where no line has two numbers
+      in_data = true;  // the word also occurs in the header, where no line has two numbers
     } else if (in_data && words.size() == 2) {
       const std::optional<double> y = ParseNumber(words[0]);
       const std::optional<double> x = ParseNumber(words[1]);

@@ -22,7 +22,7 @@ struct NistDataset {
 
 Result<NistDataset> ReadNist(const std::string& folder, const std::string& name);
 
-/// The names of the models that MakeNist knows, easiest first.
+/// The names of the models of MakeNist, easiest first.
 const std::vector<std::string>& NistNames();
 
 /// The dataset as a problem, from start 0 or 1. Each parameter's box reaches twice the span of both starts

@@ -10,7 +10,7 @@
 
 namespace sinew {
 
-/// A path in the folder for temporary files; what stands there is removed at the end.
+/// A path in the folder for temporary files; a file there is removed at the end.
 class TemporaryFile {
  public:
   TemporaryFile() {

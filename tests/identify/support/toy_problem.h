@@ -1,4 +1,4 @@
-// A problem in a few lines, for tests of what only sees the interface: a formula per sample.
+// A problem in a few lines, for tests of code that uses the interface alone: a formula per sample.
 #pragma once
 
 #include <functional>
@@ -33,7 +33,7 @@ class ToyProblem final : public Problem {
     }
   }
 
-  /// Problems are not copied, toys are: functions return them.
+  /// Unlike problems, toys are copied, because functions return them.
   ToyProblem(const ToyProblem& other)
       : Problem(),
         parameters_(other.parameters_),

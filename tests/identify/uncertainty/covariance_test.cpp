@@ -70,7 +70,7 @@ TEST(Covariance, WhiteNoiseHasTheSamePlainAndRobustError) {
   EXPECT_NEAR(study.robust / study.actual, 1, kSpread);
 }
 
-TEST(Covariance, CorrelatedNoiseIsSeenByTheRobustErrorOnly) {
+TEST(Covariance, OnlyTheRobustErrorAllowsForCorrelatedNoise) {
   const Study study = Repeat(
       {MakeBlock("one", "height", 300, 3)},
       [](Random& random, const Block&, int i, double last) {
@@ -83,7 +83,7 @@ TEST(Covariance, CorrelatedNoiseIsSeenByTheRobustErrorOnly) {
   EXPECT_LT(study.robust / study.actual, 1.1);
 }
 
-TEST(Covariance, GrowingNoiseIsSeenByTheRobustErrorOnly) {
+TEST(Covariance, OnlyTheRobustErrorAllowsForGrowingNoise) {
   const Study study = Repeat(
       {MakeBlock("one", "height", 150, 3)},
       [](Random& random, const Block&, int i, double) { return std::pow(i / 75.0 - 1, 2) * random.Normal(); },

@@ -1,11 +1,11 @@
-// How often the 95 % interval holds the truth, over fixed seeds.
+// Share of fixed seeds for which the 95 % interval contains the truth.
 #include <gtest/gtest.h>
 
 #include <cmath>
 #include <vector>
 
 #include "base/random.h"
-#include "identify/statistics/student_t.h"
+#include "identify/statistics/distributions.h"
 #include "identify/uncertainty/uncertainty.h"
 #include "tests/identify/support/toy_problem.h"
 

@@ -5,7 +5,7 @@
 #include <cmath>
 
 #include "base/random.h"
-#include "identify/statistics/student_t.h"
+#include "identify/statistics/distributions.h"
 #include "identify/uncertainty/uncertainty.h"
 #include "tests/identify/support/toy_problem.h"
 
@@ -21,7 +21,7 @@ using toy::Values;
 // kEndTolerance and kRefitTolerance of the profile, and the step of the grid that it is compared with.
 constexpr double kProfileEnd = 5e-3;
 
-/// height = amplitude exp(-rate t), seen for less than one time constant.
+/// height = amplitude exp(-rate t), measured for less than one time constant.
 Result<double> Decay(const Block& /*block*/, double t, const Vector& p, Vector* gradient) {
   const double shape = std::exp(-p[1] * t);
   if (gradient != nullptr) *gradient << shape, -p[0] * t * shape;
@@ -136,8 +136,7 @@ TEST(Profile, EndsOpenAtABound) {
 }
 
 TEST(Profile, SurvivesClampedContact) {
-  // Springs that never pull: force = sum over faces of k max(0, depth + shift), with kinks all over the
-  // range.
+  // Unilateral springs: force = sum over faces of k max(0, depth + shift), with kinks all over the range.
   ToyProblem problem({MakeParameter("stiffness", 10, 1000, 200), MakeParameter("shift", -0.5, 0.5, 0.1)},
                      {MakeBlock("one", "force", 60, 1)},
                      [](const Block&, double t, const Vector& p, Vector* gradient) -> Result<double> {

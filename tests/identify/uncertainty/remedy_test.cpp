@@ -17,8 +17,9 @@ using toy::ToyFit;
 using toy::ToyProblem;
 using toy::Values;
 
-// A foot on level ground: the vertical force holds the stiffness, the tangential one friction as well, and
-// the temperature of the plate neither. Two frictions show in one product only unless the speed is measured.
+// A foot on level ground: the vertical force depends on the stiffness, the tangential one on friction as
+// well, and the temperature of the plate on neither. Two frictions occur only as a product unless the speed
+// is measured.
 enum { kStiffness, kStatic, kViscous };
 
 Result<double> Foot(const Block& block, double t, const Vector& p, Vector* gradient) {
@@ -82,8 +83,8 @@ TEST(Remedy, NamesTheChannelThatFixesEveryFriction) {
   }
 }
 
-TEST(Remedy, ErrorIsTheOneThatMeasuringItGives) {
-  // Said before, against found after, with the noise that was stated.
+TEST(Remedy, ErrorIsThatOfAFitWithTheAddition) {
+  // The predicted standard error against that of a fit with the addition, with the stated noise.
   Block tangential = MakeBlock("stance", "force_x", 50, 1.5, BlockRole::kPredicted);
   tangential.sigma = 3;
   Block vertical = MakeBlock("stance", "force_y", 50, 1.5);
@@ -109,7 +110,7 @@ TEST(Remedy, NamesAValidationTrial) {
 }
 
 TEST(Remedy, NamesAPairWhenNoSingleChannelIsEnough) {
-  // The heat gives the sum of both frictions; the weak tangential channel is drowned but for their
+  // The heat determines the sum of both frictions; the weak tangential channel matters only for their
   // difference.
   const auto formula = [](const Block& block, double t, const Vector& p, Vector* gradient) -> Result<double> {
     Vector unused = Vector::Zero(3);
@@ -141,7 +142,7 @@ TEST(Remedy, NamesAPairWhenNoSingleChannelIsEnough) {
                                                        AdditionName{AdditionKind::kChannel, "difference"}));
 }
 
-TEST(Remedy, SaysWhenNothingHelps) {
+TEST(Remedy, ReportsWhenNoAdditionHelps) {
   const Uncertainty answer =
       Analyse(FootProblem({MakeBlock("stance", "force_y", 50, 1.5),
                            MakeBlock("stance", "temperature", 50, 1.5, BlockRole::kPredicted)}));

@@ -5,7 +5,7 @@
 #include <cmath>
 
 #include "base/random.h"
-#include "identify/statistics/student_t.h"
+#include "identify/statistics/distributions.h"
 #include "identify/uncertainty/uncertainty.h"
 #include "tests/identify/support/toy_problem.h"
 
@@ -94,7 +94,7 @@ TEST(Uncertainty, LinearRegressionMatchesItsClosedForm) {
               kLinearAlgebra);
 }
 
-TEST(Uncertainty, KnownNoiseIsTakenAtItsWord) {
+TEST(Uncertainty, StatedNoiseLevelsAreUsed) {
   ToyProblem problem = LineProblem();
   Layout layout = problem.layout();
   layout[0].columns.clear();
@@ -134,7 +134,7 @@ TEST(Uncertainty, ParameterThatNothingDependsOnIsNotIdentifiable) {
   EXPECT_NEAR(answer.parameters[1].std_error, Analyse(fit_without).parameters[1].std_error, kLinearAlgebra);
 }
 
-TEST(Uncertainty, SaysWhenAParameterOnlyDoesNothingHere) {
+TEST(Uncertainty, ReportsAParameterWithoutEffectAtTheSolutionOnly) {
   // A threshold that the signal does not reach at its start value 2, but would at 0.5.
   ToyProblem problem({MakeParameter("gain", 0, 10, 2), MakeParameter("threshold", 0, 3, 2)},
                      {MakeBlock("one", "height", 30, 1)},
@@ -188,8 +188,8 @@ TEST(Uncertainty, CollinearParametersNameEachOtherAndTheirDirection) {
   EXPECT_TRUE(std::isfinite(answer.parameters[2].std_error));
 }
 
-TEST(Uncertainty, NearlyCollinearParametersAreHardToTellApart) {
-  // exp(-t) with 1 - t over a short time: only the curvature tells them apart, and it is within the noise.
+TEST(Uncertainty, NearlyCollinearParametersHaveWideIntervals) {
+  // exp(-t) and 1 - t over a short time differ only in their curvature, which is within the noise.
   ToyProblem problem({MakeParameter("decay", 0, 20, 5), MakeParameter("ramp", 0, 20, 5)},
                      {MakeBlock("one", "height", 40, 0.2)},
                      [](const Block&, double t, const Vector& p, Vector* gradient) -> Result<double> {
@@ -228,7 +228,7 @@ TEST(Uncertainty, PartnerOnItsBoundIsStillNamed) {
   EXPECT_THAT(answer.parameters[0].reason.partners, ElementsAre("ramp"));
 }
 
-TEST(Uncertainty, TooLittleExcitationIsSaid) {
+TEST(Uncertainty, TooLittleExcitationIsReported) {
   // Its whole range moves the line by a thousandth; the noise is a tenth.
   ToyProblem problem({MakeParameter("offset", -10, 10, 0), MakeParameter("whisper", 0, 1, 0.5)},
                      {MakeBlock("one", "height", 40, 3)},
@@ -268,7 +268,7 @@ TEST(Uncertainty, BoundThatIsHitIsNamed) {
 }
 
 TEST(Uncertainty, NuisanceIsProjectedOutAndNotReported) {
-  // One slope, and an offset per trial that nobody asks for.
+  // One slope, and an offset per trial as nuisance.
   const auto formula = [](const Block& block, double t, const Vector& p, Vector* gradient) -> Result<double> {
     const int offset = block.trial == "one" ? 1 : 2;
     if (gradient != nullptr) {
@@ -297,7 +297,7 @@ TEST(Uncertainty, NuisanceIsProjectedOutAndNotReported) {
   EXPECT_EQ(answer.parameters[0].verdict, Verdict::kIdentifiable);
 }
 
-TEST(Uncertainty, WhatNuisanceCanUndoIsNotIdentifiable) {
+TEST(Uncertainty, ParametersThatNuisanceCompensatesAreNotIdentifiable) {
   const auto formula = [](const Block&, double t, const Vector& p, Vector* gradient) -> Result<double> {
     if (gradient != nullptr) *gradient << t, 1, 1;
     return p[0] * t + p[1] + p[2];
@@ -371,7 +371,7 @@ TEST(Uncertainty, DataWithoutNoiseAreIdentifiableWithoutFalseNotes) {
   }
 }
 
-TEST(Uncertainty, SolutionThatIsNoMinimumIsSaid) {
+TEST(Uncertainty, SolutionThatIsNoMinimumIsReported) {
   const ToyProblem problem = LineProblem();
   const ToyFit fit(problem);
   const Uncertainty answer = Analyse(fit);  // from the start, which is far off
@@ -402,7 +402,7 @@ TEST(Uncertainty, FailuresAreValues) {
   EXPECT_EQ(failed.error().message, "the solution cannot be analysed: force not finite at t = 0");
 }
 
-TEST(Uncertainty, ActiveConstraintIsRespectedAndSaid) {
+TEST(Uncertainty, ActiveConstraintIsRespectedAndReported) {
   // slope <= 3 + offset / 10 by a constraint: the free minimum (1.5, 4) violates it.
   Constraint steep{"not_too_steep", Values({-0.1, 1}), -3};
   std::vector<Parameter> parameters = {MakeParameter("offset", -10, 10, 0), MakeParameter("slope", 0, 20, 1)};

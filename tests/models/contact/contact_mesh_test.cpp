@@ -58,7 +58,7 @@ TEST(ContactMesh, ReadsAnObjFile) {
   EXPECT_NEAR(Volume(*mesh), 1e-3 / 6, 1e-15);
 }
 
-TEST(ContactMesh, SaysWhatIsWrong) {
+TEST(ContactMesh, ErrorsNameTheCause) {
   EXPECT_THAT(BoxMesh({0.2, 0, 0.1}, 2, 2).error().message, HasSubstr("three lengths above 0"));
   EXPECT_THAT(BoxMesh({0.2, 0.1, 0.1}, 0, 2).error().message, HasSubstr("0 x 2 strips"));
   EXPECT_THAT(OutlineMesh({{0, 0}, {1, 0}}, 0.1, 2, 2).error().message, HasSubstr("at least 3"));
@@ -72,7 +72,7 @@ TEST(ContactMesh, SaysWhatIsWrong) {
   EXPECT_EQ(ReadObj("", "a.obj").error().message, "a.obj: holds no face");
 }
 
-TEST(ContactMesh, NoBytesCrashTheObjReader) {
+TEST(ContactMesh, DamagedObjFilesAreErrors) {
   const std::string valid = "v 0 0 0\nv 1 0 0\nv 0 1 0\nv 0 0 1\nf 1 3 2\nf 1 2 4\nf 1 4 3\nf 2 3 4\n";
   Random random(1);
   int accepted = 0;

@@ -1,4 +1,4 @@
-// The fast path, the equations face by face, and Simbody's own force must be one and the same force.
+// The fast path, the equations face by face, and Simbody's own force give the same force.
 #include <gtest/gtest.h>
 
 #include <Eigen/Geometry>
@@ -142,7 +142,7 @@ TEST(ContactPaths, JacobianAgreesWithDifferences) {
   EXPECT_LT(worst, kTolerance);
 }
 
-TEST(ContactPaths, AskingForLessGivesTheSameNumbers) {
+TEST(ContactPaths, PartialRequestsGiveTheSameNumbers) {
   Random random(4);
   const ContactRegion region = Sole();
   for (int state = 0; state < 50; ++state) {
@@ -155,7 +155,7 @@ TEST(ContactPaths, AskingForLessGivesTheSameNumbers) {
   }
 }
 
-TEST(ContactPaths, SidesAndTopCarryNothingIfOnlyTheBottomHasSprings) {
+TEST(ContactPaths, SidesAndTopHaveNoForceIfOnlyTheBottomHasSprings) {
   ContactRegion region;
   region.mesh = *BoxMesh({0.2, 0.02, 0.1}, 4, 4);
   BodyMotion motion;

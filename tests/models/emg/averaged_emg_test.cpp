@@ -24,7 +24,7 @@ std::vector<SpeedCycles> SmallExample() {
   return {{2, {{{2, 6, 0}, {4, 4, 2}}}}, {1, {{{0, 3, 1}, {2, 3, 1}}}}};
 }
 
-TEST(AveragedEmgTest, ByHand) {
+TEST(AveragedEmgTest, MatchesAHandCalculation) {
   const auto model = AveragedEmg::Build({"m"}, SmallExample(), {});
   ASSERT_TRUE(model) << model.error().message;
   const MuscleAverage& m = model->muscle(0);
@@ -79,7 +79,7 @@ TEST(AveragedEmgTest, InterpolationMeetsTheMeasuredPeaks) {
 }
 
 // The same by other means: all at once, without the library's functions, from recordings in time.
-TEST(AveragedEmgTest, IsWhatAPlainImplementationGets) {
+TEST(AveragedEmgTest, AgreesWithAPlainImplementation) {
   Random random(11);
   const std::vector<double> speeds{30, 45, 60, 75, 90, 120};
   std::vector<SpeedCycles> warped;
@@ -137,8 +137,8 @@ TEST(AveragedEmgTest, IsWhatAPlainImplementationGets) {
   }
 }
 
-// Cycles that follow the model: the law is found to rounding, predictions at unseen speeds are right.
-TEST(AveragedEmgTest, PredictsUnseenSpeedsOfDataThatFollowTheModel) {
+// Cycles that follow the model: the law is recovered to rounding, and predictions at other speeds are exact.
+TEST(AveragedEmgTest, PredictsOtherSpeedsOfDataThatFollowTheModel) {
   const auto shape = [](std::size_t k) {
     const double x = static_cast<double>(k) / 1999;
     return 0.02 + std::exp(-0.5 * std::pow((x - 0.3) / 0.08, 2));
@@ -220,7 +220,7 @@ TEST(AveragedEmgTest, WarnsOutsideOfTheMeasuredSpeeds) {
               HasSubstr("outside of the only measured speed, 120 deg/s"));
 }
 
-TEST(AveragedEmgTest, LeavesOutAndSaysSo) {
+TEST(AveragedEmgTest, LeavesOutCyclesWithANote) {
   std::vector<SpeedCycles> speeds = SmallExample();  // muscle m
   speeds[0].muscles.push_back({{1, 1, 1}});          // one cycle at 2 rad/s
   speeds[1].muscles.push_back({{1, 2, 3}, {1, 2, 3}});

@@ -52,7 +52,7 @@ std::vector<std::size_t> LeftOut(const MuscleCheck& check) {
   return out;
 }
 
-TEST(CycleChecksTest, NothingWrongIsNothingSaid) {
+TEST(CycleChecksTest, GoodCyclesHaveNoNotes) {
   const MuscleCheck check = Check(Bursts());
   EXPECT_FALSE(check.silent);
   EXPECT_THAT(check.faults, IsEmpty());
@@ -60,7 +60,7 @@ TEST(CycleChecksTest, NothingWrongIsNothingSaid) {
   EXPECT_THAT(DescribeMuscleCheck("soleus_r", Cycles(), check), IsEmpty());
 }
 
-TEST(CycleChecksTest, AMuscleWithoutSignal) {
+TEST(CycleChecksTest, AMuscleWithoutSignalIsFound) {
   Signal signal = Bursts();
   for (const double value : {0.0, 0.3, double(NAN)}) {
     std::fill(signal.values.begin(), signal.values.end(), value);
@@ -72,7 +72,7 @@ TEST(CycleChecksTest, AMuscleWithoutSignal) {
   }
 }
 
-TEST(CycleChecksTest, SomeCyclesWithoutSignal) {
+TEST(CycleChecksTest, SomeCyclesWithoutSignalAreFound) {
   Signal signal = Bursts();
   for (std::size_t k = 0; k < signal.time.size(); ++k)
     if (signal.time[k] > 3.4 && signal.time[k] < 5.6) signal.values[k] *= 0.01;
@@ -87,7 +87,7 @@ TEST(CycleChecksTest, SomeCyclesWithoutSignal) {
   EXPECT_EQ(CountUsable(Check(signal, settings)), 10U);
 }
 
-TEST(CycleChecksTest, AnEnvelopeThatWasLimited) {
+TEST(CycleChecksTest, AClippedEnvelopeIsFound) {
   Signal signal = Bursts();
   for (double& value : signal.values) value = std::min(value, 0.85);  // the bursts from 8.5 s on are higher
   const MuscleCheck check = Check(signal);
@@ -108,7 +108,7 @@ TEST(CycleChecksTest, AnEnvelopeThatWasLimited) {
               ElementsAre("m: used all the same: 3 saturated (first from 7.500 to 8.500 s)."));
 }
 
-TEST(CycleChecksTest, GapsSpoilTheCyclesThatTheyTouch) {
+TEST(CycleChecksTest, CyclesWithGapsAreLeftOut) {
   Signal signal = Bursts();
   signal.values[static_cast<std::size_t>(3.0 * kRate)] = NAN;  // in the cycle from 2.5 s
   signal.values[static_cast<std::size_t>(6.5 * kRate)] = NAN;  // an end of two cycles
@@ -118,7 +118,7 @@ TEST(CycleChecksTest, GapsSpoilTheCyclesThatTheyTouch) {
   for (const MuscleCycleFault& fault : check.faults) EXPECT_EQ(fault.fault, MuscleFault::kGap);
 }
 
-TEST(CycleChecksTest, FaultsOfTheRawSignal) {
+TEST(CycleChecksTest, FaultsOfTheRawSignalAreFound) {
   Random random(4);
   std::vector<double> raw;
   for (int k = 0; k <= 11 * 2048; ++k) raw.push_back(random.Normal());

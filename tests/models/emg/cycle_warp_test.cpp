@@ -22,7 +22,7 @@ std::string ErrorOf(const std::vector<double>& time, const std::vector<double>& 
   return warped ? "" : warped.error().message;
 }
 
-TEST(CycleWarpTest, ByHand) {
+TEST(CycleWarpTest, MatchesAHandCalculation) {
   EXPECT_EQ(*WarpCycle(kTime, kValues, 1, 5, 5), (std::vector<double>{10, 0, 4, 8, 6}));
   EXPECT_EQ(*WarpCycle(kTime, kValues, 0.5, 2.5, 5), (std::vector<double>{5, 10, 5, 0, 2}));
   // Values at 0.5, 0.5 + 2.25, 5: between 2 and 3 s the share 0.75.
@@ -69,7 +69,7 @@ TEST(CycleWarpTest, RejectsWhatIsNoCycle) {
   EXPECT_NE(ErrorOf({}, {}, 0, 1), "");
 }
 
-TEST(CycleWarpTest, AtPhaseByHand) {
+TEST(CycleWarpTest, AtPhaseMatchesAHandCalculation) {
   const std::vector<double> curve{2, 4, 0};
   EXPECT_EQ(AtPhase(curve, 0), 2);
   EXPECT_EQ(AtPhase(curve, 0.25), 3);
@@ -80,7 +80,7 @@ TEST(CycleWarpTest, AtPhaseByHand) {
   EXPECT_EQ(AtPhase(curve, 7), 0);
 }
 
-TEST(CycleWarpTest, UnwarpIsTheWayBack) {
+TEST(CycleWarpTest, UnwarpIsTheInverse) {
   EXPECT_EQ(UnwarpCycle({2, 4, 0}, 2, 2), (std::vector<double>{2, 3, 4, 2, 0}));
   EXPECT_EQ(UnwarpCycle({2, 4, 0}, 0.5, 4), (std::vector<double>{2, 4, 0}));
   EXPECT_EQ(UnwarpCycle({2, 4, 0}, 0.7, 2.5).size(), 2U);  // at 0 and 0.4 s
@@ -96,7 +96,7 @@ TEST(CycleWarpTest, UnwarpIsTheWayBack) {
   for (std::size_t k = 0; k < wave.size(); ++k) EXPECT_NEAR(back[k], wave[k], 4e-6);
 }
 
-TEST(CycleWarpTest, MeanAndDeviationByHand) {
+TEST(CycleWarpTest, MeanAndDeviationMatchesAHandCalculation) {
   const MeanCurve curve = MeanOfCycles({{1, 2}, {3, 2}, {8, 2}});
   EXPECT_EQ(curve.cycles, 3U);
   EXPECT_NEAR(curve.mean[0], 4, 1e-15);

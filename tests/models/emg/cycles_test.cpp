@@ -276,7 +276,7 @@ TEST(CyclesTest, BeginsAtTheSameOfTwoHighPoints) {
 }
 
 // Two turns of a movement that repeats less often: the doubt is said, and the settings resolve it.
-TEST(CyclesTest, ContradictionsAreSaid) {
+TEST(CyclesTest, ContradictionsAreReported) {
   const Motion motion{2, 0, [](double t) { return 20 * std::cos(2 * kPi * t) + 8 * std::cos(kPi * t); }};
   const Recording r = Record(motion, 0.2, 10, 100);
   const auto doubtful = FindCycles(r.time, r.angle, {});
@@ -297,7 +297,7 @@ TEST(CyclesTest, ContradictionsAreSaid) {
   }
 }
 
-TEST(CyclesTest, RejectsWhatIsNoMovement) {
+TEST(CyclesTest, RejectsSignalsWithoutMovement) {
   Recording r = Record(Cosine(1), 0.2, 5, 100);
   CycleSettings settings;
   settings.swing = 0.01;

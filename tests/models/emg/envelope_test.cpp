@@ -83,7 +83,7 @@ TEST(EnvelopeTest, BridgesShortGapsWithoutADip) {
   EXPECT_EQ(ErrorOf(std::vector<double>(5000, NAN), {}), "no sample is a number");
 }
 
-TEST(EnvelopeTest, ASilentSignalHasNone) {
+TEST(EnvelopeTest, AZeroSignalHasNone) {
   const Envelope envelope = *ComputeEnvelope(std::vector<double>(4000, 0.1234), kRate, {});
   EXPECT_EQ(envelope.maximum, 0);
   EXPECT_EQ(envelope.values, std::vector<double>(4000, 0));

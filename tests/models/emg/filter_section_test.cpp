@@ -73,7 +73,7 @@ TEST(FilterZeroLagTest, RejectsTooFewSamplesAndGaps) {
   EXPECT_EQ(spoilt.error().message, "sample 7 is nan, expected a finite number");
 }
 
-TEST(CausalFilterTest, SettlesAtOnceAndLagsBehind) {
+TEST(CausalFilterTest, SettlesAtOnceAndLags) {
   CausalFilter filter(*ButterworthLowPass(2, 6, kRate));
   filter.Settle(0.4);
   for (int k = 0; k < 100; ++k) EXPECT_NEAR(filter.Next(0.4), 0.4, 1e-11);

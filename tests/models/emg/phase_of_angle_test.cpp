@@ -9,7 +9,7 @@
 namespace sinew {
 namespace {
 
-TEST(PhaseOfAngleTest, ByHand) {
+TEST(PhaseOfAngleTest, MatchesAHandCalculation) {
   const PhaseOfAngle phase = *PhaseOfAngle::Fit({10, 6, 0, 5, 8});
   EXPECT_EQ(phase.reversal(), 0.5);
   EXPECT_EQ(phase.At(10, true), 0);
@@ -38,7 +38,7 @@ TEST(PhaseOfAngleTest, IsTheInverseOfACosine) {
 }
 
 // The second hump is passed over: the angle counts where it is reached first.
-TEST(PhaseOfAngleTest, LevelsWiggles) {
+TEST(PhaseOfAngleTest, RemovesSmallReversals) {
   const PhaseOfAngle phase = *PhaseOfAngle::Fit({0, 4, 2, 8, 0});
   EXPECT_EQ(phase.At(2, true), 0.125);
   EXPECT_EQ(phase.At(4, true), 0.25);

@@ -8,7 +8,7 @@ namespace sinew {
 namespace {
 
 // Deviations -1.5 -0.5 0.5 1.5 and -1.5 0.5 -0.5 1.5: product 4, squares 5 and 5.
-TEST(PredictionErrorTest, ByHand) {
+TEST(PredictionErrorTest, MatchesAHandCalculation) {
   const PredictionError error = *ComparePrediction({1, 2, 3, 4}, {1, 3, 2, 4});
   EXPECT_NEAR(error.rmse, std::sqrt(0.5), 1e-15);
   EXPECT_NEAR(error.r_squared, 0.64, 1e-14);
@@ -27,7 +27,7 @@ TEST(PredictionErrorTest, AConstantHasNoCorrelation) {
   EXPECT_NEAR(error.rmse, std::sqrt(0.05 / 3), 1e-15);
 }
 
-TEST(PredictionErrorTest, RejectsWhatCannotBeCompared) {
+TEST(PredictionErrorTest, RejectsSignalsThatCannotBeCompared) {
   const auto message = [](const Result<PredictionError>& made) { return made ? "" : made.error().message; };
   EXPECT_EQ(message(ComparePrediction({1, 2}, {1})),
             "2 predicted values for 1 measured ones, expected as many");
@@ -36,7 +36,7 @@ TEST(PredictionErrorTest, RejectsWhatCannotBeCompared) {
             "value 1: nan predicted, 2 measured, expected finite numbers");
 }
 
-TEST(PredictionErrorTest, SummaryByHand) {
+TEST(PredictionErrorTest, SummaryMatchesAHandCalculation) {
   const ErrorSummary summary = Summarise({{1, 0.5}, {2, NAN}, {6, 0.9}});
   EXPECT_EQ(summary.count, 3U);
   EXPECT_NEAR(summary.rmse, 3, 1e-15);

@@ -22,7 +22,7 @@ std::vector<double> Noise(std::size_t samples, double step = 0) {
   return values;
 }
 
-TEST(RawEmgTest, FindsNothingWrongWithNoise) {
+TEST(RawEmgTest, NoiseHasNoFault) {
   for (const double step : {0.0, 1.0 / 4096, 1.0 / 16, 1.0 / 2}) {
     const RawEmgFaults faults = FindRawEmgFaults(Noise(200000, step), kRate);
     EXPECT_FALSE(faults.silent);

@@ -16,7 +16,7 @@ std::vector<double> Clock(double rate_Hz, int samples, double start_s = 0) {
   return time;
 }
 
-TEST(UniformRateTest, IsThatOfTheClock) {
+TEST(UniformRateTest, IsThatOfTheTimes) {
   EXPECT_NEAR(*UniformRate(Clock(2048, 100, -3)), 2048, 1e-6);
   auto jitter = Clock(1000, 100);
   jitter[50] += 4e-4;
@@ -35,7 +35,7 @@ TEST(UniformRateTest, RefusesMissingSamples) {
 }
 
 // 2048 Hz is no multiple of 200 Hz.
-TEST(SampleAtRateTest, KeepsTheClockAndTheValues) {
+TEST(SampleAtRateTest, KeepsTimesAndValues) {
   const auto time = Clock(2048, 20481, 1.5);
   std::vector<double> values;
   values.reserve(time.size());
@@ -53,7 +53,7 @@ TEST(SampleAtRateTest, KeepsTheClockAndTheValues) {
   for (const double value : sampled.values) EXPECT_TRUE(value >= *low && value <= *high);
 }
 
-TEST(SampleAtRateTest, TakesEverySampleOfAMultiple) {
+TEST(SampleAtRateTest, SelectsSamplesForAnIntegerFactor) {
   const auto time = Clock(1000, 101);
   std::vector<double> values;
   for (int k = 0; k < 101; ++k) values.push_back(k * k);

@@ -74,7 +74,7 @@ TEST(ShapeBasis, FitFindsItsOwnControlPoints) {
   }
 }
 
-TEST(ShapeBasis, RunsSmoothlyOnWhereNoSampleSpeaks) {
+TEST(ShapeBasis, IsSmoothWhereThereAreNoSamples) {
   std::vector<double> phase;
   std::vector<double> values;
   for (int i = 0; i < 60; ++i) {
@@ -87,7 +87,7 @@ TEST(ShapeBasis, RunsSmoothlyOnWhereNoSampleSpeaks) {
   for (const double at : {0.7, 0.8, 0.9}) EXPECT_NEAR(basis.Value(at, fitted->data()), 0.5, 0.25);
 }
 
-TEST(ShapeBasis, BadInputIsRefused) {
+TEST(ShapeBasis, RejectsBadInput) {
   const ShapeBasis basis(4);
   EXPECT_EQ(FitShape({0, 0.5}, {1}, basis).error().message, "2 phases and 1 values, expected as many");
   EXPECT_EQ(FitShape({0, 0.5}, {1, 2}, basis).error().message, "2 samples are too few for 4 control points");

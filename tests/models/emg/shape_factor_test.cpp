@@ -18,7 +18,7 @@ std::string ErrorOf(const std::vector<double>& speeds, const std::vector<double>
 }
 
 // Of (1, 1), (2, 3), (3, 2), (4, 4): slope 4 / 5, mean 2.5 both; residuals -0.3, 0.9, -0.9, 0.3.
-TEST(ShapeFactorTest, RegressionByHand) {
+TEST(ShapeFactorTest, RegressionMatchesAHandCalculation) {
   const ShapeFactor fit = Fit({3, 1, 4, 2}, {2, 1, 4, 3});
   EXPECT_NEAR(fit.slope(), 0.8, 1e-14);
   EXPECT_NEAR(fit.intercept(), 0.5, 1e-14);
@@ -38,7 +38,7 @@ TEST(ShapeFactorTest, ALineIsFoundExactly) {
   EXPECT_NEAR(fit.scatter(), 0, 1e-14);
 }
 
-TEST(ShapeFactorTest, InterpolationByHand) {
+TEST(ShapeFactorTest, InterpolationMatchesAHandCalculation) {
   const ShapeFactor fit = Fit({4, 1, 2}, {2, 1, 3}, FactorLaw::kInterpolation);
   EXPECT_EQ(fit.At(1), 1);
   EXPECT_EQ(fit.At(1.25), 1.5);
@@ -62,7 +62,7 @@ TEST(ShapeFactorTest, OneSpeedIsAConstant) {
   }
 }
 
-TEST(ShapeFactorTest, KnowsItsRange) {
+TEST(ShapeFactorTest, HasTheRangeOfItsSpeeds) {
   const ShapeFactor fit = Fit({1, 3}, {1, 2});
   EXPECT_TRUE(fit.Covers(1) && fit.Covers(2) && fit.Covers(3));
   EXPECT_TRUE(fit.Covers(3 * (1 + 1e-12)));

@@ -143,7 +143,7 @@ TEST(TurningPointsTest, SmallTurnsBetweenLargeOnesDoNotCount) {
   EXPECT_EQ(FindExtremeSamples({}, 1), std::vector<std::size_t>{});
 }
 
-TEST(TurningPointsTest, ExtremesWithoutWhatNoiseAdds) {
+TEST(TurningPointsTest, ExtremesAreCorrectedForNoise) {
   const Recording r = Record(ConstantSpeeds(60, 60, 0.5), kShare, 20, 2000, 0.5);
   for (const TurningPoint& point : FindTurningPoints(r.time, r.angle, 22, 0.5)) {
     EXPECT_NEAR(point.angle, point.highest ? 45 : 0, 0.6);  // the extremes of 1000 samples are 1.6 beyond

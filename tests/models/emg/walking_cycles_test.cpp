@@ -95,7 +95,7 @@ TEST(WalkingCyclesTest, StridesAreThoseOfTheHeelStrikes) {
   }
 }
 
-TEST(WalkingCyclesTest, SaysThatTheAnklesHighestPointWanders) {
+TEST(WalkingCyclesTest, ReportsThatTheAnklesHighestPointVaries) {
   SKIP_WITHOUT_WALKING();
   const Table angles = Read("walk36/ik.sto");
   const auto found = FindCycles(angles.at("time"), angles.at("ankle_angle_r"), {});
@@ -123,8 +123,8 @@ TEST(WalkingCyclesTest, OnePushOffInEachStride) {
   }
 }
 
-// The whole way: model from most strides of both speeds, tried on the others. Measured figures, with margin:
-// they fail when the averaging or the cycles go wrong.
+// From recordings to predictions: model from most strides of both speeds, tried on the others. Measured
+// values, with margin: they fail when the averaging or the cycles are wrong.
 TEST(WalkingCyclesTest, PredictsStridesThatWereNotUsed) {
   SKIP_WITHOUT_WALKING();
   const std::vector<std::string> muscles{"soleus_r", "med_gas_r", "lat_gas_r", "tib_ant_r"};

@@ -57,7 +57,7 @@ TEST_F(ReferenceFolder, BadFilesAreNamed) {
   EXPECT_FALSE(ReadReference(*FindMechanism("A01"), (folder_ / "absent").string()));
 }
 
-TEST(BuiltInReference, ThePendulumKeepsItsEnergyAndComesBack) {
+TEST(BuiltInReference, ThePendulumConservesEnergyAndIsPeriodic) {
   const MechanismReference reference = BuiltInReference(*FindMechanism("A01"));
   const auto& x = reference.curves[0].values;
   const auto& y = reference.curves[1].values;

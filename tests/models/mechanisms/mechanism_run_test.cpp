@@ -83,7 +83,7 @@ TEST(Mechanisms, FormulationsOfBricardAgree) {
   EXPECT_LT((end.run.values - middle.run.values).cwiseAbs().maxCoeff(), 1e-6);
 }
 
-TEST(Mechanisms, EveryIntegratorComesCloserWithAccuracy) {
+TEST(Mechanisms, EveryIntegratorConvergesWithAccuracy) {
   for (const IntegratorEntry& entry : IntegratorRegistry()) {
     const double rough = Simulated("A01", At(1e-2, entry.name), 1).error.total;
     const double fine = Simulated("A01", At(1e-7, entry.name), 1).error.total;
@@ -92,7 +92,7 @@ TEST(Mechanisms, EveryIntegratorComesCloserWithAccuracy) {
   }
 }
 
-TEST(Mechanisms, SayWhatIsWrong) {
+TEST(Mechanisms, ErrorsNameTheCause) {
   const Mechanism windows = *FindMechanism("A02");
   const auto message = [](const auto& result) { return result ? std::string() : result.error().message; };
   EXPECT_NE(message(FindMechanism("A1")).find("mechanism 'A1' does not exist"), std::string::npos);

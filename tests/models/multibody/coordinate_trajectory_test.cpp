@@ -38,7 +38,7 @@ TEST(CoordinateTrajectory, PassesThroughSamplesInTheModelsOrder) {
   EXPECT_EQ(trajectory.last_time(), 0.5);
 }
 
-TEST(CoordinateTrajectory, HoldsWhatIsMissingButNotWhatACouplerDecides) {
+TEST(CoordinateTrajectory, MissingCoordinatesStayAtTheirDefaultUnlessCoupled) {
   const MultibodyModel model = BuildModel(kLeg);
   const auto trajectory =
       *CoordinateTrajectory::Fit(model, kTimes, {"rx", "ry", "rz", "tx", "ty", "tz", "knee"}, Samples(7));

@@ -84,7 +84,7 @@ TEST(InverseKinematics, FindsEveryHeading) {
   }
 }
 
-TEST(InverseKinematics, SkipsMarkersThatAreNotSeen) {
+TEST(InverseKinematics, SkipsMissingMarkers) {
   const MultibodyModel model = BuildModel(kLeg);
   const auto motion = LegMotion(model, 20);
   auto markers = Measure(model, motion);
@@ -95,7 +95,7 @@ TEST(InverseKinematics, SkipsMarkersThatAreNotSeen) {
   EXPECT_LT(WorstError(result, motion), kRecovery);
 }
 
-TEST(InverseKinematics, LeavesAGapWhereNoMarkerIsSeen) {
+TEST(InverseKinematics, LeavesAGapInFramesWithoutMarkers) {
   const MultibodyModel model = BuildModel(kLeg);
   const auto motion = LegMotion(model, 5);
   auto markers = Measure(model, motion);
@@ -177,7 +177,7 @@ TEST(InverseKinematics, FollowsTheSetup) {
   EXPECT_LT(WorstError(result, motion), kRecovery);
   EXPECT_EQ(result.tracked.size(), 8U);
 
-  // A coordinate task decides what no marker sees, and is a compromise elsewhere.
+  // A coordinate task determines a coordinate without markers, and is a compromise elsewhere.
   setup.coordinates.push_back({"mtp", true, 1.0, IkSetup::Target::kManualValue, 0.7});
   setup.coordinates.push_back({"hip_x", true, 1e-3, IkSetup::Target::kDefaultValue, 0});
   const auto drawn = *SolveInverseKinematics(model, markers, &setup);

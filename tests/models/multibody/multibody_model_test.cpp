@@ -68,7 +68,7 @@ Eigen::Isometry3d Placed(const Vec3& translation, double x, double y, double z) 
   return frame;
 }
 
-TEST(MultibodyModel, DoublePendulumIsWhereTrigonometrySays) {
+TEST(MultibodyModel, DoublePendulumPositionsMatchTrigonometry) {
   for (const std::string& text : {PendulumText3(), PendulumText4()}) {
     const MultibodyModel model = BuildModel(text);
     const double shoulder = 0.7;
@@ -82,7 +82,7 @@ TEST(MultibodyModel, DoublePendulumIsWhereTrigonometrySays) {
   }
 }
 
-TEST(MultibodyModel, DoublePendulumMovesAsTrigonometrySays) {
+TEST(MultibodyModel, DoublePendulumVelocitiesMatchTrigonometry) {
   for (const std::string& text : {PendulumText3(), PendulumText4()}) {
     const MultibodyModel model = BuildModel(text);
     const std::vector<int> bodies{*model.BodyIndex("ground"), *model.BodyIndex("upper"),
@@ -178,7 +178,7 @@ TEST(MultibodyModel, VelocitiesAndAccelerationsAgreeWithDifferences) {
   }
 }
 
-TEST(MultibodyModel, MayBeUsedFromManyThreads) {
+TEST(MultibodyModel, IsThreadSafe) {
   const MultibodyModel model = BuildModel(kLeg);
   const auto n = static_cast<Eigen::Index>(model.coordinate_names().size());
   const int foot = *model.BodyIndex("foot");
@@ -215,7 +215,7 @@ TEST(MultibodyModel, DependentCoordinatesFollowTheirCoupler) {
   EXPECT_NEAR(model.default_values()[patella], 0.9 * (-1.1 + 1), kRounding);
 }
 
-TEST(MultibodyModel, ReplacesAnImpossibleInertiaAndSaysSo) {
+TEST(MultibodyModel, ReplacesAnImpossibleInertiaWithANote) {
   const MultibodyModel model =
       BuildModel(Replaced(kLeg, "<inertia>0.001 0.001 0.01 0 0 0", "<inertia>0.0001 0.0002 0.001 0 0 0"));
   ASSERT_EQ(model.notes().size(), 1U);

@@ -101,7 +101,7 @@ TEST(OsimMuscleReader, PointsAndObjectsOnOffsetFrames) {
   EXPECT_LT((ball.location - Vec3(0, 2, 1)).norm(), 1e-15);
 }
 
-TEST(OsimMuscleReader, WrongInputIsOneSentenceWithItsLine) {
+TEST(OsimMuscleReader, WrongInputIsAnErrorWithItsLine) {
   EXPECT_EQ(ErrorOf(kText, "helyx"), "test.osim: there is no muscle 'helyx'; did you mean 'helix'?");
   EXPECT_EQ(Read(kText, {"helix", "helix"}).error().message, "muscle 'helix' is asked for twice");
   const std::string line = "test\\.osim:[0-9]+: ";
@@ -143,7 +143,7 @@ TEST(OsimMuscleReader, WrongInputIsOneSentenceWithItsLine) {
               HasSubstr("there is no <Model>"));
 }
 
-// Whatever the bytes, there is an answer and no crash, also from a path that was accepted.
+// Arbitrary bytes give muscles or an error, never a crash, also for a path that was accepted.
 TEST(OsimMuscleReader, SurvivesDamagedFiles) {
   constexpr int kRounds = 3000;
   const std::string texts[] = {kText, MusclesOver("ball", "-x", "0.1", "1 2"), MusclesOver("drum", "z")};

@@ -231,7 +231,7 @@ TEST(ReadOsim, AnAngleMayTurnBackwards) {
   EXPECT_FALSE(is_rotational("2 0"));
 }
 
-// Whatever the bytes, there is an answer and no crash.
+// Arbitrary bytes give a model or an error, never a crash.
 TEST(ReadOsim, SurvivesDamagedFiles) {
   constexpr int kRounds = 4000;
   const std::string texts[] = {PendulumText3(), PendulumText4(), kLeg};
@@ -242,7 +242,7 @@ TEST(ReadOsim, SurvivesDamagedFiles) {
     const std::string& text = texts[random.Index(3)];
     (MessageOf(Damaged(text, random)).empty() ? accepted : rejected) += 1;
   }
-  // Both ways were walked.
+  // Both outcomes occurred.
   EXPECT_GT(accepted, kRounds / 20);
   EXPECT_GT(rejected, kRounds / 20);
 }

@@ -81,7 +81,7 @@ TEST(PiecewisePolynomial, DerivativesAgreeWithDifferences) {
   }
 }
 
-TEST(PiecewisePolynomial, LinesInterpolateAndGoOn) {
+TEST(PiecewisePolynomial, LinesInterpolateAndExtrapolate) {
   const auto lines = *PiecewisePolynomial::Lines({0, 1, 3}, {0, 2, 0});
   EXPECT_NEAR(lines.At(0.5).value, 1, kRounding);
   EXPECT_NEAR(lines.At(2).value, 1, kRounding);
@@ -89,7 +89,7 @@ TEST(PiecewisePolynomial, LinesInterpolateAndGoOn) {
   EXPECT_NEAR(lines.At(4).value, -1, kRounding);
 }
 
-TEST(PiecewisePolynomial, KnowsWhetherItIsOneLine) {
+TEST(PiecewisePolynomial, RecognisesASingleLine) {
   EXPECT_EQ(PiecewisePolynomial::Linear(1, 0).Slope(), 1.0);
   EXPECT_EQ(PiecewisePolynomial::Linear(1, 0).Scaled(-2).Slope(), -2.0);
   EXPECT_EQ(PiecewisePolynomial::Constant(3).Slope(), 0.0);

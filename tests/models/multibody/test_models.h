@@ -86,7 +86,7 @@ inline const std::string kPendulum3 = R"(<?xml version="1.0"?>
 </OpenSimDocument>
 )";
 
-// The same in OpenSim 4's words, its joints in the wrong order, its frames in several ways.
+// The same in the format of OpenSim 4, its joints in the wrong order, its frames in several ways.
 inline const std::string kPendulum4 = R"(<?xml version="1.0"?>
 <OpenSimDocument Version="40000">
 <Model name="pendulum">

@@ -40,7 +40,7 @@ TEST(ExponentialShapeTest, SlopesAreThoseOfDifferences) {
   }
 }
 
-TEST(ExponentialShapeTest, StaysFiniteForAbsurdNumbers) {
+TEST(ExponentialShapeTest, StaysFiniteForExtremeNumbers) {
   for (const double shape : {-1e6, -700.0, 700.0, 1e6}) {
     for (const double u : {-10.0, 0.0, 0.5, 10.0}) {
       const ShapeValue at = ExponentialShape(u, shape);
@@ -52,7 +52,7 @@ TEST(ExponentialShapeTest, StaysFiniteForAbsurdNumbers) {
 }
 
 // CEINMS: m = p b / (b X0 + 1), b = (exp(Y0 / p) - 1) / X0.
-TEST(PiecewiseShapeTest, MeetsItsCornerAndItsEnds) {
+TEST(PiecewiseShapeTest, PassesThroughItsCornerAndItsEnds) {
   for (const double shape : {1e-6, 0.01, 0.06, 0.12}) {
     const double x = 0.3085 - 0.7071 * shape;
     const double y = 0.3085 + 0.7071 * shape;

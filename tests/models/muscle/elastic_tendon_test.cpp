@@ -18,7 +18,7 @@ double Activation(double t) {
   return 0.4 - 0.35 * std::cos(9 * t);
 }
 
-TEST(ElasticTendonTest, FibreAndTendonPullAlike) {
+TEST(ElasticTendonTest, FibreAndTendonForcesAreEqual) {
   const auto muscle = Soleus();
   for (const double a : {0.01, 0.3, 1.0}) {
     for (const double unit : {0.29, 0.3, 0.31}) {
@@ -32,7 +32,7 @@ TEST(ElasticTendonTest, FibreAndTendonPullAlike) {
 }
 
 // A stiff tendon is a rigid one: twice as stiff, half as far from it.
-TEST(ElasticTendonTest, TheStifferTheNearerToRigid) {
+TEST(ElasticTendonTest, ApproachesTheRigidTendonWithStiffness) {
   const auto muscle = Soleus();
   const double rigid = RigidFibreLength(muscle, 0.3);
   std::vector<double> away;

@@ -9,7 +9,7 @@
 namespace sinew {
 namespace {
 
-// A fibre at its optimal length stands at the angle that is stated there.
+// A fibre at its optimal length has the stated pennation.
 TEST(HillMuscleTest, PennationIsThatOfConstantThickness) {
   const auto muscle = Soleus();
   const double sine = std::sin(0.436);
@@ -41,7 +41,7 @@ TEST(HillMuscleTest, ForceIsTheSumOfItsParts) {
   EXPECT_NEAR(FibreForce(Curves(), muscle, l, v, a), expected, 1e-10);
 }
 
-TEST(HillMuscleTest, TendonPullsOnlyWhenTaut) {
+TEST(HillMuscleTest, TendonForceIsZeroWhenSlack) {
   const auto muscle = Soleus();
   const double cosine = 0.9;
   EXPECT_NEAR(TendonForce(Curves(), muscle, 0.28, 0.05, cosine), 0, 1e-9);

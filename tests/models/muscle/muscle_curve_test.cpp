@@ -69,7 +69,7 @@ TEST(MuscleCurveTest, SmoothKeepsToThePoints) {
   for (double x = -1; x < 5; x += 0.1) EXPECT_NEAR((*line)(x), 1 + 2 * x, 1e-12) << x;
 }
 
-TEST(MuscleCurveTest, DualNumbersCarryTheSlope) {
+TEST(MuscleCurveTest, DerivativesOfDualNumbersAreTheSlope) {
   const auto curve = MuscleCurve::Smooth(kX, kY);
   const Dual<1> x = Dual<1>::Variable(-0.234, 0);
   const Dual<1> y = (*curve)(x);
@@ -77,14 +77,14 @@ TEST(MuscleCurveTest, DualNumbersCarryTheSlope) {
   EXPECT_NEAR(y.d[0], ((*curve)(-0.234 + 1e-6) - (*curve)(-0.234 - 1e-6)) / 2e-6, 1e-8);
 }
 
-TEST(MuscleCurveTest, WrongPointsGetOneSentence) {
+TEST(MuscleCurveTest, WrongPointsAreErrors) {
   EXPECT_THAT(MuscleCurve::Smooth({0, 1, 1}, {0, 1, 2}).error().message,
               testing::HasSubstr("does not increase"));
   EXPECT_THAT(MuscleCurve::Natural({0, 1}, {0}).error().message, testing::HasSubstr("curve of a muscle"));
   EXPECT_THAT(MuscleCurve::Smooth({0, 1}, {0, 1}, -1).error().message, testing::HasSubstr("window"));
 }
 
-// What the curves mean: greatest active force near the optimal length, a tendon that pulls only when taut.
+// Properties of muscle curves: greatest active force near the optimal length, a tendon force only when taut.
 TEST(MuscleCurveTest, DefaultCurvesAreThoseOfAMuscle) {
   const MuscleCurves curves = MuscleCurves::Default();
   EXPECT_NEAR(curves.active_force_length(1), 0.99, 0.02);

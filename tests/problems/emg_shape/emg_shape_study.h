@@ -6,8 +6,8 @@
 #include <map>
 #include <string>
 
-#include "problems/emg_shape/emg_shape_settings.h"
-#include "problems/emg_shape/emg_shape_synthesis.h"
+#include "problems/ankle_study/emg_shape_synthesis.h"
+#include "problems/emg_shape/settings.h"
 
 namespace sinew {
 

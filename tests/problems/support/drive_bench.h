@@ -10,7 +10,7 @@
 #include <string>
 #include <vector>
 
-#include "problems/drive/drive_problem.h"
+#include "problems/drive/problem.h"
 
 namespace sinew {
 

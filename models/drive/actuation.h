@@ -1,0 +1,132 @@
+// What acts on the joint at a time: the recorded input through its sensor, the command that reaches the
+// motor, and the torques that follow from it. On double or on dual numbers, in state and in time.
+#pragma once
+
+#include <algorithm>
+#include <vector>
+
+#include "models/drive/dynamics.h"
+#include "models/drive/run.h"
+
+namespace sinew {
+
+/// What an evaluation needs besides the state.
+template <class S>
+struct DriveHeld {
+  int piece = -1;  // of the input: after sample `piece`
+  S command{0};    // output of a sampled controller
+  S signal{0};     // its reference
+};
+
+class DriveActuation {
+ public:
+  template <class S>
+  struct Motor {
+    S command;  // torque or voltage at the motor
+    S signal;   // recorded command, corrected
+  };
+
+  /// @param shift of the input [s]. @param shift_moves it is differentiated. @param command and @param run
+  /// must outlive this.
+  DriveActuation(const DriveCommand& command, const DriveRun& run, double shift, bool shift_moves)
+      : command_(command), run_(run), shift_(shift), shift_moves_(shift_moves) {}
+
+  [[nodiscard]] bool shift_moves() const { return shift_moves_; }
+  /// When sample i of the input acts.
+  [[nodiscard]] double InputTime(int i) const {
+    return run_.input_time[static_cast<std::size_t>(i)] + shift_;
+  }
+
+  /// The last sample of the input at or before t.
+  [[nodiscard]] int PieceAt(double t) const {
+    const auto after = std::partition_point(run_.input_time.begin(), run_.input_time.end(),
+                                            [&](double sample) { return sample + shift_ <= t; });
+    return static_cast<int>(after - run_.input_time.begin()) - 1;
+  }
+
+  template <class S, class Time>
+  [[nodiscard]] S InputAt(const DriveDynamics<S>& dynamics, int piece, const Time& t) const {
+    const auto at = static_cast<std::size_t>(std::max(piece, 0));
+    const double slope = piece < 0 ? 0 : run_.slope[at];
+    S u(run_.input[at]);
+    if (slope != 0) {
+      S line = S(slope * (t - (run_.input_time[at] + shift_)));
+      if (shift_moves_) {
+        line -= slope * (Tangent(dynamics[kCommandDelay]) - Tangent(dynamics[kInputTimeOffset]));
+      }
+      if (dynamics.uses()[kHoldFraction]) line -= dynamics[kHoldFraction] * line;
+      u += line;
+    }
+    if (!dynamics.uses().input_sensor) return u;
+    u += dynamics[kInputLowPass] * slope;
+    u -= dynamics[kInputOffset];
+    u -= dynamics[kInputDrift] * (t - run_.middle);
+    return u / dynamics[kInputGain];
+  }
+
+  /// @param piece of the input: where to look first
+  template <class Time>
+  [[nodiscard]] Time SignalAt(DriveSignal signal, int piece, const Time& t) const {
+    const DriveSeries& series = run_.signals[signal];
+    const auto& time = series.time;
+    if (time.empty()) return Time(series.values.front());
+    if (Value(t) <= time.front()) return Time(series.values.front());
+    if (Value(t) >= time.back()) return Time(series.values.back());
+    auto i = static_cast<std::size_t>(std::max(piece, 0));  // right if both were recorded together
+    if (i + 1 >= time.size() || !(time[i] <= Value(t) && Value(t) < time[i + 1])) {
+      i = static_cast<std::size_t>(std::upper_bound(time.begin(), time.end(), Value(t)) - time.begin()) - 1;
+    }
+    const double slope = (series.values[i + 1] - series.values[i]) / (time[i + 1] - time[i]);
+    return series.values[i] + slope * (t - time[i]);
+  }
+
+  template <class S, class Time>
+  [[nodiscard]] Motor<S> MotorAt(const DriveDynamics<S>& dynamics, const DriveHeld<S>& held, const Time& t,
+                                 const S& q, const S& v) const {
+    if (command_.sampled()) return {dynamics.Weakened(held.command, t), held.signal};
+    const S input = InputAt(dynamics, held.piece, t);
+    switch (command_.input) {
+      case DriveInput::kTorque:
+      case DriveInput::kVoltage:
+        return {dynamics.Weakened(input, t), input};
+      case DriveInput::kDuty:
+        return {dynamics.Weakened(input, t) * SignalAt(kSupplyVoltage, held.piece, t), input};
+      case DriveInput::kReference:
+        break;
+    }
+    // The servo is continuous; feedback that is late by a little is q - delay v, to first order.
+    S error = input - q;
+    if (dynamics.uses()[kSensingDelay]) error += dynamics[kSensingDelay] * v;
+    S duty = (run_.gains.servo_error_gain * run_.gains.kp) * error;
+    if (Value(duty) > 1) duty = S(1);
+    if (Value(duty) < -1) duty = S(-1);
+    return {dynamics.Weakened(duty, t) * SignalAt(kSupplyVoltage, held.piece, t), input};
+  }
+
+  template <class S, class Time>
+  [[nodiscard]] typename DriveDynamics<S>::Loads LoadsAt(const DriveDynamics<S>& dynamics,
+                                                         const DriveHeld<S>& held, const Time& t, const S& q,
+                                                         const S& v) const {
+    const Motor<S> motor = MotorAt(dynamics, held, t, q, v);
+    const auto recorded = [&](DriveSignal signal) { return SignalAt(signal, held.piece, t); };
+    return dynamics.LoadsAt(motor.command, motor.signal, recorded, t, q, v);
+  }
+
+  /// Applied torque minus what holds it, at rest: above 0 it moves.
+  template <class S, class Time>
+  [[nodiscard]] S Excess(const DriveDynamics<S>& dynamics, const DriveHeld<S>& held, const Time& t,
+                         const S& q) const {
+    const S rest(0);
+    const auto loads = LoadsAt(dynamics, held, t, q, rest);
+    const double direction = Value(loads.applied) > 0 ? 1 : -1;
+    return direction * loads.applied - dynamics.Friction(direction, rest, loads);
+  }
+
+ private:
+  const DriveCommand& command_;
+  const DriveRun& run_;
+  double shift_;
+  bool shift_moves_;
+};
+
+}  // namespace sinew

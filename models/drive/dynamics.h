@@ -1,0 +1,201 @@
+// The equation of motion of drive.h, on double or on dual numbers.
+//
+// An effect whose parameters are all at their null and that nobody differentiates is skipped; evaluated, it
+// adds exactly zero. So the value is the same to the last bit, whatever is differentiated.
+#pragma once
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <vector>
+
+#include "base/dual.h"
+#include "base/linear_basis.h"
+#include "models/drive/drive.h"
+
+namespace sinew {
+
+/// What is known of a joint and never fitted.
+struct DriveJoint {
+  bool rotary = true;
+  bool electric = false;  ///< the command that reaches the motor is a voltage
+  bool load_known = false;
+  double load_inertia = 0;   ///< [kg*m2] of the known load
+  double load_gravity = 0;   ///< [N*m] of the known load, times sin q
+  double incline_force = 0;  ///< [N] of a linear axis
+  double gear_ratio = 1;
+  double largest_command = 1;  ///< of all trials, for compression
+  double largest_torque =
+      1;                     ///< [N*m] about, of all trials; this and the next decide only how fine steps are
+  double largest_speed = 1;  ///< [rad/s]
+  /// Of the unknown terms; terms without knots do not exist.
+  std::array<std::vector<double>, kTerms> knots;
+};
+
+/// Which effects must be evaluated: those that are not at their null, or that are differentiated.
+struct DriveUses {
+  std::array<bool, kDriveSlots> slot{};
+  std::array<bool, kTerms> term{};
+  bool dry_friction = false;
+  bool input_sensor = false;
+
+  [[nodiscard]] bool operator[](int s) const { return slot[static_cast<std::size_t>(s)]; }
+};
+
+/// The joint with numbers for everything; T is double or Dual<N>.
+template <class T>
+class DriveDynamics {
+ public:
+  /// Drive torque falls to zero over this last share of the speed limit.
+  static constexpr double kSpeedFade = 0.1;
+  using Numbers = std::array<T, kDriveSlots>;
+
+  /// @param frictional some dry friction is above zero. @param joint must outlive this.
+  DriveDynamics(const DriveJoint& joint, const Numbers& numbers, const DriveUses& uses, bool frictional)
+      : joint_(&joint), numbers_(numbers), uses_(uses), frictional_(frictional) {
+    inverse_mass_ = 1.0 / (numbers_[kInertia] + joint.load_inertia + numbers_[kInertiaError]);
+    if (joint.electric) {
+      torque_per_volt_ = joint.gear_ratio * numbers_[kTorqueConstant] / numbers_[kResistance];
+      volts_per_speed_ = joint.gear_ratio * numbers_[kTorqueConstant];
+    }
+  }
+
+  [[nodiscard]] const T& operator[](int slot) const { return numbers_[static_cast<std::size_t>(slot)]; }
+  [[nodiscard]] const Numbers& numbers() const { return numbers_; }
+  [[nodiscard]] const DriveJoint& joint() const { return *joint_; }
+  [[nodiscard]] const DriveUses& uses() const { return uses_; }
+  [[nodiscard]] bool frictional() const { return frictional_; }
+  [[nodiscard]] const T& inverse_mass() const { return inverse_mass_; }
+
+  /// Torques that act on the joint, dry friction aside.
+  struct Loads {
+    T drive;    ///< tau
+    T gravity;  ///< gravity(q)
+    T applied;  ///< sum of all of them
+  };
+
+  /// Current [A] of an electric drive under a voltage.
+  [[nodiscard]] T Current(const T& voltage, const T& v) const {
+    return (voltage - volts_per_speed_ * v) / numbers_[kResistance];
+  }
+
+  /// Loss of gain of whatever the command is: compression, sag.
+  template <class Time>
+  [[nodiscard]] T Weakened(T command, const Time& t) const {
+    if (uses_[kCompression]) {
+      command = command * (1.0 - numbers_[kCompression] * (Abs(command) * (1 / joint_->largest_command)));
+    }
+    if (uses_[kThermalRate]) command = command * (1.0 - numbers_[kThermalRate] * t);
+    return command;
+  }
+
+  /// tau for a torque or voltage that reaches the motor.
+  [[nodiscard]] T DriveTorque(const T& command, const T& v) const {
+    T tau = joint_->electric ? torque_per_volt_ * (command - volts_per_speed_ * v)
+                             : numbers_[kDriveGain] * command;
+    if (uses_[kInverseTorqueLimit]) {
+      const T& x = numbers_[kInverseTorqueLimit];
+      if (std::abs(Value(tau)) * Value(x) > 1) tau = (Value(tau) > 0 ? 1.0 : -1.0) / x;
+    }
+    if (uses_[kInverseSpeedLimit] && Value(tau) * Value(v) > 0) {
+      const T left = 1.0 - Abs(v) * numbers_[kInverseSpeedLimit];  // share of the limit
+      if (Value(left) <= 0) {
+        tau = T(0);
+      } else if (Value(left) < kSpeedFade) {
+        tau = tau * (left * (1 / kSpeedFade));
+      }
+    }
+    return tau;
+  }
+
+  /// @param t since the trial's begin [s]. @param signal the command as the port sees it.
+  /// @param recorded gives the value of a DriveSignal at t; asked only for those that an effect in use needs
+  template <class Time, class Recorded>
+  [[nodiscard]] Loads LoadsAt(const T& command, const T& signal, const Recorded& recorded, const Time& t,
+                              const T& q, const T& v) const {
+    Loads loads;
+    loads.drive = DriveTorque(command, v);
+    loads.gravity = Gravity(q);
+    T& sum = loads.applied;
+    T viscous = numbers_[kViscousFriction];
+    if (uses_[kFrictionTemperature]) {
+      viscous =
+          viscous * Exp(numbers_[kFrictionTemperature] * (recorded(kTemperature) - kReferenceTemperature));
+    }
+    sum = loads.drive - loads.gravity - viscous * v;
+    if (uses_[kDrag]) sum -= numbers_[kDrag] * (v * Abs(v));
+    if (uses_[kCoggingCos] || uses_[kCoggingSin]) {
+      const T angle = q * (2 * kPi) / numbers_[kCoggingPeriod];
+      sum += numbers_[kCoggingCos] * Cos(angle) + numbers_[kCoggingSin] * Sin(angle);
+    }
+    if (uses_[kImbalance]) sum -= numbers_[kImbalance] * Cos(q);
+    if (uses_[kSpring]) sum -= numbers_[kSpring] * q;
+    if (uses_[kOffsetTorque]) sum += numbers_[kOffsetTorque];
+    if (uses_.term[0]) AddTerm(0, q, sum);
+    if (uses_.term[1]) AddTerm(1, v, sum);
+    if (uses_.term[2]) AddTerm(2, signal, sum);
+    if (uses_.term[3]) AddTerm(3, t, sum);
+    return loads;
+  }
+
+  /// Dry friction that opposes motion into `direction` (+1 or -1) at v: >= 0. At v = 0 the break-away value.
+  [[nodiscard]] T Friction(double direction, const T& v, const Loads& loads) const {
+    T level = uses_[kCoulombTorque] ? numbers_[kCoulombTorque] : T(0);
+    const int one_sided = direction > 0 ? kForwardFriction : kBackwardFriction;
+    if (uses_[one_sided]) level += (*this)[one_sided];
+    if (uses_[kStribeckTorque]) level += numbers_[kStribeckTorque] * Stribeck(v, kStribeckVelocity);
+    if (uses_[kLoadFriction] || uses_[kStribeckLoad] || uses_[kQuadraticLoad]) {
+      const T load = 0.5 * Abs(loads.drive + loads.gravity);
+      if (uses_[kLoadFriction]) level += numbers_[kLoadFriction] * load;
+      if (uses_[kStribeckLoad]) {
+        level += numbers_[kStribeckLoad] * (load * Stribeck(v, kStribeckLoadVelocity));
+      }
+      if (uses_[kQuadraticLoad]) level += numbers_[kQuadraticLoad] * (load * load);
+    }
+    if (uses_[kMotorLoadFriction]) level += numbers_[kMotorLoadFriction] * Abs(loads.drive);
+    if (uses_[kExternalLoadFriction]) level += numbers_[kExternalLoadFriction] * Abs(loads.gravity);
+    return level;
+  }
+
+  /// dv/dt while sliding into `direction`; 0 leaves dry friction out.
+  [[nodiscard]] T Acceleration(double direction, const T& v, const Loads& loads) const {
+    if (!uses_.dry_friction || direction == 0) return loads.applied * inverse_mass_;
+    return (loads.applied - direction * Friction(direction, v, loads)) * inverse_mass_;
+  }
+
+ private:
+  static constexpr double kPi = 3.14159265358979323846;
+
+  [[nodiscard]] T Gravity(const T& q) const {
+    if (!joint_->rotary) return T(joint_->incline_force);
+    if (joint_->load_known) return joint_->load_gravity * Sin(q);
+    return numbers_[kGravityTorque] * Sin(q);
+  }
+
+  [[nodiscard]] T Stribeck(const T& v, int velocity) const {
+    const T ratio = v / (*this)[velocity];
+    return Exp(-(ratio * ratio));
+  }
+
+  template <class X>
+  void AddTerm(int term, const X& x, T& sum) const {
+    const LinearBasis basis = LinearBasisAt(joint_->knots[static_cast<std::size_t>(term)], Value(x));
+    const int slot = kTermSlots[static_cast<std::size_t>(term)] + basis.first;
+    const T& left = (*this)[slot];
+    sum += basis.left * left;
+    if (basis.left_slope == 0) return;
+    const T& right = (*this)[slot + 1];
+    sum += basis.right * right;
+    sum += (basis.left_slope * (Value(left) - Value(right))) * Tangent(x);
+  }
+
+  const DriveJoint* joint_;
+  Numbers numbers_;
+  DriveUses uses_;
+  bool frictional_;
+  T inverse_mass_;
+  T torque_per_volt_{0};
+  T volts_per_speed_{0};
+};
+
+}  // namespace sinew

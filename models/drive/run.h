@@ -1,0 +1,59 @@
+// One trial as the integrator needs it: times from its begin, the input, and what is known of the controller.
+#pragma once
+
+#include <array>
+#include <string>
+#include <vector>
+
+#include "models/drive/drive.h"
+
+namespace sinew {
+
+/// A signal through a trial: straight between its samples, constant beyond them.
+struct DriveSeries {
+  std::vector<double> time;    ///< [L, s, increasing] empty: one number, or nothing
+  std::vector<double> values;  ///< [L], or [1] if it is a number that is constant, or empty: not recorded
+};
+
+/// Numbers of a controller in one trial.
+struct DriveControllerGains {
+  double kp = 0;
+  double ki = 0;
+  double kd = 0;
+  double control_period = 0.001;  ///< [s]
+  double output_limit = 0;        ///< [N*m or V] 0: none
+  double servo_error_gain = 0;    ///< [1/rad per unit of kp]
+};
+
+struct DriveRun {
+  std::string trial;
+  double begin = 0;           ///< [s] time of the trial's t = 0; all other times count from it
+  std::vector<double> stops;  ///< [S, s, increasing, first 0] where something is predicted
+
+  std::vector<double> input_time;  ///< [K, s, increasing]
+  std::vector<double> input;       ///< [K] recorded; constant before and after
+  std::vector<double> slope;       ///< [K, 1/s] after each sample; 0 after the last, and if the input is held
+  bool held = false;
+  double middle = 0;  ///< [s] where the input sensor's drift is zero
+
+  std::array<DriveSeries, kDriveSignals> signals;  ///< by DriveSignal; those that are needed are not empty
+  DriveControllerGains gains;
+
+  double initial_position = 0;  ///< starts of the nuisance values
+  double initial_speed = 0;
+};
+
+/// What is alike in all trials.
+struct DriveCommand {
+  DriveInput input = DriveInput::kTorque;
+  DriveControllerKind controller = DriveControllerKind::kNone;
+  double step = 0.01;          ///< [s] longest step
+  double most_position = 1e6;  ///< a motion beyond these has left the model's world
+  double most_speed = 1e6;
+
+  [[nodiscard]] bool sampled() const {
+    return controller == DriveControllerKind::kPidSpeed || controller == DriveControllerKind::kPidPosition;
+  }
+};
+
+}  // namespace sinew

@@ -1,0 +1,72 @@
+// A sampled controller: sees the joint at its ticks, and holds its output between them.
+#pragma once
+
+#include <algorithm>
+#include <cmath>
+#include <vector>
+
+#include "models/drive/actuation.h"
+
+namespace sinew {
+
+/// Feedback that a sampled controller has seen, a ring over its ticks.
+template <class T>
+using DriveHistory = std::vector<T>;
+
+/// Ticks that the longest sensing delay reaches back.
+[[nodiscard]] inline std::size_t DriveHistorySize(double longest_delay, double control_period) {
+  return static_cast<std::size_t>(longest_delay / control_period) + 3;
+}
+
+template <class T>
+class DriveSampledController {
+ public:
+  /// @param history scratch of the size DriveHistorySize. All must outlive this.
+  DriveSampledController(const DriveCommand& command, const DriveControllerGains& gains,
+                         const DriveDynamics<T>& dynamics, DriveHistory<T>& history)
+      : command_(command), gains_(gains), dynamics_(dynamics), history_(history) {}
+
+  /// Sees the joint at q, v and sets its output until the next tick.
+  /// @param now time of the tick [s]. @param held gets the output and the reference.
+  void Tick(int tick, double now, const T& q, const T& v, const DriveActuation& actuation,
+            DriveHeld<T>& held) {
+    const T reference = actuation.InputAt(dynamics_, actuation.PieceAt(now), now);
+    const T seen = Feedback(tick, command_.controller == DriveControllerKind::kPidSpeed ? v : q);
+    const T error = reference - seen;
+    const T grown = integral_ + gains_.control_period * error;
+    T output = gains_.kp * error + gains_.ki * grown;
+    if (tick > 0) output += (gains_.kd / gains_.control_period) * (error - last_error_);
+    const double limit = gains_.output_limit;
+    const bool clipped = limit > 0 && std::abs(Value(output)) > limit;
+    if (clipped) output = T(Value(output) > 0 ? limit : -limit);
+    // Anti-windup by conditional integration: the integral never grows further into the limit.
+    if (!clipped || Value(output) * Value(error) * gains_.ki <= 0) integral_ = grown;
+    last_error_ = error;
+    held.command = output;
+    held.signal = reference;
+  }
+
+ private:
+  /// Position or speed of the joint at the tick, late by sensing_delay: straight between ticks.
+  [[nodiscard]] T Feedback(int tick, const T& now) {
+    if (!dynamics_.uses()[kSensingDelay]) return now;
+    const auto slots = static_cast<int>(history_.size());
+    history_[static_cast<std::size_t>(tick % slots)] = now;
+    const T age = dynamics_[kSensingDelay] * (1 / gains_.control_period);
+    const int whole = std::min(static_cast<int>(Value(age)), slots - 2);
+    const auto at = [&](int ago) -> const T& {
+      return history_[static_cast<std::size_t>(std::max(tick - ago, 0) % slots)];
+    };
+    const T part = age - static_cast<double>(whole);
+    return at(whole) + part * (at(whole + 1) - at(whole));
+  }
+
+  const DriveCommand& command_;
+  const DriveControllerGains& gains_;
+  const DriveDynamics<T>& dynamics_;
+  DriveHistory<T>& history_;
+  T integral_{0};
+  T last_error_{0};
+};
+
+}  // namespace sinew

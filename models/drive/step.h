@@ -1,0 +1,71 @@
+// One step of the classical Runge-Kutta method of order 4 for the joint, and how instants within it are
+// found.
+#pragma once
+
+#include <algorithm>
+#include <cmath>
+
+#include "models/drive/actuation.h"
+
+namespace sinew {
+
+/// The state at the end of a step.
+template <class S>
+struct DriveReached {
+  S q;
+  S v;
+  double acceleration;  // at the step's begin
+};
+
+/// @param direction of slip, +1 or -1; 0 leaves dry friction out. @param t, h begin and length [s].
+template <class S, class Time>
+[[nodiscard]] DriveReached<S> DriveStep(const DriveActuation& actuation, const DriveDynamics<S>& dynamics,
+                                        const DriveHeld<S>& held, double direction, const Time& t,
+                                        const Time& h, const S& q, const S& v) {
+  const auto acceleration = [&](const Time& at, const S& x, const S& dx) {
+    return dynamics.Acceleration(direction, dx, actuation.LoadsAt(dynamics, held, at, x, dx));
+  };
+  const Time half = 0.5 * h;
+  const Time middle = t + half;
+  const S k1 = acceleration(t, q, v);
+  const S v2 = v + half * k1;
+  const S k2 = acceleration(middle, q + half * v, v2);
+  const S v3 = v + half * k2;
+  const S k3 = acceleration(middle, q + half * v2, v3);
+  const S v4 = v + h * k3;
+  const S k4 = acceleration(t + h, q + h * v3, v4);
+  const Time sixth = h * (1.0 / 6);
+  return {q + sixth * (v + 2.0 * (v2 + v3) + v4), v + sixth * (k1 + 2.0 * (k2 + k3) + k4), Value(k1)};
+}
+
+/// Where f turns from above 0 at `from` to below at `to`: regula falsi, Illinois variant, to rounding.
+template <class F>
+[[nodiscard]] double FallingRoot(double from, double to, F&& f) {
+  constexpr int kMaxIterations = 100;
+  constexpr double kRounding = 1e-15;
+  double low = f(from);
+  double high = f(to);
+  const double enough = kRounding * std::max(std::abs(low), std::abs(high));
+  double side = 0;
+  for (int i = 0; i < kMaxIterations && to - from > kRounding * to; ++i) {
+    double s = from + (to - from) * (low / (low - high));
+    if (!(s > from && s < to)) s = 0.5 * (from + to);
+    if (!(s > from && s < to)) break;
+    const double value = f(s);
+    if (value > 0) {
+      from = s;
+      low = value;
+      if (side > 0) high *= 0.5;
+      side = 1;
+    } else {
+      to = s;
+      high = value;
+      if (side < 0) low *= 0.5;
+      side = -1;
+    }
+    if (std::abs(value) <= enough) return s;
+  }
+  return to;
+}
+
+}  // namespace sinew

@@ -1,0 +1,297 @@
+#include "problems/contact/data.h"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <map>
+#include <numeric>
+
+#include "base/text.h"
+#include "models/multibody/coordinate_trajectory.h"
+#include "models/multibody/multibody_model.h"
+#include "models/multibody/osim_reader.h"
+
+namespace sinew {
+namespace {
+
+// Columns of kContactChannels that depend on stiffness and dissipation alone: the others feel friction too.
+bool FeelsFriction(const std::string& channel) {
+  return channel != "force_y" && channel != "cop_x" && channel != "cop_z";
+}
+
+std::string QuantityOf(const std::string& channel) {
+  static const std::map<std::string, std::string> kQuantities{{"force_x", "forward force"},
+                                                              {"force_y", "vertical force"},
+                                                              {"force_z", "sideways force"},
+                                                              {"cop_x", "centre of pressure, forward"},
+                                                              {"cop_z", "centre of pressure, sideways"},
+                                                              {"moment_y", "free moment"}};
+  return kQuantities.at(channel);
+}
+
+std::string UnitOf(const std::string& channel) {
+  if (channel == "moment_y") return "N*m";
+  return channel.rfind("cop", 0) == 0 ? "m" : "N";
+}
+
+struct Model {
+  MultibodyModel multibody;
+  std::vector<int> bodies;  // of each region
+};
+
+Result<Model> LoadModel(const Dataset& data, const ContactSettings& settings) {
+  const auto file = data.files.find(settings.model);
+  if (file == data.files.end()) {
+    std::vector<std::string> names;
+    for (const auto& [name, text] : data.files) names.push_back(name);
+    return Fail(
+        "the data set holds no file '{}' (its files: {}); import the .osim that the motion belongs to",
+        settings.model, names.empty() ? "none" : Join(names, ", "));
+  }
+  SINEW_ASSIGN(const OsimModel osim, ReadOsim(file->second, settings.model));
+  SINEW_ASSIGN(MultibodyModel multibody, MultibodyModel::Build(osim));
+  std::vector<int> bodies;
+  for (const ContactRegionSettings& region : settings.regions) {
+    const auto index = multibody.BodyIndex(region.body);
+    if (!index) return Fail("contact region '{}': {}", region.region.name, index.error().message);
+    bodies.push_back(*index);
+  }
+  return Model{std::move(multibody), std::move(bodies)};
+}
+
+// The grid that holds coordinates of the model, as a trajectory. Samples at the ends where a coordinate is
+// missing are left out; a gap inside is an error, because a spline across it would be an invention.
+Result<CoordinateTrajectory> FitMotion(const Trial& trial, const MultibodyModel& model) {
+  const Grid* best = nullptr;
+  std::vector<std::string> best_names;
+  for (const auto& [grid_name, grid] : trial.grids) {
+    std::vector<std::string> names;
+    for (const std::string& name : model.coordinate_names()) {
+      if (grid.channels.count(name) > 0) names.push_back(name);
+    }
+    if (names.size() > best_names.size()) {
+      best = &grid;
+      best_names = names;
+    }
+  }
+  if (best == nullptr) {
+    return Fail("has no coordinate of the model ({}, ...); run `sinew data kinematics` on its markers first",
+                model.coordinate_names().empty() ? "none" : model.coordinate_names().front());
+  }
+  const auto complete = [&](std::size_t i) {
+    return std::all_of(best_names.begin(), best_names.end(), [&](const std::string& name) {
+      return std::isfinite(best->channels.at(name).values[i]);
+    });
+  };
+  std::size_t first = 0;
+  std::size_t last = best->time.size();
+  while (first < last && !complete(first)) ++first;
+  while (last > first && !complete(last - 1)) --last;
+  Matrix values(static_cast<Eigen::Index>(last - first), static_cast<Eigen::Index>(best_names.size()));
+  for (std::size_t i = first; i < last; ++i) {
+    if (!complete(i))
+      return Fail("the motion has a gap at t = {:.4g} s; cut the trial so that it lies outside",
+                  best->time[i]);
+    for (std::size_t k = 0; k < best_names.size(); ++k) {
+      values(static_cast<Eigen::Index>(i - first), static_cast<Eigen::Index>(k)) =
+          best->channels.at(best_names[k]).values[i];
+    }
+  }
+  const std::vector<double> time(best->time.begin() + static_cast<std::ptrdiff_t>(first),
+                                 best->time.begin() + static_cast<std::ptrdiff_t>(last));
+  return CoordinateTrajectory::Fit(model, time, best_names, values);
+}
+
+// Times of the force plate within the motion, continued by `margin` on both sides in steps of its median
+// interval.
+Result<std::vector<double>> PredictionTimes(const Grid& forces, const CoordinateTrajectory& motion,
+                                            double margin) {
+  constexpr double kRounding = 1e-9;  // [s] times that were rebuilt from a rate may miss the end by rounding
+  std::vector<double> time;
+  for (const double t : forces.time) {
+    if (t >= motion.first_time() - kRounding && t <= motion.last_time() + kRounding) time.push_back(t);
+  }
+  if (time.size() < 2) {
+    return Fail("forces ({:.4g} .. {:.4g} s) and motion ({:.4g} .. {:.4g} s) do not overlap in time",
+                forces.time.empty() ? NAN : forces.time.front(),
+                forces.time.empty() ? NAN : forces.time.back(), motion.first_time(), motion.last_time());
+  }
+  if (margin <= 0) return time;
+  std::vector<double> steps(time.size());
+  std::adjacent_difference(time.begin(), time.end(), steps.begin());
+  std::nth_element(steps.begin() + 1, steps.begin() + static_cast<std::ptrdiff_t>(steps.size() / 2),
+                   steps.end());
+  const double step = steps[steps.size() / 2];
+  std::vector<double> before;
+  for (double t = time.front() - step; t >= time.front() - margin && t >= motion.first_time(); t -= step) {
+    before.push_back(t);
+  }
+  std::vector<double> all(before.rbegin(), before.rend());
+  all.insert(all.end(), time.begin(), time.end());
+  for (double t = time.back() + step; t <= time.back() + margin && t <= motion.last_time(); t += step)
+    all.push_back(t);
+  return all;
+}
+
+double StandardDeviation(const std::vector<double>& values) {
+  const auto n = static_cast<double>(values.size());
+  const double mean = std::accumulate(values.begin(), values.end(), 0.0) / n;
+  double squares = 0;
+  for (const double value : values) squares += (value - mean) * (value - mean);
+  return std::sqrt(squares / n);
+}
+
+Result<double> WeightOf(const Block& block, ContactObjective objective) {
+  switch (objective) {
+    case ContactObjective::kThesis:
+      return 1.0;
+    case ContactObjective::kNormalised: {
+      const double deviation = StandardDeviation(block.measured);
+      if (!(deviation > 0)) return Fail("channel '{}' does not vary: nothing to fit", block.channel);
+      return 1 / (deviation * std::sqrt(static_cast<double>(block.measured.size())));
+    }
+    case ContactObjective::kLikelihood:
+      if (!block.sigma)
+        return Fail("objective likelihood needs the noise level (attribute sigma) of '{}'", block.channel);
+      return 1 / *block.sigma;
+  }
+  return 1.0;
+}
+
+// Measured samples of a channel at the prediction times; gaps and, for the centre of pressure, light feet are
+// left out.
+void AddMeasurement(const Grid& grid, const Channel& channel, const std::string& plate, bool is_cop,
+                    double force_share, Block& block) {
+  const auto force = grid.channels.find(plate + "_force_y");
+  double most = 0;
+  if (is_cop && force != grid.channels.end()) {
+    for (const double f : force->second.values) most = std::isfinite(f) ? std::max(most, f) : most;
+  }
+  std::size_t p = 0;
+  for (std::size_t i = 0; i < grid.time.size(); ++i) {
+    while (p < block.prediction_time.size() && block.prediction_time[p] < grid.time[i]) ++p;
+    if (p == block.prediction_time.size()) break;
+    if (block.prediction_time[p] != grid.time[i] || !std::isfinite(channel.values[i])) continue;
+    if (is_cop && !(most > 0 && force->second.values[i] > force_share * most)) continue;
+    block.sample.push_back(static_cast<int>(p));
+    block.measured.push_back(channel.values[i]);
+  }
+  block.sigma = channel.sigma;
+}
+
+Status AddBlocks(const Trial& trial, const ContactSettings& settings, Stance& stance, ContactData& out) {
+  std::vector<int> all_columns;
+  std::vector<int> normal_columns;
+  for (const Stance::Part& part : stance.parts) {
+    const int first = part.group * kContactParametersPerGroup;
+    for (int k = 0; k < kContactParametersPerGroup; ++k) all_columns.push_back(first + k);
+    for (int k = 0; k < 2; ++k) normal_columns.push_back(first + k);
+  }
+  const std::vector<int> effect_columns = out.effects.ColumnsOf(stance.plate);
+  for (std::size_t c = 0; c < kContactChannels.size(); ++c) {
+    const std::string& kind = kContactChannels[c];
+    const bool fitted = std::find(settings.fit.begin(), settings.fit.end(), kind) != settings.fit.end();
+    Block block;
+    block.trial = stance.trial;
+    block.channel = stance.plate + "_" + kind;
+    block.quantity = QuantityOf(kind);
+    block.unit = UnitOf(kind);
+    block.prediction_time = stance.time;
+    block.columns = FeelsFriction(kind) ? all_columns : normal_columns;
+    block.columns.insert(block.columns.end(), effect_columns.begin(), effect_columns.end());
+    block.role = !fitted                      ? BlockRole::kPredicted
+                 : trial.role == Role::kTrain ? BlockRole::kTrain
+                                              : BlockRole::kValidate;
+    const auto found = trial.Find(block.channel);
+    if (found) {
+      AddMeasurement(*found.grid, *found.channel, stance.plate, kind.rfind("cop", 0) == 0,
+                     settings.cop_force_share, block);
+    }
+    if (fitted) {
+      if (block.measured.empty()) {
+        return Fail("channel '{}' is to be fitted but {}", block.channel,
+                    found ? "has no usable sample" : "is not measured");
+      }
+      SINEW_ASSIGN(block.weight, WeightOf(block, settings.objective));
+      const std::size_t recorded = found.channel->values.size();
+      if (block.measured.size() < recorded) {
+        out.notes.push_back(
+            fmt::format("trial '{}': {} of {} samples of '{}' are not compared (gaps, no motion there, or a "
+                        "light foot)",
+                        stance.trial, recorded - block.measured.size(), recorded, block.channel));
+      }
+    }
+    stance.blocks[c] = static_cast<int>(out.layout.size());
+    out.layout.push_back(std::move(block));
+  }
+  return {};
+}
+
+Status AddTrial(const std::string& name, const Trial& trial, const Model& model,
+                const ContactSettings& settings, double margin, ContactData& out) {
+  std::vector<std::string> plates;
+  for (const std::string& plate : settings.Plates()) {
+    if (trial.Find(plate + "_force_y")) plates.push_back(plate);
+  }
+  if (plates.empty()) return {};
+  SINEW_ASSIGN(const CoordinateTrajectory motion, FitMotion(trial, model.multibody));
+  if (!motion.held().empty()) {
+    out.notes.push_back(fmt::format("trial '{}': no data for {}: held at the model's default", name,
+                                    Join(motion.held(), ", ")));
+  }
+  for (const std::string& plate : plates) {
+    SINEW_ASSIGN(auto time, PredictionTimes(*trial.Find(plate + "_force_y").grid, motion, margin));
+    SINEW_ASSIGN(Stance stance,
+                 MakeStance(name, plate, std::move(time), motion, model.multibody, model.bodies, settings));
+    SINEW_TRY(AddBlocks(trial, settings, stance, out));
+    out.stances.push_back(std::move(stance));
+  }
+  return {};
+}
+
+}  // namespace
+
+Result<ContactData> PrepareContactData(const Dataset& data, const ContactSettings& settings, double margin) {
+  SINEW_ASSIGN(const Model model, LoadModel(data, settings));
+  ContactData out;
+  out.effects = ContactEffectList(static_cast<int>(settings.Groups().size()) * kContactParametersPerGroup,
+                                  settings.Plates());
+  for (const auto& [name, trial] : data.trials) {
+    const Status status = AddTrial(name, trial, model, settings, margin, out);
+    if (!status) return Fail("trial '{}': {}", name, status.error().message);
+  }
+  if (out.stances.empty()) {
+    return Fail("no trial has a vertical force of the plates {}: expected a channel such as {}_force_y",
+                Join(settings.Plates(), ", "), settings.Plates().front());
+  }
+  const bool trains = std::any_of(out.layout.begin(), out.layout.end(),
+                                  [](const Block& block) { return block.role == BlockRole::kTrain; });
+  if (!trains) return Fail("no trial with role train has a force of these plates: nothing to fit");
+  // One floor under all stances turns about one point, in their midst, so that a slope is no height.
+  std::array<double, 2> middle{};
+  for (const std::size_t axis : {0U, 1U}) {
+    const auto [low, high] = std::minmax_element(
+        out.stances.begin(), out.stances.end(),
+        [axis](const Stance& a, const Stance& b) { return a.middle[axis] < b.middle[axis]; });
+    middle[axis] = 0.5 * (low->middle[axis] + high->middle[axis]);
+  }
+  for (Stance& stance : out.stances) stance.kinematics.tilt_reference = middle;
+  return out;
+}
+
+std::string DescribeContactChannels() {
+  return "measured, per plate PLATE (such as right, left), any sampling rate:\n"
+         "  PLATE_force_y                   N    vertical ground reaction force; a trial takes part with "
+         "every plate that has it\n"
+         "  PLATE_force_x, PLATE_force_z    N    tangential force (optional; identifies friction)\n"
+         "  PLATE_cop_x, PLATE_cop_z        m    centre of pressure in the world (optional)\n"
+         "  PLATE_moment_y                  N*m  free moment about the centre of pressure (optional)\n"
+         "input:\n"
+         "  every coordinate of the model   rad, m    joint angles and root position around the stance "
+         "(`sinew data kinematics`)\n"
+         "files:\n"
+         "  model.osim                      the model that the coordinates belong to\n"
+         "  contact.yaml                    settings with key `contact` (or give --config)\n";
+}
+
+}  // namespace sinew

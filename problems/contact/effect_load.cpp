@@ -1,0 +1,276 @@
+#include "problems/contact/effect_load.h"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+
+#include "problems/contact/pressure.h"
+
+namespace sinew {
+namespace {
+
+constexpr double kGravity = 9.80665;  // [m/s2]
+
+// The floor under one spring, and how the parameters that move it do so.
+struct RaisedFace {
+  double depth = 0;
+  double rate = 0;
+  double slip_x = 0;
+  double slip_z = 0;
+  std::array<double, 2> lever{};  // x, z from the point that slopes leave alone
+};
+
+class TiltedFloor {
+ public:
+  TiltedFloor(const EffectKinematics& kinematics, const ContactEffectValues& effects)
+      : kinematics_(kinematics),
+        height_(effects[kHeightOffset]),
+        slope_{effects[kFloorSlopeX], effects[kFloorSlopeZ]},
+        norm_(std::sqrt(1 + slope_[0] * slope_[0] + slope_[1] * slope_[1])) {}
+
+  [[nodiscard]] RaisedFace At(const EffectRegion& region, int instant, std::size_t i) const {
+    const ContactKinematics& k = region.kinematics;
+    const auto t = static_cast<std::size_t>(instant);
+    RaisedFace face;
+    face.lever = {k.point_x[i] - kinematics_.tilt_reference[0], k.point_z[i] - kinematics_.tilt_reference[1]};
+    const double rise = height_ + slope_[0] * face.lever[0] + slope_[1] * face.lever[1];
+    face.depth = (k.depth[i] + rise) / norm_;
+    face.slip_x = k.slip_x[i] - region.turning_z[t] * rise;
+    face.slip_z = k.slip_z[i] + region.turning_x[t] * rise;
+    face.rate = (k.rate[i] + slope_[0] * (face.slip_x + kinematics_.floor_velocity[0]) +
+                 slope_[1] * (face.slip_z + kinematics_.floor_velocity[1])) /
+                norm_;
+    return face;
+  }
+
+  [[nodiscard]] double slope(std::size_t axis) const { return slope_[axis]; }
+  [[nodiscard]] double norm() const { return norm_; }
+  [[nodiscard]] double velocity(const RaisedFace& face, std::size_t axis) const {
+    return (axis == 0 ? face.slip_x : face.slip_z) + kinematics_.floor_velocity[axis];
+  }
+
+ private:
+  const EffectKinematics& kinematics_;
+  double height_;
+  std::array<double, 2> slope_;
+  double norm_;
+};
+
+// Friction per unit of normal force and of slip, and its derivative for the slip speed over the speed, for
+// mu_s, mu_d, mu_v = 1 (eq 5.2, smooth where the slip is zero).
+struct FrictionPerSlip {
+  std::array<double, 3> value{};
+  std::array<double, 3> slope{};
+};
+
+FrictionPerSlip FrictionPerSlipAt(double slip, double transition_velocity) {
+  const double ratio = slip / transition_velocity;
+  const double peak = 2 / (1 + ratio * ratio);
+  const double peak_slope = -peak * peak / (transition_velocity * transition_velocity);  // over the slip
+  FrictionPerSlip f;
+  if (ratio < 1) {
+    f.value = {peak / transition_velocity, (1 - peak) / transition_velocity, 1};
+    f.slope = {peak_slope / transition_velocity, -peak_slope / transition_velocity, 0};
+  } else {
+    const double cubed = slip * slip * slip;
+    f.value = {peak / slip, (1 - peak) / slip, 1};
+    f.slope = {peak_slope / slip - peak / cubed, -peak_slope / slip - (1 - peak) / cubed, 0};
+  }
+  return f;
+}
+
+// Load of a unit of normal force at a face; and its derivative for the friction coefficients.
+struct Lever {
+  double x = 0;
+  double z = 0;
+  [[nodiscard]] ContactLoad Of(double fx, double fy, double fz) const {
+    ContactLoad load;
+    load << fx, fy, fz, z * fx - x * fz, x * fy, z * fy;
+    return load;
+  }
+};
+
+// The vertical force alone and, if `derivatives`, its derivatives: a tenth of the work. Operation by
+// operation what AddRegion does, so that the answer is the same to the last bit.
+void AddVertical(const EffectKinematics& kinematics, const EffectRegion& region, int instant,
+                 const ElasticFoundation& bed, const ContactEffectValues& effects, bool derivatives,
+                 ContactLoad& load, ContactLoadJacobian& by_bed, ContactEffectJacobian& by_effect) {
+  const ContactKinematics& k = region.kinematics;
+  const TiltedFloor floor(kinematics, effects);
+  const BedEffects bed_effects{effects[kStiffnessExponent], effects[kFloorCompliance]};
+  const double up = 1 / floor.norm();
+  const auto t = static_cast<std::size_t>(instant);
+  const std::array<double, 2> slip_by_rise{-region.turning_z[t], region.turning_x[t]};
+  const double rate_by_rise = (floor.slope(0) * slip_by_rise[0] + floor.slope(1) * slip_by_rise[1]) * up;
+  const auto first = t * static_cast<std::size_t>(k.faces);
+  for (std::size_t f = 0; f < static_cast<std::size_t>(k.faces); ++f) {
+    const RaisedFace face = floor.At(region, instant, first + f);
+    if (!(face.depth > 0)) continue;
+    const Pressure p = PressureAt(bed, bed_effects, face.depth, face.rate);
+    if (!(p.value > 0)) continue;
+    const double area = k.area[f];
+    const double normal = area * p.value;
+    load[kForceY] += normal * up;
+    if (!derivatives) continue;
+    by_bed(kForceY, 0) += area * p.by_stiffness * up;
+    by_bed(kForceY, 1) += area * p.by_dissipation * up;
+    by_effect(kForceY, kStiffnessExponent) += area * p.by_exponent * up;
+    by_effect(kForceY, kFloorCompliance) += area * p.by_compliance * up;
+    const double by_rise = area * (p.by_depth * up + p.by_rate * rate_by_rise) * up;
+    by_effect(kForceY, kHeightOffset) += by_rise;
+    for (const std::size_t axis : {0U, 1U}) {
+      const double shrink = floor.slope(axis) * up * up;  // -(dN/dslope) / N
+      const double by_tilt = area * (-p.by_depth * face.depth * shrink +
+                                     p.by_rate * (floor.velocity(face, axis) * up - face.rate * shrink));
+      by_effect(kForceY, static_cast<Eigen::Index>(kFloorSlopeX + axis)) +=
+          face.lever[axis] * by_rise + by_tilt * up + normal * (-shrink * up);
+    }
+  }
+}
+
+// Adds one region's load and derivatives, as if its weight were 1.
+void AddRegion(const EffectKinematics& kinematics, const EffectRegion& region, int instant,
+               const ElasticFoundation& bed, const ContactEffectValues& effects, ContactLoad& load,
+               ContactLoadJacobian& by_bed, ContactEffectJacobian& by_effect) {
+  const ContactKinematics& k = region.kinematics;
+  const TiltedFloor floor(kinematics, effects);
+  const BedEffects bed_effects{effects[kStiffnessExponent], effects[kFloorCompliance]};
+  const double up = 1 / floor.norm();
+  const std::array<double, 3> mu{bed.static_friction, bed.dynamic_friction, bed.viscous_friction};
+  const auto t = static_cast<std::size_t>(instant);
+  const std::array<double, 2> slip_by_rise{-region.turning_z[t], region.turning_x[t]};
+  const double rate_by_rise = (floor.slope(0) * slip_by_rise[0] + floor.slope(1) * slip_by_rise[1]) * up;
+  const auto first = t * static_cast<std::size_t>(k.faces);
+  for (std::size_t f = 0; f < static_cast<std::size_t>(k.faces); ++f) {
+    const RaisedFace face = floor.At(region, instant, first + f);
+    if (!(face.depth > 0)) continue;
+    const Pressure p = PressureAt(bed, bed_effects, face.depth, face.rate);
+    if (!(p.value > 0)) continue;
+    const double area = k.area[f];
+    const double normal = area * p.value;
+    const Lever lever{k.point_x[first + f], k.point_z[first + f]};
+
+    const double slip = std::hypot(face.slip_x, face.slip_z);
+    const FrictionPerSlip friction = FrictionPerSlipAt(slip, kinematics.transition_velocity);
+    double drag = 0;  // friction per unit of normal force and of slip
+    double drag_slope = 0;
+    for (std::size_t j = 0; j < 3; ++j) {
+      drag += mu[j] * friction.value[j];
+      drag_slope += mu[j] * friction.slope[j];
+    }
+    const ContactLoad unit =
+        lever.Of(-floor.slope(0) * up - drag * face.slip_x, up, -floor.slope(1) * up - drag * face.slip_z);
+    load += normal * unit;
+
+    by_bed.col(0) += area * p.by_stiffness * unit;
+    by_bed.col(1) += area * p.by_dissipation * unit;
+    for (std::size_t j = 0; j < 3; ++j) {
+      by_bed.col(2 + static_cast<Eigen::Index>(j)) +=
+          normal * lever.Of(-friction.value[j] * face.slip_x, 0, -friction.value[j] * face.slip_z);
+    }
+    by_effect.col(kStiffnessExponent) += area * p.by_exponent * unit;
+    by_effect.col(kFloorCompliance) += area * p.by_compliance * unit;
+
+    // The floor rises: the spring gets deeper, and the sole's velocity is taken elsewhere.
+    const double speed_by_rise = face.slip_x * slip_by_rise[0] + face.slip_z * slip_by_rise[1];  // times slip
+    const ContactLoad by_slip =
+        lever.Of(-drag * slip_by_rise[0] - drag_slope * speed_by_rise * face.slip_x, 0,
+                 -drag * slip_by_rise[1] - drag_slope * speed_by_rise * face.slip_z);
+    const ContactLoad by_rise = area * (p.by_depth * up + p.by_rate * rate_by_rise) * unit + normal * by_slip;
+    by_effect.col(kHeightOffset) += by_rise;
+    for (const std::size_t axis : {0U, 1U}) {
+      const double shrink = floor.slope(axis) * up * up;  // -(dN/dslope) / N
+      const double by_tilt = area * (-p.by_depth * face.depth * shrink +
+                                     p.by_rate * (floor.velocity(face, axis) * up - face.rate * shrink));
+      const ContactLoad turned = lever.Of((floor.slope(0) * shrink - (axis == 0 ? 1 : 0)) * up, -shrink * up,
+                                          (floor.slope(1) * shrink - (axis == 1 ? 1 : 0)) * up);
+      by_effect.col(static_cast<Eigen::Index>(kFloorSlopeX + axis)) +=
+          face.lever[axis] * by_rise + by_tilt * unit + normal * turned;
+    }
+  }
+}
+
+}  // namespace
+
+void ComputeEffectLoad(const EffectKinematics& kinematics, int instant,
+                       const std::vector<ElasticFoundation>& beds, const ContactEffectValues& effects,
+                       const EffectLoadWish& wish, EffectLoad& load) {
+  const auto add = [&](const EffectRegion& region, ContactLoad& sum, ContactLoadJacobian& by_bed,
+                       ContactEffectJacobian& by_effect) {
+    const ElasticFoundation& bed = beds[static_cast<std::size_t>(region.part)];
+    if (wish.vertical_only) {
+      AddVertical(kinematics, region, instant, bed, effects, wish.derivatives, sum, by_bed, by_effect);
+    } else {
+      AddRegion(kinematics, region, instant, bed, effects, sum, by_bed, by_effect);
+    }
+  };
+  load.load.setZero();
+  load.by_effect.setZero();
+  for (ContactLoadJacobian& jacobian : load.by_part) jacobian.setZero();
+  for (const EffectRegion& region : kinematics.regions) {
+    add(region, load.load, load.by_part[static_cast<std::size_t>(region.part)], load.by_effect);
+  }
+  for (std::size_t edge = 0; edge < kinematics.edges.size(); ++edge) {
+    const std::size_t effect = kToeRegion + edge;
+    const double weight = effects[effect];
+    if (weight == 0 && !wish.edges) continue;
+    for (const EffectRegion& region : kinematics.edges[edge]) {
+      const auto part = static_cast<std::size_t>(region.part);
+      ContactLoad whole = ContactLoad::Zero();
+      ContactLoadJacobian by_bed = ContactLoadJacobian::Zero();
+      ContactEffectJacobian by_effect = ContactEffectJacobian::Zero();
+      add(region, whole, by_bed, by_effect);
+      load.load += weight * whole;
+      load.by_part[part] += weight * by_bed;
+      load.by_effect += weight * by_effect;
+      load.by_effect.col(static_cast<Eigen::Index>(effect)) += whole;
+    }
+  }
+  // A plate feels what stands on it: the mass counts while a spring presses.
+  if (!(load.load[kForceY] > 0)) return;
+  const auto t = static_cast<std::size_t>(instant);
+  const Vec3& a = kinematics.foot_acceleration[t];
+  const Lever lever{kinematics.foot_position[t].x(), kinematics.foot_position[t].z()};
+  const ContactLoad per_mass = lever.Of(a.x(), kGravity + a.y(), a.z());
+  load.load += effects[kUnmodelledMass] * per_mass;
+  load.by_effect.col(kUnmodelledMass) = per_mass;
+}
+
+void ComputeFaceLoads(const EffectKinematics& kinematics, const EffectRegion& region, int instant,
+                      const ElasticFoundation& bed, const ContactEffectValues& effects,
+                      std::vector<FaceLoad>& loads) {
+  const TiltedFloor floor(kinematics, effects);
+  const BedEffects bed_effects{effects[kStiffnessExponent], effects[kFloorCompliance]};
+  const auto faces = static_cast<std::size_t>(region.kinematics.faces);
+  loads.assign(faces, {});
+  for (std::size_t f = 0; f < faces; ++f) {
+    const RaisedFace face = floor.At(region, instant, static_cast<std::size_t>(instant) * faces + f);
+    loads[f] = {PressureAt(bed, bed_effects, face.depth, face.rate).value,
+                std::hypot(face.slip_x, face.slip_z)};
+  }
+}
+
+Result<ContactRegion> EdgeRegion(const ContactRegion& sole, bool toe, double length,
+                                 const std::array<int, 2>& strips) {
+  constexpr double kFar = std::numeric_limits<double>::infinity();
+  Vec3 low(kFar, kFar, kFar);
+  Vec3 high = -low;
+  for (const int face : sole.SpringFaceIndices()) {
+    for (const int corner : sole.mesh.faces[static_cast<std::size_t>(face)]) {
+      const Vec3& vertex = sole.mesh.vertices[static_cast<std::size_t>(corner)];
+      low = low.cwiseMin(vertex);
+      high = high.cwiseMax(vertex);
+    }
+  }
+  ContactRegion edge;
+  edge.name = sole.name + (toe ? " toe edge" : " heel edge");
+  constexpr double kThickness = 0.02;  // [m] of its closed mesh; only the bottom carries springs
+  SINEW_ASSIGN(edge.mesh, BoxMesh({length, kThickness, high.z() - low.z()}, strips[0], strips[1]));
+  edge.springs = SpringFaces::kBottom;
+  edge.rotation = sole.rotation;
+  const double x = toe ? high.x() + 0.5 * length : low.x() - 0.5 * length;
+  edge.position = sole.position + sole.rotation * Vec3(x, low.y(), 0.5 * (low.z() + high.z()));
+  return edge;
+}
+
+}  // namespace sinew

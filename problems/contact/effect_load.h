@@ -1,0 +1,78 @@
+// The load on a plate with contact effects in it: face by face, from kinematics that were computed once. Slow
+// against ContactSums (by a factor of about ten), and needed only while an effect is off its null or its
+// derivative is wanted.
+//
+// With e = height offset + slope_x (x - x_ref) + slope_z (z - z_ref) the rise of the floor under a spring, N
+// = sqrt(1 + slope_x^2 + slope_z^2):
+//   depth of the spring      (d + e) / N
+//   its rate                 -(velocity of the sole at the floor) . (normal of the floor)
+//   force of the floor       (-slope_x, 1, -slope_z) / N times the normal force, and friction
+// where the velocity is that of the sole's material at the raised floor. Friction stays horizontal and
+// follows the horizontal slip: its share along y and the slip's change by the tilt are of the order of
+// friction times slope and slip times slope^2, and are left out. The lever arm is that of the point straight
+// below the spring.
+#pragma once
+
+#include <array>
+#include <vector>
+
+#include "models/contact/contact_sums.h"
+#include "problems/contact/effects.h"
+
+namespace sinew {
+
+/// Kinematics of one region, and the turning of its body, which tells the slip at another height of floor.
+struct EffectRegion {
+  int part = 0;  ///< index into Stance::parts: whose parameters it has
+  ContactKinematics kinematics;
+  std::vector<double> turning_x;  ///< angular velocity of the body about the world's x [T, rad/s]
+  std::vector<double> turning_z;
+};
+
+/// What a stance needs besides ContactSums.
+struct EffectKinematics {
+  std::vector<EffectRegion> regions;
+  std::array<std::vector<EffectRegion>, 2>
+      edges;                               ///< toe, heel: strips that carry by kToeRegion, kHeelRegion
+  std::vector<Vec3> foot_position;         ///< of the foot's body [T, m]
+  std::vector<Vec3> foot_acceleration;     ///< [T, m/s2]
+  std::array<double, 2> tilt_reference{};  ///< x, z [m] where slopes leave the floor's height alone: the
+                                           ///< middle of all stances' soles
+  std::array<double, 2> floor_velocity{};  ///< x, z [m/s]
+  double transition_velocity = 0.01;       ///< [m/s]
+};
+
+using ContactEffectJacobian = Eigen::Matrix<double, 6, static_cast<int>(kContactEffects)>;
+
+/// Load and derivatives of one instant.
+struct EffectLoad {
+  ContactLoad load = ContactLoad::Zero();
+  std::vector<ContactLoadJacobian> by_part;  ///< [parts] for k, c, mu_s, mu_d, mu_v of each
+  ContactEffectJacobian by_effect = ContactEffectJacobian::Zero();
+};
+
+/// What of an EffectLoad is asked for; the rest of it is not to be used.
+struct EffectLoadWish {
+  bool vertical_only = false;  ///< the vertical force alone: no friction, no moments
+  bool derivatives = true;     ///< of the vertical force; with the others they always come
+  bool edges = false;          ///< strips of weight 0 too, for the derivative of the weight
+};
+
+/// Fills `load`, whose by_part has the right size. Allocates nothing.
+/// @param beds [parts]; @param effects kHeightOffset with the plate's own added.
+void ComputeEffectLoad(const EffectKinematics& kinematics, int instant,
+                       const std::vector<ElasticFoundation>& beds, const ContactEffectValues& effects,
+                       const EffectLoadWish& wish, EffectLoad& load);
+
+/// Pressure and slip of every face of a region at one instant, with the effects: for pictures.
+void ComputeFaceLoads(const EffectKinematics& kinematics, const EffectRegion& region, int instant,
+                      const ElasticFoundation& bed, const ContactEffectValues& effects,
+                      std::vector<FaceLoad>& loads);
+
+/// A strip of springs in front of a region (towards +x of its mesh) or behind it, as wide and at the same
+/// height.
+/// @param length [m]; @param strips along x and z. Errors: none for a region with springs.
+Result<ContactRegion> EdgeRegion(const ContactRegion& sole, bool toe, double length,
+                                 const std::array<int, 2>& strips);
+
+}  // namespace sinew

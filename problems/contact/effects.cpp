@@ -1,0 +1,79 @@
+#include "problems/contact/effects.h"
+
+#include <algorithm>
+
+namespace sinew {
+namespace {
+
+constexpr const char* kHeightExperiment =
+    "stand still and load the foot in steps: a height that is wrong gives force at zero depth, or none at a "
+    "depth";
+
+constexpr double kHeightReach = 0.01;  // [m]
+
+}  // namespace
+
+ContactEffectList::ContactEffectList(int first, std::vector<std::string> plates)
+    : first_(first), plates_(std::move(plates)) {
+  if (plates_.size() < 2) plates_.clear();
+}
+
+void ContactEffectList::Declare(ParameterListBuilder& add) const {
+  constexpr int kNone = ParameterListBuilder::kNoSlot;
+  add.BeginEffect("height_offset", Level::kHuman,
+                  "the kinematics hold the soles at a wrong height, by the same amount in all stances",
+                  kHeightExperiment)
+      .TwoSided(kNone, "height_offset", "m", "depth that the kinematics miss, the same in all stances",
+                kHeightReach);
+  add.BeginEffect("floor_compliance", Level::kBoundary,
+                  "the floor under the springs gives way in proportion to the pressure",
+                  "press the plate with a stiff stamp and measure how far it goes down")
+      .Positive(kNone, "floor_compliance", "m3/N", "give of the floor per pressure on it", 1e-5);
+  add.BeginEffect("stiffness_exponent", Level::kBoundary,
+                  "the pressure does not grow in proportion to the depth but by a power of it",
+                  "slow loading to several depths: force against depth is then a curve")
+      .Number(kNone, "stiffness_exponent", "1",
+              "n of pressure = stiffness x0 (depth / x0)^(1 + n), x0 = 1 mm", -0.5, 2);
+  add.BeginEffect("tilted_floor", Level::kBoundary, "the floor is not level in the axes of the kinematics",
+                  "a spirit level, or markers on the floor, or stances far apart on the plate")
+      .TwoSided(kNone, "floor_slope_x", "rad", "rise of the floor along x", 0.05)
+      .TwoSided(kNone, "floor_slope_z", "rad", "rise of the floor along z", 0.05);
+  add.BeginEffect(
+         "unmodelled_mass", Level::kHuman,
+         "the plate carries a mass that moves with the foot and that the springs do not see (a shoe, a "
+         "segment whose mass is wrong)",
+         "weigh it, or stamp: its force follows the acceleration of the foot")
+      .TwoSided(kNone, "unmodelled_mass", "kg", "mass that moves with the foot while it is on the plate", 5);
+  add.BeginEffect("missing_toe_region", Level::kBoundary,
+                  "the foot also touches in front of the modelled sole",
+                  "a pressure mat, or the centre of pressure at push-off")
+      .Positive(kNone, "toe_region_weight", "1",
+                "share of the sole's springs that a strip in front of it has", 1);
+  add.BeginEffect("missing_heel_region", Level::kBoundary, "the foot also touches behind the modelled sole",
+                  "a pressure mat, or the centre of pressure at heel strike")
+      .Positive(kNone, "heel_region_weight", "1", "share of the sole's springs that a strip behind it has",
+                1);
+  for (const std::string& plate : plates_) {
+    add.BeginEffect(plate + ".height_offset", Level::kHuman,
+                    "the kinematics hold the sole on plate " + plate + " at a wrong height",
+                    kHeightExperiment)
+        .TwoSided(kNone, plate + ".height_offset", "m", "depth that the kinematics miss on plate " + plate,
+                  kHeightReach);
+  }
+}
+
+std::vector<int> ContactEffectList::ColumnsOf(const std::string& plate) const {
+  std::vector<int> columns;
+  for (std::size_t i = 0; i < kContactEffects; ++i) columns.push_back(first_ + static_cast<int>(i));
+  const int own = OwnHeight(plate);
+  if (own >= 0) columns.push_back(own);
+  return columns;
+}
+
+int ContactEffectList::OwnHeight(const std::string& plate) const {
+  const auto found = std::find(plates_.begin(), plates_.end(), plate);
+  if (found == plates_.end()) return -1;
+  return first_ + static_cast<int>(kContactEffects) + static_cast<int>(found - plates_.begin());
+}
+
+}  // namespace sinew

@@ -1,0 +1,349 @@
+#include "problems/contact/problem.h"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <limits>
+
+namespace sinew {
+namespace {
+
+constexpr std::size_t kChannels = ContactProblem::kChannels;
+
+// Order of kContactChannels.
+enum PlateChannel { kFx, kFy, kFz, kCopX, kCopZ, kFreeMoment };
+// Parameters of a group that each channel depends on: normal forces know stiffness and dissipation only.
+constexpr std::array<Eigen::Index, kChannels> kColumnsPerGroup{5, 2, 5, 2, 2, 5};
+
+WrenchParts PartsFor(const std::array<bool, kChannels>& wanted) {
+  if (wanted[kCopX] || wanted[kCopZ] || wanted[kFreeMoment]) return WrenchParts::kAll;
+  return wanted[kFx] || wanted[kFz] ? WrenchParts::kForce : WrenchParts::kVertical;
+}
+
+// Channels of a plate from the load on it, and the derivative of each for one parameter from that of the
+// load.
+struct PlateChannels {
+  std::array<double, kChannels> value{};
+
+  PlateChannels(const ContactLoad& load, const std::array<double, 2>& resting_cop) : load_(load) {
+    presses_ = load[kForceY] > 0;
+    value[kFx] = load[kForceX];
+    value[kFy] = load[kForceY];
+    value[kFz] = load[kForceZ];
+    value[kCopX] = presses_ ? load[kFirstMomentX] / load[kForceY] : resting_cop[0];
+    value[kCopZ] = presses_ ? load[kFirstMomentZ] / load[kForceY] : resting_cop[1];
+    // The moment about the vertical through the centre of pressure.
+    value[kFreeMoment] = load[kMomentY] - (value[kCopZ] * load[kForceX] - value[kCopX] * load[kForceZ]);
+  }
+
+  [[nodiscard]] std::array<double, kChannels> Derivative(const ContactLoad& d) const {
+    std::array<double, kChannels> slope{};
+    slope[kFx] = d[kForceX];
+    slope[kFy] = d[kForceY];
+    slope[kFz] = d[kForceZ];
+    if (presses_) {
+      slope[kCopX] = (d[kFirstMomentX] - value[kCopX] * d[kForceY]) / load_[kForceY];
+      slope[kCopZ] = (d[kFirstMomentZ] - value[kCopZ] * d[kForceY]) / load_[kForceY];
+    }
+    slope[kFreeMoment] = d[kMomentY] - (slope[kCopZ] * load_[kForceX] + value[kCopZ] * d[kForceX] -
+                                        slope[kCopX] * load_[kForceZ] - value[kCopX] * d[kForceZ]);
+    return slope;
+  }
+
+ private:
+  const ContactLoad& load_;
+  bool presses_ = false;
+};
+
+// The parameters of the groups, then those of the effects.
+ParameterList List(const ContactSettings& settings, const ContactEffectList& effects) {
+  struct Kind {
+    const char* name;
+    const char* unit;
+    const char* meaning;
+    Scale scale;
+    const char* source;
+  };
+  constexpr std::array<Kind, kContactParametersPerGroup> kKinds{{
+      {"stiffness", "N/m3", "pressure per depth of the sole's bed of springs", Scale::kLog, "thesis eq 5.1"},
+      {"dissipation", "s/m", "growth of the pressure with the depth rate", Scale::kLinear, "thesis eq 5.1"},
+      {"static_friction", "1", "friction at the transition velocity", Scale::kLinear,
+       "Hollars; thesis eq 5.2"},
+      {"dynamic_friction", "1", "friction at fast slip", Scale::kLinear, "Hollars; thesis eq 5.2"},
+      {"viscous_friction", "s/m", "growth of the friction with slip speed", Scale::kLinear,
+       "Hollars; thesis eq 5.2"},
+  }};
+  ParameterList list;
+  ParameterListBuilder add(list);
+  const auto groups = settings.Groups();
+  for (const std::string& group : groups) {
+    for (const Kind& kind : kKinds) {
+      const ParameterRange& range = settings.parameters.at(kind.name);
+      Parameter p;
+      p.name = groups.size() == 1 ? kind.name : group + "." + kind.name;
+      p.unit = kind.unit;
+      p.meaning = kind.meaning;
+      p.lower = range.lower;
+      p.upper = range.upper;
+      p.start = range.start;
+      p.scale = kind.scale == Scale::kLog && range.lower > 0 ? Scale::kLog : Scale::kLinear;
+      p.source = kind.source;
+      add.Add(std::move(p));
+    }
+  }
+  effects.Declare(add);
+  return list;
+}
+
+}  // namespace
+
+std::vector<Parameter> DefaultContactParameters() {
+  ContactSettings settings;
+  settings.parameters = DefaultContactRanges();
+  settings.regions.emplace_back();
+  return List(settings, ContactEffectList(kContactParametersPerGroup, {})).parameters;
+}
+
+// Scratch of one thread and one stance.
+struct ContactProblem::Scratch {
+  std::vector<ContactSums::Workspace> sums;  // per part
+  std::vector<ContactLoadJacobian> by_part;  // of the fast path
+  std::vector<ElasticFoundation> beds;       // per part
+  EffectLoad with_effects;
+  ContactEffectValues effects{};
+  bool at_null = true;
+  bool differentiates_effects = false;
+  bool differentiates_edges = false;
+};
+
+struct ContactProblem::ContactWorkspace final : Problem::Workspace {
+  std::vector<Scratch> stances;
+};
+
+ContactProblem::ContactProblem(ContactSettings settings, ContactData data)
+    : settings_(std::move(settings)), data_(std::move(data)), list_(List(settings_, data_.effects)) {}
+
+Result<std::unique_ptr<ContactProblem>> ContactProblem::Make(const Dataset& data, ContactSettings settings,
+                                                             double margin) {
+  SINEW_ASSIGN(auto prepared, PrepareContactData(data, settings, margin));
+  std::unique_ptr<ContactProblem> problem(new ContactProblem(std::move(settings), std::move(prepared)));
+  SINEW_TRY(CheckParameterList(problem->list_));
+  SINEW_TRY(CheckLayout(problem->layout(), static_cast<int>(problem->parameters().size())));
+  return problem;
+}
+
+std::unique_ptr<Problem::Workspace> ContactProblem::NewWorkspace() const {
+  auto workspace = std::make_unique<ContactWorkspace>();
+  for (const Stance& stance : data_.stances) {
+    Scratch& scratch = workspace->stances.emplace_back();
+    for (const Stance::Part& part : stance.parts) scratch.sums.push_back(part.sums.NewWorkspace());
+    scratch.by_part.resize(stance.parts.size());
+    scratch.beds.resize(stance.parts.size());
+    scratch.with_effects.by_part.resize(stance.parts.size());
+  }
+  return workspace;
+}
+
+ElasticFoundation ContactProblem::Foundation(const Vector& parameters, int group) {
+  const Eigen::Index first = group * kContactParametersPerGroup;
+  return {parameters[first], parameters[first + 1], parameters[first + 2], parameters[first + 3],
+          parameters[first + 4]};
+}
+
+ContactEffectValues ContactProblem::EffectsOn(const std::string& plate, const Vector& parameters) const {
+  ContactEffectValues values{};
+  const int first = data_.effects.first();
+  for (std::size_t i = 0; i < kContactEffects; ++i) values[i] = parameters[first + static_cast<int>(i)];
+  const int own = data_.effects.OwnHeight(plate);
+  if (own >= 0) values[kHeightOffset] += parameters[own];
+  return values;
+}
+
+Status ContactProblem::Predict(const Query& query, Workspace& workspace, Prediction& prediction) const {
+  auto& scratches = static_cast<ContactWorkspace&>(workspace).stances;
+  for (std::size_t s = 0; s < data_.stances.size(); ++s) {
+    const Stance& stance = data_.stances[s];
+    std::array<bool, kChannels> wanted{};
+    for (std::size_t c = 0; c < kChannels; ++c)
+      wanted[c] = query.blocks[static_cast<std::size_t>(stance.blocks[c])];
+    if (std::find(wanted.begin(), wanted.end(), true) == wanted.end()) continue;
+
+    Scratch& scratch = scratches[s];
+    for (std::size_t p = 0; p < stance.parts.size(); ++p)
+      scratch.beds[p] = Foundation(query.parameters, stance.parts[p].group);
+    scratch.effects = EffectsOn(stance.plate, query.parameters);
+    scratch.at_null =
+        std::all_of(scratch.effects.begin(), scratch.effects.end(), [](double value) { return value == 0; });
+    const int first = data_.effects.first();
+    const int own = data_.effects.OwnHeight(stance.plate);
+    scratch.differentiates_effects = own >= 0 && query.Differentiates(own);
+    for (int i = 0; i < static_cast<int>(kContactEffects); ++i)
+      scratch.differentiates_effects |= query.Differentiates(first + i);
+    scratch.differentiates_edges = query.Differentiates(first + static_cast<int>(kToeRegion)) ||
+                                   query.Differentiates(first + static_cast<int>(kHeelRegion));
+    for (int t = 0; t < static_cast<int>(stance.time.size()); ++t) {
+      PredictInstant(stance, t, wanted, query, scratch, prediction);
+    }
+  }
+  return {};
+}
+
+void ContactProblem::PredictInstant(const Stance& stance, int t, const std::array<bool, kChannels>& wanted,
+                                    const Query& query, Scratch& scratch, Prediction& prediction) const {
+  if (!scratch.at_null || scratch.differentiates_effects) {
+    const EffectLoadWish wish{PartsFor(wanted) == WrenchParts::kVertical, query.derivatives,
+                              scratch.differentiates_edges};
+    ComputeEffectLoad(stance.kinematics, t, scratch.beds, scratch.effects, wish, scratch.with_effects);
+  }
+  ContactLoad load = ContactLoad::Zero();
+  if (scratch.at_null) {
+    const WrenchParts parts = PartsFor(wanted);
+    for (std::size_t p = 0; p < stance.parts.size(); ++p) {
+      stance.parts[p].sums.Add(t, scratch.beds[p], parts, scratch.sums[p], load,
+                               query.derivatives ? &scratch.by_part[p] : nullptr);
+    }
+  } else {
+    load = scratch.with_effects.load;
+  }
+  const PlateChannels channels(load, stance.resting_cop);
+  for (std::size_t c = 0; c < kChannels; ++c) {
+    if (wanted[c]) prediction.values(stance.blocks[c])[t] = channels.value[c];
+  }
+  if (!query.derivatives) return;
+
+  const auto& by_part = scratch.at_null ? scratch.by_part : scratch.with_effects.by_part;
+  for (std::size_t p = 0; p < stance.parts.size(); ++p) {
+    for (Eigen::Index k = 0; k < kContactParametersPerGroup; ++k) {
+      const auto slope = channels.Derivative(by_part[p].col(k));
+      for (std::size_t c = 0; c < kChannels; ++c) {
+        const Eigen::Index columns = kColumnsPerGroup[c];
+        if (!wanted[c] || k >= columns) continue;
+        prediction.derivatives(stance.blocks[c])(t, static_cast<Eigen::Index>(p) * columns + k) = slope[c];
+      }
+    }
+  }
+  if (!scratch.differentiates_effects) return;
+  const bool own_height = data_.effects.OwnHeight(stance.plate) >= 0;
+  for (std::size_t e = 0; e < kContactEffects; ++e) {
+    const auto slope = channels.Derivative(scratch.with_effects.by_effect.col(static_cast<Eigen::Index>(e)));
+    for (std::size_t c = 0; c < kChannels; ++c) {
+      if (!wanted[c]) continue;
+      auto derivatives = prediction.derivatives(stance.blocks[c]);
+      const Eigen::Index first = static_cast<Eigen::Index>(stance.parts.size()) * kColumnsPerGroup[c];
+      derivatives(t, first + static_cast<Eigen::Index>(e)) = slope[c];
+      if (e == kHeightOffset && own_height)
+        derivatives(t, first + static_cast<Eigen::Index>(kContactEffects)) = slope[c];
+    }
+  }
+}
+
+std::vector<Problem::Signal> ContactProblem::ResidualCovariates(int block) const {
+  const auto stance = std::find_if(data_.stances.begin(), data_.stances.end(), [&](const Stance& s) {
+    return std::find(s.blocks.begin(), s.blocks.end(), block) != s.blocks.end();
+  });
+  if (stance == data_.stances.end()) return {};
+  const Block& of = data_.layout[static_cast<std::size_t>(block)];
+
+  Signal depth{"depth", "m", {}};
+  Signal slip{"slip speed", "m/s", {}};
+  for (const int t : of.sample) {
+    double deepest = -std::numeric_limits<double>::infinity();
+    double speed = 0;
+    for (const EffectRegion& region : stance->kinematics.regions) {
+      const ContactKinematics& k = region.kinematics;
+      for (int f = 0; f < k.faces; ++f) {
+        const auto i =
+            static_cast<std::size_t>(t) * static_cast<std::size_t>(k.faces) + static_cast<std::size_t>(f);
+        if (k.depth[i] <= deepest) continue;
+        deepest = k.depth[i];
+        speed = std::hypot(k.slip_x[i], k.slip_z[i]);
+      }
+    }
+    depth.values.push_back(deepest);
+    slip.values.push_back(speed);
+  }
+  std::vector<Signal> signals{std::move(depth), std::move(slip)};
+
+  // The measured vertical force, if it was measured at every sample of this block.
+  const Block& vertical = data_.layout[static_cast<std::size_t>(stance->blocks[kFy])];
+  Signal force{"vertical force", "N", {}};
+  for (const int t : of.sample) {
+    const auto found = std::lower_bound(vertical.sample.begin(), vertical.sample.end(), t);
+    if (found == vertical.sample.end() || *found != t) return signals;
+    force.values.push_back(vertical.measured[static_cast<std::size_t>(found - vertical.sample.begin())]);
+  }
+  signals.push_back(std::move(force));
+  return signals;
+}
+
+std::string ContactProblem::objective() const {
+  switch (settings_.objective) {
+    case ContactObjective::kThesis:
+      return "half the sum of squared errors; the square root of twice the cost is eq 5.4 of the thesis";
+    case ContactObjective::kNormalised:
+      return "half the sum over channels of mean squared error / variance of the channel";
+    case ContactObjective::kLikelihood:
+      return "half the sum of squared errors / noise variance";
+  }
+  return {};
+}
+
+Status ContactProblem::WriteDetails(const Vector& parameters, Hdf5Node& details) const {
+  const auto groups = settings_.Groups();
+  for (const Stance& stance : data_.stances) {
+    const ContactEffectValues effects = EffectsOn(stance.plate, parameters);
+    for (std::size_t r = 0; r < stance.regions.size(); ++r) {
+      const EffectRegion& prepared = stance.kinematics.regions[r];
+      const ContactKinematics& kinematics = prepared.kinematics;
+      const ContactRegionSettings& settings = settings_.regions[static_cast<std::size_t>(stance.regions[r])];
+      const ContactMesh& mesh = settings.region.mesh;
+      const int group =
+          static_cast<int>(std::find(groups.begin(), groups.end(), settings.group) - groups.begin());
+      const ElasticFoundation foundation = Foundation(parameters, group);
+
+      const std::vector<int> faces = settings.region.SpringFaceIndices();
+      const auto in_body = [&](const Vec3& point) {
+        return Vec3(settings.region.position + settings.region.rotation * point);
+      };
+      std::vector<double> outline;
+      for (const int face : faces) {
+        for (const int corner : mesh.faces[static_cast<std::size_t>(face)]) {
+          const Vec3 point = in_body(mesh.vertices[static_cast<std::size_t>(corner)]);
+          outline.push_back(point.x());
+          outline.push_back(point.z());
+        }
+      }
+      std::vector<double> pressure;
+      std::vector<double> slip;
+      std::vector<double> centre;
+      std::vector<FaceLoad> loads;
+      for (int t = 0; t < kinematics.instants; ++t) {
+        ComputeFaceLoads(stance.kinematics, prepared, t, foundation, effects, loads);
+        double total = 0;
+        Vec3 moment = Vec3::Zero();
+        for (std::size_t i = 0; i < faces.size(); ++i) {
+          const double force = loads[i].pressure * kinematics.area[i];
+          pressure.push_back(loads[i].pressure);
+          slip.push_back(loads[i].slip);
+          total += force;
+          moment += force * in_body(mesh.Centre(faces[i]));
+        }
+        centre.push_back(total > 0 ? moment.x() / total : std::numeric_limits<double>::quiet_NaN());
+        centre.push_back(total > 0 ? moment.z() / total : std::numeric_limits<double>::quiet_NaN());
+      }
+      const auto instants = static_cast<std::size_t>(kinematics.instants);
+      Hdf5Node& node = details.At("contact/" + stance.trial + "/" + settings.region.name);
+      node.attributes["body"] = settings.body;
+      node.attributes["plate"] = settings.plate;
+      node.attributes["group"] = settings.group;
+      node.At("time").SetVector(stance.time);
+      node.At("outline").data = Hdf5Array{{faces.size(), 3, 2}, std::move(outline)};
+      node.At("pressure").SetMatrix(instants, faces.size(), std::move(pressure));
+      node.At("slip").SetMatrix(instants, faces.size(), std::move(slip));
+      node.At("centre_of_pressure").SetMatrix(instants, 2, std::move(centre));
+    }
+  }
+  return {};
+}
+
+}  // namespace sinew

@@ -1,0 +1,68 @@
+// Contact of soles with the floor under prescribed motion: which stiffness, dissipation and friction explain
+// the measured ground reaction? Thesis ch. 5; SCIENCE section 4.
+#pragma once
+
+#include <array>
+#include <memory>
+#include <string>
+#include <vector>
+
+#include "datasets/dataset.h"
+#include "identify/problem.h"
+#include "problems/contact/data.h"
+#include "problems/contact/effects.h"
+#include "problems/contact/settings.h"
+
+namespace sinew {
+
+/// Parameters per group of regions: stiffness, dissipation, static_friction, dynamic_friction,
+/// viscous_friction; named so if there is one group, else GROUP.stiffness and so on. Channels per plate:
+/// force_x, force_y, force_z, cop_x, cop_z, moment_y. The fitted ones are compared with the measurement; the
+/// others are predicted.
+///
+/// Contact effects (ContactEffect) rest at 0; while they do, the prediction comes from ContactSums and is
+/// that of a problem without them, to the last bit.
+class ContactProblem final : public Problem {
+ public:
+  /// Errors: those of PrepareContactData.
+  static Result<std::unique_ptr<ContactProblem>> Make(const Dataset& data, ContactSettings settings,
+                                                      double margin = 0);
+
+  [[nodiscard]] const std::vector<Parameter>& parameters() const override { return list_.parameters; }
+  [[nodiscard]] const Layout& layout() const override { return data_.layout; }
+  [[nodiscard]] const std::vector<Effect>& effects() const override { return list_.effects; }
+  [[nodiscard]] std::unique_ptr<Workspace> NewWorkspace() const override;
+  Status Predict(const Query& query, Workspace& workspace, Prediction& prediction) const override;
+  [[nodiscard]] std::string objective() const override;
+  /// Per trial and region: outline of the faces, pressure and slip of each at every instant, centre of
+  /// pressure.
+  Status WriteDetails(const Vector& parameters, Hdf5Node& details) const override;
+  /// The plate's measured vertical force, and depth and slip speed of the deepest spring.
+  [[nodiscard]] std::vector<Signal> ResidualCovariates(int block) const override;
+
+  [[nodiscard]] const ContactData& data() const { return data_; }
+  [[nodiscard]] const ContactSettings& settings() const { return settings_; }
+
+  /// Channels per plate, see kContactChannels.
+  static constexpr std::size_t kChannels = 6;
+
+  /// Parameters of one group, in the model's terms.
+  [[nodiscard]] static ElasticFoundation Foundation(const Vector& parameters, int group);
+
+ private:
+  ContactProblem(ContactSettings settings, ContactData data);
+  struct Scratch;
+  struct ContactWorkspace;
+  void PredictInstant(const Stance& stance, int t, const std::array<bool, kChannels>& wanted,
+                      const Query& query, Scratch& scratch, Prediction& prediction) const;
+  [[nodiscard]] ContactEffectValues EffectsOn(const std::string& plate, const Vector& parameters) const;
+
+  ContactSettings settings_;
+  ContactData data_;
+  ParameterList list_;
+};
+
+/// The parameters of one group with their default ranges, without data; then those of the contact effects.
+[[nodiscard]] std::vector<Parameter> DefaultContactParameters();
+
+}  // namespace sinew

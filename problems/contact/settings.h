@@ -1,0 +1,69 @@
+// What a person decides about a contact problem: where the soles are, which force plate sees them, which
+// channels are fitted, and how residuals are weighed.
+#pragma once
+
+#include <map>
+#include <string>
+#include <vector>
+
+#include "base/error.h"
+#include "base/yaml_reader.h"
+#include "models/contact/elastic_foundation.h"
+
+namespace sinew {
+
+/// How the residuals of a channel are weighed.
+enum class ContactObjective {
+  kThesis,      ///< newtons as they are; the square root of twice the cost is eq 5.4 of the thesis
+  kNormalised,  ///< divided by the standard deviation of the measured channel and the root of its sample
+                ///< count
+  kLikelihood   ///< divided by the channel's noise level (attribute sigma), which must be known
+};
+
+[[nodiscard]] const char* ToString(ContactObjective objective);
+
+struct ContactRegionSettings {
+  ContactRegion region;
+  std::string body;   ///< that carries it, as named in the .osim
+  std::string plate;  ///< prefix of the force channels that it adds to: "right" for right_force_y
+  std::string group;  ///< regions of one group share their parameters
+};
+
+/// Range and start of one parameter.
+struct ParameterRange {
+  double lower = 0;
+  double upper = 1;
+  double start = 0;
+};
+
+struct ContactSettings {
+  std::string model = "model.osim";   ///< name of the .osim among the files of the data set
+  Floor floor;                        ///< height [m], and velocity of a treadmill's belt [m/s]
+  double transition_velocity = 0.01;  ///< of the friction law [m/s]
+  ContactObjective objective = ContactObjective::kNormalised;
+  std::vector<std::string> fit{"force_y"};  ///< of kContactChannels
+  /// The centre of pressure means nothing under a light foot: it is compared where the vertical force exceeds
+  /// this share of its maximum.
+  double cop_force_share = 0.1;
+  std::vector<ContactRegionSettings> regions;
+  /// By name within a group: stiffness, dissipation, static_friction, dynamic_friction, viscous_friction.
+  std::map<std::string, ParameterRange> parameters;
+
+  [[nodiscard]] std::vector<std::string> Groups() const;
+  [[nodiscard]] std::vector<std::string> Plates() const;
+};
+
+/// Of a group, see ContactSettings::parameters.
+constexpr int kContactParametersPerGroup = 5;
+
+/// The channels of a plate that this problem predicts, without the plate's prefix.
+extern const std::vector<std::string> kContactChannels;
+
+[[nodiscard]] const std::map<std::string, ParameterRange>& DefaultContactRanges();
+
+/// @param yaml the map under the key `contact` of a settings file; @param files texts by name (for .obj
+/// soles). Errors: unknown keys, wrong values, each with file and line.
+Result<ContactSettings> ReadContactSettings(const YamlReader& yaml,
+                                            const std::map<std::string, std::string>& files);
+
+}  // namespace sinew

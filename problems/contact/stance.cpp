@@ -1,0 +1,122 @@
+#include "problems/contact/stance.h"
+
+#include <algorithm>
+
+#include "base/constants.h"
+
+namespace sinew {
+namespace {
+
+EffectRegion Prepare(const ContactRegion& region, int part, const std::vector<BodyMotion>& motion,
+                     const Floor& floor) {
+  EffectRegion prepared{part, ComputeContactKinematics(region, motion, floor), {}, {}};
+  for (const BodyMotion& body : motion) {
+    prepared.turning_x.push_back(body.angular_velocity.x());
+    prepared.turning_z.push_back(body.angular_velocity.z());
+  }
+  return prepared;
+}
+
+// The foremost and the hindmost region of a foot.
+struct Ends {
+  std::array<int, 2> region{};                      // toe, heel: index into the stance's regions
+  std::array<double, 2> at{-kInfinity, kInfinity};  // [m] along the foot
+};
+
+Ends FindEnds(const std::vector<const ContactRegion*>& regions,
+              const std::vector<std::vector<BodyMotion>>& motions, std::size_t instant) {
+  const Vec3 forward = motions.front()[instant].rotation * Vec3::UnitX();
+  Ends ends;
+  for (std::size_t r = 0; r < regions.size(); ++r) {
+    const ContactRegion& region = *regions[r];
+    const BodyMotion& body = motions[r][instant];
+    for (const int face : region.SpringFaceIndices()) {
+      for (const int corner : region.mesh.faces[static_cast<std::size_t>(face)]) {
+        const Vec3& vertex = region.mesh.vertices[static_cast<std::size_t>(corner)];
+        const double at =
+            forward.dot(body.position + body.rotation * (region.position + region.rotation * vertex));
+        if (at > ends.at[0]) ends.region[0] = static_cast<int>(r), ends.at[0] = at;
+        if (at < ends.at[1]) ends.region[1] = static_cast<int>(r), ends.at[1] = at;
+      }
+    }
+  }
+  return ends;
+}
+
+}  // namespace
+
+Result<Stance> MakeStance(const std::string& trial, const std::string& plate, std::vector<double> time,
+                          const CoordinateTrajectory& motion, const MultibodyModel& model,
+                          const std::vector<int>& bodies, const ContactSettings& settings) {
+  Stance stance;
+  stance.trial = trial;
+  stance.plate = plate;
+  stance.time = std::move(time);
+  EffectKinematics& kinematics = stance.kinematics;
+  kinematics.floor_velocity = {settings.floor.velocity_x, settings.floor.velocity_z};
+  kinematics.transition_velocity = settings.transition_velocity;
+
+  SINEW_ASSIGN(const auto motions, model.BodyMotions(stance.time, motion, bodies));
+  std::vector<const ContactRegion*> regions;
+  std::vector<std::vector<BodyMotion>> motion_of;  // [regions][instants]
+  double deepest = -kInfinity;
+  std::size_t deepest_instant = 0;
+  for (std::size_t r = 0; r < settings.regions.size(); ++r) {
+    if (settings.regions[r].plate != plate) continue;
+    regions.push_back(&settings.regions[r].region);
+    auto& of_body = motion_of.emplace_back();
+    for (const auto& at_instant : motions) of_body.push_back(at_instant[r]);
+    EffectRegion region = Prepare(*regions.back(), 0, of_body, settings.floor);
+    const ContactKinematics& k = region.kinematics;
+    for (std::size_t i = 0; i < k.depth.size(); ++i) {
+      if (k.depth[i] <= deepest) continue;
+      deepest = k.depth[i];
+      deepest_instant = i / static_cast<std::size_t>(k.faces);
+      stance.resting_cop = {k.point_x[i], k.point_z[i]};
+    }
+    stance.regions.push_back(static_cast<int>(r));
+    kinematics.regions.push_back(std::move(region));
+  }
+  const auto groups = settings.Groups();
+  for (std::size_t g = 0; g < groups.size(); ++g) {
+    std::vector<const ContactKinematics*> members;
+    for (std::size_t i = 0; i < stance.regions.size(); ++i) {
+      if (settings.regions[static_cast<std::size_t>(stance.regions[i])].group != groups[g]) continue;
+      kinematics.regions[i].part = static_cast<int>(stance.parts.size());
+      members.push_back(&kinematics.regions[i].kinematics);
+    }
+    if (!members.empty()) {
+      stance.parts.push_back({static_cast<int>(g), ContactSums(members, settings.transition_velocity)});
+    }
+  }
+
+  int springs = 0;
+  for (const EffectRegion& region : kinematics.regions) {
+    const ContactKinematics& k = region.kinematics;
+    const auto first = deepest_instant * static_cast<std::size_t>(k.faces);
+    for (std::size_t f = 0; f < static_cast<std::size_t>(k.faces); ++f) {
+      stance.middle[0] += k.point_x[first + f];
+      stance.middle[1] += k.point_z[first + f];
+    }
+    springs += k.faces;
+  }
+  for (double& coordinate : stance.middle) coordinate /= springs;
+
+  for (const BodyMotion& body : motion_of.front()) {
+    kinematics.foot_position.push_back(body.position);
+    kinematics.foot_acceleration.push_back(body.acceleration);
+  }
+  constexpr double kShare = 0.2;               // of the foot's length that a strip beyond its end has
+  constexpr std::array<int, 2> kStrips{4, 7};  // squares of it along x and z
+  const Ends ends = FindEnds(regions, motion_of, deepest_instant);
+  for (const std::size_t end : {0U, 1U}) {
+    const auto of = static_cast<std::size_t>(ends.region[end]);
+    SINEW_ASSIGN(const ContactRegion edge,
+                 EdgeRegion(*regions[of], end == 0, kShare * (ends.at[0] - ends.at[1]), kStrips));
+    kinematics.edges[end].push_back(
+        Prepare(edge, kinematics.regions[of].part, motion_of[of], settings.floor));
+  }
+  return stance;
+}
+
+}  // namespace sinew

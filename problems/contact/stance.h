@@ -1,0 +1,40 @@
+// One foot on one force plate during one trial: what its motion says, prepared for any parameters.
+#pragma once
+
+#include <array>
+#include <string>
+#include <vector>
+
+#include "models/contact/contact_sums.h"
+#include "models/multibody/coordinate_trajectory.h"
+#include "models/multibody/multibody_model.h"
+#include "problems/contact/effect_load.h"
+#include "problems/contact/settings.h"
+
+namespace sinew {
+
+struct Stance {
+  std::string trial;
+  std::string plate;
+  std::vector<double> time;  ///< [T, s]
+  struct Part {
+    int group = 0;  ///< index into ContactSettings::Groups()
+    ContactSums sums;
+  };
+  std::vector<Part> parts;
+  EffectKinematics kinematics;          ///< every face, touching or not
+  std::vector<int> regions;             ///< [kinematics.regions] index of each into ContactSettings::regions
+  std::array<double, 2> middle{};       ///< x, z [m] of the springs where the sole is deepest
+  std::array<double, 2> resting_cop{};  ///< x, z [m]: stands for the centre of pressure while no face presses
+  std::array<int, 6> blocks{};          ///< index into the layout of each of kContactChannels
+};
+
+/// @param bodies of settings.regions, as indices of the model. The strips that missing_toe_region and
+/// missing_heel_region add lie in front of the foremost and behind the hindmost region, seen along the x axis
+/// of the first region's body where the sole is deepest; each is a fifth of the distance between the two ends
+/// long. Errors: those of MultibodyModel::BodyMotions.
+Result<Stance> MakeStance(const std::string& trial, const std::string& plate, std::vector<double> time,
+                          const CoordinateTrajectory& motion, const MultibodyModel& model,
+                          const std::vector<int>& bodies, const ContactSettings& settings);
+
+}  // namespace sinew

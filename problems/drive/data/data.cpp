@@ -1,0 +1,111 @@
+#include "problems/drive/data/data.h"
+
+#include <algorithm>
+#include <cmath>
+
+#include "problems/drive/data/blocks.h"
+#include "problems/drive/data/channels.h"
+#include "problems/drive/data/traits.h"
+#include "problems/drive/data/trial.h"
+
+namespace sinew {
+namespace {
+
+void MeasureScales(const std::vector<DriveMotion>& motions, DriveData& data) {
+  DriveScales& s = data.scales;
+  double low = INFINITY;
+  double high = -INFINITY;
+  double speed = 0;
+  double low_command = INFINITY;
+  double high_command = -INFINITY;
+  s.duration = 0;
+  s.shortest = INFINITY;
+  double drive = 0;
+  for (const DriveMotion& motion : motions) {
+    for (const double q : motion.position) {
+      low = std::min(low, q);
+      high = std::max(high, q);
+    }
+    for (const double v : motion.speed) speed = std::max(speed, std::abs(v));
+    for (const double u : motion.run->input) {
+      low_command = std::min(low_command, u);
+      high_command = std::max(high_command, u);
+    }
+    for (const double u : ReplayCommand(data.command, motion)) drive = std::max(drive, std::abs(u));
+    s.duration = std::max(s.duration, motion.run->stops.back());
+    s.shortest = std::min(s.shortest, motion.run->stops.back());
+  }
+  s.position = high > low ? high - low : 1;
+  s.lowest = low;
+  s.highest = high > low ? high : low + 1;
+  s.speed = speed > 0 ? speed : 1;
+  s.command = std::max({std::abs(low_command), std::abs(high_command), 1e-12});
+  s.lowest_command = low_command;
+  s.highest_command = high_command > low_command ? high_command : low_command + 1;
+  data.joint.largest_command = s.command;
+  if (data.command.controller == DriveControllerKind::kServo) data.joint.largest_command = 1;
+  if (data.command.sampled()) {
+    double limit = 0;
+    for (const DriveMotion& motion : motions) limit = std::max(limit, motion.run->gains.output_limit);
+    data.traits.compressible = limit > 0;
+    data.joint.largest_command = limit > 0 ? limit : 1;
+  }
+  s.torque = drive;
+  if (data.traits.electric)
+    s.torque *= data.joint.gear_ratio * data.starts[kTorqueConstant] / data.starts[kResistance];
+  // A joint that swings freely has no drive torque: gravity and inertia are the measure then.
+  s.torque = std::max({s.torque, 1e-3 * data.starts[kInertia] * s.speed / 0.1, 1e-12});
+  data.joint.largest_torque = s.torque;
+  data.joint.largest_speed = s.speed;
+  data.command.most_position = 1e5 * (std::max(std::abs(low), std::abs(high)) + s.position);
+  data.command.most_speed = 1e5 * s.speed;
+}
+
+}  // namespace
+
+Result<DriveData> PrepareDriveData(const Dataset& data, const DriveSettings& settings, double margin) {
+  DriveData out;
+  SINEW_TRY(FindTraits(data, settings, out));
+  std::vector<std::string> fit = settings.fit;
+  const std::string torque = out.traits.rotary ? "torque" : "force";
+  if (std::find(fit.begin(), fit.end(), "torque") != fit.end() && out.traits.input_channel == torque) {
+    return Fail("fit: '{}' is the input of these trials, it cannot be fitted", torque);
+  }
+  if (std::find(fit.begin(), fit.end(), "current") != fit.end() && !out.traits.electric) {
+    return Fail("fit: the drive is not electric (input '{}'): it has no current", out.traits.input_channel);
+  }
+  if (fit.empty()) {
+    const Grid* grid = nullptr;
+    const bool has_position = std::any_of(data.trials.begin(), data.trials.end(), [&](const auto& trial) {
+      return MeasuredIn(trial.second, "position", &grid) != nullptr;
+    });
+    fit = {has_position ? "position" : "speed"};
+  }
+
+  std::vector<const Trial*> trials;
+  for (const auto& [name, trial] : data.trials) {
+    SINEW_ASSIGN(DriveRun run, ReadDriveRun(data, settings, out.traits, name, trial));
+    out.runs.push_back(std::move(run));
+    trials.push_back(&trial);
+  }
+  std::vector<DriveMotion> motions;
+  for (std::size_t r = 0; r < out.runs.size(); ++r) {
+    SINEW_ASSIGN(DriveMotion motion, MotionOf(*trials[r], out.runs[r]));
+    motions.push_back(std::move(motion));
+  }
+  std::vector<DriveMotion> training;
+  for (std::size_t r = 0; r < motions.size(); ++r) {
+    if (trials[r]->role == Role::kTrain) training.push_back(motions[r]);
+  }
+  if (training.empty()) return Fail("no trial has the role train: nothing to fit");
+  out.starts = EstimateDriveStarts(out.joint, out.command, training, out.traits.fixed);
+  MeasureScales(motions, out);
+  for (std::size_t r = 0; r < out.runs.size(); ++r) {
+    SINEW_TRY(AddBlocks(*trials[r], fit, static_cast<int>(r), motions[r], margin, out));
+  }
+
+  SINEW_TRY(WeighBlocks(fit, out));
+  return out;
+}
+
+}  // namespace sinew

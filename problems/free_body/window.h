@@ -1,0 +1,71 @@
+// The state at the begin of a window, found from the window's own frames: it is fitted anew for every set of
+// parameters, so that the search sees only what the states cannot take up (variable projection, Golub,
+// Pereyra 1973, with the derivative of Kaufman 1975).
+//
+// That makes multiple shooting cheap: the windows of a toss need no parameters of their own, and bounces,
+// after which small differences grow without limit, stay identifiable.
+#pragma once
+
+#include <array>
+#include <vector>
+
+#include "base/error.h"
+#include "problems/free_body/data.h"
+
+namespace sinew {
+
+/// Values of all slots, and which of them are wanted to change.
+struct FreeBodyNumbers {
+  std::array<double, kFreeBodySlots> value{};
+  [[nodiscard]] std::array<bool, kFreeBodySlots> Used() const;
+};
+
+/// Fits and predicts one window; one per window and thread, allocates nothing once made.
+class WindowFit {
+ public:
+  WindowFit(const FreeBodyData& data, const TossWindow& window);
+
+  /// Errors: no prediction from the guess.
+  Status Fit(const FreeBodyNumbers& numbers);
+
+  /// @pre Fit succeeded. Poses [frames] at the fitted state.
+  [[nodiscard]] const std::vector<Pose>& poses() const { return poses_; }
+  [[nodiscard]] const FlightStart& start() const { return start_; }
+  /// Half the sum of squared weighted residuals.
+  [[nodiscard]] double cost() const { return cost_; }
+
+  /// Derivatives of the poses for one slot each, less what the state takes up; into `derivatives` [7 frames x
+  /// slots], pose by pose. Errors: the model's own.
+  Status Differentiate(const FreeBodyNumbers& numbers, const std::vector<int>& slots, Matrix& derivatives);
+
+ private:
+  Status Evaluate(const FreeBodyNumbers& numbers, const FlightStart& start);
+  Status Search(const FreeBodyNumbers& numbers, const std::vector<double>& times, double enough);
+  void FactoriseStates();
+  template <class T>
+  Status Pass(const FreeBodyNumbers& numbers, const std::vector<int>& slots, std::size_t first,
+              std::size_t count, std::vector<std::array<T, kPoseChannels>>& flown, Matrix& derivatives);
+
+  const FreeBodyData& data_;
+  const TossWindow& window_;
+  std::vector<double> flight_;  // times of the frames before the first touch; empty if too few
+  std::vector<double> half_;    // and of half of the others too
+  const std::vector<double>* times_ = nullptr;  // of the frames that are compared now
+  FlightLimits limits_;
+  FlightStart start_;
+  double cost_ = 0;
+  std::vector<Pose> poses_;
+  Vector weight_;    // [7 frames]
+  Vector residual_;  // [7 frames] weighted, at start_
+  Matrix jacobian_;  // [7 frames x kStartLanes] weighted, at start_
+  double trial_cost_ = 0;
+  std::vector<Pose> trial_poses_;
+  Vector trial_residual_;
+  Matrix trial_jacobian_;
+  Matrix basis_;  // orthonormal, of the columns of jacobian_
+  std::vector<std::array<Dual<12>, kPoseChannels>> flown12_;
+  std::vector<std::array<Dual<4>, kPoseChannels>> flown4_;
+  std::vector<std::array<Dual<16>, kPoseChannels>> flown16_;
+};
+
+}  // namespace sinew

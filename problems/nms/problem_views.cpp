@@ -1,0 +1,151 @@
+// What the nms problem tells of itself at given parameters: to people, and to whoever drives it.
+#include <algorithm>
+#include <limits>
+
+#include "base/text.h"
+#include "problems/nms/ceinms/subject.h"
+#include "problems/nms/problem.h"
+
+namespace sinew {
+
+std::string NmsProblem::objective() const {
+  std::string what = settings_.objective == NmsObjective::kThesis
+                         ? "half the sum over trials and joints of the mean squared error of the moment over "
+                           "its variance"
+                         : Problem::objective();
+  if (settings_.fibre_range) {
+    const FibreRange& range = *settings_.fibre_range;
+    what += fmt::format(", fibres {} {} .. {} optimal lengths", range.strict ? "kept within" : "drawn into",
+                        range.lower, range.upper);
+  }
+  return what;
+}
+
+std::vector<std::string> NmsProblem::WarningsAt(const Vector& parameters) const {
+  const FibreRange range = settings_.fibre_range.value_or(FibreRange{});
+  struct Extent {
+    double least = std::numeric_limits<double>::infinity();
+    double most = -std::numeric_limits<double>::infinity();
+  };
+  std::vector<Extent> extents(data_.muscles.size());
+  std::vector<MuscleTrace<double>> muscles;
+  for (std::size_t t = 0; t < data_.trials.size(); ++t) {
+    if (data_.layout[static_cast<std::size_t>(data_.trials[t].first_block)].role != BlockRole::kTrain)
+      continue;
+    if (!MusclesAt(parameters, t, muscles)) return {};
+    Slots slots;
+    SlotsAt(parameters, t, slots, nullptr);
+    for (std::size_t m = 0; m < muscles.size(); ++m) {
+      const auto [least, most] =
+          std::minmax_element(muscles[m].fibre_length.begin(), muscles[m].fibre_length.end());
+      extents[m].least = std::min(extents[m].least, *least / slots[m][kOptimalLength]);
+      extents[m].most = std::max(extents[m].most, *most / slots[m][kOptimalLength]);
+    }
+  }
+  std::vector<std::string> outside;
+  for (std::size_t m = 0; m < extents.size(); ++m) {
+    const double tolerated = settings_.fibre_range ? range.tolerance : 0;
+    if (extents[m].least >= range.lower - tolerated && extents[m].most <= range.upper + tolerated) continue;
+    outside.push_back(
+        fmt::format("{} {:.2f} .. {:.2f}", data_.muscles[m], extents[m].least, extents[m].most));
+  }
+  if (outside.empty()) return {};
+  return {fmt::format("fibres work at other lengths than {} .. {} of the optimal one: {}{}", range.lower,
+                      range.upper, Join(outside, ", "),
+                      settings_.fibre_range
+                          ? ", in spite of fibre_range: the moments ask for it"
+                          : "; where a muscle can hardly pull, its strength means little. fibre_range in the "
+                            "settings keeps them in")};
+}
+
+std::vector<Problem::Signal> NmsProblem::ResidualCovariates(int block) const {
+  const Block& of = data_.layout[static_cast<std::size_t>(block)];
+  const auto trial = std::find_if(data_.trials.begin(), data_.trials.end(),
+                                  [&](const NmsTrial& t) { return t.name == of.trial; });
+  const auto j = static_cast<std::size_t>(block - trial->first_block);
+  std::vector<Signal> signals;
+  const auto add = [&](const std::string& name, const char* unit, const Vector& values) {
+    Signal signal{name, unit, {}};
+    for (const int at : of.sample) signal.values.push_back(values[at]);
+    signals.push_back(std::move(signal));
+  };
+  if (trial->motion[j].angle.size() > 0) {
+    add("angle", "rad", trial->motion[j].angle);
+    add("velocity", "rad/s", trial->motion[j].velocity);
+  }
+  if (trial->pull_plus[j].any()) add("activation_plus", "1", trial->pull_plus[j]);
+  if (trial->pull_minus[j].any()) add("activation_minus", "1", trial->pull_minus[j]);
+  return signals;
+}
+
+NmsParts NmsProblem::PartsAt(const Vector& parameters, std::size_t trial) const {
+  const NmsTrial& of = data_.trials[trial];
+  NmsParts parts;
+  SlotsAt(parameters, trial, parts.slots, nullptr);
+  parts.arms = of.arms;
+  for (std::size_t j = 0; j < parts.arms.size(); ++j) {
+    parts.beyond.emplace_back(Vector::Zero(static_cast<Eigen::Index>(of.time.size())));
+    if (list_.arm_offset[j] < 0) continue;
+    for (Vector& arm : parts.arms[j]) arm.array() += parameters[list_.arm_offset[j]];
+  }
+  for (const NmsMoment& moment : list_.moments) {
+    const double value = parameters[moment.parameter];
+    if (value != 0) parts.beyond[static_cast<std::size_t>(moment.joint)] += value * moment.by_trial[trial];
+  }
+  return parts;
+}
+
+Status NmsProblem::MusclesAt(const Vector& parameters, std::size_t trial,
+                             std::vector<MuscleTrace<double>>& muscles) const {
+  Slots slots;
+  SlotsAt(parameters, trial, slots, nullptr);
+  muscles.resize(slots.size());
+  for (std::size_t m = 0; m < slots.size(); ++m) {
+    const Status status =
+        ComputeMuscleForce(curves_, settings_.model, slots[m], data_.trials[trial].muscles[m], muscles[m]);
+    if (!status) return Fail("{}: {}", data_.muscles[m], status.error().message);
+  }
+  return {};
+}
+
+Status NmsProblem::WriteDetails(const Vector& parameters, Hdf5Node& details) const {
+  for (std::size_t t = 0; t < data_.trials.size(); ++t) {
+    Hdf5Node& node = details.At("nms/" + data_.trials[t].name);
+    node.At("time").SetVector(data_.trials[t].time);
+    std::vector<MuscleTrace<double>> muscles;
+    const Status status = MusclesAt(parameters, t, muscles);
+    if (!status) {
+      node.attributes["failure"] = status.error().message;
+      continue;
+    }
+    for (std::size_t m = 0; m < muscles.size(); ++m) {
+      Hdf5Node& muscle = node.At(data_.muscles[m]);
+      muscle.At("activation").SetVector(muscles[m].activation);
+      muscle.At("fibre_length").SetVector(muscles[m].fibre_length);
+      muscle.At("fibre_velocity").SetVector(muscles[m].fibre_velocity);
+      muscle.At("force").SetVector(muscles[m].tendon_force);
+    }
+  }
+  SINEW_ASSIGN(std::string subject, WriteCeinmsSubject(settings_.subject_text, settings_.subject_file,
+                                                       SubjectAt(parameters).muscles));
+  details.At("subject").data = std::move(subject);
+  return {};
+}
+
+Subject NmsProblem::SubjectAt(const Vector& parameters) const {
+  Subject subject = settings_.subject;
+  Slots slots = rest_;
+  for (const NmsPlace& place : list_.places) {
+    if (place.way == NmsPlace::kSets)
+      slots[static_cast<std::size_t>(place.muscle)][place.slot] = place.factor * parameters[place.parameter];
+  }
+  for (std::size_t m = 0; m < data_.muscles.size(); ++m) {
+    for (SubjectMuscle& muscle : subject.muscles) {
+      if (muscle.name == data_.muscles[m])
+        StoreSlots(slots[m], settings_.model.as_ceinms, data_.rate, muscle);
+    }
+  }
+  return subject;
+}
+
+}  // namespace sinew

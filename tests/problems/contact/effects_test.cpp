@@ -1,0 +1,375 @@
+// Each contact effect against a case where its answer is known by another road, its null and its derivative.
+#include "problems/contact/effects.h"
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <Eigen/Geometry>
+#include <cmath>
+
+#include "base/random.h"
+#include "models/multibody/multibody_model.h"
+#include "models/multibody/osim_reader.h"
+#include "problems/contact/effect_load.h"
+#include "problems/contact/pressure.h"
+#include "tests/problems/support/jacobian_check.h"
+#include "tests/problems/support/stepping_data.h"
+
+namespace sinew {
+namespace {
+
+using testing::Contains;
+
+enum Channel { kFx, kFy, kFz, kCopX, kCopZ, kMomentY };
+
+std::unique_ptr<ContactProblem> Exact(const std::string& what = "", const std::string& by = "") {
+  return MakeContact(ExactData(), SettingsText(ExactData(), what, by)).value();
+}
+
+int IndexOf(const Problem& problem, const std::string& name) {
+  return FindParameter(problem.parameters(), name).value();
+}
+
+Vector With(const Problem& problem, const std::map<std::string, double>& values) {
+  Vector parameters = TruthOf(problem);
+  for (const auto& [name, value] : values) parameters[IndexOf(problem, name)] = value;
+  return parameters;
+}
+
+Vector Vertical(const ContactProblem& problem, const Vector& parameters, std::size_t stance = 0) {
+  return PredictEverything(problem, parameters).values(problem.data().stances[stance].blocks[kFy]);
+}
+
+// Largest difference of two predictions of the same layout, relative to the largest value of each block.
+double Difference(const Problem& problem, const Prediction& a, const Prediction& b) {
+  double worst = 0;
+  for (int i = 0; i < static_cast<int>(problem.layout().size()); ++i) {
+    const double size = std::max(1e-12, a.values(i).lpNorm<Eigen::Infinity>());
+    worst = std::max(worst, (a.values(i) - b.values(i)).lpNorm<Eigen::Infinity>() / size);
+  }
+  return worst;
+}
+
+TEST(ContactPressure, SolvesItsEquationAndItsDerivativesAreThoseOfDifferences) {
+  constexpr double kEquation = 1e-12;  // the root to rounding
+  constexpr double kTolerance = 1e-7;  // central differences with h = 1e-5 of the size
+  Random random(1);
+  double worst_equation = 0;
+  double worst = 0;
+  for (int round = 0; round < 2000; ++round) {
+    ElasticFoundation bed;
+    bed.stiffness = std::pow(10, random.Uniform(4, 9));
+    bed.dissipation = random.Uniform(0, 100);
+    // Nulls too: they have branches of their own.
+    BedEffects effects{random.Index(4) == 0 ? 0 : random.Uniform(-0.5, 2),
+                       random.Index(4) == 0 ? 0 : std::pow(10, random.Uniform(-12, -5))};
+    double depth = std::pow(10, random.Uniform(-6, -1.5));
+    double rate = random.Uniform(-0.5 / 100, 0.3);
+    const Pressure p = PressureAt(bed, effects, depth, rate);
+    const double compression = depth - effects.compliance * p.value;
+    ASSERT_GT(compression, 0);
+    const double law = bed.stiffness * kReferenceDepth *
+                       std::pow(compression / kReferenceDepth, 1 + effects.exponent) *
+                       (1 + bed.dissipation * rate);
+    // The compression is a difference: where the floor gives way much, it loses digits.
+    worst_equation = std::max(worst_equation, std::abs(law - p.value) / p.value * compression / depth);
+
+    const auto check = [&](double& value, double derivative, double size) {
+      const double h = 1e-5 * size;
+      const double middle = value;
+      value = middle + h;
+      const double right = PressureAt(bed, effects, depth, rate).value;
+      value = middle - h;
+      const double left = PressureAt(bed, effects, depth, rate).value;
+      value = middle;
+      worst = std::max(worst, std::abs((right - left) / (2 * h) - derivative) * size /
+                                  std::max(p.value, std::abs(derivative) * size));
+    };
+    check(depth, p.by_depth, depth);
+    check(rate, p.by_rate, 0.01);
+    check(bed.stiffness, p.by_stiffness, bed.stiffness);
+    check(bed.dissipation, p.by_dissipation, 1);
+    check(effects.exponent, p.by_exponent, 0.1);
+    if (effects.compliance > 0) check(effects.compliance, p.by_compliance, effects.compliance);
+  }
+  std::printf("equation to %.1e, derivatives to %.1e\n", worst_equation, worst);
+  EXPECT_LT(worst_equation, kEquation);
+  EXPECT_LT(worst, kTolerance);
+}
+
+TEST(ContactPressure, NeverPullsAndNeverPressesInTheAir) {
+  const ElasticFoundation bed{1e6, 20, 0, 0, 0};
+  for (const BedEffects& effects : {BedEffects{}, BedEffects{0.5, 1e-6}, BedEffects{-0.4, 0}}) {
+    EXPECT_EQ(PressureAt(bed, effects, 0, 0.1).value, 0);
+    EXPECT_EQ(PressureAt(bed, effects, -1e-3, 0.1).by_depth, 0);
+    EXPECT_EQ(PressureAt(bed, effects, 1e-3, -0.051).value, 0);
+    EXPECT_GT(PressureAt(bed, effects, 1e-3, -0.049).value, 0);
+  }
+}
+
+TEST(ContactEffects, PlatesHaveTheirOwnHeightOnlyIfThereAreTwo) {
+  const auto names = [](const Problem& problem) {
+    std::vector<std::string> found;
+    for (const Effect& effect : problem.effects()) found.push_back(effect.name);
+    return found;
+  };
+  const auto both = Exact();
+  EXPECT_THAT(names(*both), Contains("right.height_offset"));
+  EXPECT_THAT(names(*both), Contains("left.height_offset"));
+  const auto one = Exact("plate: left", "plate: right").get()->effects();
+  for (const Effect& effect : one) EXPECT_EQ(effect.name.find('.'), std::string::npos) << effect.name;
+  EXPECT_EQ(one.size() + 2, both->effects().size());
+}
+
+// The plate's channels do not know whether the kinematics are too high or the floor too low.
+TEST(ContactEffects, AHeightOffsetIsAHigherFloor) {
+  constexpr double kTolerance = 1e-9;  // millimetres are differences of heights of decimetres
+  const auto level = Exact();
+  const auto raised = Exact("floor_height: 0.0", "floor_height: 0.0008");
+  const Prediction expected = PredictEverything(*raised, TruthOf(*raised));
+  EXPECT_LT(Difference(*level, expected, PredictEverything(*level, With(*level, {{"height_offset", 8e-4}}))),
+            kTolerance);
+  // Both plates at once, each by its own.
+  const Vector own = With(*level, {{"right.height_offset", 8e-4}, {"left.height_offset", 8e-4}});
+  EXPECT_LT(Difference(*level, expected, PredictEverything(*level, own)), kTolerance);
+  // And one of them alone.
+  const Vector right = With(*level, {{"right.height_offset", 8e-4}});
+  for (std::size_t s = 0; s < level->data().stances.size(); ++s) {
+    const bool moves = level->data().stances[s].plate == "right";
+    EXPECT_EQ(Vertical(*level, right, s) == Vertical(*level, TruthOf(*level), s), !moves);
+  }
+}
+
+// Effects at their null change nothing, whether their derivatives are asked for or not; and the path with
+// effects tends to the one without.
+TEST(ContactEffects, AtTheirNullTheyChangeNothing) {
+  constexpr double kRounding = 1e-11;
+  const auto problem = Exact(kFitsVertical, kFitsForce);
+  const Vector truth = TruthOf(*problem);
+  const Prediction all = PredictEverything(*problem, truth);
+
+  std::vector<bool> base(problem->parameters().size(), false);
+  std::fill_n(base.begin(), 5, true);
+  const std::vector<bool> blocks(problem->layout().size(), true);
+  Prediction plain(problem->layout());
+  plain.Poison();
+  const auto workspace = problem->NewWorkspace();
+  ASSERT_TRUE(problem->Predict({truth, blocks, true, &base}, *workspace, plain));
+  const Prediction almost = PredictEverything(*problem, With(*problem, {{"stiffness_exponent", 1e-15}}));
+  for (int b = 0; b < static_cast<int>(problem->layout().size()); ++b) {
+    EXPECT_EQ(Vector(plain.values(b)), Vector(all.values(b)));
+    const auto& columns = problem->layout()[static_cast<std::size_t>(b)].columns;
+    for (std::size_t c = 0; c < columns.size(); ++c) {
+      const auto column = static_cast<Eigen::Index>(c);
+      const Vector found = plain.derivatives(b).col(column);
+      if (columns[c] < 5) {
+        EXPECT_EQ(found, Vector(all.derivatives(b).col(column)));
+      } else {
+        EXPECT_TRUE(found.array().isNaN().all()) << "a column that nobody asked for";
+      }
+      const Vector there = almost.derivatives(b).col(column);
+      EXPECT_LT((there - all.derivatives(b).col(column)).norm(), kRounding * (1e-9 + there.norm()));
+    }
+  }
+  EXPECT_LT(Difference(*problem, all, almost), kRounding);
+}
+
+// A sole that lies on a turned floor as it lay on the level one carries the turned force.
+TEST(ContactEffects, ATiltedFloorCarriesTheTurnedSole) {
+  constexpr double kRounding = 1e-11;
+  Random random(7);
+  ContactRegion region;
+  region.mesh = *BoxMesh({0.16, 0.02, 0.09}, 12, 7);
+  region.springs = SpringFaces::kBottom;
+  const ElasticFoundation bed{8e5, 25, 0, 0, 0};
+  const std::array<double, 2> reference{0.3, -0.1};
+  const Vec3 pivot(reference[0], 0, reference[1]);
+  for (int round = 0; round < 50; ++round) {
+    BodyMotion level;
+    level.position =
+        pivot + Vec3(random.Uniform(-0.1, 0.1), random.Uniform(-0.006, 0), random.Uniform(-0.1, 0.1));
+    level.rotation = Eigen::AngleAxisd(random.Uniform(-0.05, 0.05), Vec3(1, 2, 3).normalized()).matrix();
+    level.velocity = Vec3(random.Uniform(-1, 1), random.Uniform(-0.03, 0.03), random.Uniform(-1, 1));
+    const double slope_x = random.Uniform(-0.1, 0.1);
+    const double slope_z = random.Uniform(-0.1, 0.1);
+    const Vec3 normal = Vec3(-slope_x, 1, -slope_z).normalized();
+    const Mat3 turn = Eigen::Quaterniond::FromTwoVectors(Vec3::UnitY(), normal).toRotationMatrix();
+    BodyMotion turned;
+    turned.position = pivot + turn * (level.position - pivot);
+    turned.rotation = turn * level.rotation;
+    turned.velocity = turn * level.velocity;
+
+    const auto load_of = [&](const BodyMotion& motion, double x, double z) {
+      EffectKinematics kinematics;
+      kinematics.regions.push_back({0, ComputeContactKinematics(region, {motion}, {}), {0}, {0}});
+      kinematics.foot_position = {motion.position};
+      kinematics.foot_acceleration = {motion.acceleration};
+      kinematics.tilt_reference = reference;
+      ContactEffectValues effects{};
+      effects[kFloorSlopeX] = x;
+      effects[kFloorSlopeZ] = z;
+      EffectLoad load;
+      load.by_part.resize(1);
+      ComputeEffectLoad(kinematics, 0, {bed}, effects, {}, load);
+      return Vec3(load.load.head<3>());
+    };
+    const Vec3 expected = turn * load_of(level, 0, 0);
+    EXPECT_LT((load_of(turned, slope_x, slope_z) - expected).norm(), kRounding * (1 + expected.norm()));
+  }
+}
+
+// Without dissipation two springs in series are one spring.
+TEST(ContactEffects, AFloorThatGivesIsASofterSole) {
+  constexpr double kRounding = 1e-12;
+  const auto problem = Exact();
+  const double k = kTruth.at("stiffness");
+  const double give = 4e-7;
+  const Vector series = Vertical(*problem, With(*problem, {{"dissipation", 0}, {"floor_compliance", give}}));
+  const Vector soft =
+      Vertical(*problem, With(*problem, {{"dissipation", 0}, {"stiffness", k / (1 + k * give)}}));
+  EXPECT_GT(soft.maxCoeff(), 10);
+  EXPECT_LT((series - soft).norm(), kRounding * soft.norm());
+}
+
+TEST(ContactEffects, AFlatSoleFollowsThePowerOfItsDepth) {
+  constexpr double kRounding = 1e-12;
+  ContactRegion region;
+  region.mesh = *BoxMesh({0.2, 0.02, 0.1}, 4, 4);
+  region.springs = SpringFaces::kBottom;
+  for (const double depth : {0.0005, 0.001, 0.004}) {
+    BodyMotion motion;
+    motion.position = Vec3(0, -depth, 0);
+    EffectKinematics kinematics;
+    kinematics.regions.push_back({0, ComputeContactKinematics(region, {motion}, {}), {0}, {0}});
+    kinematics.foot_position = {motion.position};
+    kinematics.foot_acceleration = {motion.acceleration};
+    ContactEffectValues effects{};
+    effects[kStiffnessExponent] = 0.5;
+    EffectLoad load;
+    load.by_part.resize(1);
+    ComputeEffectLoad(kinematics, 0, {{1e6, 50, 0, 0, 0}}, effects, {}, load);
+    const double expected = 1e6 * 0.02 * kReferenceDepth * std::pow(depth / kReferenceDepth, 1.5);
+    EXPECT_NEAR(load.load[kForceY], expected, kRounding * expected);
+  }
+}
+
+// Newton, with the acceleration from positions of the foot a little earlier and later.
+TEST(ContactEffects, AMassThatNobodyModelledHasItsWeightAndItsInertia) {
+  constexpr double kStep = 1e-3;  // [s]
+  // Coordinates are cubics of time, heights are not quite: the fourth derivative times kStep^2 / 12, and at a
+  // knot the jump of the third times kStep / 6.
+  constexpr double kTolerance = 0.02;
+  const Dataset& data = ExactData();
+  const auto problem = Exact();
+  const auto model =
+      MultibodyModel::Build(ReadOsim(data.files.at("model.osim"), "model.osim").value()).value();
+  const Stance& stance = problem->data().stances.front();
+  const Grid& recorded = data.trials.at(stance.trial).grids.at("coordinates");
+  const auto motion = RecordedMotion(model, recorded);
+  const int body = model.BodyIndex("calcn_r").value();
+  const auto height = [&](double t) {
+    const CoordinateState state = motion.At(t);
+    return model.BodyMotionAt(state.values, state.rates, {body}).value().front().position.y();
+  };
+
+  const double mass = 0.7;
+  const Vector before = Vertical(*problem, TruthOf(*problem));
+  const Vector after = Vertical(*problem, With(*problem, {{"unmodelled_mass", mass}}));
+  double worst = 0;
+  double largest = 0;
+  for (Eigen::Index i = 0; i < before.size(); ++i) {
+    if (before[i] == 0) {
+      EXPECT_EQ(after[i], 0) << "a foot in the air";
+      continue;
+    }
+    const double t = stance.time[static_cast<std::size_t>(i)];
+    const double acceleration = (height(t + kStep) - 2 * height(t) + height(t - kStep)) / (kStep * kStep);
+    largest = std::max(largest, std::abs(acceleration));
+    worst = std::max(worst, std::abs(after[i] - before[i] - mass * (9.80665 + acceleration)));
+  }
+  std::printf("largest acceleration %.2f m/s2, worst difference %.2e N\n", largest, worst);
+  EXPECT_GT(largest, 0.5) << "the weight alone would pass";
+  EXPECT_LT(worst, kTolerance * mass * largest);
+}
+
+// The strips that missing regions add are what a person would write into the settings.
+TEST(ContactEffects, AFullEdgeIsARegionOfTheSettings) {
+  constexpr double kTolerance = 1e-9;
+  std::string text = SettingsText(ExactData());
+  const std::string strips = R"(
+    - {name: SIDE_toe, body: calcn_SIDE, plate: PLATE, position: [0.116, -0.04519, 0.0],
+       mesh: {box: {size: [0.032, 0.02, 0.09], strips: [4, 7]}}}
+    - {name: SIDE_back, body: calcn_SIDE, plate: PLATE, position: [-0.076, -0.04519, 0.0],
+       mesh: {box: {size: [0.032, 0.02, 0.09], strips: [4, 7]}}}
+)";
+  for (const auto& [side, plate] : {std::pair{"r", "right"}, std::pair{"l", "left"}}) {
+    std::string of_side = strips;
+    for (auto at = of_side.find("SIDE"); at != std::string::npos; at = of_side.find("SIDE"))
+      of_side.replace(at, 4, side);
+    for (auto at = of_side.find("PLATE"); at != std::string::npos; at = of_side.find("PLATE"))
+      of_side.replace(at, 5, plate);
+    text.insert(text.find("  parameters:"), of_side.substr(1));
+  }
+  const auto longer = MakeContact(ExactData(), text);
+  ASSERT_TRUE(longer) << longer.error().message;
+  const auto problem = Exact();
+  const Prediction expected = PredictEverything(**longer, TruthOf(**longer));
+  const Vector edges = With(*problem, {{"toe_region_weight", 1}, {"heel_region_weight", 1}});
+  const Prediction found = PredictEverything(*problem, edges);
+  double added = 0;
+  for (const Stance& stance : problem->data().stances) {
+    const auto force = expected.values(stance.blocks[kFy]);
+    for (const Channel channel : {kFx, kFy, kFz, kCopX, kCopZ, kMomentY}) {
+      const auto a = expected.values(stance.blocks[channel]);
+      const auto b = found.values(stance.blocks[channel]);
+      // Without pressure the centre of pressure rests under the deepest spring, which may be one of the
+      // strip.
+      const bool rests = channel == kCopX || channel == kCopZ;
+      for (Eigen::Index i = 0; i < a.size(); ++i) {
+        if (force[i] == 0 && rests) continue;
+        EXPECT_NEAR(a[i], b[i], kTolerance * a.lpNorm<Eigen::Infinity>());
+      }
+    }
+    added = std::max(
+        added, (force - PredictEverything(*problem, TruthOf(*problem)).values(stance.blocks[kFy])).norm());
+  }
+  EXPECT_GT(added, 1);
+}
+
+// Derivatives are exact, parameter by parameter, at points where every effect is off its null.
+// Asked for alone, the vertical force takes a shorter way.
+TEST(ContactEffects, TheVerticalForceAloneIsThatOfTheWholeLoad) {
+  const auto problem = Exact();
+  std::vector<bool> vertical(problem->layout().size(), false);
+  for (const Stance& stance : problem->data().stances)
+    vertical[static_cast<std::size_t>(stance.blocks[kFy])] = true;
+  const std::vector<bool> all(vertical.size(), true);
+  const auto workspace = problem->NewWorkspace();
+  Random random(5);
+  for (int round = 0; round < 10; ++round) {
+    const Vector point = RandomInside(*problem, 0.02, random);
+    Prediction whole(problem->layout());
+    Prediction with_slopes(problem->layout());
+    Prediction alone(problem->layout());
+    ASSERT_TRUE(problem->Predict({point, all, true, nullptr}, *workspace, whole));
+    ASSERT_TRUE(problem->Predict({point, vertical, true, nullptr}, *workspace, with_slopes));
+    ASSERT_TRUE(problem->Predict({point, vertical, false, nullptr}, *workspace, alone));
+    for (const Stance& stance : problem->data().stances) {
+      const int block = stance.blocks[kFy];
+      EXPECT_EQ(alone.values(block), with_slopes.values(block));
+      EXPECT_EQ(whole.values(block), alone.values(block));
+      EXPECT_EQ(whole.derivatives(block), with_slopes.derivatives(block));
+    }
+  }
+}
+
+TEST(ContactEffects, DerivativesAgreeWithDifferences) {
+  Random random(3);
+  for (const char* settings : {kFitsVertical, kFitsForce}) {
+    const auto problem = Exact(kFitsVertical, settings);
+    ExpectJacobianAgrees(*problem, random);
+  }
+}
+
+}  // namespace
+}  // namespace sinew
