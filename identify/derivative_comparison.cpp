@@ -15,6 +15,7 @@ constexpr double kShortStep = 2.5e-5;  // to see whether the step matters
 constexpr double kNegligible = 1e-7;
 constexpr double kSmoothShare = 0.8;  // of the samples, for a column to be compared
 constexpr double kKink = 0.05;        // of a column's size: one-sided differences that are no kink
+constexpr double kRounding = 1e-12;   // of the predictions' size: what differences do not resolve
 
 double SlopeOf(const Parameter& p, double value) {
   return p.scale == Scale::kLog ? value * std::log(p.upper / p.lower) : p.upper - p.lower;
@@ -140,14 +141,17 @@ void CompareColumn(const Problem& problem, std::size_t b, int p, const Sides& si
     ++report.compared;  // neither moves the prediction
     return;
   }
-  const double largest = std::max(got.cwiseAbs().maxCoeff(), finer.cwiseAbs().maxCoeff());
+  // Differences of two steps must agree with each other to be a reference, whatever the derivative says: near an
+  // unstable trajectory they do not.
+  const double resolved =
+      std::max(finer.cwiseAbs().maxCoeff(), kRounding * part(sides.here).cwiseAbs().maxCoeff() / kShortStep);
   double smooth = 0;
   double squares = 0;
   double farthest = -1;
   Eigen::Index worst = 0;
   for (Eigen::Index i = 0; i < n; ++i) {
-    const bool bends = std::abs(ahead[i] - behind[i]) > kKink * largest ||
-                       std::abs(central[i] - finer[i]) > 0.5 * tolerance * largest;
+    const bool bends = std::abs(ahead[i] - behind[i]) > kKink * resolved ||
+                       std::abs(central[i] - finer[i]) > 0.5 * tolerance * resolved;
     if (bends || !std::isfinite(finer[i])) continue;
     ++smooth;
     const double off = std::abs(got[i] - finer[i]);

@@ -67,6 +67,7 @@ class DiagnosisRun {
   Result<Diagnosis> Run(FitSetup setup) {
     const auto began = std::chrono::steady_clock::now();
     SINEW_TRY(CheckProblem(problem_, setup));
+    SINEW_TRY(Continue());
     SINEW_TRY(CheckThatDataSuffice(problem_, setup));
     out_.setup = std::move(setup);
     out_.has_held_out = state_.held_out.exists();

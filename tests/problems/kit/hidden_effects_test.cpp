@@ -59,7 +59,7 @@ TEST(ReadHiddenEffects, AnEffectWithoutANumberNamesTheParametersThatItTakes) {
 }
 
 TEST(ReadHiddenEffects, UnknownNamesAreErrorsWithASuggestion) {
-  EXPECT_EQ(ErrorOf({{"darg", {}}}), "--effect: 'darg' does not exist; did you mean 'drag'?");
+  EXPECT_EQ(ErrorOf({{"dragg", {}}}), "--effect: 'dragg' does not exist; did you mean 'drag'?");
   EXPECT_EQ(ErrorOf({{"humm", {}}}), "--effect: 'humm' does not exist; did you mean 'hum'?");
   EXPECT_EQ(ErrorOf({{"", {}}}).rfind("--effect: '' does not exist", 0), 0U);
   EXPECT_EQ(ErrorOf({{"tilt", {{"tilt_y", 0}}}}),
@@ -70,9 +70,9 @@ TEST(ReadHiddenEffects, UnknownNamesAreErrorsWithASuggestion) {
 
 TEST(ReadHiddenEffects, ValuesOutOfTheirRangeAreErrors) {
   EXPECT_EQ(ErrorOf({{"drag", {{"drag_coefficient", 2.5}}}}),
-            "--effect drag:drag_coefficient=2.5: expected 0 to 2 1/m");
-  EXPECT_THAT(ErrorOf({{"drag", {{"value", -1}}}}), HasSubstr("--effect drag:value=-1: expected 0 to 2 1/m"));
-  EXPECT_THAT(ErrorOf({{"drag", {{"value", std::nan("")}}}}), HasSubstr("expected 0 to 2 1/m"));
+            "--effect drag:drag_coefficient=2.5: expected 0 to 2.00 1/m");
+  EXPECT_THAT(ErrorOf({{"drag", {{"value", -1}}}}), HasSubstr("--effect drag:value=-1: expected 0 to 2.00 1/m"));
+  EXPECT_THAT(ErrorOf({{"drag", {{"value", std::nan("")}}}}), HasSubstr("expected 0 to 2.00 1/m"));
   EXPECT_THAT(ErrorOf({{"hum", {{"hum", INFINITY}}}}), HasSubstr("--effect hum:hum=inf: expected"));
 }
 

@@ -145,7 +145,7 @@ TEST(NmsEffectsTest, WhatTheStudyCannotContainIsRefused) {
   };
   EXPECT_EQ(failure("emg_drfit", "emg_drift", 0.1),
             "--effect: 'emg_drfit' does not exist; did you mean 'emg_drift'?");
-  EXPECT_NE(failure("emg_drift", "emg_drift", 10).find("expected -0.05 to 0.05"), std::string::npos);
+  EXPECT_NE(failure("emg_drift", "emg_drift", 10).find("expected -0.0500 to 0.0500"), std::string::npos);
   EXPECT_NE(failure("emg_drift", "drift", 0.01).find("'drift' does not exist"), std::string::npos);
   EXPECT_NE(failure("ankle_angle_r_moment.saturation", "ankle_angle_r_moment.saturation", 0.01)
                 .find("cannot contain"),
