@@ -119,20 +119,19 @@ Sentence UnknownSentence(const UnknownFinding& unknown, bool alternative) {
 // What became of a base parameter; nothing where the change is not worth telling.
 void AddChange(const Diagnosis& d, const DiagnosedParameter& base, const DiagnosedParameter& now,
                std::vector<Sentence>& sentences) {
-  const bool one = d.causes.size() == 1;
-  std::string text =
-      fmt::format("With {}, {} changes from {} to {}: without {} ", one ? "it" : "them", now.name,
-                  Readable(base.value), WithUnit(now.value, now.unit), one ? "this effect" : "these effects");
+  std::string text = d.causes.size() == 1 ? "Without this effect " : "Without these effects ";
   if (!base.at_bound.empty()) {
-    text += "it was at its " + base.at_bound + " bound.";
+    text += fmt::format("{} of the base model was at its {} bound", now.name, base.at_bound);
   } else if (base.value == 0 || now.value == 0 || base.value * now.value < 0) {
-    text += fmt::format("the base model was off by {}.", WithUnit(base.value - now.value, now.unit));
+    text += fmt::format("{} of the base model was off by {}", now.name,
+                        WithUnit(base.value - now.value, now.unit));
   } else {
     const double share = base.value / now.value - 1;
     if (std::abs(share) < 0.005) return;
-    text += fmt::format("the base model {}estimated {} by {}.", share > 0 ? "over" : "under",
-                        now.value < 0 ? "its size" : "it", Percent(std::abs(share)));
+    text += fmt::format("the base model {}estimated {}{} by {}", share > 0 ? "over" : "under",
+                        now.value < 0 ? "the size of " : "", now.name, Percent(std::abs(share)));
   }
+  text += fmt::format(": {} -> {}.", Readable(base.value), WithUnit(now.value, now.unit));
   sentences.push_back({SentenceKind::kParameterChange, std::move(text), {now.name}});
 }
 
@@ -150,8 +149,8 @@ Sentence GainSentence(const Gain& gain) {
   constexpr double kAll = 0.995;  // what is rounded to 100 %
   std::string text =
       fmt::format("Held-out trials, {}: {} -> {} RMSE ({:+.0f} %, 95 % interval {:+.0f} .. {:+.0f} %)",
-                  gain.channel, WithUnit(gain.before, gain.unit), WithUnit(gain.after, gain.unit),
-                  -100 * gain.reduction, -100 * gain.ci95[1], -100 * gain.ci95[0]);
+                  gain.channel, Readable(gain.before), WithUnit(gain.after, gain.unit), -100 * gain.reduction,
+                  -100 * gain.ci95[1], -100 * gain.ci95[0]);
   if (std::isfinite(gain.gap_closed) && gain.gap_closed > 0) {
     text += fmt::format("; removes {} of the error above the noise floor",
                         gain.gap_closed >= kAll ? "all" : Percent(gain.gap_closed));
