@@ -18,7 +18,7 @@ namespace sinew::diagnosis {
 namespace {
 
 constexpr double kNoise = 0.1;
-constexpr double kPValue = 0.001;  // that the selection would have stated
+constexpr double kPValue = 0.001;  // given as the result of the selection
 
 /// A diagnosis after a selection that found no cause, and what is then discovered.
 class Case {
@@ -181,7 +181,8 @@ TEST(Discovery, FindsADriftOfAParameter) {
   ASSERT_EQ(found.curve.size(), 2U);
   EXPECT_NEAR(found.curve[0], 1.8, kWithin);
   EXPECT_NEAR(found.curve[1], 2.2, kWithin);
-  EXPECT_NEAR(found.deviation[0], 0.005, 0.001) << "of the change; u^2 and time are not quite independent";
+  // The 0.005 holds if u^2 and the time are independent, which they are not quite.
+  EXPECT_NEAR(found.deviation[0], 0.005, 0.001);
   EXPECT_GT(found.held_out_reduction, 0);
   EXPECT_TRUE(one.PointIsThatOfTheBaseModel());
   EXPECT_EQ(one.state.added.size(), 6U);
@@ -238,7 +239,7 @@ TEST(Discovery, FindsNothingInDataWithoutAHiddenError) {
   ASSERT_TRUE(setup);
   const auto diagnosis = Diagnose(problem, *setup, {});
   ASSERT_TRUE(diagnosis) << diagnosis.error().message;
-  EXPECT_EQ(diagnosis->verdict, DiagnosisVerdict::kAdequate) << "5 % of the seeds raise a false alarm";
+  EXPECT_EQ(diagnosis->verdict, DiagnosisVerdict::kAdequate) << "false alarms: 5 % of all seeds";
   EXPECT_TRUE(diagnosis->unknown_terms.empty());
   EXPECT_EQ(diagnosis->extended_point, diagnosis->base_point);
 }

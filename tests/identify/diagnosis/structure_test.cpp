@@ -272,7 +272,7 @@ TEST(Structure, ErrorThatGrowsInEveryTrialIsOneOfTime) {
   EXPECT_EQ(found[0].knots.back(), kSamples - 1);
 }
 
-// Four basis intervals times eight: below 32 samples of all trials a curve of 8 values is not fitted.
+// A curve of 8 values needs four samples per value, 32 in all trials together.
 TEST(Structure, FewSamplesAreNotExamined) {
   for (const int samples : {15, 16}) {
     Problem::Signal line{"line", "1", {}};
