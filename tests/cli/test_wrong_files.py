@@ -14,8 +14,8 @@ from program import ProgramTest, replace_text
 ANGLE = "trials/train_1/coordinates/channels/knee_angle_r"
 FORCE = "trials/train_1/forces/channels/right_force_y"
 FORCE_TIME = "trials/train_1/forces/time"
-KNOWN_UNITS = ("1, %, m, km, cm, mm, um, s, ms, us, min, h, rad, mrad, deg, rev, rpm, Hz, kHz, kg, N, mN, kN, Nm, Ncm, "
-               "Nmm, mNm, kNm, J, W, kW, Pa, kPa, MPa, V, mV, uV, A, mA, ohm, H, mH, F, uF and their products and "
+KNOWN_UNITS = ("1, %, m, km, cm, mm, um, s, ms, us, min, h, rad, mrad, deg, rev, rpm, Hz, kHz, K, kg, N, mN, kN, Nm, Ncm, "
+               "Nmm, mNm, kNm, J, W, kW, Pa, kPa, MPa, V, mV, uV, A, mA, ohm, H, mH, F, uF, degC and their products and "
                "quotients (N*m, m/s2)")
 
 
