@@ -91,7 +91,7 @@ Result<int> RunCompare(const CompareWords& words) {
 
 void AddCompareCommand(Command app, const RunAction& run) {
   auto words = std::make_shared<CompareWords>();
-  Command command = app.AddCommand("compare", "Solvers against each other, over several starts and seeds");
+  Command command = app.AddCommand("compare", "Compare solvers over several starts and seeds");
   words->binding.AddTo(command);
   words->fit.AddTo(command);
   command.Add("--solvers", words->solvers, "Solvers and chains").Required().Split(',').Shows("A,B,C");

@@ -126,8 +126,8 @@ Result<int> RunDiagnose(const DiagnoseWords& words) {
 
 void AddDiagnoseCommand(Command app, const RunAction& run) {
   auto words = std::make_shared<DiagnoseWords>();
-  Command command =
-      app.AddCommand("diagnose", "Say what the fitted model still gets wrong, why, and what that brings");
+  Command command = app.AddCommand(
+      "diagnose", "Find what the fitted model still gets wrong, the cause, and the gain on held-out trials");
   words->binding.AddTo(command);
   words->fit.AddChoiceTo(command);
   words->fit.AddWorkTo(command);

@@ -158,7 +158,7 @@ std::string ListBlocks(const Problem& problem) {
 const std::vector<std::string> kSubjects{"problems", "solvers",    "integrators", "formats",
                                          "effects",  "parameters", "channels"};
 
-// A problem of somebody else's has nothing to say without data.
+// A user's own problem has no parameter list without data.
 bool NeedsData(const ProblemEntry& entry, const std::string& what) {
   return what == "effects" || (what == "parameters" && entry.parameters == nullptr) ||
          (what == "channels" && entry.channels.empty());
@@ -213,8 +213,8 @@ Result<int> List(const Program& program, const ListWords& words) {
 }  // namespace
 
 void AddListCommand(Command app, const RunAction& run) {
-  Command command =
-      app.AddCommand("list", "What there is: problems, solvers, formats, and a problem's parts");
+  Command command = app.AddCommand(
+      "list", "List problems, solvers, formats, and the parameters, effects and channels of a problem");
   auto words = std::make_shared<ListWords>();
   command.Add("what", words->what, "One of " + Join(kSubjects, ", ")).ShowsDefault();
   const Program& program = app.program();

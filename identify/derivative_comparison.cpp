@@ -141,8 +141,8 @@ void CompareColumn(const Problem& problem, std::size_t b, int p, const Sides& si
     ++report.compared;  // neither moves the prediction
     return;
   }
-  // Differences of two steps must agree with each other to be a reference, whatever the derivative says: near an
-  // unstable trajectory they do not.
+  // Differences of two steps must agree with each other to be a reference, whatever the derivative says: near
+  // an unstable trajectory they do not.
   const double resolved =
       std::max(finer.cwiseAbs().maxCoeff(), kRounding * part(sides.here).cwiseAbs().maxCoeff() / kShortStep);
   double smooth = 0;

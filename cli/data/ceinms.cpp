@@ -77,7 +77,8 @@ void AddCeinmsCommand(Command data, const RunAction& run) {
       .Shows("TRIAL.xml");
   command
       .Add("--execution", words->execution,
-           "CEINMS-RT's execution file, which knows the tendon; default: executionRT.xml beside SETUP.xml")
+           "CEINMS-RT's execution file, which states the tendon model; default: executionRT.xml beside "
+           "SETUP.xml")
       .Shows("EXECUTION.xml");
   command.Add("--out", words->out, "Data set to write").Required().Shows("F.h5");
   AddJsonTo(command, words->json);

@@ -1,4 +1,4 @@
-// sinew data import: somebody's files become a trial of a data set.
+// sinew data import: measured files become a trial of a data set.
 #include "datasets/io/import.h"
 
 #include <cstdio>
@@ -106,7 +106,7 @@ Result<int> Import(const ImportWords& words) {
 
 void AddImportCommand(Command data, const RunAction& run) {
   auto words = std::make_shared<ImportWords>();
-  Command command = data.AddCommand("import", "Somebody's files become a trial of a data set");
+  Command command = data.AddCommand("import", "Import measured files as a trial of a data set");
   command.Add("files", words->files, ".trc .mot .sto .csv .osim .xml .yaml .obj").Required().Shows("FILE");
   command.Add("--out", words->out, "Data set to write").Required().Shows("F.h5");
   command.Add("--map", words->map, "Which columns mean what (docs/import.md)").Shows("MAP.yaml");

@@ -53,7 +53,7 @@ Result<int> Info(const std::string& path, bool json) {
 void AddInfoCommand(Command data, const RunAction& run) {
   auto path = std::make_shared<std::string>();
   auto json = std::make_shared<bool>(false);
-  Command command = data.AddCommand("info", "What a data set holds");
+  Command command = data.AddCommand("info", "Show the contents of a data set");
   command.Add("file", *path).Required().Shows("F.h5");
   command.AddFlag("--json", *json, "For machines");
   command.Runs(run, [=] { return Info(*path, *json); });

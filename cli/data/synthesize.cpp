@@ -1,4 +1,4 @@
-// sinew data synthesize: an experiment that never happened.
+// sinew data synthesize: generates a synthetic data set.
 #include "base/text.h"
 #include "cli/binding.h"
 #include "cli/command_files.h"
@@ -65,7 +65,7 @@ Result<int> Synthesize(const SynthesizeWords& words) {
 void AddSynthesizeCommand(Command data, const RunAction& run) {
   auto words = std::make_shared<SynthesizeWords>();
   words->program = &data.program();
-  Command command = data.AddCommand("synthesize", "An experiment that never happened, marked synthetic");
+  Command command = data.AddCommand("synthesize", "Generate a synthetic data set");
   command.Add("problem", words->problem).Required().Shows("PROBLEM");
   command.Add("--out", words->out, "Data set to write").Required().Shows("F.h5");
   command.Add("--set", words->set, "True parameters and the experiment (`sinew list parameters PROBLEM`)")

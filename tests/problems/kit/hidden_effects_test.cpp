@@ -71,7 +71,8 @@ TEST(ReadHiddenEffects, UnknownNamesAreErrorsWithASuggestion) {
 TEST(ReadHiddenEffects, ValuesOutOfTheirRangeAreErrors) {
   EXPECT_EQ(ErrorOf({{"drag", {{"drag_coefficient", 2.5}}}}),
             "--effect drag:drag_coefficient=2.5: expected 0 to 2.00 1/m");
-  EXPECT_THAT(ErrorOf({{"drag", {{"value", -1}}}}), HasSubstr("--effect drag:value=-1: expected 0 to 2.00 1/m"));
+  EXPECT_THAT(ErrorOf({{"drag", {{"value", -1}}}}),
+              HasSubstr("--effect drag:value=-1: expected 0 to 2.00 1/m"));
   EXPECT_THAT(ErrorOf({{"drag", {{"value", std::nan("")}}}}), HasSubstr("expected 0 to 2.00 1/m"));
   EXPECT_THAT(ErrorOf({{"hum", {{"hum", INFINITY}}}}), HasSubstr("--effect hum:hum=inf: expected"));
 }
