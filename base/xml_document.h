@@ -1,4 +1,4 @@
-// An XML document whose elements know their lines.
+// An XML document whose elements carry their line numbers.
 #pragma once
 
 #include <memory>

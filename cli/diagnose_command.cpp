@@ -31,7 +31,7 @@ bool IsNamed(const std::vector<Named>& pairs, const std::string& name) {
 
 // The answer of a run as the start of the base fit: what was free there starts from its value, what was held
 // is held; words of the command line go before. Errors: another problem or other data, a value outside the
-// bounds. @return what a person should know of it.
+// bounds. @return notes about it.
 Result<std::vector<std::string>> StartFrom(const DiagnoseWords& words, const Problem& problem,
                                            const Provenance& provenance, FitRequest& request) {
   SINEW_ASSIGN(const RecordedRun run, ReadRun(words.from));

@@ -20,7 +20,7 @@ int Refuse(const Program& program, std::string message) {
   return kBadInput;
 }
 
-// "unknown option '--thrads'; did you mean '--threads'?": CLI11 knows which words it could not place, but
+// "unknown option '--thrads'; did you mean '--threads'?": CLI11 reports which words it could not place, but
 // does not say what was meant.
 std::string Unplaced(const CLI::App& command, std::string word) {
   word = word.substr(0, word.find('='));

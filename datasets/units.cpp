@@ -84,7 +84,7 @@ struct Dimension {
   std::array<int, kSymbolCount> powers{};
 };
 
-// Letters outside ASCII that people write in units, as this parser knows them.
+// Letters outside ASCII that people write in units, as this parser reads them.
 std::string Ascii(std::string_view unit) {
   static constexpr std::pair<std::string_view, std::string_view> kSpellings[] = {
       {"\xC2\xB5", "u"},     {"\xCE\xBC", "u"}, {"\xC2\xB0", "deg"}, {"\xC2\xB7", "*"},

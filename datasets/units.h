@@ -19,7 +19,7 @@ struct UnitConversion {
   }
 };
 
-/// Knows SI units, mm, cm, deg, deg/s, ms, N*mm, rpm, mV, uV, %, and products and quotients as they are
+/// Reads SI units, mm, cm, deg, deg/s, ms, N*mm, rpm, mV, uV, %, and products and quotients as they are
 /// usually written (N*m, N m, Nm, m/s, m/s^2, m/s2, N*m/(rad/s)); degC alone. Every spelling of a unit gives
 /// the same `si_unit`: symbols in a fixed order, N*m*s/rad. Errors: an unknown unit; the message lists the
 /// known ones.

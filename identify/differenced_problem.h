@@ -1,4 +1,4 @@
-// A problem whose derivatives are differences of its predictions: for somebody else's simulator, or a first
+// A problem whose derivatives are differences of its predictions: for an existing simulator, or a first
 // version of a model.
 #pragma once
 

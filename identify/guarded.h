@@ -1,4 +1,4 @@
-// The boundary to code that somebody else wrote: what it throws becomes an Error.
+// The boundary to a user's code: what it throws becomes an Error.
 #pragma once
 
 #include "base/error.h"

@@ -9,7 +9,7 @@
 
 namespace sinew {
 
-/// A problem bound to data, and what a person should know about how it was bound.
+/// A problem bound to data, and notes about how it was bound.
 struct BoundProblem {
   std::unique_ptr<Problem> problem;
   std::vector<std::string> notes;

@@ -1,4 +1,4 @@
-// Every problem that the program knows, in one visible list.
+// Every problem of the program, in one visible list.
 #pragma once
 
 #include <string>

@@ -210,7 +210,7 @@ Result<Dataset> FromTree(const Hdf5Node& root) {
 // ---- writing
 // -------------------------------------------------------------------------------------------------------
 
-// One spelling per unit, so that files of other programs need not know ours: "N m" is written as N*m.
+// One spelling per unit, so that files of other programs may use their own: "N m" is written as N*m.
 Hdf5Attribute UnitAttribute(const std::string& unit) {
   return ToSi(unit)->si_unit;
 }

@@ -12,7 +12,7 @@ namespace sinew {
 ///
 /// Vectors may have shape [N], [N, 1] or [1, N], scalars any shape of one value (MATLAB has no others); a
 /// grid's time may have an attr `unit` (ms). Errors, with the path in the file: not HDF5, no or another
-/// schema, a group or attribute that the layout does not know, a channel whose length differs from its time,
+/// schema, a group or attribute that is not part of the layout, a channel whose length differs from its time,
 /// an unknown unit, a role other than train and validate, a kind other than measured and input, time that
 /// does not increase (index and both values), everything that Dataset::Check refuses.
 Result<Dataset> ReadDataset(const std::string& path);

@@ -13,7 +13,7 @@ namespace sinew {
 
 using Json = nlohmann::ordered_json;
 
-/// null if it is not finite: JSON knows no NaN and no infinity.
+/// null if it is not finite: JSON has no NaN and no infinity.
 inline Json Finite(double value) {
   return std::isfinite(value) ? Json(value) : Json(nullptr);
 }

@@ -39,7 +39,7 @@ struct RecordedRun {
   std::vector<std::string> variables;  ///< names of the free parameters
   std::vector<TraceEntry> trace;
   std::vector<std::pair<std::string, double>> values;  ///< every parameter
-  /// Nuisance values of trials or with a prior, and effects that were not released: other data need not know
+  /// Nuisance values of trials or with a prior, and effects that were not released: other data need not have
   /// them.
   std::set<std::string> incidental;
 };

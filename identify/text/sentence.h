@@ -1,4 +1,4 @@
-// A sentence about a result together with what it is about, so that nobody has to read it to know.
+// A sentence about a result together with what it is about, so that a program need not parse it.
 #pragma once
 
 #include <string>

@@ -15,7 +15,7 @@ namespace {
 
 // Above this many additions, pairs of them cost more than they are worth.
 constexpr std::size_t kMaxForPairs = 12;
-// More than three ways to determine one parameter help nobody.
+// Of more ways to determine one parameter the best three are enough.
 constexpr std::size_t kMaxChoices = 3;
 // Eigenvalues of the information with a unit diagonal are squares of singular values, and are exact to about
 // n eps: the square of kRankTolerance is out of reach.

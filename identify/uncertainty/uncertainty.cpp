@@ -268,7 +268,7 @@ void Analysis::FindIntervals() {
 void Analysis::Describe(const Vector& x) {
   const Explainer explainer(problem_, at_, released_, noise_, quantile_);
   const Vector values = problem_.Parameters(x);
-  std::optional<RemedyFinder> remedies;  // predicts all other channels: only if somebody needs it
+  std::optional<RemedyFinder> remedies;  // predicts all other channels: only if it is needed
   std::vector<int> wide;
   for (const Finding& finding : findings_) {
     const int v = finding.variable;

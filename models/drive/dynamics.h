@@ -1,6 +1,6 @@
 // The equation of motion of drive.h, on double or on dual numbers.
 //
-// An effect whose parameters are all at their null and that nobody differentiates is skipped; evaluated, it
+// An effect whose parameters are all at their null and that are not differentiated is skipped; evaluated, it
 // adds exactly zero. So the value is the same to the last bit, whatever is differentiated.
 #pragma once
 

@@ -11,8 +11,9 @@
 // located too. Without friction the same zeros are located (so that no value depends on whether friction is
 // differentiated) and nothing happens there.
 //
-// Kinks that are no jumps (limits of torque, speed and servo duty; hats of unknown terms in q and v) are not
-// located: the order drops there to 2 locally, the derivatives remain those of the discrete map.
+// Kinks that are no jumps (limits of torque, speed and servo duty; linear basis functions of discrepancy
+// terms in q and v) are not located: the order drops there to 2 locally, the derivatives remain those of the
+// discrete map.
 #pragma once
 
 #include <algorithm>

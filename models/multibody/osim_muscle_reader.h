@@ -17,7 +17,7 @@ Result<std::vector<std::string>> ListOsimMuscles(std::string_view text, const st
 /// at.
 ///
 /// Supported: PathPoint, ConditionalPathPoint, MovingPathPoint (its components as every function that
-/// ReadOsim knows); PathWrap over WrapCylinder and WrapSphere, with quadrant, range, rotation and
+/// ReadOsim reads); PathWrap over WrapCylinder and WrapSphere, with quadrant, range, rotation and
 /// translation. Objects that the file switches off are left out. The method of a PathWrap (hybrid, midpoint,
 /// axial) means something for ellipsoids only.
 ///

@@ -11,7 +11,7 @@ namespace {
 constexpr std::uint64_t kPeople = 20201112;  // whoever they are, they stay the same
 constexpr std::array<int, kEmgStudyMuscles> kWithElectrode{0, 1, 4, 2, 3};  // of StudyMuscles()
 constexpr std::array<double, 5> kLeads{0.18, 0.0, 0.165, 0.0, 0.20};        // [s], of the study's people
-// Times the scatter where somebody does not follow.
+// Times the scatter where a subject does not follow.
 constexpr double kFailingGain = 1.5;
 constexpr double kFailingTiming = 4;
 

@@ -194,12 +194,12 @@ void AddRegion(const EffectKinematics& kinematics, const EffectRegion& region, i
 
 void ComputeEffectLoad(const EffectKinematics& kinematics, int instant,
                        const std::vector<ElasticFoundation>& beds, const ContactEffectValues& effects,
-                       const EffectLoadWish& wish, EffectLoad& load) {
+                       const EffectLoadQuery& query, EffectLoad& load) {
   const auto add = [&](const EffectRegion& region, ContactLoad& sum, ContactLoadJacobian& by_bed,
                        ContactEffectJacobian& by_effect) {
     const ElasticFoundation& bed = beds[static_cast<std::size_t>(region.part)];
-    if (wish.vertical_only) {
-      AddVertical(kinematics, region, instant, bed, effects, wish.derivatives, sum, by_bed, by_effect);
+    if (query.vertical_only) {
+      AddVertical(kinematics, region, instant, bed, effects, query.derivatives, sum, by_bed, by_effect);
     } else {
       AddRegion(kinematics, region, instant, bed, effects, sum, by_bed, by_effect);
     }
@@ -213,7 +213,7 @@ void ComputeEffectLoad(const EffectKinematics& kinematics, int instant,
   for (std::size_t edge = 0; edge < kinematics.edges.size(); ++edge) {
     const std::size_t effect = kToeRegion + edge;
     const double weight = effects[effect];
-    if (weight == 0 && !wish.edges) continue;
+    if (weight == 0 && !query.edges) continue;
     for (const EffectRegion& region : kinematics.edges[edge]) {
       const auto part = static_cast<std::size_t>(region.part);
       ContactLoad whole = ContactLoad::Zero();

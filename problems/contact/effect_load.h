@@ -52,7 +52,7 @@ struct EffectLoad {
 };
 
 /// What of an EffectLoad is asked for; the rest of it is not to be used.
-struct EffectLoadWish {
+struct EffectLoadQuery {
   bool vertical_only = false;  ///< the vertical force alone: no friction, no moments
   bool derivatives = true;     ///< of the vertical force; with the others they always come
   bool edges = false;          ///< strips of weight 0 too, for the derivative of the weight
@@ -62,7 +62,7 @@ struct EffectLoadWish {
 /// @param beds [parts]; @param effects kHeightOffset with the plate's own added.
 void ComputeEffectLoad(const EffectKinematics& kinematics, int instant,
                        const std::vector<ElasticFoundation>& beds, const ContactEffectValues& effects,
-                       const EffectLoadWish& wish, EffectLoad& load);
+                       const EffectLoadQuery& query, EffectLoad& load);
 
 /// Pressure and slip of every face of a region at one instant, with the effects: for pictures.
 void ComputeFaceLoads(const EffectKinematics& kinematics, const EffectRegion& region, int instant,

@@ -12,7 +12,7 @@ constexpr std::size_t kChannels = ContactProblem::kChannels;
 
 // Order of kContactChannels.
 enum PlateChannel { kFx, kFy, kFz, kCopX, kCopZ, kFreeMoment };
-// Parameters of a group that each channel depends on: normal forces know stiffness and dissipation only.
+// Parameters of a group that each channel depends on: normal forces depend on stiffness and dissipation only.
 constexpr std::array<Eigen::Index, kChannels> kColumnsPerGroup{5, 2, 5, 2, 2, 5};
 
 WrenchParts PartsFor(const std::array<bool, kChannels>& wanted) {
@@ -191,9 +191,9 @@ Status ContactProblem::Predict(const Query& query, Workspace& workspace, Predict
 void ContactProblem::PredictInstant(const Stance& stance, int t, const std::array<bool, kChannels>& wanted,
                                     const Query& query, Scratch& scratch, Prediction& prediction) const {
   if (!scratch.at_null || scratch.differentiates_effects) {
-    const EffectLoadWish wish{PartsFor(wanted) == WrenchParts::kVertical, query.derivatives,
-                              scratch.differentiates_edges};
-    ComputeEffectLoad(stance.kinematics, t, scratch.beds, scratch.effects, wish, scratch.with_effects);
+    const EffectLoadQuery load_query{PartsFor(wanted) == WrenchParts::kVertical, query.derivatives,
+                                     scratch.differentiates_edges};
+    ComputeEffectLoad(stance.kinematics, t, scratch.beds, scratch.effects, load_query, scratch.with_effects);
   }
   ContactLoad load = ContactLoad::Zero();
   if (scratch.at_null) {

@@ -25,7 +25,7 @@ struct DriveScales {
   double highest_command = 1;
   double duration = 10;  ///< [s] of the longest trial
   double shortest = 10;  ///< [s] of the shortest
-  double noise = 1e-3;   ///< [rad] of the position, or a hundredth of its spread if nobody knows
+  double noise = 1e-3;   ///< [rad] of the position, or a hundredth of its spread if it is not stated
 };
 
 /// What decides which parameters there are.

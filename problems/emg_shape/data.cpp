@@ -212,10 +212,10 @@ class Preparation {
     return count > 0 ? EmgScatterFactors{sum.gain / count, sum.timing / count} : EmgScatterFactors{};
   }
 
-  // What another electrode hears of a muscle. Noise of its own is none of that, and would hide what is: apart
-  // from what gains and timings take up, muscles of like shape differ by little more than this noise.
-  [[nodiscard]] static std::vector<double> Heard(const LearntRecording& recording,
-                                                 const std::string& muscle) {
+  // What another electrode records of a muscle. Noise of its own is none of that, and would hide what is:
+  // apart from what gains and timings take up, muscles of like shape differ by little more than this noise.
+  [[nodiscard]] static std::vector<double> CrossTalkOf(const LearntRecording& recording,
+                                                       const std::string& muscle) {
     std::vector<double> values = recording.recorded.at(muscle);
     const auto own = recording.learnt.find(muscle);
     if (own == recording.learnt.end()) return values;
@@ -244,17 +244,17 @@ class Preparation {
   void AddOthers(const LearntRecording& recording, EmgShapeTrial& trial) const {
     trial.others.resize(out_.muscles.size());
     if (out_.others_shape.empty()) return;
-    std::vector<std::vector<double>> heard;
+    std::vector<std::vector<double>> recorded;
     for (const EmgMuscle& muscle : out_.muscles) {
       if (recording.recorded.count(muscle.name) == 0) return;
-      heard.push_back(Heard(recording, muscle.name));
+      recorded.push_back(CrossTalkOf(recording, muscle.name));
     }
     const double share = 1 / static_cast<double>(out_.muscles.size() - 1);
     for (std::size_t m = 0; m < out_.muscles.size(); ++m) {
       std::vector<double>& others = trial.others[m];
       others.assign(trial.time.size(), 0);
       for (std::size_t o = 0; o < out_.muscles.size(); ++o) {
-        for (std::size_t i = 0; o != m && i < others.size(); ++i) others[i] += share * heard[o][i];
+        for (std::size_t i = 0; o != m && i < others.size(); ++i) others[i] += share * recorded[o][i];
       }
     }
   }

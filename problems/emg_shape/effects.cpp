@@ -61,7 +61,7 @@ void AddTrialFloors(EmgParameterList& to) {
 void AddCrossTalk(EmgParameterList& to) {
   for (std::size_t m = 0; m < to.muscles(); ++m) {
     to.list.BeginEffect("cross_talk." + to.data.muscles[m].name, Level::kSensor,
-                        "the electrode of this muscle hears the others too",
+                        "the electrode of this muscle records the others too",
                         "a contraction of the other muscles alone");
     const int index =
         to.AddNumber(BaseParameter(to.made.effects.back().name, "1",
@@ -84,7 +84,7 @@ void AddPorts(EmgParameterList& to) {
       const int index = to.AddKnot(BaseParameter(fmt::format("{}(time).{}", muscle, k + 1), "1",
                                                  "EMG of an unknown source", -1, 1, 0));
       for (std::size_t t = 0; t < to.data.trials.size(); ++t)
-        to.Touch(t, m, {index, EmgTerm::kOffset, EmgAlong::kHat, k, 1});
+        to.Touch(t, m, {index, EmgTerm::kOffset, EmgAlong::kBasis, k, 1});
     }
   }
 }

@@ -117,7 +117,7 @@ void AddLead(EmgParameterList& to, bool effect) {
   };
   for (std::size_t m = 0; m < to.muscles(); ++m) touch(m, shared, 1);
   if (!to.settings.timing_per_muscle || effect) return;
-  // Their sum is 0, or they and the shared one could not be told apart: the last one makes up for the
+  // Their sum is 0, or they and the shared one could not be told apart: the last one compensates the
   // others.
   for (std::size_t m = 0; m + 1 < to.muscles(); ++m) {
     Parameter p = BaseParameter(to.data.muscles[m].name + ".lead", "s", "lead beyond the mean of all muscles",

@@ -3,7 +3,7 @@
 //   emg = floor_m + sum over bursts b of exp(gain + gain_b) share_b(place + timing_b)
 //                                                           S_m(phase + timing + timing_b)
 //
-// and where an electrode hears the share c of the others (EmgShapeTrial::others), S_m holds their mean:
+// and where an electrode records the share c of the others (EmgShapeTrial::others), S_m holds their mean:
 //
 //   emg = floor_m + sum over bursts b of exp(gain + (1 + c r_b) gain_b) share_b (S_m - c O_m) + c others
 //
@@ -12,7 +12,7 @@
 //
 // share_b: how much of S_m is burst b's (EmgWindow); bursts overlap, and each has its gain and timing.
 // O_m: mean of the others over a cycle; r_b: its ratio to m's own mean in the burst. gain_b scatters as the
-// burst does that was measured, which hears the others, and whose own part scatters more; so does the
+// burst does that was measured, which contains the others, and whose own part scatters more; so does the
 // muscle's own timing_b, and not what all muscles of a cycle have in common.
 // s speed, T period of a cycle; s0, T0 those of the reference. docs/decisions/emg_shape_model.md.
 #pragma once
@@ -45,7 +45,7 @@ enum class EmgAlong {
   kCycle,      ///< number of the cycle from the recording's middle
   kSine,       ///< of the phase
   kCosine,     ///< of the phase, less 1: nothing moves at the beginning
-  kHat,        ///< a hat over time in the trial
+  kBasis,      ///< a linear basis function of the time in the trial
   kWindow,     ///< of gains and timings: they are those of one EmgWindow
   kAllMuscles  ///< of timings: the same, of all muscles together
 };
@@ -54,12 +54,12 @@ struct EmgColumn {
   int parameter = 0;
   EmgTerm term = EmgTerm::kOffset;
   EmgAlong along = EmgAlong::kOne;
-  int which = 0;  ///< control point, hat or window
+  int which = 0;  ///< control point, basis function or window
   double factor = 1;
 };
 
 struct EmgShapeParameters : ParameterList {
-  std::vector<double> hat_knots;                ///< [s] in the trial, of EmgAlong::kHat
+  std::vector<double> hat_knots;                ///< [s] in the trial, of EmgAlong::kBasis
   std::vector<std::vector<EmgColumn>> columns;  ///< [blocks of the layout], parameters increasing
 };
 

@@ -12,7 +12,7 @@
 namespace sinew {
 
 /// Poses are those of the fitted model at a hundredth of its integrator's error, plus white noise of the
-/// camera: the laboratory knows no contact law that the model does not know. Every effect may be hidden in
+/// camera: the laboratory has no contact law that the model does not have. Every effect may be hidden in
 /// them.
 Result<Dataset> SynthesizeFreeBody(const SynthesisRequest& request);
 

@@ -330,7 +330,7 @@ class Preparation {
     return {};
   }
 
-  // Noise that nobody stated is taken as equal in all trials: the same sensor measured them. Divided by the
+  // Noise that is not stated is taken as equal in all trials: the same sensor measured them. Divided by the
   // spread of the moment in the training trials.
   void WeighAlike() {
     if (settings_.objective == NmsObjective::kThesis) return;

@@ -125,7 +125,10 @@ class Quiet(ProgramTest):
             self.succeeds("data", "synthesize", "contact", "--out", "stances.h5")
             shown = {}
             for option in ("", "--quiet"):
-                ours, theirs = pty.openpty()
+                try:
+            ours, theirs = pty.openpty()
+        except OSError as error:  # a container without /dev/pts
+            self.skipTest(str(error))
                 with self.subTest(f"{words} {option}"):
                     process = self.start_on(theirs, *words, *filter(None, [option]))
                     os.close(theirs)

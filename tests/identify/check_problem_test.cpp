@@ -74,7 +74,7 @@ class Decay final : public Problem {
   std::function<Status(const Query&, Prediction&)> spoil;
 };
 
-// What a user hears who goes straight to a fit.
+// The error that a user gets who goes straight to a fit.
 std::string ErrorOfIdentify(const Decay& problem) {
   const auto setup = MakeFitSetup(problem, {});
   if (!setup) return setup.error().message;

@@ -23,7 +23,7 @@ namespace sinew {
 enum class DriveControl {
   kTorque,    ///< the command is the torque
   kTracking,  ///< a controller follows the command (positions); the torque it asked for is the recorded input
-  kPidSpeed   ///< the command (speeds) goes to a sampled PID speed controller, which the fitted model knows
+  kPidSpeed  ///< the command (speeds) goes to a sampled PID speed controller, which the fitted model contains
 };
 
 struct DriveController {

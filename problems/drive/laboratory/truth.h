@@ -1,5 +1,5 @@
-// What is true in the laboratory: the base parameters of a drive, everything that the library of effects
-// knows, and things that it does not know.
+// What is true in the laboratory: the base parameters of a drive, the effects of the library, and effects
+// that are not in it.
 #pragma once
 
 #include <array>

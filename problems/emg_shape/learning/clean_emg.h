@@ -1,4 +1,4 @@
-// A muscle's EMG without its noise: what the electrode of another one hears.
+// A muscle's EMG without its noise: what the electrode of another one records.
 #pragma once
 
 #include <vector>

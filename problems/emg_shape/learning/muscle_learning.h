@@ -16,7 +16,7 @@ struct LearntRecording : RecordedTrial {
     std::vector<double> curve;  ///< mean EMG over a cycle; [0] and the end are one
     EmgScatterFactors factors;
     std::vector<double> emg;    ///< CycleScatter::emg, of the finite values of `measured`
-    std::vector<double> clean;  ///< the same without noise, as another electrode hears it
+    std::vector<double> clean;  ///< the same without noise, as another electrode records it
   };
   std::map<std::string, Muscle> learnt;
 };

@@ -65,7 +65,7 @@ double EmgBlock::Along(const EmgColumn& column, std::size_t sample) const {
       return column.factor * std::sin(2 * kPi * trial_.phase[sample]);
     case EmgAlong::kCosine:
       return column.factor * (std::cos(2 * kPi * trial_.phase[sample]) - 1);
-    case EmgAlong::kHat: {
+    case EmgAlong::kBasis: {
       const LinearBasis basis = LinearBasisAt(hat_knots_, trial_.time[sample] - trial_.time.front());
       if (column.which == basis.first) return column.factor * basis.left;
       return column.which == basis.first + 1 ? column.factor * basis.right : 0;
@@ -85,13 +85,13 @@ void EmgBlock::AddUp(const Query& query, Scratch& scratch) const {
   scratch.shared_timing.assign(windows_.size(), 0);
   scratch.control = Vector::Zero(knots_);
   scratch.cross_talk = 0;
-  scratch.hears = false;
+  scratch.has_cross_talk = false;
   for (const EmgColumn& column : columns_) {
     const double value = query.parameters[column.parameter];
     if (column.term == EmgTerm::kShape) scratch.control[column.which] = value;
     if (column.term == EmgTerm::kCrossTalk && !others_.empty()) {
       scratch.cross_talk = value;
-      scratch.hears = value != 0 || query.Differentiates(column.parameter);
+      scratch.has_cross_talk = value != 0 || query.Differentiates(column.parameter);
     }
     if (column.term == EmgTerm::kShape || column.term == EmgTerm::kCrossTalk || value == 0) continue;
     if (column.along == EmgAlong::kWindow) {
@@ -124,7 +124,7 @@ void EmgBlock::Predict(const Query& query, Scratch& scratch, Prediction& predict
   for (Vector* row : {&scratch.basis, &scratch.slopes, &scratch.others, &scratch.others_slopes})
     row->resize(knots_);
   for (std::size_t w = 0; w < windows_.size(); ++w) AddBurst(w, query, scratch, prediction);
-  if (scratch.hears) {
+  if (scratch.has_cross_talk) {
     const Eigen::Map<const Vector> others(others_.data(), count);
     if (scratch.cross_talk != 0) values += scratch.cross_talk * others;
     if (query.derivatives) scratch.by_cross_talk += others;
@@ -149,7 +149,7 @@ void EmgBlock::AddBurst(std::size_t w, const Query& query, Scratch& scratch, Pre
     const double gain = std::exp(scratch.gain[at] + scattering * scratch.window_gain[w]);
     double shape = scratch.basis.dot(scratch.control);
     double others = 0;
-    if (scratch.hears) {
+    if (scratch.has_cross_talk) {
       plain_.At(phase, scratch.others.data(), scratch.others_slopes.data());
       others = scratch.others.dot(others_shape_);
       shape -= cross_talk * others;
@@ -158,7 +158,7 @@ void EmgBlock::AddBurst(std::size_t w, const Query& query, Scratch& scratch, Pre
     values[i] += share.value * emg;
     if (!query.derivatives) continue;
     double slope = scratch.slopes.dot(scratch.control);
-    if (scratch.hears) slope -= cross_talk * scratch.others_slopes.dot(others_shape_);
+    if (scratch.has_cross_talk) slope -= cross_talk * scratch.others_slopes.dot(others_shape_);
     const double by_timing = share.value * gain * slope + share.slope * emg;
     scratch.by_gain[i] += share.value * emg;
     scratch.by_timing[i] += by_timing;
@@ -186,7 +186,7 @@ void EmgBlock::Differentiate(const Query& query, const Scratch& scratch, Predict
       const auto w = static_cast<std::size_t>(column.which);
       const bool gain = column.term == EmgTerm::kGain;
       const Vector& by = gain ? scratch.by_window_gain[w] : scratch.by_window_timing[w];
-      // Of the muscle's own part; what is heard does not move with it.
+      // Of the muscle's own part; cross-talk does not move with it.
       const double scattering = column.along == EmgAlong::kWindow ? 1 + scratch.cross_talk * heard_[w] : 1;
       slopes.segment(windows_[w].first, by.size()) += column.factor * scattering * by;
       continue;

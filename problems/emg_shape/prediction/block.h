@@ -63,7 +63,7 @@ struct EmgBlock::Scratch final : Problem::Workspace {
   Vector others;  // the same of O
   Vector others_slopes;
   double cross_talk = 0;
-  bool hears = false;  // cross-talk matters
+  bool has_cross_talk = false;
 };
 
 }  // namespace sinew

@@ -155,7 +155,7 @@ class Project {
     return {};
   }
 
-  // The signals that the subject knows.
+  // The signals of the subject file.
   [[nodiscard]] std::vector<std::string> Channels() const {
     std::vector<std::string> names;
     for (const auto& [channel, muscles] : subject_.channels) names.push_back(channel);

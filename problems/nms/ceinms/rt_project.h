@@ -17,8 +17,8 @@ namespace sinew {
 /// `moments`, and, from the .osim along the coordinates, `lengths` and `moment_arms.JOINT`. Its window is
 /// counted from the first moment; inputs keep CutTrial's margin. subject.xml has C1 = C2 = 0, because
 /// CEINMS-RT's activation has no filter.
-/// @param execution CEINMS-RT's execution file, which knows the tendon; empty: executionRT.xml beside the
-/// calibration file if it is there, else rigid.
+/// @param execution CEINMS-RT's execution file, which states the tendon model; empty: executionRT.xml beside
+/// the calibration file if it is there, else rigid.
 /// @param validate trials to predict only: TRIAL or TRIAL:FROM:TO, in seconds from its first moment.
 Result<CeinmsProject> ReadCeinmsRtProject(const std::string& calibration, const std::string& execution,
                                           const std::vector<std::string>& validate);

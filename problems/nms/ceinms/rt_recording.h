@@ -19,7 +19,7 @@ struct CeinmsRtFiles {
 
 /// How recordings are read.
 struct CeinmsRtReading {
-  const MuscleGrids& grids;           ///< knows which columns are angles
+  const MuscleGrids& grids;           ///< states which columns are angles
   std::vector<std::string> joints;    ///< whose angles and moments there must be
   std::vector<std::string> channels;  ///< of EMG
   const CeinmsRtEmg* filters;         ///< nullptr: the EMG is an envelope already

@@ -1,4 +1,4 @@
-// A person's muscles as a calibration knows them: which there are, what they move, what excites them.
+// A person's muscles as a calibration describes them: which there are, what they move, what excites them.
 #pragma once
 
 #include <array>

@@ -231,7 +231,7 @@ std::string ErrorOfDeclaring(const std::function<void(Told&)>& declare, const Da
   const std::string error = ErrorOf(told.CheckDeclaration());
   Prediction prediction(told.layout());
   if (!error.empty() && !told.parameters().empty()) {
-    // Whoever goes on without asking hears it too.
+    // A fit without a check before it ends in the same error.
     EXPECT_EQ(ErrorOf(PredictAt(told, RestPoint(told), prediction)), error);
   }
   return error;
