@@ -126,9 +126,9 @@ class Quiet(ProgramTest):
             shown = {}
             for option in ("", "--quiet"):
                 try:
-            ours, theirs = pty.openpty()
-        except OSError as error:  # a container without /dev/pts
-            self.skipTest(str(error))
+                    ours, theirs = pty.openpty()
+                except OSError as error:  # a container without /dev/pts
+                    self.skipTest(str(error))
                 with self.subTest(f"{words} {option}"):
                     process = self.start_on(theirs, *words, *filter(None, [option]))
                     os.close(theirs)
