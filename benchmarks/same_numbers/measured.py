@@ -57,7 +57,7 @@ SERVO_COMMANDS = [
     ("servo_identify", "identify drive --data @servo_data --intervals linear --max-evaluations 40"),
 ]
 
-# What is wrong here dwarfs the noise: sets of causes are judged by trials left out of the fit.
+# The misfit is much larger than the noise here: sets of causes are chosen by cross-validation over trials.
 PENDULUM_COMMANDS = []
 before = ""
 for name, file, gain, role in (("slow", "2026-01-15_10h28m10", 100, "train"), ("fast", "2026-01-15_10h28m42", 200, "train"),

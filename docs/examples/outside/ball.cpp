@@ -1,4 +1,4 @@
-// Somebody else's simulator behind Problem: a ball that bounces. It knows no derivatives, sinew takes
+// An existing simulator behind Problem: a ball that bounces. It has no derivatives, sinew takes
 // differences.
 #include <sinew/sinew.h>
 

@@ -1,4 +1,4 @@
-/* Somebody else's simulator: a C interface that knows nothing of sinew, and no derivatives. */
+/* An existing simulator: a C interface without sinew's types and without derivatives. */
 #ifdef __cplusplus
 extern "C" {
 #endif
