@@ -42,8 +42,9 @@ struct JacobianOptions {
 
 /// Compares every derivative of a problem with central differences of its predictions. Columns where
 /// one-sided differences, or those of a longer step, disagree have a kink or are noisy there and are not
-/// compared; neither are slopes that are secants (Parameter::null_step). Errors: no prediction at the start;
-/// a value or derivative that is not finite.
+/// compared; neither are slopes that are secants (Parameter::null_step). Rounding steps are held at their
+/// null (Parameter::is_rounding_step). Errors: no prediction at the start; a value or derivative that is not
+/// finite.
 Result<JacobianReport> CheckJacobian(const Problem& problem, const JacobianOptions& options = {});
 
 /// The declaration alone: parameters, layout (sizes, order, indices, finite numbers), effects, ports and

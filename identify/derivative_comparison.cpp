@@ -26,16 +26,21 @@ double Moved(const Parameter& p, double value, double step) {
                                 : value + step * (p.upper - p.lower);
 }
 
-// Where the slope that a problem returns is a secant (Parameter::null_step), it is no derivative.
-bool IsSecant(const Parameter& p, double value) {
-  return p.null_step > 0 && std::abs(value - p.null_value) <= p.null_step;
+// The slope that a problem returns is no derivative where it is a secant (Parameter::null_step), nor by a
+// rounding step.
+bool HasNoDerivative(const Parameter& p, double value) {
+  return p.is_rounding_step || (p.null_step > 0 && std::abs(value - p.null_value) <= p.null_step);
 }
 
-// So far inside of the bounds that a step to either side stays there.
+// So far inside of the bounds that a step to either side stays there; without rounding, as the derivatives.
 Vector Inside(const Problem& problem, const DerivativeQuery& query) {
   Vector point = query.point;
   for (Eigen::Index i = 0; i < point.size(); ++i) {
     const Parameter& p = problem.parameters()[static_cast<std::size_t>(i)];
+    if (p.is_rounding_step) {
+      point[i] = p.null_value;
+      continue;
+    }
     if (!query.parameters[static_cast<std::size_t>(i)]) continue;
     point[i] = std::clamp(point[i], Moved(p, p.lower, 1.01 * kStep), Moved(p, p.upper, -1.01 * kStep));
   }
@@ -200,7 +205,7 @@ Status CompareDerivatives(const Problem& problem, const DerivativeQuery& query, 
   if (!sides.here.allFinite()) return Fail("a predicted value is not finite");
   for (int p = 0; p < static_cast<int>(query.parameters.size()); ++p) {
     if (!query.parameters[static_cast<std::size_t>(p)]) continue;
-    if (IsSecant(problem.parameters()[static_cast<std::size_t>(p)], comparison.point()[p])) continue;
+    if (HasNoDerivative(problem.parameters()[static_cast<std::size_t>(p)], comparison.point()[p])) continue;
     const Vector column = comparison.Column(p);
     if (!column.allFinite())
       return Fail("a derivative by '{}' is not finite",
@@ -236,7 +241,7 @@ Result<bool> DirectionsAgree(const Problem& problem, const DerivativeQuery& quer
   double largest = 0;
   for (std::size_t p = 0; p < columns.size(); ++p) {
     if (!query.parameters[p]) continue;
-    if (IsSecant(problem.parameters()[p], comparison.point()[static_cast<Eigen::Index>(p)])) continue;
+    if (HasNoDerivative(problem.parameters()[p], comparison.point()[static_cast<Eigen::Index>(p)])) continue;
     columns[p] = comparison.Column(static_cast<int>(p));
     largest = std::max(largest, columns[p].norm());
   }

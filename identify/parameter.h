@@ -44,6 +44,9 @@ struct Parameter {
   /// kEffect: if > 0, the prediction is not differentiable at the null (backlash has a kink there) or does
   /// not change near it: the reported slope there is a secant over about this step [unit].
   double null_step = 0;
+  /// kEffect: the prediction is rounded to multiples of this parameter unless it is at its null (a quantised
+  /// reading). Derivatives are those of the prediction before rounding.
+  bool is_rounding_step = false;
 
   /// The value of a parameter that is not fitted: the null of an effect, the start of all others.
   [[nodiscard]] double rest_value() const { return kind == ParameterKind::kEffect ? null_value : start; }

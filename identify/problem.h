@@ -89,8 +89,8 @@ class Problem {
   ///
   /// A parameter that is not in Block::columns must not change the block; otherwise its effect on the cost is
   /// missing from the gradient. Derivatives are those of the values returned: solvers stop too early, or
-  /// reject every step, where they are not. Documented departures: Parameter::null_step, and roundings such
-  /// as a quantised reading.
+  /// reject every step, where they are not. Documented departures: Parameter::null_step and
+  /// Parameter::is_rounding_step.
   ///
   /// All entries that are asked for have to be set: `prediction` is reused and holds old values or NaN.
   /// Values that are not finite make the point fail.

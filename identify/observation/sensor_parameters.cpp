@@ -62,6 +62,7 @@ Parameter Describe(SensorEffect effect, const ChannelSummary& channel) {
           kCoarsestStep * most);
       // Values that are not multiples of a step were not rounded: there is no probe value, and the slope at
       // the null is zero.
+      p.is_rounding_step = true;
       if (channel.quantisation) p.probes = {*channel.quantisation};
       p.null_step = channel.quantisation.value_or(0);
       p.upper = std::max(p.upper, 2 * p.null_step);

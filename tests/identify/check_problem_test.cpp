@@ -11,6 +11,7 @@
 #include "base/constants.h"
 #include "identify/diagnosis/diagnosis.h"
 #include "identify/identification/identification.h"
+#include "identify/observation/sensor_effects.h"
 #include "tests/identify/support/error_of.h"
 
 namespace sinew {
@@ -221,6 +222,55 @@ TEST(CheckProblem, AKinkIsNoWrongDerivative) {
     return Status();
   };
   EXPECT_EQ(ErrorOf(CheckProblem(kinked)), "");
+}
+
+// Decay with its readings rounded to multiples of `step`, behind sensor effects.
+SensorEffects Quantised(double step, std::function<Status(const Query&, Prediction&)> spoil = nullptr) {
+  auto inner = std::make_unique<Decay>();
+  for (Block& block : inner->layout_) {
+    for (double& value : block.measured) value = step * std::round(value / step);
+  }
+  inner->spoil = std::move(spoil);
+  return SensorEffects(std::move(inner));
+}
+
+FitRequest Releasing(const std::string& effect) {
+  FitRequest request;
+  request.release = {effect};
+  return request;
+}
+
+TEST(CheckProblem, AReleasedQuantisationIsNoWrongDerivative) {
+  // Derivatives are those before rounding, of which differences show nothing.
+  const double step = 0.05;
+  const SensorEffects problem = Quantised(step);
+  const auto at_the_step = MakeFitSetup(problem, Releasing("y.quantisation"));
+  ASSERT_TRUE(at_the_step) << at_the_step.error().message;
+  ASSERT_NEAR(at_the_step->rest[*FindParameter(problem.parameters(), "y.quantisation")], step, 1e-3);
+  EXPECT_EQ(ErrorOf(CheckProblem(problem, *at_the_step)), "");
+  EXPECT_EQ(ErrorOf(CheckProblem(problem)), "");
+  const auto fit = Identify(problem, *at_the_step, {});
+  EXPECT_TRUE(fit) << fit.error().message;
+
+  FitRequest coarse = Releasing("y.quantisation");
+  coarse.start = {{"y.quantisation", 0.08}};
+  EXPECT_EQ(ErrorOf(CheckProblem(problem, *MakeFitSetup(problem, coarse))), "");
+  FitRequest fixed;
+  fixed.fix = {{"y.quantisation", 0.08}};
+  EXPECT_EQ(ErrorOf(CheckProblem(problem, *MakeFitSetup(problem, fixed))), "");
+
+  const auto report = CheckJacobian(problem);
+  ASSERT_TRUE(report) << report.error().message;
+  EXPECT_TRUE(report->wrong.empty());
+}
+
+TEST(CheckProblem, AWrongDerivativeIsNamedBehindAQuantisation) {
+  const SensorEffects problem = Quantised(0.05, [](const Query& query, Prediction& prediction) {
+    if (query.derivatives) prediction.derivatives(0).col(Decay::kRate) *= -1;
+    return Status();
+  });
+  EXPECT_THAT(ErrorOf(CheckProblem(problem, *MakeFitSetup(problem, Releasing("y.quantisation")))),
+              HasSubstr("the derivative by 'rate' is "));
 }
 
 TEST(CheckJacobian, RightDerivativesAgreeEverywhere) {
