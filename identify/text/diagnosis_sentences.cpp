@@ -112,7 +112,8 @@ Sentence UnknownSentence(const UnknownFinding& unknown, bool alternative) {
       break;
   }
   return {SentenceKind::kUnknownTerm,
-          text + fmt::format("; held-out RMSE changes by {:+.0f} %.", -100 * unknown.held_out_reduction),
+          text + fmt::format("; held-out RMSE changes by {:+.0f} %.",
+                             std::round(-100 * unknown.held_out_reduction) + 0.0),  // no -0
           {unknown.name}};
 }
 

@@ -279,7 +279,7 @@ std::vector<Problem::Signal> ContactProblem::ResidualCovariates(int block) const
 std::string ContactProblem::objective() const {
   switch (settings_.objective) {
     case ContactObjective::kThesis:
-      return "half the sum of squared errors; the square root of twice the cost is eq 5.4 of the thesis";
+      return "half the sum of squared errors";
     case ContactObjective::kNormalised:
       return "half the sum over channels of mean squared error / variance of the channel";
     case ContactObjective::kLikelihood:
