@@ -30,11 +30,11 @@ for name, run in runs.items():
     cards.append(f'<h3>{link(name)} <small>{escape(about[name]["title"] or about[name]["data_file"])}</small></h3>'
                  + (items(doubts, "warnings") if doubts else "") + items(findings, "findings"))
 for name, file in diagnoses.items():
-    told = [text_list(file[f"/diagnosis/{name}"]) if f"/diagnosis/{name}" in file else []
-            for name in ("sentences", "sentence_kinds")]
-    says = told[0][:3] + [text for text, kind in list(zip(*told))[3:] if kind == "gain"]  # the gain is what counts
+    columns = [text_list(file[f"/diagnosis/{name}"]) if f"/diagnosis/{name}" in file else []
+               for name in ("sentences", "sentence_kinds")]
+    leading = columns[0][:3] + [text for text, kind in list(zip(*columns))[3:] if kind == "gain"]  # the gain is what counts
     title = file["/run"].attrs["title"] or file["/run"].attrs["data_file"]
-    cards.append(f"<h3>{link(name)} <small>diagnosis of {escape(str(title))}</small></h3>" + items(says, "findings"))
+    cards.append(f"<h3>{link(name)} <small>diagnosis of {escape(str(title))}</small></h3>" + items(leading, "findings"))
 for name, study in studies.items():
     solvers, success = np.array(text_list(study["/study/runs/solver"])), study["/study/runs/success"][:]
     shares = [f"{solver} reached the target in {int(success[mine].sum())} of {mine.sum()} runs."
@@ -120,7 +120,7 @@ for run_name, run in runs.items():
 
 if errors:
     head = "".join(f'<th class="value">{escape(quantity + (f" ({unit})" if unit else ""))}'
-                   "<br><small>fitted / not fitted</small></th>"
+                   "<br><small>fitted / held-out trials</small></th>"
                    for quantity, unit in errors)
     rows = ""
     for run_name in runs:

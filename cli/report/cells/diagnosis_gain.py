@@ -1,8 +1,7 @@
 # %% gain [markdown]
-# ## Gain on trials that were not fitted
+# ## Gain on held-out trials
 #
-# The test that counts: both models predict trials that neither was fitted to. The grey zone is what noise alone
-# leaves in the fitted trials.
+# Both models predict trials that neither was fitted to. Grey: the error that noise alone leaves in the fitted trials.
 
 # %% gain
 sigma_of = {row["channel"]: row["sigma"] for row in noise}
@@ -21,10 +20,13 @@ for axis, gain in zip(axes.flat, gains):
                                                                            "shrinkA": 4, "shrinkB": 4})
     axis.plot(gain["before"], 0, "o", ms=9, color="#E69F00", zorder=3)
     axis.plot(gain["after"], 0, "o", ms=9, color=TRAIN, zorder=3)
-    for value, colour in ((gain["before"], "#946400"), (gain["after"], TRAIN)):
-        axis.annotate(number(value), (value, 0), xytext=(0, 9), textcoords="offset points", ha="center", color=colour)
+    right = 1.12 * max(gain["before"], gain["after"], high)
+    close = abs(gain["before"] - gain["after"]) < 0.08 * right  # labels to either side
+    for value, other, colour in ((gain["before"], gain["after"], "#946400"), (gain["after"], gain["before"], TRAIN)):
+        axis.annotate(number(value), (value, 0), xytext=(0, 9), textcoords="offset points", color=colour,
+                      ha="center" if not close else "left" if value >= other else "right")
     axis.set_ylim(-0.5, 0.75)
-    axis.set_xlim(0, 1.12 * max(gain["before"], gain["after"], high))
+    axis.set_xlim(0, right)
     axis.set_yticks([0], [elided(gain["channel"], 30)])
     axis.tick_params(axis="y", length=0)
     axis.grid(axis="y", visible=False)

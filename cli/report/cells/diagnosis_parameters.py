@@ -1,7 +1,7 @@
 # %% parameters [markdown]
 # ## Parameters
 #
-# The parameters of a model without the cause are biased: they fit part of its effect.
+# Without a cause of the error in the model, its parameters are biased: they fit part of the effect.
 
 # %% parameters
 described = table_of("/parameters")
@@ -20,7 +20,7 @@ def value_cell(row):
 
 
 def shift_cell(name):
-    """Bias of a base parameter without the causes: in percent of its value now, bold where it is beyond chance and 1 %."""
+    """Bias of a base parameter without the causes, in percent of its value with them; bold where it is beyond chance and 0.5 %."""
     if name not in base or name not in after or not causes:
         return ""
     change = base[name]["value"] - after[name]["value"]
@@ -29,7 +29,7 @@ def shift_cell(name):
     if change == 0 or after[name]["value"] == 0:
         return "no bias" if change == 0 else f"bias {number(change)}"
     text = f"bias {100 * change / abs(after[name]['value']):+.1f} %".replace("-", "−")
-    return f"<b>{text}</b>" if abs(change) > max(1.96 * after[name]["std_error"], 0.01 * abs(
+    return f"<b>{text}</b>" if abs(change) > max(1.96 * after[name]["std_error"], 0.005 * abs(
         after[name]["value"])) else f'<span class="pale">{text}</span>'
 
 
@@ -44,6 +44,6 @@ for name in dict.fromkeys([*base, *after]):
                 + [shift_cell(name)] * bool(causes))
 heads = ["Parameter", ">Base model"] + [">Extended model"] * bool(causes) + ["Unit"] + ["Bias of the base model"] * bool(causes)
 display(HTML(table(heads, rows, "parameters")))
-display(HTML(items(["± is half the 95 % interval; pale: not determined by these data. The model can be used at once: "
+display(HTML(items(["± is half the 95 % interval; pale: not determined by these data; bold: a bias larger than its 95 % interval. The model can be used at once: "
                     f"sinew simulate {info['problem']} --data {info['data_file']} --from {RUN_FILE} --out simulated.h5"],
                    "notes")))

@@ -2,8 +2,8 @@
 # ## The error
 #
 # First one channel as it was measured and simulated, then every error: simulated minus measured. The **base model** is the
-# fitted model as it is; the **extended model** has the named causes, or the first thing that is not in the library, in it. Held-out
-# trials were used for no fit.
+# fitted model as it is; the **extended model** has the named causes added, or the first discrepancy term. Held-out trials were
+# not fitted.
 
 # %% residuals
 from itertools import zip_longest
@@ -60,7 +60,7 @@ headline(figure, f"{'Held-out trial' if seen['role'] == 'validate' else 'Trial'}
 plt.show()
 
 key = [(BEFORE, "base model")] + [(AFTER, "extended model")] * extended + [("#d5dbe1", "noise (±2 σ)")] * bool(floor)
-display(HTML('<p class="key">' + "".join(f'<span style="color:{colour}">■</span> {name}' for colour, name in key) + "</p>"))
+display(HTML(color_key(key)))
 columns = min(3, len(shown))
 rows = -(-len(shown) // columns)
 figure, axes = plt.subplots(rows, columns, figsize=(WIDTH, 0.7 + 1.75 * rows), squeeze=False)

@@ -33,7 +33,7 @@ if shown:
         size, finding = strength(score), score["finding"]
         axis.barh(row, size, height=0.66, color=COLOURS[finding], hatch=None if score["known"] else "////",
                   edgecolor="white", lw=0)
-        said = SAYS[finding] if finding != "ruled_out" else ""
+        said = LABELS[finding] if finding != "ruled_out" else ""
         if score["refitted"] and np.isfinite(score["delta_bic"]):
             said += f"{'  ·  ' if said else ''}refit: ΔBIC {score['delta_bic']:+.0f}".replace("-", "−")
         axis.annotate(said, (size, row), xytext=(5, 0), textcoords="offset points", va="center", size=8,
@@ -72,7 +72,7 @@ def detectable(score):
 if judged:
     rows = [[f'<span style="color:{COLOURS[score["finding"]]}">■</span> {escape(score["effect"])}'
              + (f"<br><small>at {escape(score['probe'])}</small>" if score["probe"] else ""), escape(score["level"]),
-             SAYS[score["finding"]], f">{number(strength(score), 2)}", f">{chance(score['family_p_value'])}",
+             LABELS[score["finding"]], f">{number(strength(score), 2)}", f">{chance(score['family_p_value'])}",
              f">{number(score['delta_lr'])}", f">{number(score['delta_bic'])}", f">{detectable(score)}"]
             for score in judged]
     heads = ["Effect", "Level", "Finding", ">Strength", ">Chance, whole list", ">ΔLR", ">ΔBIC", ">Noticed above (95 %)"]
@@ -95,9 +95,9 @@ for path in ("cause_parameters", "alternative_parameters"):
 
 
 def sizes(effect):
-    return "<br>".join(f"{escape(p['name'])} = <b>{number(p['value'])}</b> {escape(pretty(p['unit']))}"
+    return "<br>".join(f'{breakable(p["name"])} = <span class="together"><b>{number(p["value"])}</b> {escape(pretty(p["unit"]))}'
                        + (f" <small>95 %: {number(p['ci95_lower'])} … {number(p['ci95_upper'])}</small>"
-                          if np.isfinite(p["ci95_upper"] - p["ci95_lower"]) else "")
+                          if np.isfinite(p["ci95_upper"] - p["ci95_lower"]) else "") + "</span>"
                        for p in parameters_of.get(effect, []))
 
 

@@ -10,8 +10,8 @@ diagnosis = run["/diagnosis"]
 about = {key: value.decode() if isinstance(value, bytes) else value for key, value in diagnosis.attrs.items()}
 COLOURS = {"cause": "#D55E00", "alternative": "#E69F00", "withdrawn": "#A8467F", "unknown_term": "#007A5A",
            "ruled_out": "#b4bac1", "not_judged": "#b4bac1"}
-SAYS = {"cause": "cause", "alternative": "could also be", "withdrawn": "withdrawn: does not generalise",
-        "unknown_term": "unknown term found", "ruled_out": "ruled out", "not_judged": "not judged"}
+LABELS = {"cause": "cause", "alternative": "could also be", "withdrawn": "withdrawn: does not generalise",
+        "unknown_term": "discrepancy term", "ruled_out": "ruled out", "not_judged": "not judged"}
 VERDICTS = {"adequate": ("Adequate", "no misfit beyond chance", "#007A5A"),
             "explained": ("Explained", "each misfit that was found has one named cause", "#0072B2"),
             "ambiguous": ("Ambiguous", "a stated set of causes that these data do not distinguish", "#B36B00"),
@@ -34,7 +34,7 @@ def chance(p):
 
 def percent(share, digits=0):
     """0.87 -> 87 %; with the sign typeset."""
-    return f"{100 * share:.{digits}f} %".replace("-", "−") if np.isfinite(share) else "–"
+    return f"{round(100 * share, digits) + 0.0:.{digits}f} %".replace("-", "−") if np.isfinite(share) else "–"
 
 
 def breakable(name):

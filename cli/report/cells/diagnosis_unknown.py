@@ -1,7 +1,7 @@
 # %% unknown [markdown]
 # ## Not in the library
 #
-# Terms that improve the fit and that no known effect explains. Where there are several, each is an alternative to the others.
+# Model discrepancy terms: they improve the fit and no known effect explains them. Where there are several, each is an alternative to the others.
 # Band: 95 %; where it fills the figure, the base parameters compensate part of the curve, so that only its shape is known, not
 # its height or slope.
 
@@ -32,9 +32,9 @@ for axis, term in zip(axes.flat, shown):
     axis.set_ylabel(f"{term['port']} ({pretty(term['unit'])})" if pretty(term["unit"]) else term["port"])
 for axis in axes.flat[len(shown):]:
     axis.remove()
-SAYS = {"curve": "{port} needs a function of {signal}", "drift": "{port} changes with time",
-        "periodic": "something periodic adds to {port}"}
-headline(figure, "; or ".join(dict.fromkeys(SAYS[term["kind"]].format(**term) for term in shown)))
+HEADLINES = {"curve": "{port} needs a function of {signal}", "drift": "{port} changes with time",
+        "periodic": "a periodic term adds to {port}"}
+headline(figure, "; or ".join(dict.fromkeys(HEADLINES[term["kind"]].format(**term) for term in shown)))
 plt.show()
 display(HTML(items([f"{term['name']}: {chance(term['p_value'])}; held-out error "
                     f"{percent(-term['held_out_reduction'])}." for term in terms], "notes")))

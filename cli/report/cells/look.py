@@ -38,19 +38,19 @@ def number(value, digits=3, power=False):
         return "0"
     mantissa, exponent = f"{value:.{digits - 1}e}".split("e")
     if -4 < int(exponent) < 5 and not power:
-        return f"{value:.{max(digits - 1 - int(exponent), 0)}f}"
-    return f"{mantissa}e{int(exponent)}"
+        return f"{value:.{max(digits - 1 - int(exponent), 0)}f}".replace("-", "−")
+    return f"{mantissa.replace('-', '−')}e{int(exponent)}"
 
 
 def coefficient(value):
     """R² with a proper minus: 0.998, −20.0."""
-    return (f"{value:.3f}" if value > -1 else number(value)).replace("-", "−")
+    return f"{value:.3f}".replace("-", "−") if value > -1 else number(value)
 
 
 def short(value):
     """A number somebody chose, without padding: 0.01, 15, 1e6."""
     mantissa, _, exponent = f"{value:.4g}".partition("e")
-    return mantissa + (f"e{int(exponent)}" if exponent else "")
+    return mantissa.replace("-", "−") + (f"e{int(exponent)}" if exponent else "")
 
 
 def pretty(unit):
@@ -64,9 +64,11 @@ SUPERSCRIPT = str.maketrans("0123456789", "⁰¹²³⁴⁵⁶⁷⁸⁹")
 
 
 def tidy(text):
-    """A sentence of the program, typeset: +- -> ±, R2 -> R², N/m3 -> N/m³, 1.000000e-12 -> 1e-12."""
-    text = re.sub(r"\bR2\b", "R²", text.replace("+-", "±"))
-    text = re.sub(r"(?<=/m)[23]\b", lambda power: power[0].translate(SUPERSCRIPT), text)
+    """A sentence of the program, typeset: +- -> ±, -> -> →, -5 -> −5, N*m -> N·m, R2 -> R², 1.000000e-12 -> 1e-12."""
+    text = re.sub(r"\bR2\b", "R²", text.replace("+-", "±").replace("->", "→").replace("<=", "≤"))
+    text = re.sub(r"(?<![\w.)-])-(?=\d)", "−", text.replace(" .. ", " … ").replace(" %", "\u00a0%"))
+    text = re.sub(r"(?<=[A-Za-z0-9])\*(?=[A-Za-z])", "·", text)
+    text = re.sub(r"(?<=[/·]m)[234]\b", lambda power: power[0].translate(SUPERSCRIPT), text)
     return re.sub(r"\b\d\.\d{4,}e[+-]\d+", lambda value: short(float(value[0])), text)
 
 
@@ -115,6 +117,11 @@ def by_decades(axes, which):
 def items(sentences, kind):
     """Sentences as a list on the page."""
     return f'<ul class="{kind}">' + "".join(f"<li>{escape(tidy(text))}</li>" for text in sentences) + "</ul>"
+
+
+def color_key(entries):
+    """What the colours of the figures below mean: [(colour, name)]."""
+    return '<p class="key">' + "".join(f'<span><b style="color:{colour}">■</b> {name}</span>' for colour, name in entries) + "</p>"
 
 
 def span(arrays):

@@ -106,7 +106,7 @@ def draw_instant(when):
     bar = figure.add_axes([(left - 0.25) / width, 0.48 / height, 0.14 / width, min(tall.max() * inches, 2.8) / height])
     figure.colorbar(faces, cax=bar, label="pressure (kPa)").outline.set_visible(False)
     headline(figure, f"{trial}: {number(np.interp(when, time, force))} N on the sole at {when:.3f} s"
-                    + (", the greatest" if when == time[np.argmax(force)] else ""))
+                    + (", the largest load" if when == time[np.argmax(force)] else ""))
     plt.show()
 
 
@@ -155,7 +155,7 @@ for r, (name, h) in enumerate(zip(pictures, heights)):
             axis.set_title(f"{when:.2f} s", loc="center")
         if c == 0:
             axis.set_ylabel(name, size=8.5)
-            axis.yaxis.set_label_coords(0.02, 0.5)  # at the edge of its cell, clear of the widest picture
+            axis.yaxis.set_label_coords(-0.04, 0.5)  # at the edge of its cell, clear of the widest picture
     bottom -= 0.15
 long = min(2.2, heights.sum())
 bar = figure.add_axes([(WIDTH - 0.65) / WIDTH, (top - 2.0 - long) / height, 0.14 / WIDTH, long / height])

@@ -30,8 +30,8 @@ bar.outline.set_visible(False)
 pairs = np.nan_to_num(np.triu(correlation, 1))
 i, j = np.unravel_index(np.argmax(np.abs(pairs)), pairs.shape)
 if abs(pairs[i, j]) > 0.9:
-    finding = f"{names[i]} and {names[j]} can hardly be told apart ({pairs[i, j]:+.2f})".replace("-", "−")
+    finding = f"{names[i]} and {names[j]} are almost collinear (correlation {pairs[i, j]:+.2f})".replace("-", "−")
 else:
-    finding = f"No two determined parameters stand in for each other (at most {abs(pairs[i, j]):.2f})"
+    finding = f"No two determined parameters are strongly correlated (at most {abs(pairs[i, j]):.2f})"
 headline(figure, finding)
 plt.show()

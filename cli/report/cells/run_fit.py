@@ -1,14 +1,14 @@
 # %% fit [markdown]
 # ## Measured against simulated
 #
-# Black is measured, colour is simulated; the strip beneath is the error, simulated minus measured. Blue trials were
-# fitted, orange trials were not: they show whether the model holds on data it never saw.
+# The strip beneath each panel is the error, simulated minus measured. Held-out trials were not fitted: they test whether the
+# model generalises.
 
 # %% fit
 def title_of(fit, with_place, most):
     """Two lines above a panel, the first with at most `most` characters."""
     name = f"{fit['trial']}, {fit['place']}" if with_place else fit["trial"]
-    role = "not fitted" if fit["role"] == "validate" else "fitted"
+    role = "held out" if fit["role"] == "validate" else "fitted"
     r2 = f"R² {coefficient(fit['r2'])}, " if np.isfinite(fit["r2"]) else ""
     return f"{elided(name, most - len(role) - 3)} – {role}\n{r2}RMSE {number(fit['rmse'])} {fit['unit']}"
 
@@ -16,17 +16,16 @@ def title_of(fit, with_place, most):
 def finding_of(key, places):
     """What the figure of a quantity shows."""
     quantity, unit = key
-    name = quantity[:1].upper() + quantity[1:]
+    name = quantity if "_" in quantity else quantity[:1].upper() + quantity[1:]
     if len(places) == 1 and places[0] != quantity:
         name += f", {places[0]}"
     here, there = pooled(train.get(key, [])), pooled(validate.get(key, []))
     if key not in validate:
-        return f"{name}: off by {error_text(*here, unit, 'RMSE')} where fitted"
+        return f"{name}: RMSE {error_text(*here, unit)} on fitted trials"
     if key not in train:
-        return f"{name}: off by {error_text(*there, unit, 'RMSE')} on trials it never saw"
-    verdict = "no worse" if there[0] <= 1.25 * here[0] else "worse"
-    return f"{name}: off by {error_text(*here, unit, 'RMSE')} where fitted, {error_text(*there, unit)} where not: " \
-           f"{verdict} on trials it never saw"
+        return f"{name}: RMSE {error_text(*there, unit)} on held-out trials"
+    verdict = "" if there[0] <= 1.25 * here[0] else ": larger"
+    return f"{name}: RMSE {error_text(*here, unit)} on fitted trials, {error_text(*there, unit)} on held-out trials{verdict}"
 
 
 def draw_panel(figure, place, fit, limits, worst):
@@ -77,14 +76,15 @@ def draw_quantity(key, most):
             for axis in (upper, lower):
                 axis.tick_params(labelleft=c == 0)
             if c == 0:
-                upper.set_ylabel(elided(fit["quantity"], 22) + (f" ({fit['unit']})" if fit["unit"] else ""))
+                label = fit["quantity"] + (f" ({fit['unit']})" if fit["unit"] else "")
+                upper.set_ylabel(label if len(label) <= 22 else f"({fit['unit']})" if fit["unit"] else "")  # the headline has the name
                 lower.set_ylabel("error")
                 figure.align_ylabels([upper, lower])
-            if r == 0 and c == 0:
-                upper.legend(loc="best", handlelength=1.2, frameon=True, framealpha=0.85, edgecolor="none")
     plt.show()
 
 
 quantities = list(dict.fromkeys([*train, *validate]))
+display(HTML(color_key([(MEASURED, "measured")] + [(TRAIN, "simulated, fitted trial")] * bool(train)
+                       + [(VALIDATE, "simulated, held-out trial")] * bool(validate))))
 for key in quantities:
     draw_quantity(key, most=6 if len(quantities) <= 3 else 3)  # more: raise these

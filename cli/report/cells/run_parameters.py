@@ -2,7 +2,7 @@
 # ## Parameters
 
 # %% parameters
-SAYS = {"identifiable": ("●", "identifiable", "#007A5A"), "weak": ("◆", "weak", "#B36B00"),
+LABELS = {"identifiable": ("●", "identifiable", "#007A5A"), "weak": ("◆", "weak", "#B36B00"),
         "not_identifiable": ("○", "not identifiable", "#6f6f6f"), "at_bound": ("■", "at bound", "#A8467F"),
         "": ("·", "free, not judged", "#6f6f6f")}
 
@@ -59,7 +59,7 @@ def parameter_rows(some):
         cell = f'<td class="why" rowspan="{len(group)}">{escape(tidy(reason))}{remedies(group)}</td>'
         for name, p in group.items():
             value, interval = value_text(p)
-            symbol, word, colour = SAYS[p.get("verdict", "")]
+            symbol, word, colour = LABELS[p.get("verdict", "")]
             rows += f'<tr><td class="name"><b>{escape(name)}</b><br><small>{escape(p["meaning"])}</small></td>' \
                     f'<td class="value">{value}</td><td class="value">{interval}</td>' \
                     f'<td>{escape(pretty(p["unit"]))}</td>' \
@@ -79,10 +79,10 @@ if fixed:
     notes.append("Held fixed: " + ", ".join(fixed) + ".")
 resting = len([p for p in parameters.values() if not p["free"] and p["kind"] == "effect"])
 if resting:
-    notes.append("Effects that were not released do nothing: "
-                 f"{resting} parameter{'s rest at their' if resting > 1 else ' rests at its'} null value.")
+    notes.append(f"{resting} parameter{'s' if resting > 1 else ''} of effects that were not released: held at "
+                 f"{'their null values' if resting > 1 else 'its null value'}, without influence.")
 if len(free) > len(shown):
-    notes.append("Fitted as well, though no findings: "
+    notes.append("Nuisance parameters, fitted as well: "
                  f"{len(free) - len(shown)} initial states, offsets of a trial and the like (in /parameters).")
 if notes:
     display(HTML(items(notes, "notes")))
@@ -102,7 +102,7 @@ if shown:
     for row, (name, p) in enumerate(shown.items()):
         verdict = p.get("verdict", "")
         unknown = verdict == "not_identifiable"
-        colour = SAYS[verdict][2]
+        colour = LABELS[verdict][2]
         axis.barh(row, 1, height=0.34, color="#f2f2f2" if not unknown else "white", lw=0.6,
                   edgecolor="#dddddd" if not unknown else "#bbbbbb", hatch="////" if unknown else None, zorder=1)
         axis.plot(place(p, p["start"]), row, "|", ms=11, color="#777777", mew=1, zorder=2)
@@ -111,7 +111,7 @@ if shown:
             axis.plot(ends, [row, row], color=colour, lw=5, alpha=0.45, zorder=3)
         axis.plot(place(p, p["value"]), row, MARK[verdict], ms=7, mew=1.5, zorder=4,
                   color=colour, mfc="white" if unknown else colour, clip_on=False)
-        for x, bound, side in ((-0.018, p["lower"], "right"), (1.018, p["upper"], "left")):
+        for x, bound, side in ((-0.026, p["lower"], "right"), (1.026, p["upper"], "left")):
             axis.text(x, row, short(bound), ha=side, va="center", color="#777777", size=8)
         axis.text(1.12, row, f"{number(p['value'])} {pretty(p['unit'])}" if not unknown else "not determined",
                   va="center", color=colour)

@@ -47,10 +47,9 @@ def pooled(some):
     return np.sqrt(errors.sum() / n[known].sum()), 1 - errors.sum() / deviations.sum()
 
 
-def error_text(rmse, r2, unit, what=""):
-    """112 N (R² 0.780); with what, 112 N (RMSE, R² 0.780)."""
-    details = [what] * bool(what) + [f"R² {coefficient(r2)}"] * bool(np.isfinite(r2))
-    return f"{number(rmse)} {unit}".strip() + (f" ({', '.join(details)})" if details else "")
+def error_text(rmse, r2, unit):
+    """112 N (R² 0.780)."""
+    return f"{number(rmse)} {unit}".strip() + (f" (R² {coefficient(r2)})" if np.isfinite(r2) else "")
 
 
 train = by_quantity(fit for fit in fits if fit["role"] == "train" and fit["n"] > 0)
@@ -64,4 +63,4 @@ if train or validate:
         cells = [error_text(*pooled(part[key]), key[1]) if key in part else "–" for part in (train, validate)]
         rows += f"<tr><td>{escape(key[0])}</td>" + "".join(f'<td class="value">{cell}</td>' for cell in cells) + "</tr>"
     display(HTML('<table><thead><tr><th>Error of the simulation (RMSE)</th><th class="value">fitted trials</th>'
-                 f'<th class="value">trials not fitted</th></tr></thead><tbody>{rows}</tbody></table>'))
+                 f'<th class="value">held-out trials</th></tr></thead><tbody>{rows}</tbody></table>'))

@@ -18,8 +18,10 @@ for axis, ((quantity, unit), group) in zip(axes.flat, shown.items()):
         axis.set_title(elided(quantity if places[0] == quantity else f"{quantity}, {places[0]}", 42))
     else:
         axis.set_title(elided(quantity, 42))
-        axis.legend([plt.Line2D([], [], ls=style, color=colour) for style, colour in looks.values()], places,
-                    loc="best", handlelength=1.6, frameon=True, framealpha=0.85, edgecolor="none")
+        low, high = axis.get_ylim()  # room for the legend above the curves
+        axis.set_ylim(low, high + (0.06 + 0.15 * -(-len(places) // 2)) * (high - low))
+        axis.legend([plt.Line2D([], [], ls=style, color=colour) for style, colour in looks.values()],
+                    [elided(place, 20) for place in places], loc="upper left", ncol=2, handlelength=1.6, borderaxespad=0.2)
     axis.set_ylabel(f"({unit})" if unit else "")
     axis.locator_params(nbins=5)
 for axis in axes.flat[len(shown):]:

@@ -24,7 +24,7 @@ class OneDiagnosis(WithFolder):
     def test_says_what_is_wrong_and_draws_every_part(self):
         text, page, headings = self.page_of()
         self.assertEqual(headings, ["The error", "What could explain it", "Where the error is", "Not in the library",
-                                    "Gain on trials that were not fitted", "Parameters", "Words on this page", "How this was made"])
+                                    "Gain on held-out trials", "Parameters", "Words on this page", "How this was made"])
         self.assertEqual(page.count("<figure>"), 6)
         self.assertIn("<b>Ambiguous</b>", text)
         self.assertIn("drive: diagnosis of made-up joint &amp; &lt;nothing measured&gt;", page)
@@ -56,7 +56,7 @@ class OneDiagnosis(WithFolder):
         text, _, headings = self.page_of(many=True, validate=(), trials=[f"trial_{i}" for i in range(30)])
         self.assertIn("all 46 as a table", text)
         self.assertIn("24 of 60 traces are drawn", text)
-        self.assertNotIn("Gain on trials that were not fitted", headings)
+        self.assertNotIn("Gain on held-out trials", headings)
         self.assertIn("effect_39", text)
 
     def test_beside_a_run_it_has_its_page_and_its_words_in_the_overview(self):

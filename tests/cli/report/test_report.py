@@ -220,9 +220,8 @@ class WhatTheRunSays(WithFolder):
             ["run_prediction", "run_fit"], "finding_of(('vertical force', 'N'), ['right plate'])", "quantities",
             "list(unused)", "list(unmeasured)")
         (here, here_r2), (there, there_r2) = self.pooled(["stance_1", "stance_2"]), self.pooled(["stance_3"])
-        self.assertEqual(finding, f"Vertical force, right plate: off by {here:.2f} N (RMSE, R² {here_r2:.3f}) where "
-                                  f"fitted, {there:.2f} N (R² {there_r2:.3f}) where not: "
-                                  "no worse on trials it never saw")
+        self.assertEqual(finding, f"Vertical force, right plate: RMSE {here:.2f} N (R² {here_r2:.3f}) on fitted trials, "
+                                  f"{there:.2f} N (R² {there_r2:.3f}) on held-out trials")
         self.assertEqual(quantities, "[('vertical force', 'N')]")
         self.assertEqual(unused, "[('sideways force', 'N')]")
         self.assertEqual(unmeasured, "[('forward force', 'N')]")
