@@ -6,7 +6,7 @@ int main(int argc, char** argv) {
   program.name = "sinew";
   program.description =
       "sinew identifies the parameters of human-robot interaction models from measured data,\n"
-      "says which of them the data cannot determine, and what the fitted model still gets wrong.";
+      "reports which of them the data cannot determine, and what the fitted model still gets wrong.";
   program.problems = sinew::ProblemRegistry();
   program.mechanisms = true;
   return sinew::RunCommandLine(argc, argv, program);
