@@ -82,7 +82,7 @@ class OneRun(WithFolder):
         page = self.check_page(self.out / "index.html")
         for where in (text, page):
             self.assertIn("Measuring the tangential force would determine all three friction parameters.", where)
-            self.assertIn("2 simulations failed &lt; 1 % of the time", where)  # texts are escaped
+            self.assertIn("2 simulations failed &lt; 1\u00a0% of the time", where)  # texts are escaped
             self.assertIn("synthetic data", where)
             self.assertIn("8.97e5", where)
             self.assertIn("± 0.11e5", where)  # with the exponent of the value
