@@ -75,8 +75,9 @@ Result<int> RunCompare(const CompareWords& words) {
     std::fprintf(stderr, "sinew: no usable answer: no solver found a point that can be predicted\n");
     return kNotUsable;
   }
-  SINEW_TRY(WriteHdf5(words.out, StudyTree(binding.problem(), study, provenance)));
-  if (!words.json.empty()) SINEW_TRY(WriteText(words.json, StudyJson(binding.problem(), study, provenance)));
+  SINEW_TRY(WriteHdf5(words.out, files::StudyTree(binding.problem(), study, provenance)));
+  if (!words.json.empty())
+    SINEW_TRY(WriteText(words.json, files::StudyJson(binding.problem(), study, provenance)));
   if (words.json != "-") {
     std::printf("compare on %s of %s (%s): best cost %s, target %s\n", words.binding.problem.c_str(),
                 words.binding.data.c_str(), binding.DescribeData().c_str(), Readable(study.best, 6).c_str(),

@@ -116,7 +116,8 @@ Result<int> RunDiagnose(const DiagnoseWords& words) {
   SINEW_ASSIGN(const Hdf5Node tree, DiagnosisTree(binding.problem(), diagnosis, provenance, options));
   SINEW_TRY(WriteHdf5(words.out, tree));
   if (words.json != "-") PrintDiagnosis(words, binding, diagnosis);
-  if (!words.json.empty()) SINEW_TRY(WriteText(words.json, DiagnosisJson(diagnosis, provenance, options)));
+  if (!words.json.empty())
+    SINEW_TRY(WriteText(words.json, files::DiagnosisJson(diagnosis, provenance, options)));
   if (interrupted) return NotUsable("interrupted");
   if (!diagnosis.concluded()) return NotUsable(text::WhyInconclusive(diagnosis));
   return kDone;

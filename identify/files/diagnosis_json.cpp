@@ -9,7 +9,7 @@
 #include "identify/text/shapes.h"
 #include "identify/text/warnings.h"
 
-namespace sinew {
+namespace sinew::files {
 namespace {
 
 Json FiniteAll(const std::vector<double>& values) {
@@ -248,4 +248,4 @@ std::string DiagnosisJson(const Diagnosis& diagnosis, const Provenance& provenan
   return json.dump(2, ' ', false, Json::error_handler_t::replace);
 }
 
-}  // namespace sinew
+}  // namespace sinew::files

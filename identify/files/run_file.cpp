@@ -123,7 +123,7 @@ Result<Hdf5Node> RunTree(const Problem& problem, const Identification& identific
                          const Provenance& provenance) {
   Hdf5Node root;
   Hdf5Node& run = root.At("run");
-  WriteProvenance(provenance, identification.solver, identification.solver_options.seed, run);
+  files::WriteProvenance(provenance, identification.solver, identification.solver_options.seed, run);
   const SolverResult& result = identification.result;
   run.attributes["finished"] = std::int64_t{result.stop.kind == Termination::kInterrupted ? 0 : 1};
   run.attributes["stop_reason"] = std::string(ToString(result.stop.kind));
@@ -136,14 +136,14 @@ Result<Hdf5Node> RunTree(const Problem& problem, const Identification& identific
   run.attributes["seconds"] = identification.seconds;
   run.attributes["cost"] = result.cost;
   run.attributes["objective"] = problem.objective();
-  WriteSentences(text::Findings(identification), identification.warnings, text::Warnings(identification),
-                 run);
-  WriteTrace(identification.trace, FreeNames(identification.setup), root.At("trace"));
+  files::WriteSentences(text::Findings(identification), identification.warnings,
+                        text::Warnings(identification), run);
+  files::WriteTrace(identification.trace, FreeNames(identification.setup), root.At("trace"));
   if (!result.stages.empty()) WriteStages(result.stages, root.At("stages"));
   if (!result.stop.usable()) return root;
 
-  WriteParameters(identification.setup, identification.parameters, root.At("parameters"));
-  WritePredictions(problem.layout(), identification.prediction, root);
+  files::WriteParameters(identification.setup, identification.parameters, root.At("parameters"));
+  files::WritePredictions(problem.layout(), identification.prediction, root);
   WriteUncertainty(identification.setup, identification.uncertainty, root.At("uncertainty"));
   SINEW_TRY(problem.WriteDetails(identification.parameters, root.At("details")));
   return root;
@@ -153,7 +153,7 @@ Hdf5Node UnfinishedRunTree(const LeastSquares& problem, const IdentificationOpti
                            const Provenance& provenance, const Evaluator& evaluator) {
   Hdf5Node root;
   Hdf5Node& run = root.At("run");
-  WriteProvenance(provenance, options.solver, options.solver_options.seed, run);
+  files::WriteProvenance(provenance, options.solver, options.solver_options.seed, run);
   run.attributes["finished"] = std::int64_t{0};
   run.attributes["stop_reason"] = std::string("running");
   run.attributes["stop_test"] = std::string();
@@ -162,9 +162,9 @@ Hdf5Node UnfinishedRunTree(const LeastSquares& problem, const IdentificationOpti
   run.attributes["evaluations"] = static_cast<std::int64_t>(evaluator.evaluations());
   run.attributes["cost"] = evaluator.has_best() ? evaluator.best().cost : kNaN;
   run.attributes["objective"] = problem.problem().objective();
-  WriteTrace(evaluator.trace(), FreeNames(problem.setup()), root.At("trace"));
+  files::WriteTrace(evaluator.trace(), FreeNames(problem.setup()), root.At("trace"));
   const Vector best = evaluator.has_best() ? problem.Parameters(evaluator.best().x) : problem.setup().rest;
-  WriteParameters(problem.setup(), best, root.At("parameters"));
+  files::WriteParameters(problem.setup(), best, root.At("parameters"));
   return root;
 }
 

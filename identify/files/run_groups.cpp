@@ -7,7 +7,7 @@
 #include "base/text.h"
 #include "base/version.h"
 
-namespace sinew {
+namespace sinew::files {
 void WriteProvenance(const Provenance& provenance, const std::string& solver, std::uint64_t seed,
                      Hdf5Node& run) {
   run.attributes["sinew_schema"] = std::string("run/1");
@@ -121,4 +121,4 @@ void WritePredictions(const Layout& layout, const FullPrediction& prediction, Hd
   }
 }
 
-}  // namespace sinew
+}  // namespace sinew::files

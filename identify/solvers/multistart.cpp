@@ -8,7 +8,7 @@
 #include "identify/solvers/ceres_solver.h"
 #include "identify/solvers/polishing.h"
 
-namespace sinew {
+namespace sinew::solvers {
 namespace {
 
 // Least evaluations of a useful local search.
@@ -76,4 +76,4 @@ Search MultiStart::DoSolve(Evaluator& evaluator, const Vector& start) const {
   return search;
 }
 
-}  // namespace sinew
+}  // namespace sinew::solvers

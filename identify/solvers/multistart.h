@@ -3,7 +3,7 @@
 
 #include "identify/solvers/solver.h"
 
-namespace sinew {
+namespace sinew::solvers {
 
 /// The given start and a Latin hypercube of others (McKay, Beckman, Conover 1979, Technometrics 21:239-245),
 /// each the start of a Ceres search with its own share of the budget, on several threads.
@@ -27,4 +27,4 @@ class MultiStart : public Solver {
 /// Points of a Latin hypercube in [0, 1]^n: in every variable, each of `count` equal intervals holds one.
 [[nodiscard]] std::vector<Vector> LatinHypercube(int count, int variables, std::uint64_t seed);
 
-}  // namespace sinew
+}  // namespace sinew::solvers

@@ -74,10 +74,10 @@ double Deviance(const LeastSquares& fit, const Vector& residual, const noise::No
   return deviance;
 }
 
-LocalFit::Outcome FitFromStarts(const LeastSquares& fit, const std::vector<Vector>& starts,
-                                double tolerance) {
-  LocalFit search(fit);
-  LocalFit::Outcome best;
+solvers::LocalFit::Outcome FitFromStarts(const LeastSquares& fit, const std::vector<Vector>& starts,
+                                         double tolerance) {
+  solvers::LocalFit search(fit);
+  solvers::LocalFit::Outcome best;
   best.cost = std::numeric_limits<double>::infinity();
   const bool only = starts.size() == 1;
   for (const Vector& start : starts) {
@@ -183,7 +183,7 @@ Status Refitter::FitGeneralised(LeastSquares& fit, Refit& refit) const {
     if (IsPlain(refit.noise) && fit.PriorVariables().empty()) break;
     const noise::Whitening whitening(refit.noise, stretches);
     fit.set_transform(&whitening);
-    LocalFit whitened(fit);
+    solvers::LocalFit whitened(fit);
     const auto outcome = whitened.Minimize(refit.x, -1, {kWhitenedTolerance, 0}, kFitEvaluations);
     fit.set_transform(nullptr);
     if (!outcome.failure.empty()) break;

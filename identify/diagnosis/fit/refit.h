@@ -104,8 +104,8 @@ class Refitter {
 /// Least squares by a short search from every start, the best of them continued to convergence. @param starts
 /// [P] each, not empty. If there is no prediction at any start, the cost is infinite and `failure` is the
 /// reason.
-[[nodiscard]] LocalFit::Outcome FitFromStarts(const LeastSquares& fit, const std::vector<Vector>& starts,
-                                              double tolerance);
+[[nodiscard]] solvers::LocalFit::Outcome FitFromStarts(const LeastSquares& fit,
+                                                       const std::vector<Vector>& starts, double tolerance);
 
 /// Rows at which the stretches without a gap begin, of every training block.
 [[nodiscard]] std::vector<std::vector<int>> TrainStretches(const LeastSquares& fit);
