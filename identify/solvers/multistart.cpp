@@ -71,7 +71,7 @@ Search MultiStart::DoSolve(Evaluator& evaluator, const Vector& start) const {
       "were stopped by the solver",
       polished.size(), asked, converged, failed, static_cast<int>(polished.size()) - converged - failed);
   const bool all = static_cast<int>(polished.size()) == asked && converged + failed == asked;
-  search.stop.kind = all ? Termination::kStartsDone : Termination::kMaxEvaluations;
+  search.stop.kind = all ? Termination::kStartsDone : Termination::kStartsUnfinished;
   evaluator.MustStop();
   return search;
 }

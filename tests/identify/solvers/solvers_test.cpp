@@ -255,8 +255,23 @@ TEST(MultiStart, ReportsWhenTheBudgetAllowsFewerStarts) {
   Evaluator evaluator(fit.least_squares, options);
   const SolverResult result = SolveWith("multistart", fit.least_squares, evaluator);
   EXPECT_EQ(result.stages.size(), 5u);
-  EXPECT_EQ(result.stop.kind, Termination::kMaxEvaluations);
+  EXPECT_EQ(result.stop.kind, Termination::kStartsUnfinished);
   EXPECT_EQ(result.stop.test.substr(0, 17), "5 of 20 starts: 5") << result.stop.test;
+}
+
+// Starts that converge with less than their share leave a part of the budget.
+TEST(MultiStart, DoesNotReportAUsedBudgetIfSomeIsLeft) {
+  FunctionProblem problem;
+  Judge::MakeProblem(problem);
+  const Fit fit(problem);
+  Evaluator::Options options;
+  options.budget.max_evaluations = 400;
+  Evaluator evaluator(fit.least_squares, options);
+  const SolverResult result = SolveWith("multistart", fit.least_squares, evaluator);
+  ASSERT_LT(evaluator.evaluations(), 400);
+  EXPECT_EQ(result.stop.kind, Termination::kStartsUnfinished) << result.stop.test;
+  EXPECT_FALSE(result.stop.converged());
+  EXPECT_TRUE(result.stop.usable());
 }
 
 TEST(LatinHypercube, OnePointPerIntervalOfEveryVariable) {
