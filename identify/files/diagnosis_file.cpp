@@ -5,6 +5,7 @@
 #include <type_traits>
 
 #include "base/constants.h"
+#include "base/text.h"
 #include "identify/files/diagnosis_json.h"
 #include "identify/files/run_groups.h"
 #include "identify/text/diagnosis_sentences.h"
@@ -192,6 +193,7 @@ void WriteCurves(const Diagnosis& diagnosis, Hdf5Node& node) {
     curve.attributes["shape"] = text::ShapeText(u);
     curve.attributes["shape_kind"] = std::string(ToString(u.shape.kind));
     curve.attributes["nearest_law"] = text::LawText(u);
+    curve.attributes["inseparable_from"] = Join(u.inseparable_from, ",");
     curve.attributes["p_value"] = u.p_value;
     curve.attributes["held_out_reduction"] = u.held_out_reduction;
     curve.At("knots").SetVector(u.knots);

@@ -116,7 +116,8 @@ Json FromUnknown(const UnknownFinding& u) {
           {"held_out_reduction", Finite(u.held_out_reduction)},
           {"knots", FiniteAll(u.knots)},
           {"curve", FiniteAll(u.curve)},
-          {"deviation", FiniteAll(u.deviation)}};
+          {"deviation", FiniteAll(u.deviation)},
+          {"inseparable_from", u.inseparable_from}};
 }
 
 Json FromGain(const Gain& g) {

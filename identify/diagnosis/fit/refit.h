@@ -83,8 +83,11 @@ class Refitter {
   void AssumeIndependentErrors() { independent_ = true; }
 
   /// Covariance of the variables [n x n, unit box] under the refit's own noise model; zero rows and columns
-  /// for variables on a bound. Errors: those of Problem::Predict.
-  [[nodiscard]] Result<Matrix> Covariance(const Refit& refit) const;
+  /// for variables on a bound and those that change nothing. Variables that take part in a combination that
+  /// the data do not determine (rank loss) have an infinite variance and covariances of zero.
+  /// @param held parameters (indices into Problem::parameters()) whose values are taken as known, as if on a
+  /// bound. Errors: those of Problem::Predict.
+  [[nodiscard]] Result<Matrix> Covariance(const Refit& refit, const std::vector<int>& held = {}) const;
 
  private:
   /// Noise model of the refit's residual; white if errors are assumed independent. @param like see
