@@ -72,8 +72,7 @@ Result<int> RunCompare(const CompareWords& words) {
   SINEW_ASSIGN(const Study study, CompareSolvers(problem, options));
   line.Clear();
   if (!std::isfinite(study.best)) {
-    std::fprintf(stderr, "sinew: no usable answer: no solver found a point that can be predicted\n");
-    return kNotUsable;
+    return ReportNotUsable(*words.binding.program, "no solver found a point that can be predicted");
   }
   SINEW_TRY(WriteHdf5(words.out, files::StudyTree(binding.problem(), study, provenance)));
   if (!words.json.empty())
