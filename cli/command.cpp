@@ -1,12 +1,19 @@
 #include "cli/command.h"
 
 #include <CLI/CLI.hpp>
+#include <cstdio>
 #include <optional>
 #include <vector>
 
 #include "base/text.h"
+#include "cli/run_command_line.h"
 
 namespace sinew {
+
+int ReportNotUsable(const Program& program, const std::string& why) {
+  std::fprintf(stderr, "%s: no usable answer: %s\n", program.name.c_str(), why.c_str());
+  return kNotUsable;
+}
 
 CommandWord& CommandWord::Required() {
   option_->required();

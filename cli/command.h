@@ -21,6 +21,9 @@ struct Program;
 /// Exit status: done; ran, but the answer is not usable; bad input or usage.
 enum ExitStatus { kDone = 0, kNotUsable = 1, kBadInput = 2 };
 
+/// Prints "PROGRAM: no usable answer: why" to standard error. @return kNotUsable
+int ReportNotUsable(const Program& program, const std::string& why);
+
 /// What a subcommand runs once its options are parsed. An Error means kBadInput.
 using Action = std::function<Result<int>()>;
 

@@ -72,11 +72,11 @@ Result<int> RunCompare(const CompareWords& words) {
   SINEW_ASSIGN(const Study study, CompareSolvers(problem, options));
   line.Clear();
   if (!std::isfinite(study.best)) {
-    std::fprintf(stderr, "sinew: no usable answer: no solver found a point that can be predicted\n");
-    return kNotUsable;
+    return ReportNotUsable(*words.binding.program, "no solver found a point that can be predicted");
   }
-  SINEW_TRY(WriteHdf5(words.out, StudyTree(binding.problem(), study, provenance)));
-  if (!words.json.empty()) SINEW_TRY(WriteText(words.json, StudyJson(binding.problem(), study, provenance)));
+  SINEW_TRY(WriteHdf5(words.out, files::StudyTree(binding.problem(), study, provenance)));
+  if (!words.json.empty())
+    SINEW_TRY(WriteText(words.json, files::StudyJson(binding.problem(), study, provenance)));
   if (words.json != "-") {
     std::printf("compare on %s of %s (%s): best cost %s, target %s\n", words.binding.problem.c_str(),
                 words.binding.data.c_str(), binding.DescribeData().c_str(), Readable(study.best, 6).c_str(),

@@ -29,9 +29,13 @@ bool IsNamed(const std::vector<Named>& pairs, const std::string& name) {
   return std::any_of(pairs.begin(), pairs.end(), [&](const Named& pair) { return pair.first == name; });
 }
 
+// What a diagnosis file has as the solver of its run. The effects that it holds away from their null were
+// found.
+const char* const kDiagnoseSolver = "diagnose";
+
 // The answer of a run as the start of the base fit: what was free there starts from its value, what was held
-// is held; words of the command line go before. Errors: another problem or other data, a value outside the
-// bounds. @return notes about it.
+// is held, effects as well; words of the command line go before. Errors: another problem or other data, a
+// value outside the bounds. @return notes about it.
 Result<std::vector<std::string>> StartFrom(const DiagnoseWords& words, const Problem& problem,
                                            const Provenance& provenance, FitRequest& request) {
   SINEW_ASSIGN(const RecordedRun run, ReadRun(words.from));
@@ -46,14 +50,16 @@ Result<std::vector<std::string>> StartFrom(const DiagnoseWords& words, const Pro
   for (const auto& [name, value] : run.values) {
     SINEW_ASSIGN(const int index, FindParameter(problem.parameters(), name));
     const Parameter& p = problem.parameters()[static_cast<std::size_t>(index)];
-    if (p.kind == ParameterKind::kEffect && value != p.null_value) released.push_back(name);
-    if (p.kind != ParameterKind::kBase) continue;
+    const bool was_free = std::find(run.variables.begin(), run.variables.end(), name) != run.variables.end();
+    const bool not_at_null = p.kind == ParameterKind::kEffect && value != p.null_value;
+    const bool held = not_at_null && !was_free && run.solver != kDiagnoseSolver;
+    if (not_at_null && !held) released.push_back(name);
+    if (p.kind != ParameterKind::kBase && !held) continue;
     if (IsNamed(request.fix, name) || IsNamed(request.start, name)) continue;
     if (!IsNamed(request.bounds, name) && !(value >= p.lower && value <= p.upper)) {
       return Fail("--from: {} has {} = {}, outside its bounds {} .. {}; give --bounds as that run had them",
                   words.from, name, value, p.lower, p.upper);
     }
-    const bool was_free = std::find(run.variables.begin(), run.variables.end(), name) != run.variables.end();
     const bool is_free = std::find(request.free.begin(), request.free.end(), name) != request.free.end();
     if (was_free || is_free) {
       request.start.emplace_back(name, value);
@@ -77,13 +83,9 @@ void PrintDiagnosis(const DiagnoseWords& words, const Binding& binding, const Di
   std::printf("  Diagnosis file: %s\n", words.out.c_str());
 }
 
-int NotUsable(const std::string& why) {
-  std::fprintf(stderr, "sinew: no usable answer: %s\n", why.c_str());
-  return kNotUsable;
-}
-
 Result<int> RunDiagnose(const DiagnoseWords& words) {
   const auto limit = words.fit.LimitThreads();
+  const Program& program = *words.binding.program;
   SINEW_TRY(CheckFiles({{words.binding.data, words.binding.config, words.from}, {words.out}, words.json}));
   SINEW_ASSIGN(const Binding binding, Bind(words.binding, true));
   const Provenance provenance = binding.ToProvenance(words.binding);
@@ -108,7 +110,7 @@ Result<int> RunDiagnose(const DiagnoseWords& words) {
   auto result = Diagnose(binding.problem(), std::move(setup), options);
   line.Clear();
   const bool interrupted = InterruptFlag().load();
-  if (!result && interrupted) return NotUsable("interrupted");
+  if (!result && interrupted) return ReportNotUsable(program, "interrupted");
   if (!result) return tl::unexpected(result.error());
   Diagnosis& diagnosis = *result;
   for (const std::string& note : notes) diagnosis.warnings.push_back({WarningKind::kOther, {}, {}, note});
@@ -116,9 +118,10 @@ Result<int> RunDiagnose(const DiagnoseWords& words) {
   SINEW_ASSIGN(const Hdf5Node tree, DiagnosisTree(binding.problem(), diagnosis, provenance, options));
   SINEW_TRY(WriteHdf5(words.out, tree));
   if (words.json != "-") PrintDiagnosis(words, binding, diagnosis);
-  if (!words.json.empty()) SINEW_TRY(WriteText(words.json, DiagnosisJson(diagnosis, provenance, options)));
-  if (interrupted) return NotUsable("interrupted");
-  if (!diagnosis.concluded()) return NotUsable(text::WhyInconclusive(diagnosis));
+  if (!words.json.empty())
+    SINEW_TRY(WriteText(words.json, files::DiagnosisJson(diagnosis, provenance, options)));
+  if (interrupted) return ReportNotUsable(program, "interrupted");
+  if (!diagnosis.concluded()) return ReportNotUsable(program, text::WhyInconclusive(diagnosis));
   return kDone;
 }
 

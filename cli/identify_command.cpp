@@ -156,8 +156,7 @@ Result<int> RunIdentify(const IdentifyWords& words) {
   if (!words.json.empty())
     SINEW_TRY(WriteText(words.json, RunJson(binding.problem(), identification, provenance)));
   if (!identification.result.stop.usable()) {
-    std::fprintf(stderr, "sinew: no usable answer: %s\n", identification.result.stop.test.c_str());
-    return kNotUsable;
+    return ReportNotUsable(*words.binding.program, identification.result.stop.test);
   }
   return kDone;
 }

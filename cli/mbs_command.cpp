@@ -156,7 +156,7 @@ nlohmann::ordered_json ToJson(const Outcome& o) {
   return json;
 }
 
-Result<int> RunMbs(const MbsWords& words) {
+Result<int> RunMbs(const Program& program, const MbsWords& words) {
   SINEW_ASSIGN(const auto mechanisms, Chosen(words));
   SINEW_TRY(CheckFiles({ReferenceFiles(words), {}, words.json}));
   ProgressLine line("mbs", words.work.quiet);
@@ -182,8 +182,7 @@ Result<int> RunMbs(const MbsWords& words) {
   }
   for (const Outcome& outcome : outcomes) {
     if (outcome.failure.empty()) continue;
-    std::fprintf(stderr, "sinew: no usable answer: %s\n", outcome.failure.c_str());
-    return kNotUsable;
+    return ReportNotUsable(program, outcome.failure);
   }
   return kDone;
 }
@@ -205,7 +204,8 @@ void AddMbsCommand(Command app, const RunAction& run) {
       .Shows("DIR");
   AddJsonTo(command, words->json);
   words->work.AddQuietTo(command);
-  command.Runs(run, [=] { return RunMbs(*words); });
+  const Program* program = &command.program();
+  command.Runs(run, [=] { return RunMbs(*program, *words); });
 }
 
 }  // namespace sinew

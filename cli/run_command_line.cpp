@@ -2,8 +2,11 @@
 #include "cli/run_command_line.h"
 
 #include <CLI/CLI.hpp>
+#include <algorithm>
 #include <cstdio>
 #include <exception>
+#include <string>
+#include <vector>
 
 #include "base/text.h"
 #include "base/version.h"
@@ -34,6 +37,42 @@ std::string Unplaced(const CLI::App& command, std::string word) {
   for (const CLI::App* subcommand : command.get_subcommands(nullptr)) names.push_back(subcommand->get_name());
   if (names.empty()) return "unexpected argument '" + word + "'";
   return "unknown command '" + word + "'" + Suggestion(word, names);
+}
+
+// "--solvers ,", or empty if there is none. CLI11 drops empty names, and then takes the next option for one.
+std::string ListWithoutName(const CLI::App& command, const std::vector<std::string>& words) {
+  const auto without_name = [&](const std::string& option, const std::string& list) {
+    const CLI::Option* known = command.get_option_no_throw(option);
+    return known != nullptr && known->get_delimiter() != 0 && !list.empty() &&
+           list.find_first_not_of(known->get_delimiter()) == std::string::npos;
+  };
+  for (std::size_t i = 0; i < words.size(); ++i) {
+    const auto equals = words[i].find('=');
+    std::string option = words[i].substr(0, equals);
+    if (option.rfind("--", 0) != 0) continue;
+    std::string list;
+    if (equals != std::string::npos) {
+      list = words[i].substr(equals + 1);
+    } else if (i + 1 < words.size()) {
+      list = words[i + 1];
+    }
+    if (without_name(option, list)) return option + " " + list;
+  }
+  return {};
+}
+
+// The command that the words name, and its own words in front of "--help".
+const CLI::App* FindCommand(const CLI::App& app, const std::vector<std::string>& words, std::string& named) {
+  const CLI::App* command = &app;
+  for (const std::string& word : words) {
+    const auto subcommands = command->get_subcommands(nullptr);
+    const auto is = [&](const CLI::App* subcommand) { return subcommand->get_name() == word; };
+    const auto found = std::find_if(subcommands.begin(), subcommands.end(), is);
+    if (found == subcommands.end()) break;
+    command = *found;
+    named += " " + word;
+  }
+  return command;
 }
 
 std::string Explain(const Program& program, const CLI::App& app, const CLI::ParseError& error) {
@@ -68,6 +107,11 @@ int Run(int argc, char** argv, const Program& program) {
   AddCompareCommand(root, run);
   AddReportCommand(root, run);
   if (program.mechanisms) AddMbsCommand(root, run);
+  const std::vector<std::string> words(argv + std::min(argc, 1), argv + argc);
+  std::string named = program.name;
+  const std::string list = ListWithoutName(*FindCommand(app, words, named), words);
+  if (!list.empty())
+    return Refuse(program, list + ": expected names, separated by commas (see " + named + " --help)");
   try {
     app.parse(argc, argv);
   } catch (const CLI::Success& success) {

@@ -32,7 +32,7 @@ struct SimulateWords {
   }
 };
 
-// @param left_out if not null, how many values of the run were of trials that these data do not have
+// @param left_out if not null, how many nuisance values of the run were of trials that these data do not have
 Result<Vector> Parameters(const SimulateWords& words, const Problem& problem, int* left_out = nullptr) {
   Vector parameters = RestPoint(problem);
   const auto assign = [&](const std::string& name, double value) -> Status {
@@ -48,8 +48,9 @@ Result<Vector> Parameters(const SimulateWords& words, const Problem& problem, in
   if (!words.from.empty()) {
     SINEW_ASSIGN(const RecordedRun recorded, ReadRun(words.from));
     for (const auto& [name, value] : recorded.values) {
-      if (recorded.incidental.count(name) > 0 && !FindParameter(problem.parameters(), name)) {
-        if (left_out != nullptr) ++*left_out;
+      const bool nuisance = recorded.incidental.count(name) > 0;
+      if ((nuisance || recorded.at_null.count(name) > 0) && !FindParameter(problem.parameters(), name)) {
+        if (nuisance && left_out != nullptr) ++*left_out;
         continue;
       }
       const Status status = assign(name, value);
@@ -177,9 +178,13 @@ Result<Binding> BindFor(const SimulateWords& words, std::unique_ptr<ExcitationMo
 void PrintNotes(const SimulateWords& words, const Binding& binding, int left_out) {
   if (left_out > 0) {
     std::fputs(
-        Wrapped(fmt::format("note: {} nuisance values of {} belong to trials that these data do not have",
-                            left_out, words.from),
-                0)
+        Wrapped(
+            left_out == 1
+                ? fmt::format("note: 1 nuisance value of {} belongs to a trial that these data do not have",
+                              words.from)
+                : fmt::format("note: {} nuisance values of {} belong to trials that these data do not have",
+                              left_out, words.from),
+            0)
             .c_str(),
         stderr);
   }
@@ -219,8 +224,7 @@ Result<int> RunSimulate(SimulateWords& words) {
   const auto prediction = PredictAll(binding.problem(), parameters);
   line.Clear();
   if (!prediction) {
-    std::fprintf(stderr, "sinew: no usable answer: %s\n", prediction.error().message.c_str());
-    return kNotUsable;
+    return ReportNotUsable(*words.binding.program, prediction.error().message);
   }
   auto trials = ToTrials(binding, *prediction);
   if (mode != nullptr) SINEW_TRY(mode->AddTo(trials, parameters));

@@ -42,11 +42,16 @@ bool FitSetup::IsFree(int parameter) const {
   return std::binary_search(free.begin(), free.end(), parameter);
 }
 
+bool FitSetup::IsHeld(int parameter) const {
+  return std::binary_search(held.begin(), held.end(), parameter);
+}
+
 Result<FitSetup> MakeFitSetup(const Problem& problem, const FitRequest& request) {
   SINEW_TRY(CheckEffects(problem));
   FitSetup setup;
   setup.parameters = problem.parameters();
   std::set<int> free;
+  std::set<int> held;
   for (std::size_t i = 0; i < setup.parameters.size(); ++i) {
     const Parameter& p = setup.parameters[i];
     const bool listed = request.free.empty() ? p.kind == ParameterKind::kBase : false;
@@ -94,16 +99,18 @@ Result<FitSetup> MakeFitSetup(const Problem& problem, const FitRequest& request)
                   p.upper, p.unit);
     }
     p.start = value;
-    if (p.kind == ParameterKind::kEffect) p.null_value = value;
     free.erase(index);
+    held.insert(index);
   }
   SINEW_TRY(CheckParameters(setup.parameters));
 
   setup.free.assign(free.begin(), free.end());
+  setup.held.assign(held.begin(), held.end());
   setup.rest.resize(static_cast<Eigen::Index>(setup.parameters.size()));
   for (std::size_t i = 0; i < setup.parameters.size(); ++i) {
     const Parameter& p = setup.parameters[i];
-    setup.rest[static_cast<Eigen::Index>(i)] = free.count(static_cast<int>(i)) > 0 ? p.start : p.rest_value();
+    const bool starts = setup.IsFree(static_cast<int>(i)) || setup.IsHeld(static_cast<int>(i));
+    setup.rest[static_cast<Eigen::Index>(i)] = starts ? p.start : p.rest_value();
   }
   return setup;
 }

@@ -25,9 +25,11 @@ struct FitRequest {
 struct FitSetup {
   std::vector<Parameter> parameters;  ///< as the problem's, with the requested bounds and starts
   std::vector<int> free;              ///< indices, increasing
+  std::vector<int> held;              ///< indices that the request fixes at a value, increasing
   Vector rest;                        ///< [P] start of every free parameter, value of every other one
 
   [[nodiscard]] bool IsFree(int parameter) const;
+  [[nodiscard]] bool IsHeld(int parameter) const;
 };
 
 /// By default all base parameters, and the nuisance parameters of training trials, are free, and all effects

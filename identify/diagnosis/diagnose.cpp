@@ -173,8 +173,8 @@ class DiagnosisRun {
 
   // Step 6, second half. @param noise of the extended model
   Status MeasureGain(const noise::NoiseModel& noise) {
-    SINEW_ASSIGN(out_.base_point, FitHeldOutNuisance(problem_, out_.base_point));
-    SINEW_ASSIGN(out_.extended_point, FitHeldOutNuisance(problem_, out_.extended_point));
+    SINEW_ASSIGN(out_.base_point, solvers::FitHeldOutNuisance(problem_, out_.base_point));
+    SINEW_ASSIGN(out_.extended_point, solvers::FitHeldOutNuisance(problem_, out_.extended_point));
     SINEW_ASSIGN(const FullPrediction base, PredictAll(problem_, out_.base_point));
     SINEW_ASSIGN(FullPrediction extended, PredictAll(problem_, out_.extended_point));
     for (const auto& [b, residual] : state_.added) {

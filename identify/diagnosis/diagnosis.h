@@ -223,7 +223,10 @@ struct UnknownFinding {
   double held_out_reduction = 0;  ///< of RMSE on held-out trials
   std::vector<double> knots;
   std::vector<double> curve;      ///< [knots, unit of the port]
-  std::vector<double> deviation;  ///< standard errors of `curve`; NaN where they cannot be computed
+  std::vector<double> deviation;  ///< standard errors of `curve`; NaN where the data do not determine it
+  /// kCurve: parameters that are determined only together with the curve, because a part of it does the same.
+  /// `curve` and `deviation` are then those for the fitted values of these parameters. Usually empty.
+  std::vector<std::string> inseparable_from = {};
 };
 
 /// Measured and predicted values of one block, before (base model) and after (extended model), for figures.

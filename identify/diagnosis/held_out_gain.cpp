@@ -58,7 +58,7 @@ HeldOut::HeldOut(const Problem& problem) : problem_(problem) {
 }
 
 Result<std::vector<Vector>> HeldOut::Residuals(const Vector& point) const {
-  SINEW_ASSIGN(const Vector parameters, FitHeldOutNuisance(problem_, point));
+  SINEW_ASSIGN(const Vector parameters, solvers::FitHeldOutNuisance(problem_, point));
   std::vector<bool> wanted(problem_.layout().size(), false);
   for (const int b : blocks_) wanted[static_cast<std::size_t>(b)] = true;
   Prediction prediction(problem_.layout());

@@ -5,6 +5,7 @@
 #include <type_traits>
 
 #include "base/constants.h"
+#include "base/text.h"
 #include "identify/files/diagnosis_json.h"
 #include "identify/files/run_groups.h"
 #include "identify/text/diagnosis_sentences.h"
@@ -92,7 +93,7 @@ void WriteScores(const Diagnosis& diagnosis, Hdf5Node& node) {
   Columns(diagnosis.scores, node)
       .Add("effect", [](const Score& s) { return s.effect; })
       .Add("level", [](const Score& s) { return ToString(s.level); })
-      .Add("finding", [&](const Score& s) { return FindingOf(diagnosis, s); })
+      .Add("finding", [&](const Score& s) { return files::FindingOf(diagnosis, s); })
       .Add("probe", [](const Score& s) { return text::ProbeText(s.probe); })
       .Add("why_not", [](const Score& s) { return text::ReasonText(s.why_not); })
       .Add("why_not_kind", [](const Score& s) { return ToString(s.why_not); })
@@ -192,6 +193,7 @@ void WriteCurves(const Diagnosis& diagnosis, Hdf5Node& node) {
     curve.attributes["shape"] = text::ShapeText(u);
     curve.attributes["shape_kind"] = std::string(ToString(u.shape.kind));
     curve.attributes["nearest_law"] = text::LawText(u);
+    curve.attributes["inseparable_from"] = Join(u.inseparable_from, ",");
     curve.attributes["p_value"] = u.p_value;
     curve.attributes["held_out_reduction"] = u.held_out_reduction;
     curve.At("knots").SetVector(u.knots);
@@ -211,7 +213,7 @@ void WriteCurves(const Diagnosis& diagnosis, Hdf5Node& node) {
 
 void WriteRun(const Problem& problem, const Diagnosis& diagnosis, const Provenance& provenance,
               const DiagnosisOptions& options, Hdf5Node& run) {
-  WriteProvenance(provenance, "diagnose", options.seed, run);
+  files::WriteProvenance(provenance, "diagnose", options.seed, run);
   const Stop& stop = diagnosis.base.stop;
   const bool interrupted = options.interrupt != nullptr && options.interrupt->load();
   run.attributes["finished"] = std::int64_t{interrupted ? 0 : 1};
@@ -223,7 +225,7 @@ void WriteRun(const Problem& problem, const Diagnosis& diagnosis, const Provenan
   run.attributes["seconds"] = diagnosis.seconds;
   run.attributes["cost"] = diagnosis.base.cost;
   run.attributes["objective"] = problem.objective();
-  WriteSentences(text::Sentences(diagnosis), diagnosis.warnings, text::Warnings(diagnosis), run);
+  files::WriteSentences(text::Sentences(diagnosis), diagnosis.warnings, text::Warnings(diagnosis), run);
 }
 
 // The base fit's choice, and what the diagnosis released.
@@ -249,7 +251,7 @@ Result<Hdf5Node> DiagnosisTree(const Problem& problem, const Diagnosis& diagnosi
   const FitSetup extended = ExtendedSetup(diagnosis);
   std::vector<std::string> free;
   for (const int i : extended.free) free.push_back(extended.parameters[static_cast<std::size_t>(i)].name);
-  WriteTrace({}, free, root.At("trace"));  // readers of run files expect it; a diagnosis keeps none
+  files::WriteTrace({}, free, root.At("trace"));  // readers of run files expect it; a diagnosis keeps none
 
   Hdf5Node& node = root.At("diagnosis");
   node.attributes["sinew_schema"] = std::string("diagnosis/1");
@@ -275,11 +277,11 @@ Result<Hdf5Node> DiagnosisTree(const Problem& problem, const Diagnosis& diagnosi
 
   const auto parameters = static_cast<Eigen::Index>(problem.parameters().size());
   if (!diagnosis.base.stop.usable() || diagnosis.extended_point.size() != parameters) return root;
-  WriteParameters(extended, diagnosis.extended_point, root.At("parameters"));
+  files::WriteParameters(extended, diagnosis.extended_point, root.At("parameters"));
   const Vector& before = diagnosis.base_point;
   root.At("parameters/before").SetVector({before.data(), before.data() + before.size()});
   SINEW_ASSIGN(const FullPrediction prediction, PredictAll(problem, diagnosis.extended_point));
-  WritePredictions(problem.layout(), prediction, root);
+  files::WritePredictions(problem.layout(), prediction, root);
   SINEW_TRY(problem.WriteDetails(diagnosis.extended_point, root.At("details")));
   return root;
 }

@@ -9,7 +9,7 @@
 #include "identify/text/shapes.h"
 #include "identify/text/warnings.h"
 
-namespace sinew {
+namespace sinew::files {
 namespace {
 
 Json FiniteAll(const std::vector<double>& values) {
@@ -116,7 +116,8 @@ Json FromUnknown(const UnknownFinding& u) {
           {"held_out_reduction", Finite(u.held_out_reduction)},
           {"knots", FiniteAll(u.knots)},
           {"curve", FiniteAll(u.curve)},
-          {"deviation", FiniteAll(u.deviation)}};
+          {"deviation", FiniteAll(u.deviation)},
+          {"inseparable_from", u.inseparable_from}};
 }
 
 Json FromGain(const Gain& g) {
@@ -248,4 +249,4 @@ std::string DiagnosisJson(const Diagnosis& diagnosis, const Provenance& provenan
   return json.dump(2, ' ', false, Json::error_handler_t::replace);
 }
 
-}  // namespace sinew
+}  // namespace sinew::files

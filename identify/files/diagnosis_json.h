@@ -6,7 +6,7 @@
 #include "identify/diagnosis/diagnosis.h"
 #include "identify/files/run_file.h"
 
-namespace sinew {
+namespace sinew::files {
 
 /// What became of an effect or unknown term: "cause", "alternative", "withdrawn", "unknown_term" (found),
 /// "not_judged", or "ruled_out" (judged, and none of these).
@@ -17,4 +17,4 @@ namespace sinew {
 [[nodiscard]] std::string DiagnosisJson(const Diagnosis& diagnosis, const Provenance& provenance,
                                         const DiagnosisOptions& options);
 
-}  // namespace sinew
+}  // namespace sinew::files

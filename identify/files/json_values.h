@@ -9,7 +9,7 @@
 #include "identify/files/run_file.h"
 #include "identify/text/sentence.h"
 
-namespace sinew {
+namespace sinew::files {
 
 using Json = nlohmann::ordered_json;
 
@@ -47,4 +47,4 @@ inline Json FromWarnings(const std::vector<Warning>& warnings) {
   return json;
 }
 
-}  // namespace sinew
+}  // namespace sinew::files

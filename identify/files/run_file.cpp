@@ -94,26 +94,34 @@ std::uint64_t SeedOf(const Hdf5Node& run) {
   return integer == nullptr ? 1 : static_cast<std::uint64_t>(*integer);
 }
 
-// A nuisance value of a trial, or one with a prior, is what the data said beyond the model. One without is
-// part of the model, as a control point of a curve. Runs of earlier versions may not say; then nothing is.
-void FindIncidental(const Hdf5Node& root, const std::vector<std::string>& names,
-                    std::set<std::string>& incidental) {
-  const Hdf5Node* kinds = root.Find("parameters/kind");
-  const Hdf5Node* trials = root.Find("parameters/trial");
-  const Hdf5Node* free = root.Find("parameters/free");
-  const Hdf5Node* priors = root.Find("parameters/prior_deviation");
-  for (const Hdf5Node* texts : {kinds, trials}) {
-    if (texts == nullptr || texts->texts() == nullptr || texts->texts()->size() != names.size()) return;
-  }
-  for (const Hdf5Node* numbers : {free, priors}) {
-    if (numbers == nullptr || numbers->array() == nullptr || numbers->array()->values.size() != names.size())
-      return;
-  }
-  for (std::size_t i = 0; i < names.size(); ++i) {
-    const std::string& kind = (*kinds->texts())[i];
-    const bool beyond = !(*trials->texts())[i].empty() || !std::isnan(priors->array()->values[i]);
-    if ((kind == "nuisance" && beyond) || (kind == "effect" && free->array()->values[i] == 0))
-      incidental.insert(names[i]);
+// What other data, or a model without some effects, need not have. A nuisance value of a trial, or one with a
+// prior, belongs to the data; one without is part of the model, as a control point of a curve. An effect at
+// its null is part of neither. Runs of earlier versions may not have these columns; then nothing is marked,
+// and without `null` every effect that was not fitted counts as at its null.
+void FindDispensable(const Hdf5Node& root, RecordedRun& run) {
+  const std::size_t count = run.values.size();
+  const auto texts = [&](const char* name) {
+    const Hdf5Node* node = root.Find(std::string("parameters/") + name);
+    const auto* column = node == nullptr ? nullptr : node->texts();
+    return column != nullptr && column->size() == count ? column : nullptr;
+  };
+  const auto numbers = [&](const char* name) {
+    const Hdf5Node* node = root.Find(std::string("parameters/") + name);
+    const auto* column = node == nullptr ? nullptr : node->array();
+    return column != nullptr && column->values.size() == count ? &column->values : nullptr;
+  };
+  const auto* kinds = texts("kind");
+  const auto* trials = texts("trial");
+  const auto* free = numbers("free");
+  const auto* priors = numbers("prior_deviation");
+  const auto* nulls = numbers("null");
+  if (kinds == nullptr || trials == nullptr || free == nullptr || priors == nullptr) return;
+  for (std::size_t i = 0; i < count; ++i) {
+    const auto& [name, value] = run.values[i];
+    const bool of_data = !(*trials)[i].empty() || !std::isnan((*priors)[i]);
+    if ((*kinds)[i] == "nuisance" && of_data) run.incidental.insert(name);
+    const bool null = nulls == nullptr || value == (*nulls)[i];
+    if ((*kinds)[i] == "effect" && (*free)[i] == 0 && null) run.at_null.insert(name);
   }
 }
 
@@ -123,7 +131,7 @@ Result<Hdf5Node> RunTree(const Problem& problem, const Identification& identific
                          const Provenance& provenance) {
   Hdf5Node root;
   Hdf5Node& run = root.At("run");
-  WriteProvenance(provenance, identification.solver, identification.solver_options.seed, run);
+  files::WriteProvenance(provenance, identification.solver, identification.solver_options.seed, run);
   const SolverResult& result = identification.result;
   run.attributes["finished"] = std::int64_t{result.stop.kind == Termination::kInterrupted ? 0 : 1};
   run.attributes["stop_reason"] = std::string(ToString(result.stop.kind));
@@ -136,14 +144,14 @@ Result<Hdf5Node> RunTree(const Problem& problem, const Identification& identific
   run.attributes["seconds"] = identification.seconds;
   run.attributes["cost"] = result.cost;
   run.attributes["objective"] = problem.objective();
-  WriteSentences(text::Findings(identification), identification.warnings, text::Warnings(identification),
-                 run);
-  WriteTrace(identification.trace, FreeNames(identification.setup), root.At("trace"));
+  files::WriteSentences(text::Findings(identification), identification.warnings,
+                        text::Warnings(identification), run);
+  files::WriteTrace(identification.trace, FreeNames(identification.setup), root.At("trace"));
   if (!result.stages.empty()) WriteStages(result.stages, root.At("stages"));
   if (!result.stop.usable()) return root;
 
-  WriteParameters(identification.setup, identification.parameters, root.At("parameters"));
-  WritePredictions(problem.layout(), identification.prediction, root);
+  files::WriteParameters(identification.setup, identification.parameters, root.At("parameters"));
+  files::WritePredictions(problem.layout(), identification.prediction, root);
   WriteUncertainty(identification.setup, identification.uncertainty, root.At("uncertainty"));
   SINEW_TRY(problem.WriteDetails(identification.parameters, root.At("details")));
   return root;
@@ -153,7 +161,7 @@ Hdf5Node UnfinishedRunTree(const LeastSquares& problem, const IdentificationOpti
                            const Provenance& provenance, const Evaluator& evaluator) {
   Hdf5Node root;
   Hdf5Node& run = root.At("run");
-  WriteProvenance(provenance, options.solver, options.solver_options.seed, run);
+  files::WriteProvenance(provenance, options.solver, options.solver_options.seed, run);
   run.attributes["finished"] = std::int64_t{0};
   run.attributes["stop_reason"] = std::string("running");
   run.attributes["stop_test"] = std::string();
@@ -162,9 +170,9 @@ Hdf5Node UnfinishedRunTree(const LeastSquares& problem, const IdentificationOpti
   run.attributes["evaluations"] = static_cast<std::int64_t>(evaluator.evaluations());
   run.attributes["cost"] = evaluator.has_best() ? evaluator.best().cost : kNaN;
   run.attributes["objective"] = problem.problem().objective();
-  WriteTrace(evaluator.trace(), FreeNames(problem.setup()), root.At("trace"));
+  files::WriteTrace(evaluator.trace(), FreeNames(problem.setup()), root.At("trace"));
   const Vector best = evaluator.has_best() ? problem.Parameters(evaluator.best().x) : problem.setup().rest;
-  WriteParameters(problem.setup(), best, root.At("parameters"));
+  files::WriteParameters(problem.setup(), best, root.At("parameters"));
   return root;
 }
 
@@ -191,7 +199,7 @@ Result<RecordedRun> ReadRun(const std::string& path) {
     for (std::size_t i = 0; i < names->texts()->size(); ++i) {
       recorded.values.emplace_back((*names->texts())[i], values->array()->values[i]);
     }
-    FindIncidental(root, *names->texts(), recorded.incidental);
+    FindDispensable(root, recorded);
   }
   const Hdf5Node* trace = root.Find("trace");
   const Hdf5Node* cost = root.Find("trace/cost");

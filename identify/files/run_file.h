@@ -39,9 +39,10 @@ struct RecordedRun {
   std::vector<std::string> variables;  ///< names of the free parameters
   std::vector<TraceEntry> trace;
   std::vector<std::pair<std::string, double>> values;  ///< every parameter
-  /// Nuisance values of trials or with a prior, and effects that were not released: other data need not have
-  /// them.
+  /// Nuisance values of trials or with a prior: other data need not have them.
   std::set<std::string> incidental;
+  /// Effect parameters at their null that were not fitted: a model without these effects is the same.
+  std::set<std::string> at_null;
 };
 
 /// Errors: not a run file, or damaged.

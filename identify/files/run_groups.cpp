@@ -7,7 +7,7 @@
 #include "base/text.h"
 #include "base/version.h"
 
-namespace sinew {
+namespace sinew::files {
 void WriteProvenance(const Provenance& provenance, const std::string& solver, std::uint64_t seed,
                      Hdf5Node& run) {
   run.attributes["sinew_schema"] = std::string("run/1");
@@ -24,7 +24,7 @@ void WriteProvenance(const Provenance& provenance, const std::string& solver, st
 
 void WriteParameters(const FitSetup& setup, const Vector& values, Hdf5Node& node) {
   std::vector<std::string> name, unit, meaning, source, kind, effect, trial, scale;
-  std::vector<double> lower, upper, start, value, free, mean, deviation;
+  std::vector<double> lower, upper, null, start, value, free, mean, deviation;
   for (std::size_t i = 0; i < setup.parameters.size(); ++i) {
     const Parameter& p = setup.parameters[i];
     name.push_back(p.name);
@@ -39,6 +39,7 @@ void WriteParameters(const FitSetup& setup, const Vector& values, Hdf5Node& node
     scale.emplace_back(p.scale == Scale::kLog ? "log" : "linear");
     lower.push_back(p.lower);
     upper.push_back(p.upper);
+    null.push_back(p.kind == ParameterKind::kEffect ? p.null_value : kNaN);
     start.push_back(p.start);
     value.push_back(values[static_cast<Eigen::Index>(i)]);
     free.push_back(setup.IsFree(static_cast<int>(i)) ? 1 : 0);
@@ -49,13 +50,9 @@ void WriteParameters(const FitSetup& setup, const Vector& values, Hdf5Node& node
       {"name", &name}, {"unit", &unit},     {"meaning", &meaning}, {"source", &source},
       {"kind", &kind}, {"effect", &effect}, {"trial", &trial},     {"scale", &scale}};
   for (const auto& [key, column] : texts) node.At(key).data = std::move(*column);
-  const std::pair<const char*, std::vector<double>*> numbers[] = {{"lower", &lower},
-                                                                  {"upper", &upper},
-                                                                  {"start", &start},
-                                                                  {"value", &value},
-                                                                  {"free", &free},
-                                                                  {"prior_mean", &mean},
-                                                                  {"prior_deviation", &deviation}};
+  const std::pair<const char*, std::vector<double>*> numbers[] = {
+      {"lower", &lower}, {"upper", &upper}, {"null", &null},       {"start", &start},
+      {"value", &value}, {"free", &free},   {"prior_mean", &mean}, {"prior_deviation", &deviation}};
   for (const auto& [key, column] : numbers) node.At(key).SetVector(std::move(*column));
 }
 
@@ -121,4 +118,4 @@ void WritePredictions(const Layout& layout, const FullPrediction& prediction, Hd
   }
 }
 
-}  // namespace sinew
+}  // namespace sinew::files

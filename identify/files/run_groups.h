@@ -9,7 +9,7 @@
 #include "identify/files/run_file.h"
 #include "identify/text/sentence.h"
 
-namespace sinew {
+namespace sinew::files {
 
 /// Attributes of /run that say where its answer came from, and /run/config.
 void WriteProvenance(const Provenance& provenance, const std::string& solver, std::uint64_t seed,
@@ -29,4 +29,4 @@ void WriteSentences(const std::vector<text::Sentence>& findings, const std::vect
 /// /prediction and /residual.
 void WritePredictions(const Layout& layout, const FullPrediction& prediction, Hdf5Node& root);
 
-}  // namespace sinew
+}  // namespace sinew::files

@@ -4,7 +4,7 @@
 #include "identify/text/reasons.h"
 #include "identify/text/warnings.h"
 
-namespace sinew {
+namespace sinew::files {
 namespace {
 
 // What would help, the best first: additions that together suffice, and the standard error that they bring.
@@ -30,10 +30,7 @@ Json FromDirection(const OpenDirection& direction) {
   return {{"lost", direction.lost}, {"changes", changes}};
 }
 
-}  // namespace
-
-std::string RunJson(const Problem& problem, const Identification& identification,
-                    const Provenance& provenance) {
+Json FromRun(const Problem& problem, const Identification& identification, const Provenance& provenance) {
   Json json = ResultHead("sinew.run/1", provenance);
   json["solver"] = identification.solver;
   json["seed"] = identification.solver_options.seed;
@@ -85,8 +82,19 @@ std::string RunJson(const Problem& problem, const Identification& identification
   json["finding_facts"] = FromSentences(findings);
   json["warnings"] = text::Warnings(identification);
   json["warning_facts"] = FromWarnings(identification.warnings);
+  return json;
+}
+
+}  // namespace
+}  // namespace sinew::files
+
+namespace sinew {
+
+std::string RunJson(const Problem& problem, const Identification& identification,
+                    const Provenance& provenance) {
   // Names of files and trials are bytes; what is not UTF-8 is replaced instead of thrown at.
-  return json.dump(2, ' ', false, Json::error_handler_t::replace);
+  return files::FromRun(problem, identification, provenance)
+      .dump(2, ' ', false, files::Json::error_handler_t::replace);
 }
 
 }  // namespace sinew

@@ -3,7 +3,7 @@
 #include "base/version.h"
 #include "identify/files/json_values.h"
 
-namespace sinew {
+namespace sinew::files {
 namespace {
 
 constexpr double kMissing = std::numeric_limits<double>::quiet_NaN();
@@ -102,4 +102,4 @@ std::string StudyJson(const Problem& problem, const Study& study, const Provenan
   return json.dump(2, ' ', false, Json::error_handler_t::replace);
 }
 
-}  // namespace sinew
+}  // namespace sinew::files

@@ -7,7 +7,7 @@
 #include "identify/files/run_file.h"
 #include "identify/solvers/study.h"
 
-namespace sinew {
+namespace sinew::files {
 
 /// Group /study, schema study/1.
 [[nodiscard]] Hdf5Node StudyTree(const Problem& problem, const Study& study, const Provenance& provenance);
@@ -15,4 +15,4 @@ namespace sinew {
 /// JSON of `compare`, schema sinew.study/1.
 [[nodiscard]] std::string StudyJson(const Problem& problem, const Study& study, const Provenance& provenance);
 
-}  // namespace sinew
+}  // namespace sinew::files

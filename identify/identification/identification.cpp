@@ -26,7 +26,7 @@ Result<Identification> Identify(const Problem& problem, FitSetup setup, Identifi
   out.failures = evaluator.failures();
   if (!out.result.stop.usable()) return out;
 
-  SINEW_ASSIGN(out.parameters, FitHeldOutNuisance(problem, least_squares.Parameters(out.result.x)));
+  SINEW_ASSIGN(out.parameters, solvers::FitHeldOutNuisance(problem, least_squares.Parameters(out.result.x)));
   if (out.failures > 0) {
     out.warnings.push_back({WarningKind::kFailedEvaluations,
                             {},

@@ -7,7 +7,7 @@
 
 #include "base/constants.h"
 
-namespace sinew {
+namespace sinew::solvers {
 namespace {
 
 // Between these shares of accepted moves a step length stays as it is (Corana et al., eq. for g).
@@ -132,4 +132,4 @@ AnnealingResult Anneal(const AnnealingCost& cost, const Vector& lower, const Vec
   return Annealer(cost, lower, upper, start, start_cost, schedule, uniform).Run();
 }
 
-}  // namespace sinew
+}  // namespace sinew::solvers

@@ -6,7 +6,7 @@
 
 #include "base/linear_algebra.h"
 
-namespace sinew {
+namespace sinew::solvers {
 
 /// Defaults are those of Corana et al. (1987). Names in brackets are those of the published program,
 /// simann.f.
@@ -53,4 +53,4 @@ AnnealingResult Anneal(const AnnealingCost& cost, const Vector& lower, const Vec
                        const Vector& start, double start_cost, const AnnealingSchedule& schedule,
                        const std::function<double()>& uniform);
 
-}  // namespace sinew
+}  // namespace sinew::solvers

@@ -9,7 +9,7 @@
 #include "identify/solvers/multistart.h"
 #include "identify/solvers/polishing.h"
 
-namespace sinew {
+namespace sinew::solvers {
 namespace {
 
 // Standard deviation of a displacement, as a share of the box.
@@ -81,4 +81,4 @@ Search BasinHopping::DoSolve(Evaluator& evaluator, const Vector& start) const {
   return search;
 }
 
-}  // namespace sinew
+}  // namespace sinew::solvers

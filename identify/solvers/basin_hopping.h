@@ -3,7 +3,7 @@
 
 #include "identify/solvers/solver.h"
 
-namespace sinew {
+namespace sinew::solvers {
 
 /// Monotonic basin hopping: the best point is displaced at random in all variables and a local search by `lm`
 /// starts there; a lower cost becomes the new best point.
@@ -27,4 +27,4 @@ class BasinHopping : public Solver {
   SolverOptions options_;
 };
 
-}  // namespace sinew
+}  // namespace sinew::solvers

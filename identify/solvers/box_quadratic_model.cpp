@@ -6,7 +6,7 @@
 #include "base/decompositions.h"
 #include "base/sparse_cholesky.h"
 
-namespace sinew {
+namespace sinew::solvers {
 
 bool BoxQuadraticModel::Set(Eigen::Index variables, const Vector& residuals, const SparseJacobian& jacobian) {
   normal.setZero(variables, variables);
@@ -72,4 +72,4 @@ Vector BoxQuadraticModel::BoxStep(const Vector& x, int held, double damping, dou
   return step;
 }
 
-}  // namespace sinew
+}  // namespace sinew::solvers

@@ -3,7 +3,7 @@
 
 #include "identify/least_squares.h"
 
-namespace sinew {
+namespace sinew::solvers {
 
 /// The Gauss-Newton model of the cost at one point: cost + gradient' d + d' normal d / 2.
 struct BoxQuadraticModel {
@@ -21,4 +21,4 @@ struct BoxQuadraticModel {
   [[nodiscard]] Vector BoxStep(const Vector& x, int held, double damping, double& gain) const;
 };
 
-}  // namespace sinew
+}  // namespace sinew::solvers

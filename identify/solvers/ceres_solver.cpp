@@ -12,7 +12,7 @@
 
 #include "base/text.h"
 
-namespace sinew {
+namespace sinew::solvers {
 namespace {
 
 // Below this a step in the unit box is rounding.
@@ -337,4 +337,4 @@ Search CeresSolver::DoSolve(Evaluator& evaluator, const Vector& start) const {
   return search;
 }
 
-}  // namespace sinew
+}  // namespace sinew::solvers

@@ -3,7 +3,7 @@
 
 #include "identify/solvers/solver.h"
 
-namespace sinew {
+namespace sinew::solvers {
 
 /// Ceres Solver's trust-region method over the box [0, 1]^n (Levenberg 1944, Marquardt 1963; Agarwal, Mierle
 /// et al., ceres-solver.org).
@@ -25,4 +25,4 @@ class CeresSolver : public Solver {
   double cost_tolerance_;
 };
 
-}  // namespace sinew
+}  // namespace sinew::solvers

@@ -2,7 +2,7 @@
 
 #include <limits>
 
-namespace sinew {
+namespace sinew::solvers {
 namespace {
 
 // Four fifths in equal parts to the solvers before the last: a final local search needs few evaluations, but
@@ -37,4 +37,4 @@ Search Chain::DoSolve(Evaluator& evaluator, const Vector& start) const {
   return search;
 }
 
-}  // namespace sinew
+}  // namespace sinew::solvers

@@ -8,7 +8,7 @@
 
 #include "identify/solvers/solver.h"
 
-namespace sinew {
+namespace sinew::solvers {
 
 /// Runs the solvers in order and records each as a Stage. A budget of evaluations is shared: the solvers
 /// before the last get equal parts of four fifths of it, and evaluations they do not use go to those after
@@ -36,4 +36,4 @@ class Chain : public Solver {
   std::vector<Link> links_;
 };
 
-}  // namespace sinew
+}  // namespace sinew::solvers

@@ -10,7 +10,7 @@
 #include "base/random.h"
 #include "identify/solvers/objective.h"
 
-namespace sinew {
+namespace sinew::solvers {
 namespace {
 
 constexpr double kFirstDeviation = 0.3;
@@ -159,4 +159,4 @@ Search CmaEs::DoSolve(Evaluator& evaluator, const Vector& start) const {
   }
 }
 
-}  // namespace sinew
+}  // namespace sinew::solvers

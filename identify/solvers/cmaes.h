@@ -3,7 +3,7 @@
 
 #include "identify/solvers/solver.h"
 
-namespace sinew {
+namespace sinew::solvers {
 
 /// CMA-ES, (mu/mu_w, lambda) with rank-one and rank-mu update, over the box [0, 1]^n.
 ///
@@ -27,4 +27,4 @@ class CmaEs : public Solver {
   double cost_tolerance_;
 };
 
-}  // namespace sinew
+}  // namespace sinew::solvers

@@ -8,7 +8,7 @@
 #include "identify/role_view.h"
 #include "identify/solvers/local_fit.h"
 
-namespace sinew {
+namespace sinew::solvers {
 namespace {
 
 constexpr long kEvaluations = 60;
@@ -42,4 +42,4 @@ Result<Vector> FitHeldOutNuisance(const Problem& problem, const Vector& paramete
   return answer;
 }
 
-}  // namespace sinew
+}  // namespace sinew::solvers

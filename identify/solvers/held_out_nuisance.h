@@ -5,11 +5,11 @@
 #include "base/error.h"
 #include "identify/problem.h"
 
-namespace sinew {
+namespace sinew::solvers {
 
 /// The parameters [P] with the nuisance parameters of every held-out trial fitted to that trial alone, all
 /// others as given. A held-out trial whose fit fails keeps its given values. @param parameters [P] Errors:
 /// only a failed prediction at the given point.
 Result<Vector> FitHeldOutNuisance(const Problem& problem, const Vector& parameters);
 
-}  // namespace sinew
+}  // namespace sinew::solvers

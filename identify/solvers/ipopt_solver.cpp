@@ -7,7 +7,7 @@
 #include <limits>
 #include <mutex>
 
-namespace sinew {
+namespace sinew::solvers {
 namespace {
 
 using Ipopt::Index;
@@ -246,4 +246,4 @@ Search IpoptSolver::DoSolve(Evaluator& evaluator, const Vector& start) const {
   return {StopFromIpopt(status, *application), program->iterations(), {}};
 }
 
-}  // namespace sinew
+}  // namespace sinew::solvers

@@ -3,7 +3,7 @@
 
 #include "identify/solvers/solver.h"
 
-namespace sinew {
+namespace sinew::solvers {
 
 /// Ipopt's primal-dual interior-point method with a filter line search over the box [0, 1]^n and the
 /// constraints of the problem (Waechter, Biegler 2006, Math. Program. 106:25-57).
@@ -28,4 +28,4 @@ class IpoptSolver : public Solver {
   Hessian hessian_;
 };
 
-}  // namespace sinew
+}  // namespace sinew::solvers

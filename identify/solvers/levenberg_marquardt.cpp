@@ -8,7 +8,7 @@
 
 #include "identify/solvers/box_quadratic_model.h"
 
-namespace sinew {
+namespace sinew::solvers {
 namespace {
 
 // Nearly Gauss-Newton, of columns scaled to unit length.
@@ -95,4 +95,4 @@ Search LevenbergMarquardt::DoSolve(Evaluator& evaluator, const Vector& start) co
   }
 }
 
-}  // namespace sinew
+}  // namespace sinew::solvers

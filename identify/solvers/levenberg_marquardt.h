@@ -3,7 +3,7 @@
 
 #include "identify/solvers/solver.h"
 
-namespace sinew {
+namespace sinew::solvers {
 
 /// Levenberg 1944, Marquardt 1963 over the box [0, 1]^n, with dense normal equations.
 ///
@@ -24,4 +24,4 @@ class LevenbergMarquardt : public Solver {
   double cost_tolerance_;
 };
 
-}  // namespace sinew
+}  // namespace sinew::solvers

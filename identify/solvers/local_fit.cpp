@@ -5,7 +5,7 @@
 #include <limits>
 #include <utility>
 
-namespace sinew {
+namespace sinew::solvers {
 namespace {
 
 // Close to Gauss-Newton: refits start near their solution, where full steps are best.
@@ -97,4 +97,4 @@ LocalFit::Outcome LocalFit::Minimize(const Vector& start, int held, Tolerance to
   }
 }
 
-}  // namespace sinew
+}  // namespace sinew::solvers

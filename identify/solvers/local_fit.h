@@ -8,7 +8,7 @@
 #include "identify/least_squares.h"
 #include "identify/solvers/box_quadratic_model.h"
 
-namespace sinew {
+namespace sinew::solvers {
 
 /// Levenberg 1944, Marquardt 1963, in the box (BoxQuadraticModel): variables on a bound are held there while
 /// the cost decreases outward. Problem::constraints() are included as quadratic penalties. One per thread.
@@ -56,4 +56,4 @@ class LocalFit {
   long evaluations_ = 0;
 };
 
-}  // namespace sinew
+}  // namespace sinew::solvers

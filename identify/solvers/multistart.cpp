@@ -8,7 +8,7 @@
 #include "identify/solvers/ceres_solver.h"
 #include "identify/solvers/polishing.h"
 
-namespace sinew {
+namespace sinew::solvers {
 namespace {
 
 // Least evaluations of a useful local search.
@@ -71,9 +71,9 @@ Search MultiStart::DoSolve(Evaluator& evaluator, const Vector& start) const {
       "were stopped by the solver",
       polished.size(), asked, converged, failed, static_cast<int>(polished.size()) - converged - failed);
   const bool all = static_cast<int>(polished.size()) == asked && converged + failed == asked;
-  search.stop.kind = all ? Termination::kStartsDone : Termination::kMaxEvaluations;
+  search.stop.kind = all ? Termination::kStartsDone : Termination::kStartsUnfinished;
   evaluator.MustStop();
   return search;
 }
 
-}  // namespace sinew
+}  // namespace sinew::solvers

@@ -11,7 +11,7 @@
 #include "base/text.h"
 #include "identify/solvers/objective.h"
 
-namespace sinew {
+namespace sinew::solvers {
 namespace {
 
 constexpr double kStepTolerance = 1e-10;          // in the unit box
@@ -195,4 +195,4 @@ Result<std::unique_ptr<Solver>> MakeNlopt(const std::string& algorithm, const So
   return Fail("solver 'nlopt:{}': NLopt has no such algorithm{}", algorithm, Suggestion(algorithm, names));
 }
 
-}  // namespace sinew
+}  // namespace sinew::solvers

@@ -6,7 +6,7 @@
 
 #include "identify/solvers/solver.h"
 
-namespace sinew {
+namespace sinew::solvers {
 
 /// @param algorithm as in `nlopt:LN_BOBYQA`; any algorithm name of NLopt. Johnson, S. G., The NLopt
 /// nonlinear-optimization package, github.com/stevengj/nlopt.
@@ -19,4 +19,4 @@ namespace sinew {
 /// generator is global. Errors: a name that is not one of NLopt's.
 Result<std::unique_ptr<Solver>> MakeNlopt(const std::string& algorithm, const SolverOptions& options);
 
-}  // namespace sinew
+}  // namespace sinew::solvers

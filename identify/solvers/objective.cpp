@@ -4,7 +4,7 @@
 #include <cmath>
 #include <limits>
 
-namespace sinew {
+namespace sinew::solvers {
 namespace {
 
 constexpr long kMaxPointsWithoutCost = 10000;
@@ -37,4 +37,4 @@ double Objective::Gradient(const Vector& x, Vector& gradient) {
   return Take(outcome, cost);
 }
 
-}  // namespace sinew
+}  // namespace sinew::solvers

@@ -3,7 +3,7 @@
 
 #include "identify/execution/evaluator.h"
 
-namespace sinew {
+namespace sinew::solvers {
 
 /// Adapts an Evaluator to such algorithms. A point outside the box is clamped into it; a point without
 /// prediction costs infinity, and so does every point after the evaluator stopped. It stops the search after
@@ -33,4 +33,4 @@ class Objective {
   double worst_ = -std::numeric_limits<double>::infinity();
 };
 
-}  // namespace sinew
+}  // namespace sinew::solvers

@@ -6,7 +6,7 @@
 
 #include "identify/execution/executor.h"
 
-namespace sinew {
+namespace sinew::solvers {
 namespace {
 
 class Polishing {
@@ -71,4 +71,4 @@ std::vector<Polished> PolishAll(Evaluator& parent, const Solver& solver, const s
   return Polishing(parent, solver, name, starts).Run(threads);
 }
 
-}  // namespace sinew
+}  // namespace sinew::solvers

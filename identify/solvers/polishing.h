@@ -5,7 +5,7 @@
 
 #include "identify/solvers/solver.h"
 
-namespace sinew {
+namespace sinew::solvers {
 
 /// A start and its limit of evaluations.
 struct PolishingStart {
@@ -26,4 +26,4 @@ struct Polished {
 std::vector<Polished> PolishAll(Evaluator& parent, const Solver& solver, const std::string& name,
                                 const std::vector<PolishingStart>& starts, int threads);
 
-}  // namespace sinew
+}  // namespace sinew::solvers

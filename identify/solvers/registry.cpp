@@ -26,16 +26,18 @@ Status CheckOptions(const SolverOptions& options) {
 }
 
 Result<std::unique_ptr<Solver>> MakeOne(const std::string& name, const SolverOptions& options) {
-  if (name == "sa") return std::make_unique<SimulatedAnnealing>(options.seed);
-  if (name == "cmaes") return std::make_unique<CmaEs>(options.seed, options.cost_tolerance);
-  if (name == "multistart") return std::make_unique<MultiStart>(options);
-  if (name == "basin-hopping" || name == "hop") return std::make_unique<BasinHopping>(options);
-  if (name == "ceres") return std::make_unique<CeresSolver>(options.cost_tolerance);
-  if (name == "lm") return std::make_unique<LevenbergMarquardt>(options.cost_tolerance);
-  if (name == "ipopt") return std::make_unique<IpoptSolver>(IpoptSolver::Hessian::kGaussNewton);
-  if (name == "ipopt-lbfgs") return std::make_unique<IpoptSolver>(IpoptSolver::Hessian::kLimitedMemory);
+  if (name == "sa") return std::make_unique<solvers::SimulatedAnnealing>(options.seed);
+  if (name == "cmaes") return std::make_unique<solvers::CmaEs>(options.seed, options.cost_tolerance);
+  if (name == "multistart") return std::make_unique<solvers::MultiStart>(options);
+  if (name == "basin-hopping" || name == "hop") return std::make_unique<solvers::BasinHopping>(options);
+  if (name == "ceres") return std::make_unique<solvers::CeresSolver>(options.cost_tolerance);
+  if (name == "lm") return std::make_unique<solvers::LevenbergMarquardt>(options.cost_tolerance);
+  if (name == "ipopt")
+    return std::make_unique<solvers::IpoptSolver>(solvers::IpoptSolver::Hessian::kGaussNewton);
+  if (name == "ipopt-lbfgs")
+    return std::make_unique<solvers::IpoptSolver>(solvers::IpoptSolver::Hessian::kLimitedMemory);
   if (name.compare(0, kNloptPrefix.size(), kNloptPrefix) == 0) {
-    return MakeNlopt(name.substr(kNloptPrefix.size()), options);
+    return solvers::MakeNlopt(name.substr(kNloptPrefix.size()), options);
   }
   std::vector<std::string> names;
   for (const SolverEntry& entry : SolverRegistry()) names.push_back(entry.name);
@@ -100,13 +102,13 @@ Result<std::unique_ptr<Solver>> MakeSolver(const std::string& name, const Solver
   const std::vector<std::string_view> names = Split(name, '+');
   if (names.size() == 1) return MakeOne(name, options);
 
-  std::vector<Chain::Link> links;
+  std::vector<solvers::Chain::Link> links;
   for (const std::string_view link : names) {
     if (link.empty()) return Fail("solver chain '{}' has an empty link, expected names joined by '+'", name);
     SINEW_ASSIGN(std::unique_ptr<Solver> solver, MakeOne(std::string(link), options));
     links.push_back({std::string(link), std::move(solver)});
   }
-  return std::make_unique<Chain>(std::move(links));
+  return std::make_unique<solvers::Chain>(std::move(links));
 }
 
 }  // namespace sinew

@@ -8,7 +8,7 @@
 #include "base/random.h"
 #include "identify/solvers/objective.h"
 
-namespace sinew {
+namespace sinew::solvers {
 namespace {
 
 // Total factor of the temperature: from moves across the box to steps of a thousandth of it, as the cost
@@ -100,4 +100,4 @@ Search SimulatedAnnealing::DoSolve(Evaluator& evaluator, const Vector& start) co
           {}};
 }
 
-}  // namespace sinew
+}  // namespace sinew::solvers

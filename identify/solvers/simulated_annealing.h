@@ -6,7 +6,7 @@
 #include "identify/solvers/annealing.h"
 #include "identify/solvers/solver.h"
 
-namespace sinew {
+namespace sinew::solvers {
 
 /// Simulated annealing over the box [0, 1]^n with the algorithm of annealing.h.
 ///
@@ -33,4 +33,4 @@ class SimulatedAnnealing : public Solver {
 /// start temperature.
 [[nodiscard]] AnnealingSchedule ScheduleFor(int variables, long moves);
 
-}  // namespace sinew
+}  // namespace sinew::solvers

@@ -56,6 +56,8 @@ const char* ToString(Termination termination) {
       return "annealed";
     case Termination::kStartsDone:
       return "starts_done";
+    case Termination::kStartsUnfinished:
+      return "starts_unfinished";
     case Termination::kTarget:
       return "target";
     case Termination::kNothingFree:

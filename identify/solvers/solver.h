@@ -14,19 +14,21 @@ namespace sinew {
 
 /// Why a solver stopped. The value of the test that made it stop is in Stop::test.
 enum class Termination {
-  kCostChange,      ///< relative change of the cost below its tolerance; usable
-  kGradient,        ///< projected gradient below its tolerance; usable
-  kStepSize,        ///< step in the unit box below its tolerance; usable
-  kAnnealed,        ///< annealing: last optima at successive temperatures agree within its tolerance; usable
-  kStartsDone,      ///< multi-start: every start was searched; usable
-  kTarget,          ///< the requested cost was reached; usable
-  kNothingFree,     ///< no parameter is free: the start was evaluated; usable
-  kMaxEvaluations,  ///< budget; best point so far, not converged
-  kMaxSeconds,      ///< budget; best point so far, not converged
-  kInterrupted,     ///< Ctrl-C; best point so far, not converged
-  kSolverFailed,    ///< the solver failed (its message is in Stop::test); best point so far, not converged
-  kInfeasible,      ///< no evaluated point satisfies the constraints; not usable
-  kNoPrediction     ///< the problem could not be predicted at the start, or anywhere; not usable
+  kCostChange,  ///< relative change of the cost below its tolerance; usable
+  kGradient,    ///< projected gradient below its tolerance; usable
+  kStepSize,    ///< step in the unit box below its tolerance; usable
+  kAnnealed,    ///< annealing: last optima at successive temperatures agree within its tolerance; usable
+  kStartsDone,  ///< multi-start: every start was searched; usable
+  kTarget,      ///< the requested cost was reached; usable
+  kStartsUnfinished,  ///< multi-start: the budget in equal shares was too small for all starts: some were
+                      ///< left out, or ended at their share; best point so far, not converged
+  kNothingFree,       ///< no parameter is free: the start was evaluated; usable
+  kMaxEvaluations,    ///< budget; best point so far, not converged
+  kMaxSeconds,        ///< budget; best point so far, not converged
+  kInterrupted,       ///< Ctrl-C; best point so far, not converged
+  kSolverFailed,      ///< the solver failed (its message is in Stop::test); best point so far, not converged
+  kInfeasible,        ///< no evaluated point satisfies the constraints; not usable
+  kNoPrediction       ///< the problem could not be predicted at the start, or anywhere; not usable
 };
 
 /// snake_case name as in the JSON: "cost_change", "max_evaluations", ...

@@ -107,14 +107,18 @@ Sentence UnknownSentence(const UnknownFinding& unknown, bool alternative) {
           WithUnit(*std::max_element(unknown.curve.begin(), unknown.curve.end()), unknown.unit));
       break;
     case UnknownKind::kCurve:
-      text += fmt::format("something adds to {} as a function of {} ({}{})", unknown.port, unknown.signal,
-                          ShapeText(unknown), law.empty() ? "" : "; nearest known law: " + law);
+      text += fmt::format("something adds to {} as a function of {}", unknown.port, unknown.signal);
+      if (const std::string shape = ShapeText(unknown); !shape.empty())
+        text += fmt::format(" ({}{})", shape, law.empty() ? "" : "; nearest known law: " + law);
       break;
   }
-  return {SentenceKind::kUnknownTerm,
-          text + fmt::format("; held-out RMSE changes by {:+.0f} %.",
-                             std::round(-100 * unknown.held_out_reduction) + 0.0),  // no -0
-          {unknown.name}};
+  text += fmt::format("; held-out RMSE changes by {:+.0f} %.",
+                      std::round(-100 * unknown.held_out_reduction) + 0.0);  // no -0
+  if (!unknown.inseparable_from.empty())
+    text +=
+        fmt::format(" A part of it is the same as a change of {}: these data determine only both together.",
+                    Join(unknown.inseparable_from, ", "));
+  return {SentenceKind::kUnknownTerm, std::move(text), {unknown.name}};
 }
 
 // What became of a base parameter; nothing where the change is not worth telling.

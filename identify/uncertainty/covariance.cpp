@@ -3,7 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
-namespace sinew {
+namespace sinew::uncertainty {
 namespace {
 
 // Andrews, Monahan 1992 bound the autoregression, so that recolouring stays finite: 1 / (1 - 0.97) = 33.
@@ -106,4 +106,4 @@ Matrix RobustCovariance(const Information& info, const Linearization& at, const 
   return info.inverse * long_run * info.inverse;
 }
 
-}  // namespace sinew
+}  // namespace sinew::uncertainty

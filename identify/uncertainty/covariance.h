@@ -8,7 +8,7 @@
 #include "identify/uncertainty/information.h"
 #include "identify/uncertainty/linearization.h"
 
-namespace sinew {
+namespace sinew::uncertainty {
 
 /// Covariance of the minimiser of the weighted cost for independent residuals with the given deviations:
 /// G P' diag(d^2) P G, with P = columns and G = inverse of `info`. It is s^2 (J'J)^-1 for one channel, and
@@ -28,4 +28,4 @@ namespace sinew {
 [[nodiscard]] Matrix RobustCovariance(const Information& info, const Linearization& at,
                                       const Vector& deviation);
 
-}  // namespace sinew
+}  // namespace sinew::uncertainty

@@ -8,7 +8,7 @@
 
 #include "identify/uncertainty/interval.h"
 
-namespace sinew {
+namespace sinew::uncertainty {
 namespace {
 
 // Partners are named if their loading is at least this share of the largest one.
@@ -206,4 +206,4 @@ std::vector<OpenDirection> Explainer::OpenDirections(const std::vector<int>& wid
   return open;
 }
 
-}  // namespace sinew
+}  // namespace sinew::uncertainty

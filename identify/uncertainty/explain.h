@@ -11,7 +11,7 @@
 #include "identify/uncertainty/reason.h"
 #include "identify/uncertainty/verdict.h"
 
-namespace sinew {
+namespace sinew::uncertainty {
 
 /// All must outlive this object.
 class Explainer {
@@ -56,4 +56,4 @@ class Explainer {
   double quantile_;
 };
 
-}  // namespace sinew
+}  // namespace sinew::uncertainty

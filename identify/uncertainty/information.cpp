@@ -8,7 +8,7 @@
 #include "base/decompositions.h"
 #include "identify/uncertainty/verdict.h"
 
-namespace sinew {
+namespace sinew::uncertainty {
 namespace {
 
 Matrix Columns(const Matrix& jacobian, const std::vector<int>& which) {
@@ -95,4 +95,4 @@ Information MakeInformation(const Matrix& jacobian, const std::vector<int>& vari
   return info;
 }
 
-}  // namespace sinew
+}  // namespace sinew::uncertainty

@@ -6,7 +6,7 @@
 
 #include "base/linear_algebra.h"
 
-namespace sinew {
+namespace sinew::uncertainty {
 
 struct Information {
   std::vector<int> variables;  ///< [k]
@@ -32,4 +32,4 @@ struct Information {
 [[nodiscard]] Information MakeInformation(const Matrix& jacobian, const std::vector<int>& variables,
                                           const std::vector<int>& nuisance);
 
-}  // namespace sinew
+}  // namespace sinew::uncertainty

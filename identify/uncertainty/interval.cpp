@@ -2,7 +2,7 @@
 
 #include <algorithm>
 
-namespace sinew {
+namespace sinew::uncertainty {
 
 Interval MakeInterval(const LeastSquares& problem, const Vector& x, int variable, double lower_x,
                       double upper_x) {
@@ -24,4 +24,4 @@ Interval LinearInterval(const LeastSquares& problem, const Vector& x, int variab
   return MakeInterval(problem, x, variable, x[variable] - half_width, x[variable] + half_width);
 }
 
-}  // namespace sinew
+}  // namespace sinew::uncertainty

@@ -5,7 +5,7 @@
 #include "identify/least_squares.h"
 #include "identify/uncertainty/verdict.h"
 
-namespace sinew {
+namespace sinew::uncertainty {
 
 /// Both ends are given in the unit box; an end on or beyond a bound is cut off there, and open.
 /// @param x [n] point that gives all other values
@@ -16,4 +16,4 @@ namespace sinew {
 [[nodiscard]] Interval LinearInterval(const LeastSquares& problem, const Vector& x, int variable,
                                       double half_width);
 
-}  // namespace sinew
+}  // namespace sinew::uncertainty

@@ -5,7 +5,7 @@
 
 #include "identify/uncertainty/verdict.h"
 
-namespace sinew {
+namespace sinew::uncertainty {
 namespace {
 
 /// Largest change of a block, as a share of its signal, that the whole range of a variable makes by `change`.
@@ -83,4 +83,4 @@ bool IsWithoutEffectEverywhere(const LeastSquares& problem, const Linearization&
   return true;
 }
 
-}  // namespace sinew
+}  // namespace sinew::uncertainty

@@ -8,7 +8,7 @@
 #include "base/linear_algebra.h"
 #include "identify/least_squares.h"
 
-namespace sinew {
+namespace sinew::uncertainty {
 
 /// How a free variable stands at the solution.
 enum class VariableStatus {
@@ -59,4 +59,4 @@ Result<Linearization> Linearize(const LeastSquares& problem, const Vector& x);
 [[nodiscard]] bool IsWithoutEffectEverywhere(const LeastSquares& problem, const Linearization& at,
                                              int variable);
 
-}  // namespace sinew
+}  // namespace sinew::uncertainty

@@ -4,7 +4,7 @@
 #include <cmath>
 #include <limits>
 
-namespace sinew {
+namespace sinew::uncertainty {
 namespace {
 
 // A fit without error (data made by the model itself) still has rounding errors of about this size.
@@ -113,4 +113,4 @@ Result<Noise> EstimateNoise(const LeastSquares& problem, const Linearization& at
   return noise;
 }
 
-}  // namespace sinew
+}  // namespace sinew::uncertainty

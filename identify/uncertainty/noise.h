@@ -7,7 +7,7 @@
 #include "identify/least_squares.h"
 #include "identify/uncertainty/linearization.h"
 
-namespace sinew {
+namespace sinew::uncertainty {
 
 struct ChannelNoise {
   std::string channel;
@@ -34,4 +34,4 @@ struct Noise {
 /// Errors: a level must be estimated, but there are not more residuals than fitted values.
 Result<Noise> EstimateNoise(const LeastSquares& problem, const Linearization& at, const Vector& leverage);
 
-}  // namespace sinew
+}  // namespace sinew::uncertainty

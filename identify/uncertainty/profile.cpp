@@ -10,7 +10,7 @@
 #include "identify/execution/executor.h"
 #include "identify/solvers/local_fit.h"
 
-namespace sinew {
+namespace sinew::uncertainty {
 namespace {
 
 // Ends are found to this share of their distance, far below what a 95 % interval is worth, or as closely as
@@ -32,8 +32,8 @@ struct Point {
 /// The search for one end.
 class EndSearch {
  public:
-  EndSearch(LocalFit& fit, const Vector& minimum, double cost, const ProfileRequest& request, double sign,
-            long max_evaluations, const std::atomic<bool>* interrupt)
+  EndSearch(solvers::LocalFit& fit, const Vector& minimum, double cost, const ProfileRequest& request,
+            double sign, long max_evaluations, const std::atomic<bool>* interrupt)
       : fit_(fit),
         minimum_(minimum),
         cost_(cost),
@@ -89,7 +89,7 @@ class EndSearch {
       start += sign_ * distance * request_.tangent;
     }
     start[request_.variable] = At(distance);
-    const LocalFit::Outcome outcome =
+    const solvers::LocalFit::Outcome outcome =
         fit_.Minimize(start, request_.variable, {kRefitTolerance * request_.rise, 0},
                       std::min(kMaxRefitEvaluations, last_ - fit_.evaluations()));
     lowest_ = std::min(lowest_, outcome.cost);
@@ -123,7 +123,7 @@ class EndSearch {
     return inner_.distance + width * std::clamp(below / (below + above), 0.02, 0.98);
   }
 
-  LocalFit& fit_;
+  solvers::LocalFit& fit_;
   const Vector& minimum_;
   double cost_;
   const ProfileRequest& request_;
@@ -152,10 +152,10 @@ std::vector<Profile> ProfileIntervals(const LeastSquares& problem, const Vector&
   std::vector<double> lowest(ends);
   std::vector<long> used(ends);
   const auto executor = MakeExecutor(options.threads);
-  std::vector<std::optional<LocalFit>> fits(executor->workers());
+  std::vector<std::optional<solvers::LocalFit>> fits(executor->workers());
   executor->ForEach(ends, [&](std::size_t i, std::size_t worker) {
     if (!fits[worker]) fits[worker].emplace(problem, options.penalty);
-    LocalFit& fit = *fits[worker];
+    solvers::LocalFit& fit = *fits[worker];
     const long before = fit.evaluations();
     EndSearch search(fit, minimum, cost, requests[i / 2], i % 2 == 0 ? -1 : 1, part, options.interrupt);
     (i % 2 == 0 ? profiles[i / 2].lower : profiles[i / 2].upper) = search.Run();
@@ -169,4 +169,4 @@ std::vector<Profile> ProfileIntervals(const LeastSquares& problem, const Vector&
   return profiles;
 }
 
-}  // namespace sinew
+}  // namespace sinew::uncertainty

@@ -10,14 +10,6 @@
 
 namespace sinew {
 
-/// One parameter to be profiled.
-struct ProfileRequest {
-  int variable = 0;
-  double rise = 0;  ///< of the cost at which the interval ends, > 0
-  double step = 0;  ///< half-width of the linear interval, unit box, > 0
-  Vector tangent;   ///< [n] how all variables move per unit of this one, to first order
-};
-
 /// Why the end of an interval was not found.
 enum class ProfileFailure {
   kNone,
@@ -38,6 +30,18 @@ struct ProfileEnd {
   ProfileFailure failure = ProfileFailure::kNone;
 };
 
+}  // namespace sinew
+
+namespace sinew::uncertainty {
+
+/// One parameter to be profiled.
+struct ProfileRequest {
+  int variable = 0;
+  double rise = 0;  ///< of the cost at which the interval ends, > 0
+  double step = 0;  ///< half-width of the linear interval, unit box, > 0
+  Vector tangent;   ///< [n] how all variables move per unit of this one, to first order
+};
+
 struct Profile {
   ProfileEnd lower;
   ProfileEnd upper;
@@ -47,7 +51,7 @@ struct Profile {
 struct ProfileOptions {
   int threads = 1;
   long max_evaluations = 2000;                   ///< for all ends together; each has an equal part
-  double penalty = 0;                            ///< LocalFit's
+  double penalty = 0;                            ///< that of solvers::LocalFit
   const std::atomic<bool>* interrupt = nullptr;  ///< ends every search that still runs
 };
 
@@ -55,9 +59,9 @@ struct ProfileOptions {
 /// model: bracket, then Illinois steps (Dowell, Jarratt 1971). Every point refits all other variables,
 /// nuisance included. A point without a prediction counts as a rise without end; if the end then lies at such
 /// a place, that is its failure. The answer does not depend on the number of threads.
-/// @param minimum [n] @param cost there (of LocalFit) @param evaluations is added to.
+/// @param minimum [n] @param cost there (of solvers::LocalFit) @param evaluations is added to.
 [[nodiscard]] std::vector<Profile> ProfileIntervals(const LeastSquares& problem, const Vector& minimum,
                                                     double cost, const std::vector<ProfileRequest>& requests,
                                                     const ProfileOptions& options, long& evaluations);
 
-}  // namespace sinew
+}  // namespace sinew::uncertainty

@@ -10,7 +10,7 @@
 #include "identify/uncertainty/interval.h"
 #include "identify/uncertainty/verdict.h"
 
-namespace sinew {
+namespace sinew::uncertainty {
 namespace {
 
 // Above this many additions, pairs of them cost more than they are worth.
@@ -233,4 +233,4 @@ Remedy RemedyFinder::For(int variable) const {
   return {RemedyKind::kNoChannel, Best(variable, KnownValues(variable))};
 }
 
-}  // namespace sinew
+}  // namespace sinew::uncertainty

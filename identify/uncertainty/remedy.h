@@ -11,7 +11,7 @@
 #include "identify/uncertainty/noise.h"
 #include "identify/uncertainty/reason.h"
 
-namespace sinew {
+namespace sinew::uncertainty {
 
 /// Something that could be measured, or fitted as well.
 struct Addition {
@@ -62,4 +62,4 @@ class RemedyFinder {
   std::string failure_;
 };
 
-}  // namespace sinew
+}  // namespace sinew::uncertainty

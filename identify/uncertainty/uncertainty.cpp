@@ -19,7 +19,7 @@
 #include "identify/uncertainty/profile.h"
 #include "identify/uncertainty/remedy.h"
 
-namespace sinew {
+namespace sinew::uncertainty {
 namespace {
 
 constexpr double kUpperProbability = 0.975;  // of a two-sided 95 % interval
@@ -80,7 +80,7 @@ class Analysis {
   const UncertaintyOptions& options_;
   Uncertainty answer_;
   Linearization at_;
-  double cost_ = 0;  // of LocalFit at the minimum
+  double cost_ = 0;  // of solvers::LocalFit at the minimum
   double penalty_ = 0;
   std::vector<int> inner_nuisance_;
   Information all_;       // with priors: errors
@@ -93,13 +93,13 @@ class Analysis {
 };
 
 Status Analysis::FindMinimum(const Vector& x) {
-  LocalFit fit(problem_);
+  solvers::LocalFit fit(problem_);
   double cost = 0;
   {
     LeastSquares::Workspace workspace = problem_.NewWorkspace();
     SINEW_ASSIGN(cost, problem_.Cost(x, workspace));
   }
-  const LocalFit::Outcome outcome =
+  const solvers::LocalFit::Outcome outcome =
       fit.Minimize(x, -1, {0, kPolishTolerance / problem_.residuals()}, kPolishEvaluations);
   if (!outcome.failure.empty()) return Fail("{}", outcome.failure);
   cost_ = outcome.cost;
@@ -385,6 +385,9 @@ Result<Uncertainty> Analysis::Run(const Vector& x) {
 }
 
 }  // namespace
+}  // namespace sinew::uncertainty
+
+namespace sinew {
 
 const char* ToString(IntervalKind kind) {
   switch (kind) {
@@ -400,7 +403,7 @@ const char* ToString(IntervalKind kind) {
 
 Result<Uncertainty> AnalyseUncertainty(const LeastSquares& problem, const Vector& x,
                                        const UncertaintyOptions& options) {
-  return Analysis(problem, options).Run(x);
+  return uncertainty::Analysis(problem, options).Run(x);
 }
 
 }  // namespace sinew

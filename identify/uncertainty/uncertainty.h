@@ -55,13 +55,13 @@ struct Uncertainty {
   Matrix correlation;      ///< [k x k] of it
   Vector singular_values;  ///< of the projected Jacobian with columns of unit length, decreasing, of the
                            ///< inner ones
-  std::vector<OpenDirection> directions;  ///< combinations that the data leave open
-  std::vector<ChannelNoise> noise;        ///< per fitted channel
-  double residual_scale = 0;              ///< standard deviation of the weighted residuals
-  double degrees_of_freedom = 0;          ///< of the estimated noise; infinite if all levels are known
-  Vector minimum;                         ///< [P] parameters at the minimum that the intervals are about
-  std::vector<Warning> notes;             ///< what a reader of the intervals must know
-  long evaluations = 0;                   ///< of the local search and the profiles
+  std::vector<OpenDirection> directions;         ///< combinations that the data leave open
+  std::vector<uncertainty::ChannelNoise> noise;  ///< per fitted channel
+  double residual_scale = 0;                     ///< standard deviation of the weighted residuals
+  double degrees_of_freedom = 0;                 ///< of the estimated noise; infinite if all levels are known
+  Vector minimum;              ///< [P] parameters at the minimum that the intervals are about
+  std::vector<Warning> notes;  ///< what a reader of the intervals must know
+  long evaluations = 0;        ///< of the local search and the profiles
 };
 
 struct UncertaintyOptions {

@@ -18,6 +18,10 @@ const char* ToString(Verdict verdict) {
   return "?";
 }
 
+}  // namespace sinew
+
+namespace sinew::uncertainty {
+
 bool IsWide(const Parameter& parameter, double value, const Interval& interval) {
   if (interval.upper_x - interval.lower_x > kWeakShare) return true;
   const bool keeps_sign = parameter.lower >= 0 || parameter.upper <= 0;
@@ -31,4 +35,4 @@ Verdict Judge(const Parameter& parameter, const Evidence& evidence) {
   return IsWide(parameter, evidence.value, evidence.interval) ? Verdict::kWeak : Verdict::kIdentifiable;
 }
 
-}  // namespace sinew
+}  // namespace sinew::uncertainty

@@ -19,6 +19,20 @@ enum class Verdict { kIdentifiable, kWeak, kNotIdentifiable, kAtBound };
 /// "identifiable", "weak", "not_identifiable", "at_bound".
 [[nodiscard]] const char* ToString(Verdict verdict);
 
+/// A 95 % interval in the unit box and in natural units.
+struct Interval {
+  double lower_x = 0;
+  double upper_x = 1;
+  double lower = 0;
+  double upper = 0;
+  bool lower_open = true;  ///< it reaches the lower bound, where it is cut off
+  bool upper_open = true;
+};
+
+}  // namespace sinew
+
+namespace sinew::uncertainty {
+
 /// Half-width of the 95 % interval, over the value. Beyond a half, the next person would take another value.
 /// For a signed quantity near zero (an offset) this says nothing; there only the share of the range counts.
 inline constexpr double kWeakRelative = 0.5;
@@ -35,16 +49,6 @@ inline constexpr double kRankTolerance = 1e-7;
 /// Loading from which a parameter takes part in a direction that is lost.
 inline constexpr double kTakesPart = 1e-3;
 
-/// A 95 % interval in the unit box and in natural units.
-struct Interval {
-  double lower_x = 0;
-  double upper_x = 1;
-  double lower = 0;
-  double upper = 0;
-  bool lower_open = true;  ///< it reaches the lower bound, where it is cut off
-  bool upper_open = true;
-};
-
 /// What is known of one parameter when it is judged.
 struct Evidence {
   bool determined = true;  ///< false: no dependence, or rank loss
@@ -58,4 +62,4 @@ struct Evidence {
 /// True if the interval is too wide for a clear "identifiable" (the rule of weak).
 [[nodiscard]] bool IsWide(const Parameter& parameter, double value, const Interval& interval);
 
-}  // namespace sinew
+}  // namespace sinew::uncertainty

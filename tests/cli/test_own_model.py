@@ -8,6 +8,7 @@ import subprocess
 import unittest
 
 import h5py
+import numpy as np
 
 from program import LONGEST, ROOT, ProgramTest, contents
 
@@ -72,6 +73,41 @@ class OwnModel(ProgramTest):
         effects = self.succeeds("list", "effects", "--data", "tank.h5")
         self.assertIn("overflow  [boundary]", effects)
         self.assertIn("level.time_offset  [sensor]", effects)
+
+    def test_a_simulation_keeps_an_effect_that_was_held(self):
+        def simulated(out, *words):
+            done = self.run_program("simulate", "--data", "tank.h5", "--out", out, *words)
+            self.assertEqual(done.returncode, 0, done.stderr)
+            with h5py.File(self.path(out)) as file:
+                return done.stderr, file["trials/check/simulated/channels/level"][()]
+
+        words = ("identify", "--data", "tank.h5", "--release", "overflow", "--quiet", "--out")
+        self.succeeds(*words, "run.h5", "--fix", "level.gain=1.25")
+        with h5py.File(self.path("run.h5")) as file:
+            names = [name.decode() for name in file["parameters/name"][()]]
+            found = dict(zip(names, file["parameters/value"][()]))
+        self.assertEqual(found["level.gain"], 1.25)
+        notes, with_gain = simulated("with.h5", "--from", "run.h5")
+        self.assertEqual(notes, "", "a note about effects at their null values")
+        without = simulated("without.h5", "--from", "run.h5", "--set", "level.gain=1")[1]
+        self.assertLess(abs(with_gain / without - 1.25).max(), 1e-6)
+
+    def test_a_note_counts_the_nuisance_values_that_are_left_out(self):
+        self.succeeds("identify", "--data", "tank.h5", "--release", "level.offset", "--quiet", "--out", "run.h5")
+        self.succeeds("data", "drop", "tank.h5", "--trial", "low")
+        done = self.run_program("simulate", "--data", "tank.h5", "--from", "run.h5", "--out", "simulated.h5")
+        self.assertEqual(done.returncode, 0, done.stderr)
+        self.assertTrue(done.stderr.startswith("note: 1 nuisance value of run.h5 "), done.stderr)
+
+    def test_no_usable_answer_has_the_name_of_the_program(self):
+        # Nothing can be learned from a noise as large as the signal.
+        with h5py.File(self.path("tank.h5"), "r+") as file:
+            for number, trial in enumerate(file["trials"].values()):
+                level = trial["logger/channels/level"]
+                level[...] = np.random.default_rng(number).normal(0.1, 0.05, level.shape)
+        done = self.run_program("diagnose", "--data", "tank.h5", "--out", "diagnosis.h5", "--quiet")
+        self.assertEqual(done.returncode, 1, done.stderr)
+        self.assertTrue(done.stderr.startswith("tank: no usable answer: "), done.stderr)
 
     def test_bad_input_is_one_line(self):
         self.refuses("problem 'tnk' does not exist; did you mean 'tank'?", "identify", "tnk", "--data", "tank.h5",

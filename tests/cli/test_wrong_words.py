@@ -27,6 +27,13 @@ class Usage(ProgramTest):
         self.fails("unexpected argument 'walk'" + hint, "identify", "contact", "walk", *IDENTIFY[2:])
         self.fails("--out is required" + hint, *IDENTIFY[:-2])
 
+    def test_lists_without_a_name(self):
+        for command, option, words in (("compare", "--solvers ,", ("--solvers", ",", "--out", "o.h5")),
+                                       ("compare", "--solvers ,,", ("--solvers=,,", "--out", "o.h5")),
+                                       ("identify", "--free ,", ("--out", "o.h5", "--free", ",", "--quiet"))):
+            self.fails(f"{option}: expected names, separated by commas (see sinew {command} --help)", command,
+                       "contact", "--data", "d.h5", *words)
+
     def test_values_of_another_kind(self):
         hint = " (see sinew identify --help)"
         for option, value, message in (

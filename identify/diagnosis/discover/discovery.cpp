@@ -88,12 +88,10 @@ class DiscoveryStep {
     released.push_back(c);
     const Refit refit = state_.Fit(released, RefitStarts(scored, state_.candidates, c));
     if (!refit.usable()) return false;
-    const auto covariance = state_.refitter->Covariance(refit);
-    const Matrix none = Matrix::Zero(refit.x.size(), refit.x.size());
-    for (const auto& value :
-         ValuesOf(state_, refit, covariance ? *covariance : none, state_.candidate(c).parameters)) {
+    const Matrix covariance = CurveCovariance(c, refit, finding);
+    for (const auto& value : ValuesOf(state_, refit, covariance, state_.candidate(c).parameters)) {
       finding.curve.push_back(value.value);
-      finding.deviation.push_back(value.std_error);
+      finding.deviation.push_back(std::isfinite(value.std_error) ? value.std_error : kNaN);
     }
     if (before_) {
       const auto after = state_.held_out.Residuals(refit.point);
@@ -102,6 +100,33 @@ class DiscoveryStep {
     }
     if (!std::exchange(extended_, true)) out_.extended_point = refit.point;
     return true;
+  }
+
+  // A curve of a signal often contains what a base parameter does (the straight line of a stiffness): then
+  // only both together are determined, and the curve's errors are those for the fitted value of that
+  // parameter.
+  [[nodiscard]] Matrix CurveCovariance(int c, const Refit& refit, UnknownFinding& finding) const {
+    const Matrix none = Matrix::Zero(refit.x.size(), refit.x.size());
+    const auto covariance = state_.refitter->Covariance(refit);
+    if (!covariance) return none;
+    const std::vector<int>& weights = state_.candidate(c).parameters;
+    const auto is_weight = [&](int parameter) {
+      return std::find(weights.begin(), weights.end(), parameter) != weights.end();
+    };
+    bool lost = false;
+    std::vector<int> others;
+    for (std::size_t v = 0; v < refit.setup->free.size(); ++v) {
+      const auto at = static_cast<Eigen::Index>(v);
+      const int parameter = refit.setup->free[v];
+      if (std::isfinite((*covariance)(at, at))) continue;
+      lost = lost || is_weight(parameter);
+      if (!is_weight(parameter)) others.push_back(parameter);
+    }
+    if (!lost || others.empty()) return *covariance;
+    for (const int parameter : others)
+      finding.inseparable_from.push_back(refit.setup->parameters[static_cast<std::size_t>(parameter)].name);
+    const auto given = state_.refitter->Covariance(refit, others);
+    return given ? *given : none;
   }
 
   bool AddToFirstOrder(int c, const noise::NoiseModel& noise, UnknownFinding& finding) {

@@ -67,7 +67,7 @@ class Transfer {
   Status Apply(const Vector& step, LinearTerm& term) const {
     const HeldOut held_out(problem_);
     if (!held_out.exists()) return {};
-    SINEW_ASSIGN(const Vector point, FitHeldOutNuisance(problem_, refit_.point));
+    SINEW_ASSIGN(const Vector point, solvers::FitHeldOutNuisance(problem_, refit_.point));
     SINEW_ASSIGN(term.before, held_out.Residuals(point));
     const RoleView view(problem_, [](const Block& block) {
       return block.role == BlockRole::kValidate ? BlockRole::kTrain : BlockRole::kPredicted;

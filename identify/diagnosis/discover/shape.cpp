@@ -11,6 +11,8 @@ namespace sinew::diagnosis {
 namespace {
 
 constexpr double kBetter = 0.05;  // a law with one more number must explain so much more
+constexpr double kConstant =
+    1e-9;  // variation over the largest value: that of a constant with rounding errors
 
 struct Law {
   ShapeKind kind;
@@ -48,7 +50,9 @@ Shape FindShape(const std::vector<double>& knots, const std::vector<double>& cur
   }
   const double total_weight = root.squaredNorm();
   if (!(total_weight > 0)) return shape;
+  const double largest = y.cwiseAbs().maxCoeff();
   y.array() -= root.cwiseProduct(root).dot(y) / total_weight;
+  if (root.cwiseProduct(y).squaredNorm() <= std::pow(kConstant * largest, 2) * total_weight) return shape;
 
   const auto column = [&](auto&& f) {
     Matrix columns(n, 2);

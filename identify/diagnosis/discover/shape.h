@@ -8,7 +8,7 @@ namespace sinew {
 
 /// The laws that a curve y(x) is compared with; c is the largest |x|.
 enum class ShapeKind {
-  kNone,           ///< too few values to tell
+  kNone,           ///< too few values to tell, or a constant
   kLinear,         ///< x
   kQuadraticOdd,   ///< x |x|
   kCubic,          ///< x^3

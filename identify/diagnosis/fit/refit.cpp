@@ -20,6 +20,49 @@ constexpr int kNoiseRounds = 2;
 // noise. (The inefficiency of ordinary least squares costs it a few percent.)
 constexpr double kNoiseAbsorbsMisfit = 2;
 
+// Pivots of C'C, over the largest, above which the rank is not in doubt.
+constexpr double kClearRank = 1e-8;
+// Singular values of columns of unit length, over the largest: below, the rank is lost to rounding.
+constexpr double kRankTolerance = 1e-7;
+// Component from which a column takes part in a combination that is lost.
+constexpr double kTakesPart = 1e-3;
+
+// Inverse of C'C. If the rank is lost, the pseudo-inverse for the columns that take no part in a lost
+// combination; all others have an infinite diagonal and zeros beside it.
+// @param normal C'C @param columns C, of unit length
+Matrix InverseOfNormal(const Matrix& normal, const Matrix& columns) {
+  const Eigen::Index n = normal.cols();
+  if (n == 0) return normal;
+  const Eigen::LDLT<Matrix> ldlt(normal);
+  const Vector pivots = ldlt.vectorD();
+  if (pivots.minCoeff() > kClearRank * pivots.maxCoeff()) return ldlt.solve(Matrix::Identity(n, n));
+  // The singular values of C are those of its R factor; C'C does not have those below 1e-8.
+  Matrix rows = Matrix::Zero(std::max(columns.rows(), n), n);
+  rows.topRows(columns.rows()) = columns;
+  const Eigen::ColPivHouseholderQR<Matrix> qr(rows);
+  const Matrix r = qr.matrixR().topRows(n).triangularView<Eigen::Upper>();
+  const Eigen::JacobiSVD<Matrix> svd(r, Eigen::ComputeFullU | Eigen::ComputeFullV);
+  const Vector& singular = svd.singularValues();
+  const Matrix directions = qr.colsPermutation() * svd.matrixV();
+  Matrix inverse = Matrix::Zero(n, n);
+  Vector lost = Vector::Zero(n);  // largest component in a lost direction
+  for (Eigen::Index d = 0; d < n; ++d) {
+    const Vector direction = directions.col(d);
+    if (singular[d] > kRankTolerance * singular[0]) {
+      inverse += direction * direction.transpose() / (singular[d] * singular[d]);
+    } else {
+      lost = lost.cwiseMax(direction.cwiseAbs());
+    }
+  }
+  for (Eigen::Index i = 0; i < n; ++i) {
+    if (lost[i] <= kTakesPart) continue;
+    inverse.row(i).setZero();
+    inverse.col(i).setZero();
+    inverse(i, i) = std::numeric_limits<double>::infinity();
+  }
+  return inverse;
+}
+
 bool IsPlain(const noise::NoiseModel& noise) {
   return noise.channels.size() == 1 && !noise.IsColoured();
 }
@@ -74,10 +117,10 @@ double Deviance(const LeastSquares& fit, const Vector& residual, const noise::No
   return deviance;
 }
 
-LocalFit::Outcome FitFromStarts(const LeastSquares& fit, const std::vector<Vector>& starts,
-                                double tolerance) {
-  LocalFit search(fit);
-  LocalFit::Outcome best;
+solvers::LocalFit::Outcome FitFromStarts(const LeastSquares& fit, const std::vector<Vector>& starts,
+                                         double tolerance) {
+  solvers::LocalFit search(fit);
+  solvers::LocalFit::Outcome best;
   best.cost = std::numeric_limits<double>::infinity();
   const bool only = starts.size() == 1;
   for (const Vector& start : starts) {
@@ -183,7 +226,7 @@ Status Refitter::FitGeneralised(LeastSquares& fit, Refit& refit) const {
     if (IsPlain(refit.noise) && fit.PriorVariables().empty()) break;
     const noise::Whitening whitening(refit.noise, stretches);
     fit.set_transform(&whitening);
-    LocalFit whitened(fit);
+    solvers::LocalFit whitened(fit);
     const auto outcome = whitened.Minimize(refit.x, -1, {kWhitenedTolerance, 0}, kFitEvaluations);
     fit.set_transform(nullptr);
     if (!outcome.failure.empty()) break;
@@ -193,7 +236,7 @@ Status Refitter::FitGeneralised(LeastSquares& fit, Refit& refit) const {
   return {};
 }
 
-Result<Matrix> Refitter::Covariance(const Refit& refit) const {
+Result<Matrix> Refitter::Covariance(const Refit& refit, const std::vector<int>& held) const {
   LeastSquares fit(problem_, *refit.setup);
   const noise::Whitening whitening(refit.noise, TrainStretches(fit));
   fit.set_transform(&whitening);
@@ -205,8 +248,10 @@ Result<Matrix> Refitter::Covariance(const Refit& refit) const {
   const Vector gradient = dense.transpose() * residuals;
   std::vector<Eigen::Index> inside;
   for (Eigen::Index v = 0; v < refit.x.size(); ++v) {
-    const bool held = (refit.x[v] <= 0 && gradient[v] >= 0) || (refit.x[v] >= 1 && gradient[v] <= 0);
-    if (!held && dense.col(v).norm() > 0) inside.push_back(v);
+    const bool at_bound = (refit.x[v] <= 0 && gradient[v] >= 0) || (refit.x[v] >= 1 && gradient[v] <= 0);
+    const int parameter = refit.setup->free[static_cast<std::size_t>(v)];
+    const bool known = std::find(held.begin(), held.end(), parameter) != held.end();
+    if (!at_bound && !known && dense.col(v).norm() > 0) inside.push_back(v);
   }
   const auto n = static_cast<Eigen::Index>(inside.size());
   Matrix normal(n, n);
@@ -218,7 +263,10 @@ Result<Matrix> Refitter::Covariance(const Refit& refit) const {
           dense.col(inside[static_cast<std::size_t>(i)]).dot(dense.col(inside[static_cast<std::size_t>(j)])) /
           (scale[i] * scale[j]);
   }
-  const Matrix inverse = normal.ldlt().solve(Matrix::Identity(n, n));
+  Matrix columns(dense.rows(), n);
+  for (Eigen::Index i = 0; i < n; ++i)
+    columns.col(i) = dense.col(inside[static_cast<std::size_t>(i)]) / scale[i];
+  const Matrix inverse = InverseOfNormal(normal, columns);
   Matrix covariance = Matrix::Zero(refit.x.size(), refit.x.size());
   for (Eigen::Index i = 0; i < n; ++i) {
     for (Eigen::Index j = 0; j < n; ++j)

@@ -83,8 +83,11 @@ class Refitter {
   void AssumeIndependentErrors() { independent_ = true; }
 
   /// Covariance of the variables [n x n, unit box] under the refit's own noise model; zero rows and columns
-  /// for variables on a bound. Errors: those of Problem::Predict.
-  [[nodiscard]] Result<Matrix> Covariance(const Refit& refit) const;
+  /// for variables on a bound and those that change nothing. Variables that take part in a combination that
+  /// the data do not determine (rank loss) have an infinite variance and covariances of zero.
+  /// @param held parameters (indices into Problem::parameters()) whose values are taken as known, as if on a
+  /// bound. Errors: those of Problem::Predict.
+  [[nodiscard]] Result<Matrix> Covariance(const Refit& refit, const std::vector<int>& held = {}) const;
 
  private:
   /// Noise model of the refit's residual; white if errors are assumed independent. @param like see
@@ -104,8 +107,8 @@ class Refitter {
 /// Least squares by a short search from every start, the best of them continued to convergence. @param starts
 /// [P] each, not empty. If there is no prediction at any start, the cost is infinite and `failure` is the
 /// reason.
-[[nodiscard]] LocalFit::Outcome FitFromStarts(const LeastSquares& fit, const std::vector<Vector>& starts,
-                                              double tolerance);
+[[nodiscard]] solvers::LocalFit::Outcome FitFromStarts(const LeastSquares& fit,
+                                                       const std::vector<Vector>& starts, double tolerance);
 
 /// Rows at which the stretches without a gap begin, of every training block.
 [[nodiscard]] std::vector<std::vector<int>> TrainStretches(const LeastSquares& fit);

@@ -1,6 +1,7 @@
 #include "identify/diagnosis/score/candidate.h"
 
 #include <algorithm>
+#include <iterator>
 
 namespace sinew::diagnosis {
 namespace {
@@ -28,18 +29,27 @@ bool AnyFree(const FitSetup& base, const std::vector<int>& group) {
   return std::any_of(group.begin(), group.end(), [&](int index) { return base.IsFree(index); });
 }
 
+std::vector<int> NotHeld(const FitSetup& base, const std::vector<int>& group) {
+  std::vector<int> rest;
+  std::copy_if(group.begin(), group.end(), std::back_inserter(rest),
+               [&](int index) { return !base.IsHeld(index); });
+  return rest;
+}
+
 }  // namespace
 
 std::vector<Candidate> ListCandidates(const Problem& problem, const FitSetup& base) {
   std::vector<Candidate> candidates;
   for (const Effect& effect : problem.effects()) {
-    if (AnyFree(base, effect.parameters)) continue;
+    const std::vector<int> parameters = NotHeld(base, effect.parameters);
+    if (AnyFree(base, effect.parameters) || (parameters.empty() && !effect.parameters.empty())) continue;
     candidates.push_back({effect.name, effect.level, true, effect.description, effect.revealing_experiment,
-                          effect.trial, effect.parameters, ProbesOf(base.parameters, effect.parameters)});
+                          effect.trial, parameters, ProbesOf(base.parameters, parameters)});
   }
   for (const DiscrepancyPort& port : problem.ports()) {
     for (const DiscrepancyTerm& term : port.terms) {
-      if (AnyFree(base, term.parameters)) continue;
+      const bool whole = NotHeld(base, term.parameters).size() == term.parameters.size();
+      if (AnyFree(base, term.parameters) || !whole) continue;
       candidates.push_back({term.name, Level::kRobot, false, "", "", "", term.parameters, {{}}});
     }
   }

@@ -37,7 +37,9 @@ struct Candidate {
 [[nodiscard]] Vector TimeInTrial(const Block& block);
 
 /// Every effect and discrepancy term none of whose parameters is free already, and a drift of every free base
-/// parameter and of every parameter of a shared effect. Parameters that are held at a probe value are not
+/// parameter and of every parameter of a shared effect. Parameters that the setup holds stay at their value:
+/// an effect is a candidate with its other parameters, if there are any; a term with a held weight is none.
+/// Parameters that are held at a probe value are not
 /// scored; an effect whose only parameter has probe values is scored by the secant from its null to each of
 /// them.
 [[nodiscard]] std::vector<Candidate> ListCandidates(const Problem& problem, const FitSetup& base);

@@ -1,11 +1,16 @@
 // The diagnosis from end to end on a problem whose answers are known by hand.
+#include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
 #include <algorithm>
 #include <atomic>
 #include <cstdio>
+#include <string>
+#include <utility>
+#include <vector>
 
 #include "identify/diagnosis/diagnosis.h"
+#include "identify/diagnosis/score/candidate.h"
 #include "identify/text/diagnosis_sentences.h"
 #include "tests/identify/diagnosis/linear_laws.h"
 
@@ -24,6 +29,40 @@ bool InStatedSet(const Diagnosis& d, const std::string& effect) {
   const auto is = [&](const auto& stated) { return stated.effect == effect; };
   return std::any_of(d.causes.begin(), d.causes.end(), is) ||
          std::any_of(d.alternatives.begin(), d.alternatives.end(), is);
+}
+
+TEST(Candidates, EffectsThatAreFixedAreNone) {
+  const LinearLaws problem({}, 1);
+  const auto effects = [&](const std::vector<std::pair<std::string, double>>& fix) {
+    FitRequest request;
+    request.fix = fix;
+    std::vector<std::string> names;
+    for (const diagnosis::Candidate& candidate :
+         diagnosis::ListCandidates(problem, MakeFitSetup(problem, request).value()))
+      names.push_back(candidate.effect);
+    return names;
+  };
+  EXPECT_THAT(effects({}), testing::IsSupersetOf({"step", "step_size(time)", "stretch", "y(u)"}));
+  const auto without = effects({{"step_size", 0.5}, {"y(u)[2]", 1}});
+  for (const char* name : {"step", "step_size(time)", "y(u)"})
+    EXPECT_THAT(without, testing::Not(testing::Contains(name)));
+  EXPECT_THAT(without, testing::Contains("twin"));
+  // One of two parameters: the other is still tried.
+  EXPECT_THAT(effects({{"width", 0.1}}), testing::Contains("stretch"));
+}
+
+TEST(Diagnose, AFixedEffectKeepsItsValue) {
+  LinearLaws::Truth truth;
+  truth.effects = {{"step_size", 1}};
+  const LinearLaws problem(truth, 5);
+  FitRequest request;
+  request.fix = {{"step_size", 0.25}};
+  const auto diagnosis = Diagnose(problem, MakeFitSetup(problem, request).value(), {});
+  ASSERT_TRUE(diagnosis) << diagnosis.error().message;
+  EXPECT_EQ(diagnosis->base_point[problem.Index("step_size")], 0.25);
+  EXPECT_EQ(diagnosis->extended_point[problem.Index("step_size")], 0.25);
+  for (const EffectScore& score : diagnosis->scores) EXPECT_NE(score.effect, "step");
+  for (const Cause& cause : diagnosis->causes) EXPECT_NE(cause.effect, "step");
 }
 
 TEST(Diagnose, FalseAlarmsHaveTheStatedRate) {

@@ -148,6 +148,25 @@ TEST(Discovery, RefitsALargeHiddenCurve) {
   }
 }
 
+// y(u) contains the straight line, which the gain describes too: a change of the gain and the opposite line
+// cancel. What the data determine is the curve for a given gain.
+TEST(Discovery, StandardErrorsOfALargeCurveAreThoseForGivenBaseParameters) {
+  const LinearLaws problem(Parabola(0.5), 3);
+  const Case one(problem, {"y(u)"});
+  ASSERT_EQ(one.found.unknown_terms.size(), 1U);
+  const UnknownFinding& found = one.found.unknown_terms[0];
+  EXPECT_EQ(found.shape.kind, ShapeKind::kQuadraticEven) << ToString(found.shape.kind);
+  EXPECT_EQ(found.inseparable_from, std::vector<std::string>{"gain"});
+  const double gain = one.found.extended_point[problem.Index("gain")];
+  for (std::size_t k = 0; k < 8; ++k) {
+    // 1000 samples with a noise of 0.1; the outer knots lie beyond nearly all of them.
+    EXPECT_GT(found.deviation[k], 0) << k;
+    EXPECT_LT(found.deviation[k], 0.2) << k;
+    const double u = found.knots[k];
+    EXPECT_NEAR(found.curve[k], 0.5 * u * u + (2 - gain) * u, 4 * found.deviation[k]) << k;
+  }
+}
+
 // In held-out trials the curve is there with the opposite sign: with it they become worse.
 TEST(Discovery, CurveThatMakesHeldOutTrialsWorseIsLeftOut) {
   for (const double size : {0.05, 0.3}) {

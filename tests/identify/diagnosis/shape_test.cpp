@@ -158,6 +158,27 @@ TEST(Shape, FlatZeroCurveIsNotSimple) {
   EXPECT_FALSE(FindShape(Even(-3, 3, 7), std::vector<double>(7, 0), {}).simple());
 }
 
+// The mean of such values differs from them by rounding, which has no shape.
+TEST(Shape, ConstantCurveHasNone) {
+  for (const double value : {0.0, 0.1, -1.0 / 3, 3.3e7, 1e-9}) {
+    for (const int n : {5, 7, 8, 24}) {
+      std::vector<double> weight(static_cast<std::size_t>(n));
+      for (int i = 0; i < n; ++i) weight[static_cast<std::size_t>(i)] = 1 + 0.37 * i;
+      const std::vector<double> curve(static_cast<std::size_t>(n), value);
+      EXPECT_EQ(FindShape(Even(-3, 3, n), curve, weight).kind, ShapeKind::kNone) << value << " " << n;
+      EXPECT_EQ(FindShape(Even(-3, 3, n), curve, {}).kind, ShapeKind::kNone) << value << " " << n;
+    }
+  }
+}
+
+// Far from zero, but no constant.
+TEST(Shape, SmallChangesOfALargeValueHaveAShape) {
+  const Shape shape =
+      FindShape(Even(-3, 3, 7), {1e6 - 3, 1e6 - 2, 1e6 - 1, 1e6, 1e6 + 1, 1e6 + 2, 1e6 + 3}, {});
+  EXPECT_EQ(shape.kind, ShapeKind::kLinear);
+  EXPECT_TRUE(shape.simple());
+}
+
 // The best of all laws explained on average 0.22, and at most 0.65, of 4000 such curves in a script with
 // numpy: 0.85 is not reached by chance.
 TEST(Shape, NoiseIsNotSimple) {

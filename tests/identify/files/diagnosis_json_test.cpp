@@ -22,7 +22,7 @@ class DiagnosisJsonTest : public testing::Test {
   [[nodiscard]] Json Parse(const Provenance& provenance = kProvenance) const {
     DiagnosisOptions options;
     options.seed = 42;
-    return Json::parse(DiagnosisJson(diagnosis_, provenance, options), nullptr, false);
+    return Json::parse(files::DiagnosisJson(diagnosis_, provenance, options), nullptr, false);
   }
   /// Names in a list of findings.
   static std::vector<std::string> Effects(const Json& list) {

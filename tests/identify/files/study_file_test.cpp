@@ -111,8 +111,8 @@ TEST(SolverSummaries, AreMediansOverTheRunsThatHaveTheNumber) {
 
 TEST_F(SolverStudy, FileAndJsonHoldTheSameNumbers) {
   const Study study = Compared({"lm"}, 2);
-  const Hdf5Node tree = StudyTree(problem_, study, kProvenance);
-  const auto json = nlohmann::json::parse(StudyJson(problem_, study, kProvenance));
+  const Hdf5Node tree = files::StudyTree(problem_, study, kProvenance);
+  const auto json = nlohmann::json::parse(files::StudyJson(problem_, study, kProvenance));
   EXPECT_EQ(json["schema"], "sinew.study/1");
   EXPECT_EQ(tree.Find("study")->Text("sinew_schema"), "study/1");
   EXPECT_EQ(json["best_cost"].get<double>(), tree.Find("study")->Number("best_cost", 0));

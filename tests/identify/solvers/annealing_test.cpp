@@ -23,8 +23,8 @@ constexpr double kSinglePrecisionConstants = 1e-10;
 constexpr double kXInDouble[2] = {0.86479306394794575, 1.2357467408709701};
 constexpr double kRounding = 1e-14;
 
-AnnealingSchedule PublishedSchedule() {
-  AnnealingSchedule schedule;
+solvers::AnnealingSchedule PublishedSchedule() {
+  solvers::AnnealingSchedule schedule;
   schedule.temperature = 5;
   schedule.cooling = 0.5;
   schedule.cycles = 20;
@@ -38,7 +38,7 @@ TEST(Annealing, ReproducesThePublishedRun) {
   const Vector start = Vector::Map(Judge::kStart, 2);
   const Vector far = Vector::Constant(2, 1e25);
   Ranmar ranmar(1, 2);
-  const AnnealingResult result = Anneal(
+  const solvers::AnnealingResult result = solvers::Anneal(
       [](const Vector& x, double& cost) {
         cost = Judge::Value(x);
         return true;
@@ -68,11 +68,11 @@ TEST(Ranmar, GivesThePublishedNumbers) {
 TEST(Annealing, RedrawsTrialsInsideTheBounds) {
   const Vector lower = Vector::Constant(1, 2);
   const Vector upper = Vector::Constant(1, 3);
-  AnnealingSchedule schedule;
+  solvers::AnnealingSchedule schedule;
   schedule.step = Vector::Constant(1, 100);  // nearly every trial is outside at first
   Ranmar ranmar(1, 2);
   long outside = 0;
-  const AnnealingResult result = Anneal(
+  const solvers::AnnealingResult result = solvers::Anneal(
       [&](const Vector& x, double& cost) {
         if (x[0] < 2 || x[0] > 3) ++outside;
         cost = x[0];
@@ -85,17 +85,17 @@ TEST(Annealing, RedrawsTrialsInsideTheBounds) {
 }
 
 TEST(SimulatedAnnealing, PublishedScheduleWhenTheBudgetAllows) {
-  const AnnealingSchedule schedule = ScheduleFor(5, 1000000000);
+  const solvers::AnnealingSchedule schedule = solvers::ScheduleFor(5, 1000000000);
   EXPECT_EQ(schedule.cycles, 20);
   EXPECT_EQ(schedule.adjustments, 100);
   EXPECT_EQ(schedule.cooling, 0.85);
-  EXPECT_EQ(ScheduleFor(30, 1000000000).adjustments, 150);
+  EXPECT_EQ(solvers::ScheduleFor(30, 1000000000).adjustments, 150);
 }
 
 TEST(SimulatedAnnealing, SmallBudgetsStillCoolDown) {
   for (const int n : {1, 2, 5, 20}) {
     for (const long budget : {1000, 5000, 100000}) {
-      const AnnealingSchedule schedule = ScheduleFor(n, budget);
+      const solvers::AnnealingSchedule schedule = solvers::ScheduleFor(n, budget);
       const double per_temperature = 1.0 * n * schedule.cycles * schedule.adjustments;
       const double fall = std::pow(schedule.cooling, static_cast<double>(budget) / per_temperature);
       EXPECT_LT(fall, 1e-5) << n << " variables, " << budget << " moves";
@@ -110,7 +110,7 @@ TEST(SimulatedAnnealing, FindsTheGlobalMinimumFromTheLocalOne) {
   Evaluator::Options options;
   options.budget.max_evaluations = 5000;
   Evaluator evaluator(fit.least_squares, options);
-  const SolverResult result = SimulatedAnnealing(1).Solve(evaluator, fit.least_squares.Start());
+  const SolverResult result = solvers::SimulatedAnnealing(1).Solve(evaluator, fit.least_squares.Start());
   // 1e-5: what is left of the temperature's fall by 1e-6 from a few hundred.
   EXPECT_NEAR(2 * result.cost, Judge::kOptimum, 1e-5);
 }
@@ -120,7 +120,7 @@ TEST(SimulatedAnnealing, ReportsTheTerminationTest) {
   Judge::MakeProblem(problem);
   const Fit fit(problem);
   Evaluator evaluator(fit.least_squares, {});
-  const SolverResult result = SimulatedAnnealing(1).Solve(evaluator, fit.least_squares.Start());
+  const SolverResult result = solvers::SimulatedAnnealing(1).Solve(evaluator, fit.least_squares.Start());
   EXPECT_EQ(result.stop.kind, Termination::kAnnealed);
   EXPECT_NE(result.stop.test.find("4 temperatures agree within"), std::string::npos) << result.stop.test;
 }

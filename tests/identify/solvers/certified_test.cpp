@@ -84,7 +84,7 @@ TEST_P(Nist, CertifiedParametersGiveTheCertifiedSum) {
 TEST_P(Nist, CeresAgreesWithTheCertifiedValues) {
   for (const int start : {0, 1}) {
     if (HasLocalMinimum(GetParam(), start)) continue;
-    const Certified certified = Compare(data_, start, CeresSolver(kCostTolerance));
+    const Certified certified = Compare(data_, start, solvers::CeresSolver(kCostTolerance));
     EXPECT_GE(certified.digits, kDigits) << "start " << start + 1 << ", " << certified.result.stop.test;
     EXPECT_NEAR(certified.sum_of_squares, 1, kCostAgreement) << "start " << start + 1;
     EXPECT_TRUE(certified.result.stop.converged()) << certified.result.stop.test;
@@ -100,7 +100,7 @@ TEST(NistScore, IsNotBelowTheStoredOne) {
   for (const std::string& name : NistNames()) {
     for (const int start : {0, 1}) {
       if (HasLocalMinimum(name, start)) continue;
-      score += Compare(ReadNist(Folder(), name).value(), start, CeresSolver(kCostTolerance)).digits;
+      score += Compare(ReadNist(Folder(), name).value(), start, solvers::CeresSolver(kCostTolerance)).digits;
     }
   }
   RecordProperty("score", std::to_string(score));
@@ -110,7 +110,7 @@ TEST(NistScore, IsNotBelowTheStoredOne) {
 TEST(NistScore, MultiStartLeavesTheLocalMinimumOfMgh17) {
   if (!std::filesystem::exists(Folder())) GTEST_SKIP() << "no folder " << Folder();
   const NistDataset data = ReadNist(Folder(), "MGH17").value();
-  EXPECT_GT(Compare(data, 0, CeresSolver(kCostTolerance)).sum_of_squares, 100);
+  EXPECT_GT(Compare(data, 0, solvers::CeresSolver(kCostTolerance)).sum_of_squares, 100);
   const auto solver = MakeSolver("multistart", {}).value();
   // The two exponentials may have changed places, so the sum is compared. 1e-6: the tolerance of the polish.
   EXPECT_NEAR(Compare(data, 0, *solver).sum_of_squares, 1, 1e-6);

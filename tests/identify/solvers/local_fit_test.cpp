@@ -33,7 +33,7 @@ class NoisyCost : public FunctionProblem {
 TEST(LocalFitTest, StopsAtTheNoiseLevelOfTheCost) {
   const auto evaluations = [](const NoisyCost& problem) {
     const Fit prepared(problem);
-    LocalFit fit(prepared.least_squares);
+    solvers::LocalFit fit(prepared.least_squares);
     const auto outcome = fit.Minimize(prepared.least_squares.Start(), -1, {0, 1e-12}, 60);
     EXPECT_TRUE(outcome.converged);
     EXPECT_NEAR(10 * outcome.x[0], 2, 0.2);

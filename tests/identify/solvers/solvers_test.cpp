@@ -65,8 +65,8 @@ TEST(Ceres, SparseTrialsGiveTheDenseAnswer) {
   const Fit sparse(sparse_problem);
   Evaluator dense_evaluator(dense.least_squares, {});
   Evaluator sparse_evaluator(sparse.least_squares, {});
-  const SolverResult a = CeresSolver(1e-14).Solve(dense_evaluator, dense.least_squares.Start());
-  const SolverResult b = CeresSolver(1e-14).Solve(sparse_evaluator, sparse.least_squares.Start());
+  const SolverResult a = solvers::CeresSolver(1e-14).Solve(dense_evaluator, dense.least_squares.Start());
+  const SolverResult b = solvers::CeresSolver(1e-14).Solve(sparse_evaluator, sparse.least_squares.Start());
   EXPECT_TRUE(a.stop.converged());
   EXPECT_TRUE(b.stop.converged());
   // Normal equations lose half of the digits of a condition of about 1e2, twice that with the square.
@@ -255,18 +255,34 @@ TEST(MultiStart, ReportsWhenTheBudgetAllowsFewerStarts) {
   Evaluator evaluator(fit.least_squares, options);
   const SolverResult result = SolveWith("multistart", fit.least_squares, evaluator);
   EXPECT_EQ(result.stages.size(), 5u);
-  EXPECT_EQ(result.stop.kind, Termination::kMaxEvaluations);
+  EXPECT_EQ(result.stop.kind, Termination::kStartsUnfinished);
   EXPECT_EQ(result.stop.test.substr(0, 17), "5 of 20 starts: 5") << result.stop.test;
+}
+
+// Starts that converge with less than their share leave a part of the budget.
+TEST(MultiStart, DoesNotReportAUsedBudgetIfSomeIsLeft) {
+  FunctionProblem problem;
+  Judge::MakeProblem(problem);
+  const Fit fit(problem);
+  Evaluator::Options options;
+  options.budget.max_evaluations = 400;
+  Evaluator evaluator(fit.least_squares, options);
+  const SolverResult result = SolveWith("multistart", fit.least_squares, evaluator);
+  ASSERT_LT(evaluator.evaluations(), 400);
+  EXPECT_EQ(result.stop.kind, Termination::kStartsUnfinished) << result.stop.test;
+  EXPECT_FALSE(result.stop.converged());
+  EXPECT_TRUE(result.stop.usable());
 }
 
 TEST(LatinHypercube, OnePointPerIntervalOfEveryVariable) {
   constexpr int kCount = 9;
   for (int k = 0; k < 3; ++k) {
     std::set<int> intervals;
-    for (const Vector& x : LatinHypercube(kCount, 3, 5)) intervals.insert(static_cast<int>(x[k] * kCount));
+    for (const Vector& x : solvers::LatinHypercube(kCount, 3, 5))
+      intervals.insert(static_cast<int>(x[k] * kCount));
     EXPECT_EQ(intervals.size(), static_cast<std::size_t>(kCount));
   }
-  EXPECT_NE(LatinHypercube(kCount, 3, 5)[0], LatinHypercube(kCount, 3, 6)[0]);
+  EXPECT_NE(solvers::LatinHypercube(kCount, 3, 5)[0], solvers::LatinHypercube(kCount, 3, 6)[0]);
 }
 
 TEST(Nlopt, GlobalSearchWithoutBudgetEnds) {

@@ -325,7 +325,7 @@ TEST(FreeBodyProblemTest, FindsTheTruthBehindNoise) {
   setup.rest = RestPoint(problem);
   setup.free = {0, 1, 2};
   const LeastSquares fit(problem, setup);
-  LocalFit search(fit);
+  solvers::LocalFit search(fit);
   const auto found = search.Minimize(fit.Start(), -1, {0, 1e-8}, 100);
   ASSERT_EQ(found.failure, "");
   const Vector point = fit.Parameters(found.x);
