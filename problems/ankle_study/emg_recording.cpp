@@ -255,7 +255,7 @@ class Study {
     for (std::size_t m = 0; m < truth_.subject.muscles.size(); ++m)
       SINEW_TRY(
           add(StudyMuscles()[static_cast<std::size_t>(truth_.subject.muscles[m].study)], run.pulling[m]));
-    // Peroneus brevis pulls as peroneus longus does, tertius as tibialis anterior.
+    // Peroneus brevis is activated as peroneus longus, tertius as tibialis anterior.
     SINEW_TRY(add(StudyMuscles()[static_cast<std::size_t>(kWithoutElectrode[0])], run.pulling[2]));
     SINEW_TRY(add(StudyMuscles()[static_cast<std::size_t>(kWithoutElectrode[1])], run.pulling[4]));
     for (std::size_t i = 0; i < fine.size(); ++i) {

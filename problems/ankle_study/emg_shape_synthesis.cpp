@@ -25,7 +25,7 @@ constexpr ExperimentSetting kEmgSettings[] = {
     {"soleus_r.amplitude_exponent", kOwn, -1, 2, "true exponent; -1: the person's own"},
     {"tib_ant_r.amplitude_exponent", kOwn, -1, 2, "true exponent; -1: the person's own"},
     {"laws", 1, 0, 1,
-     "0: neither size nor phase changes with speed, the model has no laws for it, and electrodes hear one "
+     "0: neither size nor phase changes with speed, the model has no laws for it, and electrodes record one "
      "muscle "
      "only"},
     {"train", 9, 0, 1000, "training cycles per speed"},
@@ -48,35 +48,7 @@ emg_shape:
   low_pass: {}   # [Hz] of the envelopes
 )";
 
-constexpr const char* kNmsText = R"(# How the nms problem sees the study.
-nms:
-  subject: subject.xml
-  tendon: rigid
-  joints: [ankle_angle_r]
-  parameters:
-    strength:
-      groups:
-        triceps: [lat_gas_r, med_gas_r, soleus_r]
-        peronei: [per_long_r]
-        dorsiflexors: [tib_ant_r]
-      lower: 0.2
-      upper: 4
-    shape:
-      groups:
-        plantarflexors: [lat_gas_r, med_gas_r, soleus_r, per_long_r]
-        dorsiflexors: [tib_ant_r]
-      lower: -3
-      upper: 0
-    tendon_slack_length:
-      groups:
-        triceps: [lat_gas_r, med_gas_r, soleus_r]
-        dorsiflexors: [tib_ant_r]
-      lower: 0.95
-      upper: 1.05
-      relative: true
-)";
-
-// What no effect of the problem is, to see what the diagnosis makes of it. Each has one number of its name.
+// Errors that no effect of the problem describes, as tests of the diagnosis. Each has one number of its name.
 constexpr Outsider kEmgOutsiders[] = {
     {"lost_bursts", "1", "every third cycle of the first muscle loses this share"},
     {"loose_electrode", "1", "the second muscle loses this share half-way through every recording"},
@@ -94,7 +66,8 @@ Dataset Begin(const EmgStudyTruth& truth) {
       fmt::format(kShapeText, truth.Set("laws") != 0 && truth.Set("speeds") > 1 ? "amplitude, lead" : "",
                   truth.Set("noisy") != 0 ? 6 : 0);
   if (truth.Set("moments") != 0 && truth.Set("muscles") == kEmgStudyMuscles) {
-    data.files["nms.yaml"] = kNmsText;
+    data.files["nms.yaml"] =
+        StudyNmsSettings({"How the nms problem sees the study.", "per_long_r", "tib_ant_r", "0.2", "4"});
     data.files["subject.xml"] = StudySubjectXml(EmgStudyMuscleNames());
   }
   return data;

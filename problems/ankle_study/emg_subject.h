@@ -12,7 +12,7 @@
 
 namespace sinew {
 
-constexpr int kEmgStudyMuscles = 5;  ///< with electrodes; two more pull
+constexpr int kEmgStudyMuscles = 5;  ///< with electrodes; two more are active
 constexpr int kEmgStudySpeeds = 6;
 
 /// One muscle of one person. Times are shares of a cycle, sizes of a maximal activation.
@@ -28,7 +28,7 @@ struct EmgSubjectMuscle {
   double lead = 0;      ///< beyond the person's [s]
 };
 
-/// What a person does at one speed that no law says.
+/// A person's deviation at one speed from the laws of speed.
 struct EmgHabit {
   double timing = 0;  ///< [cycle]
   std::array<double, kEmgStudyMuscles> muscle_timing{};

@@ -16,8 +16,8 @@ constexpr ExperimentSetting kNmsSettings[] = {
     {"peronei.strength", 1.2, 0.5, 1.5, "true factor on the force of peroneus longus and brevis"},
     {"dorsiflexors.strength", 1.1, 0.5, 1.5,
      "true factor on the force of tibialis anterior and peroneus tertius"},
-    {"plantarflexors.shape", -1.2, -3, 0, "true bend of gastrocnemii, soleus and peronei"},
-    {"dorsiflexors.shape", -0.8, -3, 0, "true bend of tibialis anterior and peroneus tertius"},
+    {"plantarflexors.shape", -1.2, -3, 0, "true shape factor of gastrocnemii, soleus and peronei"},
+    {"dorsiflexors.shape", -0.8, -3, 0, "true shape factor of tibialis anterior and peroneus tertius"},
     {"triceps.tendon_slack_length", 1.01, 0.95, 1.05, "true factor on the subject's"},
     {"dorsiflexors.tendon_slack_length", 0.98, 0.95, 1.05, "true factor on the subject's"},
     {"train", 4, 1, 4, "training trials: those at 120, 90, 60 and 30 deg/s, in this order"},
@@ -27,7 +27,7 @@ constexpr ExperimentSetting kNmsSettings[] = {
     {"electrodes", 1024, 0, 100000,
      "per muscle, whose envelopes are averaged; 0: excitations are the true ones"},
     {"raw", 0, 0, 1, "1: the raw EMG of one electrode per muscle is in the data too"},
-    {"known_noise", 0, 0, 1, "1: the data say how large the moment's noise is"},
+    {"known_noise", 0, 0, 1, "1: the data state the noise level of the moment"},
     {"exact", 0, 0, 1, "1: no noise, and moments of the fitted model itself"},
 };
 
@@ -37,35 +37,7 @@ constexpr StudyTrial kTrials[] = {
     {"validate_75", 75, Role::kValidate}, {"validate_45", 45, Role::kValidate},
 };
 
-constexpr const char* kSettingsText = R"(# How the nms problem sees the ankle study.
-nms:
-  subject: subject.xml
-  tendon: rigid
-  joints: [ankle_angle_r]
-  parameters:
-    strength:
-      groups:
-        triceps: [lat_gas_r, med_gas_r, soleus_r]
-        peronei: [per_long_r, per_brev_r]
-        dorsiflexors: [tib_ant_r, per_tert_r]
-      lower: 0.5
-      upper: 1.5
-    shape:
-      groups:
-        plantarflexors: [lat_gas_r, med_gas_r, soleus_r, per_long_r, per_brev_r]
-        dorsiflexors: [tib_ant_r, per_tert_r]
-      lower: -3
-      upper: 0
-    tendon_slack_length:
-      groups:
-        triceps: [lat_gas_r, med_gas_r, soleus_r]
-        dorsiflexors: [tib_ant_r, per_tert_r]
-      lower: 0.95
-      upper: 1.05
-      relative: true
-)";
-
-// What no effect of the problem is, to see what the diagnosis makes of it. Each has one number of its name.
+// Errors that no effect of the problem describes, as tests of the diagnosis. Each has one number of its name.
 constexpr Outsider kNmsOutsiders[] = {
     {"ripple", "N*m", "moment that is a sine of the angle"},
     {"tension_curve", "N*m/rad3", "moment that grows with the third power of the angle"},
@@ -122,7 +94,9 @@ Result<Dataset> Record(const StudyTruth& truth, std::uint64_t seed) {
   data.source = "sinew data synthesize nms";
   data.licence = "CC0-1.0";
   data.synthetic = true;
-  data.files["nms.yaml"] = kSettingsText;
+  data.files["nms.yaml"] =
+      StudyNmsSettings({"How the nms problem sees the ankle study.", "per_long_r, per_brev_r",
+                        "tib_ant_r, per_tert_r", "0.5", "1.5"});
   data.files["subject.xml"] = StudySubjectXml();
   std::uint64_t stream = 0;
   double train = truth.settings.at("train");

@@ -47,7 +47,7 @@ class Recording {
   }
 
  private:
-  // What the electrodes are above: other than what pulls, if an effect says so.
+  // The excitation under the electrodes: an effect can make it differ from that of the muscles.
   [[nodiscard]] std::vector<std::vector<double>> SeenExcitations() const {
     const double drift = truth_.Effect("emg_drift");
     const double gain = truth_.Effect("emg_gain@" + name_);

@@ -31,7 +31,8 @@ struct StudyTrial {
   Role role;
 };
 
-/// Simulated at 1000 frames a second with the excitations as they were; recorded as SynthesizeNms says.
+/// Simulated at 1000 frames a second with the excitations as they were; recorded as described at
+/// SynthesizeNms.
 /// @param seed of the trial's bursts and noise. Errors: no equilibrium of a tendon.
 Result<Trial> RecordStudyTrial(const StudyTruth& truth, const StudyTrial& trial, std::uint64_t seed);
 

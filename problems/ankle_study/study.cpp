@@ -176,4 +176,37 @@ std::string StudySubjectXml(const std::vector<std::string>& muscles) {
   return text;
 }
 
+std::string StudyNmsSettings(const StudyNmsChoice& choice) {
+  constexpr const char* kText = R"(# {comment}
+nms:
+  subject: subject.xml
+  tendon: rigid
+  joints: [ankle_angle_r]
+  parameters:
+    strength:
+      groups:
+        triceps: [lat_gas_r, med_gas_r, soleus_r]
+        peronei: [{peronei}]
+        dorsiflexors: [{dorsiflexors}]
+      lower: {lower}
+      upper: {upper}
+    shape:
+      groups:
+        plantarflexors: [lat_gas_r, med_gas_r, soleus_r, {peronei}]
+        dorsiflexors: [{dorsiflexors}]
+      lower: -3
+      upper: 0
+    tendon_slack_length:
+      groups:
+        triceps: [lat_gas_r, med_gas_r, soleus_r]
+        dorsiflexors: [{dorsiflexors}]
+      lower: 0.95
+      upper: 1.05
+      relative: true
+)";
+  return fmt::format(kText, fmt::arg("comment", choice.comment), fmt::arg("peronei", choice.peronei),
+                     fmt::arg("dorsiflexors", choice.dorsiflexors), fmt::arg("lower", choice.lower),
+                     fmt::arg("upper", choice.upper));
+}
+
 }  // namespace sinew

@@ -18,7 +18,7 @@ namespace sinew {
 constexpr const char* kStudyJoint = "ankle_angle_r";
 constexpr int kStudyMuscles = 7;
 
-/// What a generic subject says of a muscle, how its unit lies about the joint, and when it pulls.
+/// A muscle of a generic subject: its parameters, its path about the joint, and when it is active.
 struct StudyMuscle {
   const char* name;
   double isometric_force;     ///< [N]
@@ -72,5 +72,16 @@ constexpr double kStudyRate = 100;       ///< [Hz] of what is recorded of motion
 
 /// The generic subject as CEINMS writes it. @param muscles names, in the order of StudyMuscles; empty: all
 [[nodiscard]] std::string StudySubjectXml(const std::vector<std::string>& muscles = {});
+
+/// What differs between the settings of the nms problem in two data sets of the study.
+struct StudyNmsChoice {
+  const char* comment;       ///< the first line
+  const char* peronei;       ///< muscles, separated by commas
+  const char* dorsiflexors;  ///< the same
+  const char* lower;         ///< bounds of the factors on strength
+  const char* upper;
+};
+/// nms.yaml: strengths, shapes and tendon slack lengths of groups of muscles.
+[[nodiscard]] std::string StudyNmsSettings(const StudyNmsChoice& choice);
 
 }  // namespace sinew
