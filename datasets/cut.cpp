@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <iterator>
 
 #include "base/text.h"
 
@@ -77,6 +78,25 @@ Status CutTrial(Dataset& dataset, const TrialWindow& window) {
     part.grids.emplace(name, Slice(grid, kept.first, kept.last));
   }
   dataset.trials.emplace(window.name, std::move(part));
+  return {};
+}
+
+Status KeepPlates(Trial& trial, const std::vector<std::string>& plates) {
+  for (const std::string& plate : plates) {
+    if (!trial.Find(plate + "_force_y")) return Fail("has no channel {}_force_y", plate);
+  }
+  const auto is_plate = [](const std::string& channel) {
+    return channel.find("_force_") != std::string::npos || channel.find("_cop_") != std::string::npos ||
+           channel.find("_moment_") != std::string::npos;
+  };
+  const auto is_wanted = [&](const std::string& channel) {
+    return std::any_of(plates.begin(), plates.end(),
+                       [&](const std::string& plate) { return channel.rfind(plate + "_", 0) == 0; });
+  };
+  for (auto& [name, grid] : trial.grids) {
+    for (auto it = grid.channels.begin(); it != grid.channels.end();)
+      it = is_plate(it->first) && !is_wanted(it->first) ? grid.channels.erase(it) : std::next(it);
+  }
   return {};
 }
 

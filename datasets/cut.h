@@ -3,6 +3,7 @@
 
 #include <optional>
 #include <string>
+#include <vector>
 
 #include "base/error.h"
 #include "datasets/dataset.h"
@@ -27,5 +28,9 @@ struct TrialWindow {
 /// no such trial; the new name is taken; the window is empty, or a grid has no sample in it (the message
 /// states the range that there is). The dataset is then unchanged.
 Status CutTrial(Dataset& dataset, const TrialWindow& window);
+
+/// Drops the force plate channels (PLATE_force_*, PLATE_cop_*, PLATE_moment_*) of all plates but these: a
+/// stance belongs to one plate. Errors: the trial has no channel PLATE_force_y; it is then unchanged.
+Status KeepPlates(Trial& trial, const std::vector<std::string>& plates);
 
 }  // namespace sinew

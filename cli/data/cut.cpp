@@ -1,8 +1,6 @@
 // sinew data cut and drop: stances out of a recording.
 #include "datasets/cut.h"
 
-#include <algorithm>
-
 #include "base/numbers.h"
 #include "base/text.h"
 #include "cli/command_files.h"
@@ -24,23 +22,6 @@ struct CutWords {
   std::string json;
 };
 
-// Drops the measured channels of grids that hold none of the wanted prefixes' forces: a stance belongs to one
-// plate.
-void KeepPlates(Trial& trial, const std::vector<std::string>& plates) {
-  for (auto& [name, grid] : trial.grids) {
-    const auto is_plate = [](const std::string& channel) {
-      return channel.find("_force_") != std::string::npos || channel.find("_cop_") != std::string::npos ||
-             channel.find("_moment_") != std::string::npos;
-    };
-    for (auto it = grid.channels.begin(); it != grid.channels.end();) {
-      const bool wanted = std::any_of(plates.begin(), plates.end(), [&](const std::string& plate) {
-        return it->first.rfind(plate + "_", 0) == 0;
-      });
-      it = is_plate(it->first) && !wanted ? grid.channels.erase(it) : std::next(it);
-    }
-  }
-}
-
 Result<int> Cut(const CutWords& words) {
   SINEW_TRY(CheckInPlace(words.path, "", {}, words.json));
   SINEW_ASSIGN(Dataset data, ReadDataset(words.path));
@@ -58,12 +39,8 @@ Result<int> Cut(const CutWords& words) {
   const Status cut = CutTrial(data, window);
   if (!cut) return Fail("{}: {}", words.path, cut.error().message);
   if (!words.only.empty()) {
-    for (const std::string& plate : words.only) {
-      if (!data.trials[words.as].Find(plate + "_force_y")) {
-        return Fail("--plate {}: trial '{}' has no channel {}_force_y", plate, words.trial, plate);
-      }
-    }
-    KeepPlates(data.trials[words.as], words.only);
+    const Status kept = KeepPlates(data.trials[words.as], words.only);
+    if (!kept) return Fail("--plate: trial '{}' {}", words.trial, kept.error().message);
   }
   SINEW_TRY(WriteDataset(words.path, data));
   SINEW_TRY(Report(
@@ -91,7 +68,7 @@ Result<int> Drop(const std::string& path, const std::string& trial, const std::s
 
 void AddCutCommand(Command data, const RunAction& run) {
   auto words = std::make_shared<CutWords>();
-  Command command = data.AddCommand("cut", "A window of a trial becomes a trial of its own");
+  Command command = data.AddCommand("cut", "Copy a window of a trial into a new trial");
   command.Add("file", words->path).Required().Shows("F.h5");
   command.Add("--trial", words->trial, "Trial to cut from").Required();
   command.Add("--window", words->window, "In seconds").Required().Shows("FROM:TO");

@@ -74,5 +74,18 @@ TEST(CutTrial, BadWindowsAreErrorsAndChangeNothing) {
   }
 }
 
+TEST(KeepPlates, DropsTheChannelsOfOtherPlatesOnly) {
+  Trial trial;
+  for (const char* name :
+       {"right_force_y", "right_cop_x", "left_force_y", "left_cop_x", "left_moment_y", "knee"})
+    trial.grids["forces"].channels[name] = {};
+  EXPECT_EQ(ErrorOf(KeepPlates(trial, {"right", "middle"})), "has no channel middle_force_y");
+  EXPECT_EQ(trial.grids["forces"].channels.size(), 6U);
+  ASSERT_EQ(ErrorOf(KeepPlates(trial, {"right"})), "");
+  std::vector<std::string> left;
+  for (const auto& [name, channel] : trial.grids["forces"].channels) left.push_back(name);
+  EXPECT_THAT(left, ElementsAre("knee", "right_cop_x", "right_force_y"));
+}
+
 }  // namespace
 }  // namespace sinew
