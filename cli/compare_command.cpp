@@ -97,7 +97,7 @@ void AddCompareCommand(Command app, const RunAction& run) {
   command.Add("--solvers", words->solvers, "Solvers and chains").Required().Split(',').Shows("A,B,C");
   command
       .Add("--repeats", words->repeats,
-           "Runs per solver; the first starts where the problem says, the others at random")
+           "Runs per solver; the first starts at the problem's start values, the others at random")
       .Between(1, 100000)
       .ShowsDefault();
   command.Add("--target", words->target, "Cost that counts as success; default: within 1 % of the best found")

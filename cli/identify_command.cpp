@@ -136,7 +136,7 @@ Result<int> RunIdentify(const IdentifyWords& words) {
     if (!saved && !unsaved_noted) {
       line.Clear();
       std::fputs(
-          Wrapped("warning: this run goes on without being saved: " + saved.error().message, 0).c_str(),
+          Wrapped("warning: this run continues without checkpoints: " + saved.error().message, 0).c_str(),
           stderr);
     }
     unsaved_noted = !saved;
@@ -172,7 +172,7 @@ void AddIdentifyCommand(Command app, const RunAction& run) {
   command.Add("--solver", words->solver, "One of `sinew list solvers`, or a chain a+b")
       .ShowsDefault()
       .Shows("S");
-  command.AddFlag("--resume", words->resume, "Go on with an interrupted run file to the same answer");
+  command.AddFlag("--resume", words->resume, "Continue an interrupted run; the result is the same");
   command
       .Add("--intervals", words->intervals,
            "How 95 % intervals are found: profile likelihood, or from the curvature alone (much faster)")

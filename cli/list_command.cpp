@@ -102,7 +102,7 @@ std::string DescribeEffects(const Problem& problem) {
     text += Wrapped(effect.description, 2);
     text += Wrapped("null: " + Nulls(problem, effect), 2);
     if (!effect.revealing_experiment.empty())
-      text += Wrapped("exposed by: " + effect.revealing_experiment, 2);
+      text += Wrapped("revealed by: " + effect.revealing_experiment, 2);
   }
   if (!of_one_trial.empty()) text += Wrapped("Of one trial alone: " + of_one_trial, 0);
   std::vector<std::string> terms;
@@ -142,7 +142,7 @@ Result<BoundProblem> BindFor(const Program& program, const ProblemEntry& entry, 
 
 std::string ListEffects(const Program& program, const ProblemEntry& entry, const Problem& problem) {
   return DescribeEffects(problem) + "`" + program.name + " identify " + entry.name +
-         " --release EFFECT` fits one; `" + program.name + " diagnose` asks which are needed.\n";
+         " --release EFFECT` fits one; `" + program.name + " diagnose` tests which are needed.\n";
 }
 
 // What a class of a user's own compares.

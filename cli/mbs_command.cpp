@@ -116,9 +116,9 @@ std::string Describe(const std::vector<Outcome>& outcomes) {
                       first ? Readable(o.run.seconds / SimulatedSeconds(o), 2) : ""});
     }
     if (o.run.energy_drift > kEnergyKept * o.run.kinetic_energy) {
-      notes +=
-          fmt::format("{}  does not keep its energy: {} J of {} J are lost or won; ask for more accuracy\n",
-                      o.mechanism.name, Readable(o.run.energy_drift), Readable(o.run.kinetic_energy));
+      notes += fmt::format(
+          "{}  does not conserve energy: {} J of {} J are lost or gained; use a higher accuracy\n",
+          o.mechanism.name, Readable(o.run.energy_drift), Readable(o.run.kinetic_energy));
     }
     notes += fmt::format("{}  {}; {} of {}; reference: {}\n", o.mechanism.name, o.mechanism.title,
                          Join(o.mechanism.coordinates, ", "), o.mechanism.point, o.reference.source);
@@ -191,13 +191,13 @@ Result<int> RunMbs(const Program& program, const MbsWords& words) {
 
 void AddMbsCommand(Command app, const RunAction& run) {
   auto words = std::make_shared<MbsWords>();
-  Command command = app.AddCommand("mbs", "The simulator against five mechanisms whose motion is known");
+  Command command = app.AddCommand("mbs", "Test the simulator on five mechanisms with a known motion");
   command.Add("mechanism", words->which, "A01 .. A05, A03-IVP or all").ShowsDefault();
   command.Add("--integrator", words->integrator, "One of 'sinew list integrators'");
   command.Add("--accuracy", words->accuracy, "Relative error per step, 1e-14 .. 0.1; default 1e-9");
   command.Add("--formulation", words->formulation, "Of a mechanism that has several (docs/mbs.md)");
   command.Add("--max-seconds", words->longest_seconds,
-              "CPU time after which a mechanism is given up; default 600");
+              "CPU time after which a mechanism is stopped; default 600");
   command
       .Add("--reference", words->reference,
            "Folder with NAME_reference_COORDINATE.csv instead of what is built in")

@@ -41,18 +41,18 @@ void PrintExcitations(const ExcitationMode& mode, bool table) {
                     fmt::format("{:.4g}", found.objective.mean()), fmt::format("{:.2g}", found.gap.mean())});
     const auto without = static_cast<int>(found.time.size()) - found.followed;
     if (without > 0)
-      notes.push_back(fmt::format("trial '{}': {} frames have no moment to follow", found.trial, without));
+      notes.push_back(fmt::format("trial '{}': {} frames have no measured moment", found.trial, without));
     for (std::size_t m = 0; m < found.slack.size(); ++m) {
       if (found.slack[m] == 0) continue;
       notes.push_back(
-          fmt::format("trial '{}', {}: in {} of {} frames its tendon hangs slack and no excitation moves its "
+          fmt::format("trial '{}', {}: in {} of {} frames its tendon is slack and no excitation changes its "
                       "force within a "
                       "frame, so it is not found in time; a rigid tendon does not have that",
                       found.trial, mode.muscles()[m], found.slack[m], found.time.size()));
     }
     if (found.unsettled > 0)
       notes.push_back(
-          fmt::format("trial '{}': the search did not settle in {} frames", found.trial, found.unsettled));
+          fmt::format("trial '{}': the search did not converge in {} frames", found.trial, found.unsettled));
   }
   const ExcitationWeights& weights = mode.mode().weights;
   if (table) {

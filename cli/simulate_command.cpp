@@ -242,7 +242,7 @@ void AddSimulateCommand(Command app, const RunAction& run) {
   auto words = std::make_shared<SimulateWords>();
   Command command = app.AddCommand("simulate", "Predict every channel at given parameters");
   words->binding.AddTo(command);
-  command.Add("--set", words->set, "Parameters; all others rest at their start")
+  command.Add("--set", words->set, "Parameters; all others have their start values, effects their null")
       .Split(',')
       .Shows("NAME=VALUE");
   command.Add("--from", words->from, "Parameters of a run file").Shows("RUN.h5");

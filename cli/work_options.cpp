@@ -19,7 +19,7 @@ int WorkOptions::MachineCores() {
 }
 
 void WorkOptions::AddSeedTo(Command command) {
-  command.Add("--seed", seed, "Seed of everything random")
+  command.Add("--seed", seed, "Seed of the random numbers")
       .Between(std::uint64_t{0}, kMaxSeed, "SEED")
       .ShowsDefault();
 }
@@ -41,7 +41,7 @@ std::shared_ptr<void> WorkOptions::LimitThreads() const {
 }
 
 void AddJsonTo(Command command, std::string& json) {
-  command.Add("--json", json, "Result for machines; - for standard output").NotEmpty().Shows("FILE|-");
+  command.Add("--json", json, "Result as JSON; - for standard output").NotEmpty().Shows("FILE|-");
 }
 
 }  // namespace sinew

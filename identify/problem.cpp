@@ -36,7 +36,7 @@ const std::vector<FitStep>& Problem::steps() const {
   return kNone;
 }
 
-std::vector<std::string> Problem::WarningsAt(const Vector& /*parameters*/) const {
+std::vector<Warning> Problem::WarningsAt(const Vector& /*parameters*/) const {
   return {};
 }
 

@@ -13,6 +13,7 @@
 #include "identify/fit_step.h"
 #include "identify/layout.h"
 #include "identify/parameter.h"
+#include "identify/warning.h"
 
 namespace sinew {
 
@@ -122,9 +123,10 @@ class Problem {
   /// parameters [P] to the details of a run file. Default: nothing.
   virtual Status WriteDetails(const Vector& parameters, Hdf5Node& details) const;
 
-  /// Warnings about the model at these parameters [P], one sentence each, such as a muscle outside its
-  /// working range. Default: none.
-  [[nodiscard]] virtual std::vector<std::string> WarningsAt(const Vector& parameters) const;
+  /// Warnings about the model at these parameters [P], such as a muscle outside its working range: kind
+  /// kOther, one sentence in `message`; `names` and `numbers`, of equal length or empty, state its facts for
+  /// scripts. Default: none.
+  [[nodiscard]] virtual std::vector<Warning> WarningsAt(const Vector& parameters) const;
 
   /// A signal that the residual of a block may depend on, besides time: a measured channel or an input of its
   /// trial, at the block's samples.

@@ -26,7 +26,7 @@ class RoleView final : public Problem {
   [[nodiscard]] std::unique_ptr<Workspace> NewWorkspace() const override { return inner_.NewWorkspace(); }
   [[nodiscard]] double cost_noise_level() const override { return inner_.cost_noise_level(); }
   [[nodiscard]] std::string objective() const override { return inner_.objective(); }
-  [[nodiscard]] std::vector<std::string> WarningsAt(const Vector& parameters) const override {
+  [[nodiscard]] std::vector<Warning> WarningsAt(const Vector& parameters) const override {
     return inner_.WarningsAt(parameters);
   }
   [[nodiscard]] std::vector<Signal> ResidualCovariates(int block) const override {

@@ -71,7 +71,7 @@ Result<BoundProblem> Bind(const Dataset& data, const YamlReader& settings, bool 
 }  // namespace own_model
 
 /// A user's class in a list of problems. @param description one line for `list problems`
-/// It has no synthetic experiment of its own: `data synthesize` refuses it, and `list parameters` asks for
+/// It has no synthetic experiment: `data synthesize` is an error, and `list parameters` needs
 /// data.
 template <class P>
 ProblemEntry ModelEntry(std::string name, std::string description = "a model of one's own") {

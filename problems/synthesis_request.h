@@ -1,4 +1,4 @@
-// What `sinew data synthesize` asks a problem's laboratory for.
+// A request of `sinew data synthesize` to a problem's laboratory.
 #pragma once
 
 #include <cstdint>

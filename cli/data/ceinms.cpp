@@ -64,7 +64,7 @@ Result<int> WriteSubject(const SubjectWords& words) {
 void AddCeinmsCommand(Command data, const RunAction& run) {
   auto words = std::make_shared<ProjectWords>();
   Command command =
-      data.AddCommand("ceinms", "A CEINMS or CEINMS-RT project becomes a data set (docs/nms.md)");
+      data.AddCommand("ceinms", "Convert a CEINMS or CEINMS-RT project to a data set (docs/nms.md)");
   command
       .Add("setup", words->setup,
            "Setup of a CEINMS calibration or execution, or CEINMS-RT's calibration (<simulatedAnnealing>)")

@@ -98,7 +98,7 @@ Result<int> MakeEnvelope(const EnvelopeWords& words) {
 
 void AddEnvelopeCommand(Command data, const RunAction& run) {
   auto words = std::make_shared<EnvelopeWords>();
-  Command command = data.AddCommand("envelope", "Raw EMG becomes excitations (docs/envelopes.md)");
+  Command command = data.AddCommand("envelope", "Compute excitations from raw EMG (docs/envelopes.md)");
   command.Add("file", words->path).Required().Shows("F.h5");
   command.Add("--out", words->out, "Data set to write; default: F.h5 itself").NotEmpty().Shows("G.h5");
   command

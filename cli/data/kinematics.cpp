@@ -25,7 +25,7 @@ std::string Describe(const KinematicsFit& fit) {
   std::string text = fmt::format("{}: {} frames, {} markers: {} mm RMS, {} mm at most", fit.trial, fit.frames,
                                  fit.markers, Readable(1e3 * fit.rms_m), Readable(1e3 * fit.max_m));
   if (!fit.unmatched.empty()) text += "\n  not in the model, left out: " + Join(fit.unmatched, ", ");
-  if (!fit.undetermined.empty()) text += "\n  no marker moves with: " + Join(fit.undetermined, ", ");
+  if (!fit.undetermined.empty()) text += "\n  not determined by any marker: " + Join(fit.undetermined, ", ");
   if (fit.unconverged > 0) text += fmt::format("\n  {} frames did not converge", fit.unconverged);
   return text + "\n";
 }
@@ -81,8 +81,7 @@ Result<int> Kinematics(const KinematicsWords& words) {
 
 void AddKinematicsCommand(Command data, const RunAction& run) {
   auto words = std::make_shared<KinematicsWords>();
-  Command command =
-      data.AddCommand("kinematics", "Inverse kinematics: markers become coordinates of a model");
+  Command command = data.AddCommand("kinematics", "Inverse kinematics: coordinates of a model from markers");
   command.Add("file", words->path).Required().Shows("F.h5");
   command.Add("--model", words->model, "OpenSim model; default: model.osim inside the data set")
       .Shows("M.osim");

@@ -39,7 +39,7 @@ Result<int> Synthesize(const SynthesizeWords& words) {
   const auto limit = words.work.LimitThreads();
   SINEW_ASSIGN(const ProblemEntry* entry, FindProblem(words.program->problems, words.problem));
   if (entry->synthesize == nullptr)
-    return Fail("data synthesize: the problem '{}' has no laboratory of its own", entry->name);
+    return Fail("data synthesize: the problem '{}' has no synthetic experiment", entry->name);
   SINEW_TRY(CheckFiles({{}, {words.out}, words.json}));
   SynthesisRequest request;
   request.seed = words.work.seed;

@@ -104,7 +104,7 @@ Result<NamedGrid> GridMaker::FromStorage(const std::string& path) {
   if (content == StorageContent::kForces) NoteUnnamedPlates(path, plates, storage.names);
   if (content == StorageContent::kOther && storage.in_degrees.value_or(false)) {
     notes_.push_back(fmt::format(
-        "{}: says inDegrees=yes, but its columns are no coordinates; they were not converted", path));
+        "{}: has inDegrees=yes, but its columns are no coordinates; they were not converted", path));
   }
 
   NamedGrid made{GridName(content, path), {storage.time, {}}};
@@ -119,9 +119,8 @@ Result<NamedGrid> GridMaker::FromStorage(const std::string& path) {
     SINEW_TRY(AddColumn(path, column, meaning, storage.columns[i], made.grid));
   }
   if (!without_unit_.empty()) {
-    notes_.push_back(
-        fmt::format("{}: does not say the unit of {}; stored as they are with unit 1 (a map can give it)",
-                    path, Listed(without_unit_)));
+    notes_.push_back(fmt::format("{}: has no unit for {}; stored as they are with unit 1 (a map can give it)",
+                                 path, Listed(without_unit_)));
   }
   return made;
 }
@@ -246,7 +245,7 @@ Result<NamedGrid> GridMaker::FromCsv(const std::string& path) {
   std::vector<std::string> left_out;
   for (const CsvColumn& column : table.columns) left_out.push_back(column.name);
   if (!options_.map) {
-    return Fail("{}: needs a map that says what its columns mean (they are {})", path, Listed(left_out));
+    return Fail("{}: needs a map that assigns its columns to channels (they are {})", path, Listed(left_out));
   }
   const ImportMap& map = *options_.map;
   if (!map.time) return Fail("{}: has no time, expected for example time: {{column: t, unit: s}}", map.file);
@@ -262,7 +261,7 @@ Result<NamedGrid> GridMaker::FromCsv(const std::string& path) {
   for (const auto& [name, mapped] : map.channels) {
     if (!mapped.unit) {
       return FailAt(map.file, mapped.line,
-                    "channel '{}' has no unit; a .csv does not say it (1 if there is none)", name);
+                    "channel '{}' has no unit; a .csv does not contain it (1 if there is none)", name);
     }
     SINEW_ASSIGN(const CsvColumn* column, FindColumn(path, table, mapped.column, mapped.line));
     SINEW_TRY(AddChannel(path, name, MakeMappedChannel(Refine({name, "1"}, mapped), mapped, column->values),

@@ -201,7 +201,7 @@ class TrcParser {
     constexpr double kSameRate = 0.01;
     if (std::abs(rate / trc_.data_rate_Hz - 1) > kSameRate) {
       trc_.notes.push_back(
-          fmt::format("{}: DataRate says {:.6g} Hz, the times say {:.6g} Hz; the times were kept", file_,
+          fmt::format("{}: DataRate is {:.6g} Hz, but the times have {:.6g} Hz; the times were kept", file_,
                       trc_.data_rate_Hz, rate));
     }
     return {};

@@ -186,8 +186,8 @@ class DiagnosisRun {
     Assess(problem_.layout(), extended);
     for (const Concentration& found : FindConcentrations(problem_.layout(), extended.values))
       out_.warnings.push_back(ToWarning(found));
-    for (std::string& remark : problem_.WarningsAt(out_.extended_point))
-      out_.warnings.push_back({WarningKind::kOther, {}, {}, std::move(remark)});
+    for (Warning& warning : problem_.WarningsAt(out_.extended_point))
+      out_.warnings.push_back(std::move(warning));
     out_.base_fit = base.pooled;
     out_.extended_fit = extended.pooled;
     for (std::size_t b = 0; b < problem_.layout().size(); ++b) {

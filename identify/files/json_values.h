@@ -23,7 +23,7 @@ inline Json ResultHead(const std::string& schema, const Provenance& provenance) 
   return {{"schema", schema}, {"problem", provenance.problem}, {"data", provenance.data_file}};
 }
 
-/// What each sentence tells, and about what.
+/// Kind and subject of each sentence.
 inline Json FromSentences(const std::vector<text::Sentence>& sentences) {
   Json json = Json::array();
   for (const text::Sentence& sentence : sentences)

@@ -11,7 +11,7 @@
 
 namespace sinew::files {
 
-/// Attributes of /run that say where its answer came from, and /run/config.
+/// Attributes of /run that state the origin of its answer, and /run/config.
 void WriteProvenance(const Provenance& provenance, const std::string& solver, std::uint64_t seed,
                      Hdf5Node& run);
 

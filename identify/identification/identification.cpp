@@ -46,8 +46,7 @@ Result<Identification> Identify(const Problem& problem, FitSetup setup, Identifi
   }
   for (const Concentration& found : FindConcentrations(problem.layout(), out.prediction.values))
     out.warnings.push_back(ToWarning(found));
-  for (std::string& remark : problem.WarningsAt(out.parameters))
-    out.warnings.push_back({WarningKind::kOther, {}, {}, std::move(remark)});
+  for (Warning& warning : problem.WarningsAt(out.parameters)) out.warnings.push_back(std::move(warning));
   out.pooled_fit = out.prediction.pooled;
   return out;
 }

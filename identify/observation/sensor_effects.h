@@ -46,7 +46,7 @@ class SensorEffects final : public Problem {
   [[nodiscard]] const std::vector<DiscrepancyPort>& ports() const override { return ports_; }
   [[nodiscard]] const std::vector<Constraint>& constraints() const override { return constraints_; }
   [[nodiscard]] const std::vector<FitStep>& steps() const override { return inner_->steps(); }
-  [[nodiscard]] std::vector<std::string> WarningsAt(const Vector& parameters) const override {
+  [[nodiscard]] std::vector<Warning> WarningsAt(const Vector& parameters) const override {
     return inner_->WarningsAt(parameters.head(inner_parameters_));
   }
   [[nodiscard]] std::unique_ptr<Workspace> NewWorkspace() const override;

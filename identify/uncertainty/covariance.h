@@ -1,5 +1,5 @@
-// Covariance of the estimates: the plain one, which believes that residuals are independent, and one that
-// does not.
+// Covariance of the estimates: the plain one, for independent residuals, and one that
+// is valid for autocorrelated ones.
 #pragma once
 
 #include <vector>

@@ -17,7 +17,7 @@ constexpr double kNamedLoading = 0.1;
 constexpr double kShownChange = 0.1;
 constexpr double kNaN = std::numeric_limits<double>::quiet_NaN();
 
-/// What a relative change can be told of: sign and size cannot vanish.
+/// A quantity with relative changes: neither its sign nor its size can vanish.
 bool IsRatioQuantity(const Parameter& parameter, double value) {
   return value != 0 && (parameter.lower >= 0 || parameter.upper <= 0);
 }

@@ -1,5 +1,5 @@
-// What the Jacobian says about the findings once everything that nuisance values can take up is projected
-// out: directions, rank and the inverse of the normal matrix.
+// Information of the Jacobian about the reported parameters, after the columns of nuisance values are
+// projected out: directions, rank and the inverse of the normal matrix.
 #pragma once
 
 #include <vector>

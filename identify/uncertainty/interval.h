@@ -12,7 +12,7 @@ namespace sinew::uncertainty {
 [[nodiscard]] Interval MakeInterval(const LeastSquares& problem, const Vector& x, int variable,
                                     double lower_x, double upper_x);
 
-/// x +- half_width; infinite half-widths are welcome.
+/// x +- half_width, which may be infinite.
 [[nodiscard]] Interval LinearInterval(const LeastSquares& problem, const Vector& x, int variable,
                                       double half_width);
 

@@ -10,7 +10,7 @@
 
 namespace sinew::uncertainty {
 
-/// How a free variable stands at the solution.
+/// Status of a free variable at the solution.
 enum class VariableStatus {
   kInside,        ///< within its bounds, and some fitted channel depends on it
   kAtLower,       ///< on its lower bound, with the cost falling beyond it; held in the linear analysis
@@ -55,7 +55,7 @@ Result<Linearization> Linearize(const LeastSquares& problem, const Vector& x);
 [[nodiscard]] std::vector<std::string> FittedChannels(const LeastSquares& problem);
 
 /// True if no fitted channel changes when the variable is moved to several places of its range and all others
-/// stay: then "over the whole range" may be said. Points without a prediction are passed over.
+/// stay: then it has no effect over its whole range. Points without a prediction are skipped.
 [[nodiscard]] bool IsWithoutEffectEverywhere(const LeastSquares& problem, const Linearization& at,
                                              int variable);
 

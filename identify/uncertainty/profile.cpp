@@ -14,7 +14,7 @@ namespace sinew::uncertainty {
 namespace {
 
 // Ends are found to this share of their distance, far below what a 95 % interval is worth, or as closely as
-// the grain of the cost allows.
+// the noise level of the cost allows.
 constexpr double kEndTolerance = 2e-3;
 // Refits stop when the next step would change the rise by this share; half of it is the error of the end.
 constexpr double kRefitTolerance = 1e-3;

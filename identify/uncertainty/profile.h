@@ -57,7 +57,7 @@ struct ProfileOptions {
 
 /// Both ends of every request, by the roots of sqrt(rise so far / rise) = 1, which is linear for a linear
 /// model: bracket, then Illinois steps (Dowell, Jarratt 1971). Every point refits all other variables,
-/// nuisance included. A point without a prediction counts as a rise without end; if the end then lies at such
+/// nuisance included. A point without a prediction counts as an infinite rise; if the end then lies at such
 /// a place, that is its failure. The answer does not depend on the number of threads.
 /// @param minimum [n] @param cost there (of solvers::LocalFit) @param evaluations is added to.
 [[nodiscard]] std::vector<Profile> ProfileIntervals(const LeastSquares& problem, const Vector& minimum,

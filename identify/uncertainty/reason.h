@@ -14,7 +14,7 @@ struct ParameterChange {
   std::string parameter;
   std::string unit;
   double change = 0;    ///< [unit]
-  double relative = 0;  ///< of its value; NaN where its sign may change, so that no ratio can be told
+  double relative = 0;  ///< to its value; NaN where its sign may change, so that there is no ratio
 };
 
 /// A combination of parameters that the data leave open, as an example of a change along it. The first
@@ -32,7 +32,7 @@ enum class ReasonKind {
   kNoResponseHere,        ///< no fitted channel changes with it near the answer; elsewhere some do
   kCompensated,           ///< nuisance parameters can compensate all that it changes
   kCombination,           ///< only a combination with `partners` is determined
-  kFlatCost,              ///< the cost rises more slowly away from the answer than its curvature says
+  kFlatCost,              ///< the cost rises more slowly away from the answer than its curvature predicts
   kDependentResiduals,    ///< the residuals are not independent
   kWeakExcitation,        ///< it changes too little even if all other values were known
   kPartiallyCompensated,  ///< nuisance parameters can compensate nearly all that it changes
@@ -72,7 +72,7 @@ enum class AdditionKind { kChannel, kTrial, kKnownValue };
 /// Something that could be measured, fitted or known as well.
 struct AdditionName {
   AdditionKind kind = AdditionKind::kChannel;
-  std::string name;  ///< of the channel to measure, the trial to fit, the parameter to know
+  std::string name;  ///< of the channel to measure, the trial to fit, or the parameter to determine otherwise
 
   friend bool operator==(const AdditionName& a, const AdditionName& b) {
     return a.kind == b.kind && a.name == b.name;

@@ -29,7 +29,7 @@ constexpr long kPolishEvaluations = 100;
 constexpr double kPolishTolerance = 1e-12;
 // A gain of the local search that is worth a note, on the same scale: a tenth of a standard error is 0.01.
 constexpr double kNotedGain = 0.01;
-// Ratio of robust to plain error from which a reader is told.
+// Ratio of robust to plain error from which there is a note.
 constexpr double kNotedRatio = 1.5;
 
 /// What is found about one variable, in the unit box.

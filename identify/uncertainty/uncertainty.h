@@ -4,7 +4,7 @@
 // Assumed: residuals of one channel have one standard deviation, which is Block::sigma where stated and else
 // estimated per channel (noise.h). The estimate is the minimum of the cost as it was fitted, with the weights
 // of the blocks; its covariance allows for weights that are not one over the noise (covariance.h). The linear
-// parts hold at the minimum that a local search finds from the solution; `minimum` says where.
+// parts hold at the minimum that a local search finds from the solution; see `minimum`.
 #pragma once
 
 #include <atomic>
@@ -24,7 +24,7 @@ namespace sinew {
 /// How a 95 % interval was found.
 enum class IntervalKind {
   kProfile,  ///< profile likelihood
-  kLinear,   ///< estimate +- quantile times error, in the parameter's scale; the reason says why no profile
+  kLinear,   ///< estimate +- quantile times error, in the parameter's scale; Reason::no_profile is why
   kNone      ///< the data determine nothing: the interval is the whole range
 };
 
@@ -60,15 +60,15 @@ struct Uncertainty {
   double residual_scale = 0;                     ///< standard deviation of the weighted residuals
   double degrees_of_freedom = 0;                 ///< of the estimated noise; infinite if all levels are known
   Vector minimum;              ///< [P] parameters at the minimum that the intervals are about
-  std::vector<Warning> notes;  ///< what a reader of the intervals must know
+  std::vector<Warning> notes;  ///< what limits the intervals
   long evaluations = 0;        ///< of the local search and the profiles
 };
 
 struct UncertaintyOptions {
   bool profile = true;
   int threads = 1;
-  long max_profile_evaluations = 2000;           ///< then the remaining intervals are linear, and say so
-  const std::atomic<bool>* interrupt = nullptr;  ///< the remaining intervals are linear, and say so
+  long max_profile_evaluations = 2000;           ///< then the remaining intervals are linear (and marked)
+  const std::atomic<bool>* interrupt = nullptr;  ///< the remaining intervals are linear (and marked)
 };
 
 /// Analyses the solution x [n, within 0..1] of a fit.

@@ -5,11 +5,9 @@
 
 namespace sinew {
 
-/// What the data say about one parameter; the rules, in the order in which they are tried:
+/// How well the data determine one parameter; the rules, in the order in which they are tried:
 ///  - not identifiable: no fitted channel depends on it; or only a combination with other values is
-///  determined
-///    (rank loss); or its 95 % interval reaches both bounds, so that the data say no more than the bounds
-///    did.
+///    determined (rank loss); or its 95 % interval reaches both bounds, so that the data add nothing to them.
 ///  - at bound: the best value lies on a bound and the cost still falls beyond it.
 ///  - weak: its 95 % interval takes more than kWeakShare of its range, or, for a parameter that cannot change
 ///    its sign, is wider than +-kWeakRelative of its value.
@@ -33,12 +31,12 @@ struct Interval {
 
 namespace sinew::uncertainty {
 
-/// Half-width of the 95 % interval, over the value. Beyond a half, the next person would take another value.
-/// For a signed quantity near zero (an offset) this says nothing; there only the share of the range counts.
+/// Half-width of the 95 % interval, over the value. Beyond a half, the value is of little use.
+/// For a signed quantity near zero (an offset) this is meaningless; there only the share of the range counts.
 inline constexpr double kWeakRelative = 0.5;
 /// Width of the 95 % interval over that of the range (of logarithms for Scale::kLog).
 inline constexpr double kWeakShare = 0.5;
-/// On a bound, in the unit box: above what a converged solver leaves, far below what anybody would notice.
+/// On a bound, in the unit box: above what a converged solver leaves, far below any relevant difference.
 inline constexpr double kBoundTolerance = 1e-6;
 /// A block does not depend on a variable if the slope over its whole range is below this share of the block's
 /// values: about sqrt(eps), which is the noise of derivatives by differences.

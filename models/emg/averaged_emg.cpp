@@ -119,8 +119,7 @@ Result<AveragedEmg> AveragedEmg::Build(const std::vector<std::string>& muscles,
       used.push_back(&cycles);
     }
     if (used.empty()) {
-      model.notes_.push_back(
-          fmt::format("{}: no speed has cycles to learn from, it is left out.", muscles[m]));
+      model.notes_.push_back(fmt::format("{}: no speed has enough cycles, it is left out.", muscles[m]));
       average = {};
       average.name = muscles[m];
     } else {

@@ -209,7 +209,7 @@ std::vector<std::string> Doubts(const CycleFindings& findings, const AlignedPoin
         "The movement repeats every {} s, but the cycles that were found take {} s: {}.", Readable(period_s),
         Readable(cycle_s),
         cycle_s < period_s
-            ? "a cycle may have several high points (a larger swing or a shortest duration tells them apart)"
+            ? "a cycle may have several high points (a larger swing or a shortest duration separates them)"
             : "some turns may have been too small (a smaller swing finds them)"));
   }
   const double allowed = static_cast<double>(aligned.irregular_reversals) +

@@ -15,8 +15,7 @@ const std::vector<IntegratorEntry>& IntegratorRegistry() {
       {"cpodes_bdf", "backward differences of order 1 to 5, implicit, adaptive (CPODES); for stiff systems"},
       {"cpodes_adams", "Adams-Moulton of order 1 to 12, functional iteration (CPODES)"},
       {"verlet", "velocity Verlet, order 2, adaptive"},
-      {"semi_explicit_euler2",
-       "semi-explicit Euler with step doubling, order 1; fast where little is asked"}};
+      {"semi_explicit_euler2", "semi-explicit Euler with step doubling, order 1; fast at low accuracy"}};
   return entries;
 }
 

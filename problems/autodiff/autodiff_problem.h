@@ -9,7 +9,7 @@
 //     }
 //   };
 //
-// docs/own_model.md says how to write one.
+// docs/own_model.md shows how to write one.
 #pragma once
 
 #include <functional>

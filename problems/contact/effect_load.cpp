@@ -226,7 +226,7 @@ void ComputeEffectLoad(const EffectKinematics& kinematics, int instant,
       load.by_effect.col(static_cast<Eigen::Index>(effect)) += whole;
     }
   }
-  // A plate feels what stands on it: the mass counts while a spring presses.
+  // A plate measures the load on it: the mass counts while a spring is compressed.
   if (!(load.load[kForceY] > 0)) return;
   const auto t = static_cast<std::size_t>(instant);
   const Vec3& a = kinematics.foot_acceleration[t];
@@ -264,7 +264,7 @@ Result<ContactRegion> EdgeRegion(const ContactRegion& sole, bool toe, double len
   }
   ContactRegion edge;
   edge.name = sole.name + (toe ? " toe edge" : " heel edge");
-  constexpr double kThickness = 0.02;  // [m] of its closed mesh; only the bottom carries springs
+  constexpr double kThickness = 0.02;  // [m] of its closed mesh; only the bottom has springs
   SINEW_ASSIGN(edge.mesh, BoxMesh({length, kThickness, high.z() - low.z()}, strips[0], strips[1]));
   edge.springs = SpringFaces::kBottom;
   edge.rotation = sole.rotation;

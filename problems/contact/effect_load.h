@@ -21,7 +21,8 @@
 
 namespace sinew {
 
-/// Kinematics of one region, and the turning of its body, which tells the slip at another height of floor.
+/// Kinematics of one region, and the rotation of its body, which gives the slip at another height of the
+/// floor.
 struct EffectRegion {
   int part = 0;  ///< index into Stance::parts: whose parameters it has
   ContactKinematics kinematics;

@@ -21,14 +21,14 @@ ContactEffectList::ContactEffectList(int first, std::vector<std::string> plates)
 void ContactEffectList::Declare(ParameterListBuilder& add) const {
   constexpr int kNone = ParameterListBuilder::kNoSlot;
   add.BeginEffect("height_offset", Level::kHuman,
-                  "the kinematics hold the soles at a wrong height, by the same amount in all stances",
+                  "the soles have a wrong height in the kinematics, by the same amount in all stances",
                   kHeightExperiment)
-      .TwoSided(kNone, "height_offset", "m", "depth that the kinematics miss, the same in all stances",
+      .TwoSided(kNone, "height_offset", "m", "depth beyond that of the kinematics, the same in all stances",
                 kHeightReach);
   add.BeginEffect("floor_compliance", Level::kBoundary,
-                  "the floor under the springs gives way in proportion to the pressure",
-                  "press the plate with a stiff stamp and measure how far it goes down")
-      .Positive(kNone, "floor_compliance", "m3/N", "give of the floor per pressure on it", 1e-5);
+                  "the floor under the springs deflects in proportion to the pressure",
+                  "press the plate with a stiff stamp and measure its deflection")
+      .Positive(kNone, "floor_compliance", "m3/N", "deflection of the floor per pressure on it", 1e-5);
   add.BeginEffect("stiffness_exponent", Level::kBoundary,
                   "the pressure does not grow in proportion to the depth but by a power of it",
                   "slow loading to several depths: force against depth is then a curve")
@@ -40,7 +40,7 @@ void ContactEffectList::Declare(ParameterListBuilder& add) const {
       .TwoSided(kNone, "floor_slope_z", "rad", "rise of the floor along z", 0.05);
   add.BeginEffect(
          "unmodelled_mass", Level::kHuman,
-         "the plate carries a mass that moves with the foot and that the springs do not see (a shoe, a "
+         "the plate carries a mass that moves with the foot and that the springs do not carry (a shoe, a "
          "segment whose mass is wrong)",
          "weigh it, or stamp: its force follows the acceleration of the foot")
       .TwoSided(kNone, "unmodelled_mass", "kg", "mass that moves with the foot while it is on the plate", 5);
@@ -55,10 +55,9 @@ void ContactEffectList::Declare(ParameterListBuilder& add) const {
                 1);
   for (const std::string& plate : plates_) {
     add.BeginEffect(plate + ".height_offset", Level::kHuman,
-                    "the kinematics hold the sole on plate " + plate + " at a wrong height",
-                    kHeightExperiment)
-        .TwoSided(kNone, plate + ".height_offset", "m", "depth that the kinematics miss on plate " + plate,
-                  kHeightReach);
+                    "the sole on plate " + plate + " has a wrong height in the kinematics", kHeightExperiment)
+        .TwoSided(kNone, plate + ".height_offset", "m",
+                  "depth beyond that of the kinematics on plate " + plate, kHeightReach);
   }
 }
 

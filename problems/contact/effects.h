@@ -13,7 +13,7 @@ namespace sinew {
 
 /// Parameters of the contact effects as a plate feels them. All are 0 at the null.
 enum ContactEffect : std::size_t {
-  kHeightOffset,       ///< of the kinematics [m]: the soles are deeper than the motion says
+  kHeightOffset,       ///< of the kinematics [m]: the soles are lower than in the recorded motion
   kFloorCompliance,    ///< in series under the bed of springs [m3/N]
   kStiffnessExponent,  ///< n of p = k x0 (x / x0)^(1 + n), x0 = kReferenceDepth
   kFloorSlopeX,        ///< rise of the floor per metre along x [rad, small]

@@ -28,7 +28,7 @@ struct Pressure {
 /// with x0 = kReferenceDepth: a bed that is compressed by what the floor beneath it leaves of the depth x.
 /// The rate v is that of the whole depth, so that C = 0 or n = 0 have the closed forms k x0 (x/x0)^(1+n) (1 +
 /// c v) and k x (1 + c v) / (1 + k C (1 + c v)). Zero with zero derivatives for x <= 0 or 1 + c v <= 0: a
-/// spring never pulls.
+/// spring has no tension.
 /// @param depth x [m]; @param rate v [m/s].
 [[nodiscard]] Pressure PressureAt(const ElasticFoundation& bed, const BedEffects& effects, double depth,
                                   double rate);

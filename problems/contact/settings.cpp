@@ -229,7 +229,7 @@ Result<ContactSettings> ReadContactSettings(const YamlReader& yaml,
     if (name.empty()) return FailAt(item.file(), item.line(), "regions: a region has no name");
     for (const ContactRegionSettings& other : settings.regions) {
       if (other.region.name != name) continue;
-      return FailAt(item.file(), item.line(), "regions: the name '{}' stands there twice", name);
+      return FailAt(item.file(), item.line(), "regions: the name '{}' is used twice", name);
     }
     settings.regions.push_back(std::move(region));
   }

@@ -1,4 +1,4 @@
-// What a person decides about a contact problem: where the soles are, which force plate sees them, which
+// Settings of a contact problem: where the soles are, which force plate measures them, which
 // channels are fitted, and how residuals are weighed.
 #pragma once
 
@@ -24,7 +24,7 @@ enum class ContactObjective {
 
 struct ContactRegionSettings {
   ContactRegion region;
-  std::string body;   ///< that carries it, as named in the .osim
+  std::string body;   ///< that it belongs to, as named in the .osim
   std::string plate;  ///< prefix of the force channels that it adds to: "right" for right_force_y
   std::string group;  ///< regions of one group share their parameters
 };

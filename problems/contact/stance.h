@@ -1,4 +1,4 @@
-// One foot on one force plate during one trial: what its motion says, prepared for any parameters.
+// One foot on one force plate during one trial: the kinematics of its soles, prepared for any parameters.
 #pragma once
 
 #include <array>
@@ -25,7 +25,7 @@ struct Stance {
   EffectKinematics kinematics;          ///< every face, touching or not
   std::vector<int> regions;             ///< [kinematics.regions] index of each into ContactSettings::regions
   std::array<double, 2> middle{};       ///< x, z [m] of the springs where the sole is deepest
-  std::array<double, 2> resting_cop{};  ///< x, z [m]: stands for the centre of pressure while no face presses
+  std::array<double, 2> resting_cop{};  ///< x, z [m]: used as the centre of pressure without contact
   std::array<int, 6> blocks{};          ///< index into the layout of each of kContactChannels
 };
 

@@ -18,7 +18,7 @@ namespace sinew {
 /// What the laboratory does to the signals follows the thesis (ch. 5): plates measure at 960 Hz with noise,
 /// the export keeps every 16th sample, nothing is filtered; markers have noise of their own. The simulated
 /// truth has a motion that is known 960 times a second and a sole of 36 x 20 squares; the model that
-/// contact.yaml describes has 12 x 7 and sees the motion 60 times a second. Hidden effects (`--effect`,
+/// contact.yaml describes has 12 x 7 and samples the motion 60 times a second. Hidden effects (`--effect`,
 /// ReadContactTruth) act in that truth and on the readings of its plates; nothing in the data names them.
 /// Errors: unknown settings or effects (with a suggestion), values out of range.
 Result<Dataset> SynthesizeContact(const SynthesisRequest& request);

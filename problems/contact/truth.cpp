@@ -30,7 +30,7 @@ struct Places {
 void AddContactEffects(ContactTruth& truth, Places& places) {
   ParameterListBuilder add(places.list);
   ContactEffectList(0, {"right", "left"}).Declare(add);
-  // They stand in the order of ContactEffect, then right, then left.
+  // In the order of ContactEffect, then right, then left.
   for (std::size_t i = 0; i < places.list.parameters.size(); ++i) {
     places.targets[places.list.parameters[i].name] = {
         i < kContactEffects ? &truth.effects[i] : &truth.own_height[i - kContactEffects]};
@@ -70,7 +70,7 @@ Result<ContactTruth> ReadContactTruth(const RequestedEffects& effects) {
   for (const char* side : {"", "right_", "left_"}) {
     for (std::size_t axis = 0; axis < 3; ++axis) AddPlate(side, axis, truth, places);
   }
-  // Of what is said of both plates and of one, the latter counts where it is said later.
+  // A value for one plate replaces an earlier one for both plates.
   for (const auto& requested : effects) {
     SINEW_ASSIGN(const auto hidden, ReadHiddenEffects({requested}, places.list));
     for (const auto& [parameter, value] : hidden) {

@@ -1,5 +1,5 @@
 // A problem that declares itself in its constructor: parameters, effects, inputs and the channels that it
-// predicts. The data set tells trials, roles, times, measured values and noise; OdeProblem and
+// predicts. The data set has trials, roles, times, measured values and noise; OdeProblem and
 // AutoDiffProblem add the physics.
 #pragma once
 
@@ -19,7 +19,7 @@
 
 namespace sinew {
 
-/// One trial as a declared problem sees it.
+/// One trial of a declared problem.
 struct DeclaredTrial {
   std::string name;
   std::vector<int> parameter_of;     ///< [slots] index into Problem::parameters()
@@ -74,7 +74,7 @@ class DeclaredProblem : public Problem {
   // For the two bases.
 
   /// Blocks for a predicted channel. @param unit checked against the data's; empty: whatever that is
-  /// @return index of the observation, by which ObservationOf tells whose a block is
+  /// @return index of the observation, which ObservationOf returns for its blocks
   int AddChannel(const std::string& channel, const std::string& unit);
   [[nodiscard]] int ObservationOf(int block) const {
     return observation_of_[static_cast<std::size_t>(block)];

@@ -92,7 +92,7 @@ void AddDryFriction(const DriveScales& s, const Units& unit, Builder& add) {
   const std::vector<double> velocities{kSlowest * s.speed, 0.04 * s.speed, 0.1 * s.speed, 0.3 * s.speed,
                                        s.speed};
   add.BeginEffect("coulomb_friction", Level::kRobot,
-                  "dry friction, alike in both directions, holds the joint back",
+                  "dry friction, equal in both directions, opposes the motion",
                   "slow reversals under small torques, where the joint sticks", kArmstrong)
       .Positive(kCoulombTorque, "coulomb_torque", unit.torque, "dry friction", s.torque);
   add.BeginEffect("asymmetric_friction", Level::kRobot,
@@ -103,7 +103,7 @@ void AddDryFriction(const DriveScales& s, const Units& unit, Builder& add) {
                 s.torque);
   add.BeginEffect("stribeck_friction", Level::kRobot, "dry friction is larger near standstill (Stribeck)",
                   "creeping at several constant, very low speeds", kArmstrong)
-      .Positive(kStribeckTorque, "stribeck_torque", unit.torque, "dry friction that motion takes away",
+      .Positive(kStribeckTorque, "stribeck_torque", unit.torque, "dry friction beyond that of fast motion",
                 s.torque)
       .Number(kStribeckVelocity, "stribeck_velocity", unit.speed, "speed at which 1/e of it is left",
               kSlowest * s.speed, 2 * s.speed, 0.1 * s.speed)
@@ -120,7 +120,7 @@ void AddDryFriction(const DriveScales& s, const Units& unit, Builder& add) {
                   "near standstill, dry friction grows with the torque through the gear",
                   "breaking away slowly under several weights, or swings over a wider range", kBam)
       .Positive(kStribeckLoad, "stribeck_load_coefficient", "1",
-                "dry friction per load of the gear that motion takes away", 1)
+                "dry friction per load of the gear beyond that of fast motion", 1)
       .Number(kStribeckLoadVelocity, "stribeck_load_velocity", unit.speed, "speed at which 1/e of it is left",
               kSlowest * s.speed, 2 * s.speed, 0.1 * s.speed)
       .Probes(velocities);
@@ -159,8 +159,8 @@ void AddOtherTorques(const DriveTraits& is, const DriveScales& s, const Units& u
                 s.torque)
       .TwoSided(kCoggingSin, "cogging_sin", unit.torque, "ripple, in phase with the position's sine",
                 s.torque)
-      .Number(kCoggingPeriod, "cogging_period", unit.position, "way after which the ripple repeats", shortest,
-              turn, turn / 6)
+      .Number(kCoggingPeriod, "cogging_period", unit.position, "period of the ripple", shortest, turn,
+              turn / 6)
       .Probes(periods);
   if (is.rotary) {
     add.BeginEffect("gravity_imbalance", Level::kRobot, "the load does not hang straight down at position 0",
@@ -168,12 +168,13 @@ void AddOtherTorques(const DriveTraits& is, const DriveScales& s, const Units& u
         .TwoSided(kImbalance, "imbalance_torque", unit.torque, "gravity torque at position 0", s.torque);
   }
   if (is.fixed[kInertia]) {
-    add.BeginEffect("inertia_error", Level::kRobot, "the moving inertia is not what was stated",
+    add.BeginEffect("inertia_error", Level::kRobot, "the moving inertia differs from the stated one",
                     "fast accelerations with a known torque")
         .TwoSided(kInertiaError, "inertia_error", unit.inertia, "inertia beyond the stated one",
                   0.9 * *is.fixed[kInertia]);
   }
-  add.BeginEffect("parallel_spring", Level::kRobot, "something elastic pulls the joint back to position 0",
+  add.BeginEffect("parallel_spring", Level::kRobot,
+                  "an elastic element acts in parallel, with its rest at position 0",
                   "motion over a wider range of positions")
       .Positive(kSpring, "spring_stiffness", unit.stiffness, "torque per position",
                 4 * s.torque / s.position);
@@ -193,20 +194,20 @@ void AddDrive(const DriveTraits& is, const DriveScales& s, const Units& unit, Bu
       .Positive(kInverseSpeedLimit, "inverse_speed_limit", unit.per_speed, "1 / highest speed", 2.5 / s.speed)
       .Probes({1 / (0.95 * s.speed), 1 / (0.85 * s.speed), 1 / (0.7 * s.speed), 1 / (0.5 * s.speed)});
   if (is.compressible) {
-    add.BeginEffect("gain_compression", Level::kRobot,
-                    "the drive gives less per command when the command is large",
+    add.BeginEffect("gain_compression", Level::kRobot, "the drive's gain is smaller at large commands",
                     "commands of several sizes at rest against a torque sensor")
         .Positive(kCompression, "compression", "1", "share lost at the largest command", 0.9);
   }
-  add.BeginEffect("supply_sag", Level::kRobot, "the drive gets weaker with time (supply sags, motor heats)",
+  add.BeginEffect("supply_sag", Level::kRobot,
+                  "the drive's gain decreases with time (supply voltage, temperature of the motor)",
                   "the same motion at the begin and at the end of a long trial")
       .Positive(kThermalRate, "thermal_rate", "1/s", "share of the gain lost per second", 0.9 / s.duration);
-  add.BeginEffect("command_delay", Level::kRobot, "the drive acts late on its command",
+  add.BeginEffect("command_delay", Level::kRobot, "the drive responds to its command with a delay",
                   "a trigger that all instruments record, then one sharp command, at a high sampling rate")
       .Positive(kCommandDelay, "command_delay", "s", "age of the command that acts",
                 std::min(kLongestDelay, 0.25 * s.shortest));
   if (is.controller != DriveControllerKind::kNone) {
-    add.BeginEffect("sensing_delay", Level::kRobot, "the controller's feedback is old",
+    add.BeginEffect("sensing_delay", Level::kRobot, "the controller's feedback is delayed",
                     "a step of the reference with a stiff controller, near its stability limit")
         .Positive(kSensingDelay, "sensing_delay", "s", "age of the feedback", kLongestSensingDelay);
   }

@@ -1,5 +1,5 @@
 // One actuated joint: which inertia, friction, gravity and motor explain the measured motion? SCIENCE section
-// 2. drive.h says what the joint is.
+// 2. drive.h has the equations of the joint.
 #pragma once
 
 #include <array>

@@ -115,13 +115,14 @@ Status AveragingProblem::Predict(const Query& query, Workspace& /*workspace*/, P
   return {};
 }
 
-std::vector<std::string> AveragingProblem::WarningsAt(const Vector& /*parameters*/) const {
-  std::vector<std::string> remarks;
+std::vector<Warning> AveragingProblem::WarningsAt(const Vector& /*parameters*/) const {
+  std::vector<Warning> warnings;
   for (const EmgShapeTrial& trial : data_.trials) {
     const std::string warning = model_.RangeWarning(0, trial.speed);
-    if (!warning.empty()) remarks.push_back(fmt::format("trial '{}': {}", trial.name, warning));
+    if (warning.empty()) continue;
+    warnings.push_back({WarningKind::kOther, {}, {}, fmt::format("trial '{}': {}", trial.name, warning)});
   }
-  return remarks;
+  return warnings;
 }
 
 }  // namespace sinew

@@ -26,7 +26,7 @@ class AveragingProblem final : public Problem {
   [[nodiscard]] const Layout& layout() const override { return data_.layout; }
   Status Predict(const Query& query, Workspace& workspace, Prediction& prediction) const override;
   /// Speeds that lie outside of the measured ones.
-  [[nodiscard]] std::vector<std::string> WarningsAt(const Vector& parameters) const override;
+  [[nodiscard]] std::vector<Warning> WarningsAt(const Vector& parameters) const override;
 
   [[nodiscard]] const EmgShapeData& data() const { return data_; }
   [[nodiscard]] const AveragedEmg& model() const { return model_; }

@@ -60,7 +60,7 @@ class Preparation {
     if (!any_training) {
       if (!settings_.reference)
         return Fail(
-            "no training trial to learn from; to predict with a fitted model state `reference` "
+            "there is no training trial; to predict with a fitted model state `reference` "
             "(speed, period) in the settings");
       if (settings_.muscles.empty())
         return Fail("no training trial: state the `muscles` of the fitted model in the settings");
@@ -212,7 +212,7 @@ class Preparation {
     return count > 0 ? EmgScatterFactors{sum.gain / count, sum.timing / count} : EmgScatterFactors{};
   }
 
-  // What another electrode records of a muscle. Noise of its own is none of that, and would hide what is:
+  // What another electrode records of a muscle. Its own noise is not cross-talk, and would mask it:
   // apart from what gains and timings take up, muscles of like shape differ by little more than this noise.
   [[nodiscard]] static std::vector<double> CrossTalkOf(const LearntRecording& recording,
                                                        const std::string& muscle) {

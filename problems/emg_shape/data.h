@@ -47,7 +47,7 @@ struct EmgSpeed {
   bool trained = false;  ///< a training trial has it
 };
 
-/// What the cycles of the training trials say of a muscle before anything is fitted.
+/// Estimates for a muscle from the cycles of the training trials, before anything is fitted.
 struct EmgMuscle {
   std::string name;
   Vector shape;              ///< [knots] at the reference speed
@@ -82,8 +82,8 @@ struct EmgShapeData {
 [[nodiscard]] std::string DescribeEmgShapeChannels();
 
 /// Cycles that are incomplete, have gaps or another duration, and those of a muscle without signal, saturated
-/// or with gaps are left out, and notes say how many. So are training trials and muscles of trials with fewer
-/// than two cycles.
+/// or with gaps are left out, and counted in the notes. So are training trials and muscles of trials with
+/// fewer than two cycles.
 ///
 /// Errors, with the trial's name: no angle, another unit, no excitations in a training trial; no training
 /// trial and no `reference` in the settings; no muscle that can be learnt from.

@@ -11,7 +11,7 @@ constexpr int kBasis = 9;
 void AddWarp(EmgParameterList& to) {
   to.list.BeginEffect(
       "warp_with_speed", Level::kHuman,
-      "at higher speeds parts of the cycle take longer and others shorter, as seen by the muscles",
+      "at higher speeds parts of the cycle take longer and others shorter, in the muscles' activity",
       "the same movement at more speeds");
   // Both at their bounds and four times the reference speed: still one phase after the other.
   constexpr double kMaximum = 0.05;
@@ -27,7 +27,7 @@ void AddWarp(EmgParameterList& to) {
 }
 
 void AddFatigue(EmgParameterList& to) {
-  to.list.BeginEffect("fatigue", Level::kHuman, "the EMG grows or fades from cycle to cycle",
+  to.list.BeginEffect("fatigue", Level::kHuman, "the EMG increases or decreases from cycle to cycle",
                       "a longer recording, or one after a rest");
   for (std::size_t m = 0; m < to.muscles(); ++m) {
     const int index =
@@ -47,7 +47,7 @@ void AddTrialFloors(EmgParameterList& to) {
   for (const std::size_t t : fitted) {
     const std::string& trial = to.data.trials[t].name;
     to.list.BeginEffect("noise_floor@" + trial, Level::kSensor,
-                        "the EMG of one trial lies on another noise floor", "a rest phase in every trial", "",
+                        "the EMG of one trial has another noise floor", "a rest phase in every trial", "",
                         trial);
     for (std::size_t m = 0; m < to.muscles(); ++m) {
       Parameter p = BaseParameter(to.data.muscles[m].name + ".floor@" + trial, "1",

@@ -47,7 +47,7 @@ void AddPhase(EmgParameterList& to, std::size_t m) {
     to.Touch(t, m, {index, EmgTerm::kTiming, EmgAlong::kOne, 0, 1});
 }
 
-// What people do at a speed that no law says. A speed that was not measured has none of its own.
+// Deviations at one speed from the laws of speed. A speed that was not measured has none.
 void AddSpeeds(EmgParameterList& to) {
   if (to.data.trained_speeds() == 1) return;
   for (std::size_t m = 0; m < to.muscles(); ++m) AddPhase(to, m);
@@ -117,7 +117,7 @@ void AddLead(EmgParameterList& to, bool effect) {
   };
   for (std::size_t m = 0; m < to.muscles(); ++m) touch(m, shared, 1);
   if (!to.settings.timing_per_muscle || effect) return;
-  // Their sum is 0, or they and the shared one could not be told apart: the last one compensates the
+  // Their sum is 0, or they and the shared one would not be identifiable: the last one compensates the
   // others.
   for (std::size_t m = 0; m + 1 < to.muscles(); ++m) {
     Parameter p = BaseParameter(to.data.muscles[m].name + ".lead", "s", "lead beyond the mean of all muscles",

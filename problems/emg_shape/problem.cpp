@@ -22,7 +22,8 @@ Result<std::unique_ptr<EmgShapeProblem>> EmgShapeProblem::Make(const Dataset& da
   SINEW_ASSIGN(EmgShapeData prepared, PrepareEmgShapeData(data, settings));
   if (prepared.trained_speeds() == 1) {
     prepared.notes.push_back(
-        "one speed was measured: nothing says how the EMG changes with speed, the model is the mean of its "
+        "only one speed was measured: changes of the EMG with speed are unknown, the model is the mean of "
+        "its "
         "cycles");
   }
   std::unique_ptr<EmgShapeProblem> problem(new EmgShapeProblem(std::move(settings), std::move(prepared)));
@@ -57,22 +58,32 @@ std::vector<Problem::Signal> EmgShapeProblem::ResidualCovariates(int block) cons
   return signals;
 }
 
-std::vector<std::string> EmgShapeProblem::WarningsAt(const Vector& /*parameters*/) const {
-  std::vector<std::string> remarks;
+std::vector<Warning> EmgShapeProblem::WarningsAt(const Vector& /*parameters*/) const {
+  std::vector<Warning> warnings;
+  const auto warn = [&](std::string message) -> Warning& {
+    warnings.push_back({WarningKind::kOther, {}, {}, std::move(message)});
+    return warnings.back();
+  };
   if (data_.trained_speeds() > 0) {
-    std::string jitter;
-    for (const EmgMuscle& muscle : data_.muscles) {
-      jitter += fmt::format("{}{} {:.1f} %, {:.0f} %", jitter.empty() ? "" : "; ", muscle.name,
-                            100 * muscle.timing.total, 100 * muscle.gain.total);
-    }
-    remarks.push_back("cycles of one speed differ in timing (of a cycle) and size by: " + jitter);
+    std::string scatter;
     std::string jitters;
-    for (const EmgMuscle& muscle : data_.muscles)
+    std::vector<std::string> names{"reference.speed", "reference.period", "knots"};
+    std::vector<double> numbers{data_.reference.speed, data_.reference.period,
+                                static_cast<double>(data_.knots)};
+    for (const EmgMuscle& muscle : data_.muscles) {
+      scatter += fmt::format("{}{} {:.1f} %, {:.0f} %", scatter.empty() ? "" : "; ", muscle.name,
+                             100 * muscle.timing.total, 100 * muscle.gain.total);
       jitters += fmt::format("{}{}: {:.4g}", jitters.empty() ? "" : ", ", muscle.name, muscle.timing.total);
-    remarks.push_back(fmt::format(
+      names.push_back("jitter." + muscle.name);
+      numbers.push_back(muscle.timing.total);
+    }
+    warn("the cycles of one speed scatter in timing (of a cycle) and amplitude by: " + scatter);
+    Warning& settings = warn(fmt::format(
         "to predict recordings without EMG, state in their settings: reference: {{speed: {:.9g}, period: "
         "{:.9g}}}, knots: {}, jitter: {{{}}}",
         data_.reference.speed, data_.reference.period, data_.knots, jitters));
+    settings.names = std::move(names);
+    settings.numbers = std::move(numbers);
   }
   double slowest = 0;
   double fastest = 0;
@@ -85,11 +96,11 @@ std::vector<std::string> EmgShapeProblem::WarningsAt(const Vector& /*parameters*
     if (slowest == 0 || (trial.speed >= slowest * (1 - settings_.same_speed) &&
                          trial.speed <= fastest * (1 + settings_.same_speed)))
       continue;
-    remarks.push_back(fmt::format(
+    warn(fmt::format(
         "trial '{}' moves at {:.3g} rad/s, outside of the measured {:.3g} .. {:.3g}: its EMG is extrapolated",
         trial.name, trial.speed, slowest, fastest));
   }
-  return remarks;
+  return warnings;
 }
 
 }  // namespace sinew

@@ -28,7 +28,7 @@ class EmgShapeProblem final : public Problem {
   /// Angle, phase and number of the cycle.
   [[nodiscard]] std::vector<Signal> ResidualCovariates(int block) const override;
   /// Timing jitter; speeds that lie outside of the measured ones.
-  [[nodiscard]] std::vector<std::string> WarningsAt(const Vector& parameters) const override;
+  [[nodiscard]] std::vector<Warning> WarningsAt(const Vector& parameters) const override;
   /// emg_shape/shapes/MUSCLE/{phase, shape}; emg_shape/trials/TRIAL/{time, begin, end} and, per muscle,
   /// TRIAL/MUSCLE/{predicted, deviation} (prediction_band.h).
   Status WriteDetails(const Vector& parameters, Hdf5Node& details) const override;

@@ -1,4 +1,4 @@
-// What a person says of a cyclic movement and its EMG.
+// Settings of a cyclic movement and its EMG.
 //
 //   emg_shape:
 //     angle: ankle_angle_r            # channel of the movement, on any grid [rad]
@@ -19,7 +19,8 @@
 //     same_speed: 0.03                # trials whose speeds differ by less than this share have one speed
 //     hold_out: [train_030]           # training trials that are predicted, not fitted
 //     reference: {speed: 1.31, period: 1.5}  # [rad/s], [s]; default: the middle training speed
-//     jitter: {soleus_r: 0.02}        # of the timing of single bursts [cycle]; where no training trial tells
+//     jitter: {soleus_r: 0.02}        # of the timing of single bursts [cycle]; where there is no training
+//     trial
 #pragma once
 
 #include <map>

@@ -22,7 +22,7 @@ constexpr double kFalls = 2;             // [m/s2] by which a flight's accelerat
 constexpr double kNoiseFactor = 2;       // the same, in deviations of the noise
 constexpr double kExpected = 0.01;       // of the body's size, or rad: errors after the first touch
 constexpr double kMinNoise = 1e-3;       // of that: no camera is better
-constexpr double kRest = 0.005;          // of the body's size, or rad: the body lies still
+constexpr double kRest = 0.005;          // of the body's size, or rad: the body is at rest
 constexpr double kOverTable = 0.05;      // of the body's size: in flight for certain
 
 using Frames = std::vector<std::pair<double, Pose>>;
@@ -179,7 +179,7 @@ std::size_t ReleasedAt(const Frames& frames, const std::vector<bool>& free,
   return 0;
 }
 
-// Frames until the body lies still: all later ones show the same pose.
+// Frames until the body is at rest: all later ones show the same pose.
 std::size_t UntilRest(const Frames& frames, double size) {
   const Pose& last = frames.back().second;
   std::size_t end = frames.size();

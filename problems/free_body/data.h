@@ -1,4 +1,4 @@
-// The recorded tosses as the problem sees them: frames with a pose, windows, and what is left out.
+// The recorded tosses as the problem uses them: frames with a pose, windows, and what is left out.
 #pragma once
 
 #include <string>
@@ -12,7 +12,7 @@
 
 namespace sinew {
 
-/// Frames that tell a state well.
+/// Frames that determine a state well.
 constexpr int kMinInFlight = 4;
 
 /// Consecutive frames of a toss that are simulated from a state of their own.
@@ -30,7 +30,7 @@ enum TossPhase { kFlight, kContact, kTossPhases };
 
 struct Toss {
   std::string trial;
-  std::vector<double> times;   ///< [N, s] from the release until the body lies still
+  std::vector<double> times;   ///< [N, s] from the release until the body is at rest
   std::vector<Pose> poses;     ///< [N] quaternions of unit length that do not change sign
   std::vector<double> height;  ///< [N] of the lowest corner over the table [m]
   int in_flight = 0;           ///< so many frames from the first on are before the first touch

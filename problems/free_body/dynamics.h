@@ -91,8 +91,8 @@ class FreeBodyDynamics {
   }
 
   /// @param fastest if not null: a bound of the rate at which contact changes the state [1/s]. A body that
-  /// lies still tells no error control how stiff it is, but its derivatives would grow in steps that are too
-  /// long.
+  /// is at rest does not show its stiffness to the error control, but its derivatives would grow in steps
+  /// that are too long.
   void Derivative(const BodyState<T>& state, BodyState<T>& rate, double* fastest = nullptr) const {
     Stiffness stiffness;
     const auto rotation = RotationOf(&state[kQuaternion]);

@@ -66,7 +66,7 @@ void AddBody(const FreeBody& body, Builder& add) {
   const double way = 0.3 * body.size;
   add.BeginEffect("size_error", Level::kRobot, "the body is not as large as stated", "a calliper")
       .Number(kSizeError, "size_error", "1", "edges beyond the stated ones, as a share", -0.2, 0.2);
-  add.BeginEffect("inertia_error", Level::kRobot, "the moments of inertia are not what was stated",
+  add.BeginEffect("inertia_error", Level::kRobot, "the moments of inertia differ from the stated ones",
                   "swinging the body on two threads")
       .Number(kInertiaShare, "inertia_error", "1", "moments of inertia beyond the stated ones, as a share",
               -0.7, 1.5);
@@ -78,12 +78,12 @@ void AddBody(const FreeBody& body, Builder& add) {
               way)
       .Number(kMassCentreZ, "mass_centre_z", "m", "mass centre from the middle, along z of the body", -way,
               way);
-  add.BeginEffect("air_drag", Level::kBoundary, "the air holds the body back", "drops from a great height")
+  add.BeginEffect("air_drag", Level::kBoundary, "the air resists the motion", "drops from a great height")
       .Number(kAirDrag, "air_drag", "1/m", "deceleration per squared speed", 0, 2);
 }
 
 void AddWorld(const FreeBody& body, Builder& add) {
-  add.BeginEffect("gravity_error", Level::kBoundary, "gravity is not what was stated",
+  add.BeginEffect("gravity_error", Level::kBoundary, "gravity differs from the stated one",
                   "a drop whose height is known by other means")
       .Number(kGravityShare, "gravity_error", "1", "gravity beyond the stated one, as a share", -0.3, 0.3);
   add.BeginEffect("tilted_axes", Level::kSensor, "the cameras' z axis is not vertical",

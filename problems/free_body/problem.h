@@ -1,5 +1,5 @@
 // A body thrown on a table: which contact, friction and geometry explain how it bounces and slides? SCIENCE
-// section 4, forward case. free_body.h says what the model is.
+// section 4, forward case. free_body.h has the model.
 #pragma once
 
 #include <memory>

@@ -1,4 +1,4 @@
-// What a person says of a thrown body.
+// Settings of a thrown body.
 //
 //   free_body:
 //     box: [0.1048, 0.1048, 0.1048]    # edges [m]

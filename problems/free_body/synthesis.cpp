@@ -30,7 +30,7 @@ constexpr ExperimentSetting kSettings[] = {
     {"height", 0.08, 0, 10, "of the throw: of the lowest point over the table [m]"},
     {"position_noise", 3e-5, 0, 1, "standard deviation of the position's noise [m]"},
     {"orientation_noise", 3e-4, 0, 1, "standard deviation of the quaternion's noise [1]"},
-    {"known_noise", 1, 0, 1, "0: the data do not say how large the noise is"},
+    {"known_noise", 1, 0, 1, "0: the data do not state the noise level"},
     {"exact", 0, 0, 1, "1: no noise, and the integrator of the fitted model"},
 };
 

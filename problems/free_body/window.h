@@ -1,5 +1,5 @@
 // The state at the begin of a window, found from the window's own frames: it is fitted anew for every set of
-// parameters, so that the search sees only what the states cannot take up (variable projection, Golub,
+// parameters, so that the search has only what the states cannot explain (variable projection, Golub,
 // Pereyra 1973, with the derivative of Kaufman 1975).
 //
 // That makes multiple shooting cheap: the windows of a toss need no parameters of their own, and bounces,

@@ -1,5 +1,5 @@
 // What `sinew data synthesize` takes with --set and --noise, for problems that list their settings in an
-// array of structs with name, value (the default), lower, upper and says.
+// array of structs with name, value (the default), lower, upper and description.
 #pragma once
 
 #include <algorithm>

@@ -321,7 +321,7 @@ class Preparation {
     const auto count = static_cast<double>(block.measured.size());
     const Eigen::Map<const Vector> measured(block.measured.data(), block.samples());
     const double variance = (measured.array() - measured.mean()).square().sum() / (count - 1);
-    if (!(variance > 0)) return Fail("channel '{}' does not change: it says nothing", block.channel);
+    if (!(variance > 0)) return Fail("channel '{}' does not change: it has no information", block.channel);
     if (settings_.objective == NmsObjective::kThesis) {
       block.weight = 1 / std::sqrt(variance * count);
     } else if (block.sigma) {

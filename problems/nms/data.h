@@ -1,4 +1,4 @@
-// Recorded trials as the nms problem sees them: excitations, lengths and moment arms of muscles, moments of
+// Recorded trials as the nms problem uses them: excitations, lengths and moment arms of muscles, moments of
 // joints.
 #pragma once
 
@@ -25,8 +25,8 @@ struct NmsTrial {
   std::vector<MuscleSignals> muscles;     ///< [muscles of NmsData]
   std::vector<std::vector<Vector>> arms;  ///< [joints][muscles of the joint] [N, m]
   std::vector<NmsMotion> motion;          ///< [joints]
-  /// [joints] [N, 0..1] mean activation, with the subject's own numbers, of the muscles that pull the joint
-  /// towards larger and towards smaller angles; 0 if there is none.
+  /// [joints] [N, 0..1] mean activation, with the subject's own numbers, of the muscles with a moment about
+  /// the joint towards larger and towards smaller angles; 0 if there is none.
   std::vector<Vector> pull_plus;
   std::vector<Vector> pull_minus;
   int first_block = 0;         ///< one per joint

@@ -50,7 +50,7 @@ class Builder {
   }
 
   void AddExcitation() {
-    add_.BeginEffect("emg_drift", Level::kSensor, "the EMG grows or fades with time, as with fatigue",
+    add_.BeginEffect("emg_drift", Level::kSensor, "the EMG increases or decreases with time, as with fatigue",
                      "the same contraction at the begin and at the end of the trial",
                      "Merletti, Knaflitz, De Luca 1990");
     OfAllMuscles(
@@ -62,15 +62,14 @@ class Builder {
     OfAllMuscles(add_.AddNumber("co_contraction", "1", "excitation beyond the measured one", -0.1, 0.2),
                  kCoContraction, NmsPlace::kAdds);
     if (data_.muscles.size() > 2) {
-      add_.BeginEffect("cross_talk", Level::kSensor, "electrodes see the other muscles too",
+      add_.BeginEffect("cross_talk", Level::kSensor, "electrodes record the other muscles too",
                        "contractions of one muscle at a time", "De Luca, Merletti 1988");
       OfAllMuscles(add_.AddNumber("cross_talk", "1",
                                   "share of the others' mean excitation in the measured one", -0.1, 0.5),
                    kCrossTalk, NmsPlace::kAdds);
     }
     if (!settings_.model.as_ceinms && !IsBase(kDelay)) {
-      add_.BeginEffect("longer_delay", Level::kHuman,
-                       "force follows the EMG later than the subject's delay says",
+      add_.BeginEffect("longer_delay", Level::kHuman, "force follows the EMG later than the subject's delay",
                        "sudden contractions at a fixed angle", "Cavanagh, Komi 1979");
       OfAllMuscles(
           add_.AddNumber("longer_delay", "s", "electromechanical delay beyond the subject's", -0.1, 0.15),
@@ -87,18 +86,18 @@ class Builder {
   }
 
   void AddMuscle() {
-    add_.BeginEffect("force_enhancement", Level::kHuman, "muscles pull harder after a stretch",
+    add_.BeginEffect("force_enhancement", Level::kHuman, "muscle force is increased after a stretch",
                      "stretches of active muscles, held at their end", "Edman, Elzinga, Noble 1978");
     OfAllMuscles(add_.AddNumber("force_enhancement", "1",
                                 "share of the force gained per optimal length of stretch", 0, 3),
                  kEnhancement, NmsPlace::kAdds);
-    add_.BeginEffect("force_depression", Level::kHuman, "muscles pull less after shortening",
+    add_.BeginEffect("force_depression", Level::kHuman, "muscle force is decreased after shortening",
                      "active shortening, held at its end", "Marechal, Plaghki 1979");
     OfAllMuscles(add_.AddNumber("force_depression", "1",
                                 "share of the force lost per optimal length of shortening", 0, 2),
                  kDepression, NmsPlace::kAdds);
     if (settings_.model.tendon == TendonMode::kRigid) {
-      add_.BeginEffect("compliant_tendon", Level::kHuman, "tendons give way",
+      add_.BeginEffect("compliant_tendon", Level::kHuman, "tendons are compliant",
                        "quick changes of activation at a fixed angle, or ultrasound of the fibres",
                        "thesis eq 4.4");
       OfAllMuscles(add_.AddNumber("compliant_tendon", "1",
@@ -107,7 +106,7 @@ class Builder {
     }
     if (!IsBase(kLargestVelocity)) {
       add_.BeginEffect("contraction_velocity", Level::kHuman,
-                       "muscles lose their force at another speed than assumed",
+                       "the largest shortening velocity differs from the assumed one",
                        "trials over a wider range of speeds", "Buchanan et al. 2004");
       OfAllMuscles(add_.AddNumber("contraction_velocity", "1",
                                   "largest shortening velocity beyond the subject's, as a share", -0.7, 2),
@@ -115,7 +114,7 @@ class Builder {
     }
     if (!IsBase(kLengthChange)) {
       add_.BeginEffect("length_by_activation", Level::kHuman,
-                       "the optimal length changes otherwise with activation",
+                       "the optimal length changes with activation otherwise than assumed",
                        "weak and strong contractions at several angles", "thesis eq 4.2");
       OfAllMuscles(add_.AddNumber("length_by_activation", "1",
                                   "optimal length gained without activation, beyond the "
@@ -137,7 +136,7 @@ class Builder {
     const double most = LargestMoment(j);
     if (!(most > 0)) return;
     add_.BeginEffect(
-        "arm_offset." + joint, Level::kBoundary, "the joint's axis is not where the moment arms have it",
+        "arm_offset." + joint, Level::kBoundary, "the joint's axis differs from that of the moment arms",
         "the joint moved slowly without activity, in the machine and by hand", "Delp et al. 2007");
     list_.arm_offset[j] = add_.AddNumber("arm_offset." + joint, "m",
                                          "moment arms of all muscles beyond the stated ones", -0.03, 0.03);
@@ -209,7 +208,7 @@ class Builder {
     }
   }
 
-  // It pulls along with those that were measured: as their mean excitation, delayed and smoothed as theirs.
+  // It is active with those that were measured: with their mean excitation, delayed and smoothed as theirs.
   void AddMissingMuscles(std::size_t j, double most) {
     for (const bool plus : {true, false}) {
       std::vector<Vector> by_trial;
@@ -222,13 +221,14 @@ class Builder {
       if (!any) continue;
       const std::string name =
           std::string("missing_muscle") + (plus ? "_plus." : "_minus.") + settings_.joints[j];
-      add_.BeginEffect(name, Level::kHuman,
-                       std::string("a muscle without electrode helps those that pull the joint towards ") +
-                           (plus ? "larger" : "smaller") + " angles",
-                       "electrodes on the muscles that have none", kThesis);
-      AddMoment(add_.AddNumber(name, "N*m", "its moment when those that are measured are fully active", 0,
-                               3 * most),
-                j, std::move(by_trial));
+      add_.BeginEffect(
+          name, Level::kHuman,
+          std::string("a muscle without electrode adds to the moment of those that move the joint towards ") +
+              (plus ? "larger" : "smaller") + " angles",
+          "electrodes on the muscles that have none", kThesis);
+      AddMoment(
+          add_.AddNumber(name, "N*m", "its moment at full activation of the measured ones", 0, 3 * most), j,
+          std::move(by_trial));
     }
   }
 

@@ -37,8 +37,8 @@ class NmsProblem final : public Problem {
   /// Angle, velocity and mean excitation.
   [[nodiscard]] std::vector<Signal> ResidualCovariates(int block) const override;
   [[nodiscard]] const std::vector<FitStep>& steps() const override { return steps_; }
-  /// Muscles whose fibres leave the lengths at which they can pull, in training trials.
-  [[nodiscard]] std::vector<std::string> WarningsAt(const Vector& parameters) const override;
+  /// Muscles whose fibres leave the lengths of active force, in training trials.
+  [[nodiscard]] std::vector<Warning> WarningsAt(const Vector& parameters) const override;
   /// Per trial, under nms/TRIAL: time; MUSCLE/{activation, fibre_length, fibre_velocity, force}; and
   /// subject, the file of the subject with these parameters in it.
   Status WriteDetails(const Vector& parameters, Hdf5Node& details) const override;

@@ -1,4 +1,4 @@
-// What the nms problem tells of itself at given parameters: to people, and to whoever drives it.
+// What the nms problem reports at given parameters: warnings, details and residual covariates.
 #include <algorithm>
 #include <limits>
 
@@ -21,7 +21,7 @@ std::string NmsProblem::objective() const {
   return what;
 }
 
-std::vector<std::string> NmsProblem::WarningsAt(const Vector& parameters) const {
+std::vector<Warning> NmsProblem::WarningsAt(const Vector& parameters) const {
   const FibreRange range = settings_.fibre_range.value_or(FibreRange{});
   struct Extent {
     double least = std::numeric_limits<double>::infinity();
@@ -50,12 +50,16 @@ std::vector<std::string> NmsProblem::WarningsAt(const Vector& parameters) const 
         fmt::format("{} {:.2f} .. {:.2f}", data_.muscles[m], extents[m].least, extents[m].most));
   }
   if (outside.empty()) return {};
-  return {fmt::format("fibres work at other lengths than {} .. {} of the optimal one: {}{}", range.lower,
-                      range.upper, Join(outside, ", "),
-                      settings_.fibre_range
-                          ? ", in spite of fibre_range: the moments ask for it"
-                          : "; where a muscle can hardly pull, its strength means little. fibre_range in the "
-                            "settings keeps them in")};
+  return {{WarningKind::kOther,
+           {},
+           {},
+           fmt::format(
+               "fibre lengths outside of {} .. {} of the optimal one: {}{}", range.lower, range.upper,
+               Join(outside, ", "),
+               settings_.fibre_range
+                   ? "; the moments fit better there than within fibre_range"
+                   : "; at lengths without active force the strength is not determined. fibre_range in the "
+                     "settings limits them")}};
 }
 
 std::vector<Problem::Signal> NmsProblem::ResidualCovariates(int block) const {

@@ -141,7 +141,7 @@ const std::vector<MuscleParameterName>& MuscleParameterNames() {
   static const std::vector<MuscleParameterName> kNames{
       {"filter_mean", kFilterMean, "", "mean pole of the activation filter", "Lloyd, Besier 2003"},
       {"filter_spread", kFilterSpread, "1", "distance of the filter's poles, squared", "Lloyd, Besier 2003"},
-      {"shape", kShape, "1", "bend between excitation and activation", "thesis eq 4.1"},
+      {"shape", kShape, "1", "shape factor of the activation curve", "thesis eq 4.1"},
       {"delay", kDelay, "s", "electromechanical delay", "thesis ch. 4"},
       {"optimal_length", kOptimalLength, "m", "optimal fibre length", "thesis eq 4.2"},
       {"tendon_slack_length", kTendonSlackLength, "m", "tendon slack length", "thesis eq 4.4"},

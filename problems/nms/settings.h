@@ -1,4 +1,4 @@
-// How the nms problem sees a person: which muscles, joints and parameters.
+// Settings of the nms problem: which muscles, joints and parameters.
 //
 //   nms:
 //     subject: subject.xml             # a file of the data set, CEINMS or CEINMS-RT
@@ -44,7 +44,7 @@ struct MuscleParameterName {
 /// One parameter that a group of muscles shares.
 struct NmsParameterSetting {
   MuscleSlot slot = kStrength;
-  std::string group;                 ///< its name; a muscle's if it stands alone
+  std::string group;                 ///< its name; a muscle's if it has only one
   std::vector<std::string> muscles;  ///< at least one
   double lower = 0;
   double upper = 1;
@@ -93,8 +93,8 @@ Result<NmsSettings> ReadNmsSettings(const YamlReader& yaml, const std::map<std::
 /// The subject's curves, smooth, or as CEINMS draws them. Errors: points that are no curve.
 Result<MuscleCurves> CurvesOf(const Subject& subject, bool as_ceinms);
 
-/// A muscle's parameters by slot; 0 where a subject says nothing. @param as_ceinms the filter from C1 and C2,
-/// else from times at this rate [1/s]
+/// A muscle's parameters by slot; 0 where the subject file has none. @param as_ceinms the filter from C1 and
+/// C2, else from times at this rate [1/s]
 [[nodiscard]] std::array<double, kMuscleSlots> SlotsOf(const SubjectMuscle& muscle, bool as_ceinms,
                                                        double rate);
 /// The inverse of SlotsOf.

@@ -10,7 +10,7 @@
 //     void derivative(const Values<T>& p, double t, const State<T>& x, State<T>& dx) const { ... }
 //   };
 //
-// Sensitivities are exact (dual numbers). docs/own_model.md says how to write one.
+// Sensitivities are exact (dual numbers). docs/own_model.md shows how to write one.
 #pragma once
 
 #include <algorithm>
@@ -204,7 +204,7 @@ class OdeProblem : public DeclaredProblem {
         }
       }
     }
-    if (!(least <= most)) return;  // no trial measures it: AddChannel said so
+    if (!(least <= most)) return;  // no trial measures it: AddChannel reported it
     accuracy_.typical[Index(index)] = std::max(std::abs(least), std::abs(most));
     if (start.known || start.slot >= 0) return;
     double reach = 0.25 * (most - least);

@@ -3,7 +3,6 @@
     SINEW_PROGRAM=build/release/sinew /usr/bin/python3 -B -m unittest discover -s tests/cli -p test_emg_shape.py
 """
 import json
-import re
 import unittest
 
 import h5py
@@ -55,10 +54,14 @@ class EmgShapeTest(ProgramTest):
         self.assertLess(moments["b"], moments["a"])
 
     def test_an_angle_alone_is_enough_at_home(self):
-        said = " ".join(self.identify().split())
-        settings = re.search(r"state in their settings: (reference: \{.*?\}, knots: \d+, jitter: \{.*?\}) ", said).group(1)
+        self.identify()
+        facts = json.loads(self.path("shape.json").read_text())["warning_facts"]
+        facts = next(dict(zip(w["names"], w["numbers"])) for w in facts if "reference.speed" in w["names"])
+        jitter = ", ".join(f"{name[len('jitter.'):]}: {value}" for name, value in facts.items() if name.startswith("jitter."))
+        settings = (f"reference: {{speed: {facts['reference.speed']}, period: {facts['reference.period']}}}\n"
+                    f"  knots: {facts['knots']:.0f}\n  jitter: {{{jitter}}}")
         self.path("home.yaml").write_text("emg_shape:\n  angle: ankle_angle_r\n  muscles: [lat_gas_r, med_gas_r, per_long_r, soleus_r, "
-                                          "tib_ant_r]\n  " + re.sub(", (knots|jitter)", r"\n  \1", settings) + "\n")
+                                          "tib_ant_r]\n  " + settings + "\n")
         with h5py.File(self.path("person.h5"), "r+") as file:
             for trial in list(file["trials"]):
                 if trial != "validate_120":

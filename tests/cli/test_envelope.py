@@ -130,7 +130,7 @@ class Envelope(ProgramTest):
                                 r"in \d+ places, the longest [4-9]\.\d+ ms at t = 1[01][\d.]* s; the envelope is too low there")
         self.assertIn("trial 'walk', tib_ant_r: gaps were bridged: 20 samples in 1 places, the longest 9.77 ms at t = 10.05 s",
                       noted)
-        self.assertIn("trial 'walk', tib_ant_r: dropouts: the raw signal stands still for 204 samples in 1 places, the "
+        self.assertIn("trial 'walk', tib_ant_r: dropouts: the raw signal is constant for 204 samples in 1 places, the "
                       "longest 99.6 ms at t = 12 s", noted)
         self.assertTrue(np.isfinite(self.excitation("walk", "tib_ant_r")[1]).all())
 
@@ -148,7 +148,7 @@ class Envelope(ProgramTest):
     def test_a_maximum_at_the_end_of_a_trial(self):
         self.change("soleus_r", lambda v: v[:100].__imul__(500))
         _, noted = self.envelope()
-        self.assertIn("soleus_r: its maximum lies at an end of trial 'walk', where the filter hangs on a single sample; cut "
+        self.assertIn("soleus_r: its maximum lies at an end of trial 'walk', where the filter depends on a single sample; cut "
                       "that end off, or normalise by other trials", noted)
 
     def test_recordings_that_cannot_be_filtered(self):

@@ -74,7 +74,7 @@ class FullDisk(ProgramTest):
         done = self.run_limited(*IDENTIFY, "--solver", "sa", "--max-seconds", 3)
         self.assertEqual(done.returncode, 2, done.stderr)
         lines = " ".join(done.stderr.split())
-        self.assertIn("warning: this run goes on without being saved: run.h5: cannot be written: File too large", lines)
+        self.assertIn("warning: this run continues without checkpoints: run.h5: cannot be written: File too large", lines)
         self.assertTrue(lines.endswith("sinew: error: run.h5: cannot be written: File too large"), lines)
         self.assertEqual(sorted(path.name for path in self.folder.iterdir()), ["stances.h5"])
 

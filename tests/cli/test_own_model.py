@@ -114,7 +114,7 @@ class OwnModel(ProgramTest):
                      "--out", "run.h5")
         self.refuses("parameter 'area' does not exist", "identify", "--data", "tank.h5", "--out", "run.h5", "--fix",
                      "area=1")
-        self.refuses("has no laboratory of its own", "data", "synthesize", "tank", "--out", "new.h5")
+        self.refuses("has no synthetic experiment", "data", "synthesize", "tank", "--out", "new.h5")
         self.refuses("give --data F.h5", "list", "parameters")
         self.refuses("unknown command 'mbs'", "mbs")
         self.write("tank.yaml", "tank: {volume: 3}")

@@ -66,7 +66,7 @@ class Workflow(ProgramTest):
         self.assertTrue(said.startswith("sim_train_1.sto\nsim_train_2.sto\n"))
         done = self.run_program("data", "import", "sim_train_1.sto", "--out", "back.h5")
         self.assertEqual(done.returncode, 0)
-        self.assertIn("note: sim_train_1.sto: does not say the unit of", done.stderr)
+        self.assertIn("note: sim_train_1.sto: has no unit for", done.stderr)
         self.assertIn("right_force_y", self.succeeds("data", "info", "back.h5", "--json"))
 
     def test_cut_and_drop(self):

@@ -104,7 +104,7 @@ class ImportMap(ProgramTest):
         self.fails(message, "data", "import", "bench.csv", "--map", "map.yaml", "--out", "bench.h5")
 
     def test_a_csv_needs_one(self):
-        self.fails("bench.csv: needs a map that says what its columns mean (they are t, qm, tau)", "data", "import",
+        self.fails("bench.csv: needs a map that assigns its columns to channels (they are t, qm, tau)", "data", "import",
                    "bench.csv", "--out", "bench.h5")
 
     def test_is_read_strictly(self):

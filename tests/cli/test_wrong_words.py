@@ -134,7 +134,7 @@ class Values(ProgramTest):
 
     def test_plates_and_roles(self):
         cut = ("data", "cut", "stances.h5", "--trial", "train_1", "--as", "new", "--window", "0.1:0.3")
-        self.fails("--plate left: trial 'train_1' has no channel left_force_y", *cut, "--plate", "left")
+        self.fails("--plate: trial 'train_1' has no channel left_force_y", *cut, "--plate", "left")
         self.fails("--role tran: expected train or validate", *cut, "--role", "tran")
 
     def test_synthesis(self):

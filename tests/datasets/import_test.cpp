@@ -135,7 +135,7 @@ TEST_F(ImportTest, CsvNeedsAMapAndFollowsIt) {
   const std::string log = folder_.Write("log.csv", kLog);
   options_.trial = "walk";
   EXPECT_THAT(ErrorOf(Import({log})),
-              HasSubstr("needs a map that says what its columns mean (they are t, q, u, mode)"));
+              HasSubstr("needs a map that assigns its columns to channels (they are t, q, u, mode)"));
   UseMap(
       "time: {column: t, unit: ms}\n"
       "channels: {position: {column: q, unit: deg, sigma: 1}, voltage: {column: u, unit: V, kind: input, "
@@ -189,7 +189,7 @@ TEST_F(ImportTest, TheMapRenamesMarkersAndColumns) {
   EXPECT_EQ(At("out", "excitation").values[0], 0.5);
   EXPECT_EQ(At("out", "excitation").kind, ChannelKind::kInput);
   EXPECT_EQ(dataset_.trials.at("walk").grids.at("coordinates").channels.count("knee_angle_r"), 0U);
-  EXPECT_THAT(notes_, ElementsAre(HasSubstr("does not say the unit of other")));
+  EXPECT_THAT(notes_, ElementsAre(HasSubstr("has no unit for other")));
 
   UseMap("channels:\n  knee: {column: knee_angel_r}\n");
   options_.trial = "other";
@@ -221,7 +221,7 @@ TEST_F(ImportTest, DegreesOfFilesWithoutCoordinatesAreNotConverted) {
   EXPECT_EQ(At("emg", "soleus_r").values[0], 0.5);
   EXPECT_EQ(At("emg", "soleus_r").kind, ChannelKind::kInput);
   EXPECT_EQ(At("x", "soleus_force").values[0], 90);
-  EXPECT_THAT(notes_, ElementsAre(HasSubstr("says inDegrees=yes, but its columns are no coordinates")));
+  EXPECT_THAT(notes_, ElementsAre(HasSubstr("has inDegrees=yes, but its columns are no coordinates")));
 }
 
 TEST_F(ImportTest, ATrialIsNeverOverwritten) {

@@ -71,7 +71,7 @@ TEST(TrcFile, ARateThatContradictsTheTimesIsReported) {
   ASSERT_TRUE(trc) << ErrorOf(trc);
   EXPECT_THAT(trc->time, ElementsAre(0, 0.01));
   EXPECT_THAT(trc->notes,
-              ElementsAre("x.trc: DataRate says 60 Hz, the times say 100 Hz; the times were kept"));
+              ElementsAre("x.trc: DataRate is 60 Hz, but the times have 100 Hz; the times were kept"));
 }
 
 TEST(TrcFile, BadFilesAreErrorsWithTheirLine) {

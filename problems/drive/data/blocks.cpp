@@ -106,7 +106,7 @@ Status AddBlocks(const Trial& trial, const std::vector<std::string>& fit, int ru
       return Fail("trial '{}': channel '{}' is to be fitted but {}", name, channel,
                   measured != nullptr ? "has no usable sample" : "is not measured");
     }
-    if (block.prediction_time.empty()) continue;  // nothing to say on this grid
+    if (block.prediction_time.empty()) continue;  // no prediction on this grid
     if (fitted && measured != nullptr && block.measured.size() < measured->values.size()) {
       out.notes.push_back(
           fmt::format("trial '{}': {} of {} samples of '{}' are not compared (gaps, or no input there)", name,

@@ -74,7 +74,7 @@ std::string DescribeDriveChannels() {
          "input besides it (kind: input), optional, in every trial, without gaps:\n"
          "  temperature            K (or degC)   of the joint: effect friction_with_temperature\n"
          "measured, any sampling, gaps are left out; position or speed is needed:\n"
-         "  position               rad or m      tells whether the joint is rotary or linear\n"
+         "  position               rad or m      determines whether the joint is rotary or linear\n"
          "  speed                  rad/s or m/s\n"
          "  torque or force        N*m, N        of the drive, if it is not the input\n"
          "  current                A             of an electric drive\n"

@@ -22,7 +22,7 @@ struct DriveSignalChannel {
   DriveSignal signal;
   const char* name;  ///< of the input channel, the condition or the constant
   const char* unit;
-  /// Only an effect needs it: used if every trial has the channel. Else the kind of the input says whether.
+  /// Only an effect needs it: used if every trial has the channel. Else it depends on the kind of the input.
   bool optional = false;
 };
 [[nodiscard]] const std::vector<DriveSignalChannel>& DriveSignalChannels();

@@ -73,7 +73,7 @@ std::vector<Row> Rows(const DriveCommand& command, const std::vector<DriveMotion
   return rows;
 }
 
-// Least squares of sum_k x_k column_k = right; nothing if the columns do not tell.
+// Least squares of sum_k x_k column_k = right; nothing if the columns are rank deficient.
 std::optional<Vector> Solve(const Matrix& columns, const Vector& right) {
   if (columns.rows() < 2 * columns.cols()) return {};
   const Vector scale = columns.colwise().norm();

@@ -32,7 +32,7 @@ struct DriveMotion {
 /// differentiated, is linear in the parameters. Dry friction is ignored; these are starts.
 /// Source: Preisig & Rippin, Theory and application of the modulating function method, Comput. Chem. Eng. 17
 /// (1993).
-/// @return all base parameters; where the data do not tell, an order of magnitude.
+/// @return all base parameters; where the data do not determine them, an order of magnitude.
 [[nodiscard]] DriveStarts EstimateDriveStarts(const DriveJoint& joint, const DriveCommand& command,
                                               const std::vector<DriveMotion>& motions,
                                               const std::array<std::optional<double>, kDriveSlots>& fixed);

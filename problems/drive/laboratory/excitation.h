@@ -16,7 +16,7 @@ Result<DriveTrial> DrawMultiSine(const DriveTruth& nominal, double duration, dou
 /// controller that is tuned for the joint of `nominal`.
 DriveTrial DrawTrapezoid(const DriveTruth& nominal, double duration, double rate, Random& random);
 
-/// One more trial that a diagnosis may suggest, each of them to see what the motions above hide.
+/// One more trial that a diagnosis may suggest, each of them to excite what the motions above do not.
 
 /// Zero torque: the joint is released at a drawn angle between 0.1 and 0.3 rad, on a drawn side, swings out
 /// and hangs.

@@ -262,7 +262,7 @@ Result<DriveRecord> SimulateDrive(const DriveTruth& truth, const DriveTrial& tri
   Bench bench(truth, trial, h);
   const bool tracking = trial.control == DriveControl::kTracking;
   const bool pid = trial.control == DriveControl::kPidSpeed;
-  // The command itself, or the torque that the tracking controller asks for: what it computes at a sample is
+  // The command itself, or the torque that the tracking controller commands: what it computes at a sample is
   // reached, on a straight line, at the next.
   Line command(tracking ? std::vector<double>(trial.command.size(), 0.0) : trial.command, trial.rate);
   const double period = pid ? trial.controller.control_period : 0;

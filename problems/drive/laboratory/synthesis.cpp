@@ -34,7 +34,7 @@ constexpr Setting kSettings[] = {
     {"noise_slow", 1, 1, 0, 1, "share of the slow part; 1: AR(1), less: noise that is no AR"},
     {"speed", 0, 1, 0, 1, "1: the speed is recorded too"},
     {"speed_noise", 0.02, 0.02, 0, 10, "standard deviation of the speed's noise [rad/s], white"},
-    {"known_noise", 1, 1, 0, 1, "0: the data do not say how large the noise is"},
+    {"known_noise", 1, 1, 0, 1, "0: the data do not state the noise level"},
     {"excitation", 0, 0, 0, 1, "0: sum of sines; 1: trapezoidal moves in closed loop, torque recorded"},
     {"mafo", 0, 1, 0, 1, "1: the five trials of the motorised ankle-foot orthosis"},
     {"hidden", 0, 0, 0, 1,

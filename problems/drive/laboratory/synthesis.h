@@ -23,14 +23,15 @@ struct DrivePlan {
   DriveNoise position_noise;
   double speed_noise = 0;                ///< [rad/s] white
   bool speed = false;                    ///< is the speed recorded too?
-  bool known_noise = true;               ///< do the data say how large the noise is?
+  bool known_noise = true;               ///< do the data state the noise level?
   bool orthosis = false;                 ///< the joint is that of the motorised ankle-foot orthosis
   bool exact = false;                    ///< position and speed are those of the fitted model itself
   std::map<std::string, double> starts;  ///< of exact data: initial_position@TRIAL, initial_speed@TRIAL
   std::uint64_t seed = 1;
 };
 
-/// What a request asks for. Errors: unknown settings or effects (with a suggestion), values out of range.
+/// The experiment that is requested. Errors: unknown settings or effects (with a suggestion), values out of
+/// range.
 Result<DrivePlan> PlanDrive(const SynthesisRequest& request);
 
 /// What `joint` alone would do: every other entry at its null.

@@ -63,7 +63,7 @@ class DriveTruth {
   std::array<double, kDriveTruthSlots> values_{};
 };
 
-/// A parameter of something hidden, its name, and where it lives.
+/// A parameter of a hidden effect, its name, and where it is stored.
 struct DriveTruthEntry {
   std::string effect;
   std::string parameter;

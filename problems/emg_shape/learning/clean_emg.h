@@ -10,7 +10,7 @@ namespace sinew {
 
 /// One curve for all recordings, a gain and a timing for each of them, and one for each of their bursts,
 /// drawn to 0 by what is usual: a curve per recording would hold the noise of its few cycles, which is no
-/// less than what tells the EMG of one muscle from that of another. By turns: gains and timings by
+/// less than what distinguishes the EMG of one muscle from that of another. Alternately: gains and timings by
 /// Gauss-Newton, the curve by least squares, weighted by the noise where the EMG then is.
 /// @param recordings each with two cycles or more @param basis [recordings] as the envelopes' filter shows
 /// the curve there, all of the same knots @param scatter of the same recordings @param correlated samples

@@ -19,7 +19,7 @@ constexpr double kUnusual = 3;     // times the median variance of recordings: n
 constexpr double kUsual = 10;      // bursts that what is usual counts for against a recording's own
 constexpr double kMinimum = 4;     // samples of a burst
 constexpr double kMaxTaken = 0.8;  // share of a sample's noise that a regression is believed to have taken
-constexpr double kWellTold = 0.2;  // share of the mean burst's information below which one says nothing
+constexpr double kWellTold = 0.2;  // share of the mean burst's information below which a burst is not used
 constexpr double kMinShare = 0.1;  // of the variance of bursts, below which a part of it is none
 
 // Sums over samples of one burst, by the inverse of their noise's variance.
@@ -44,7 +44,7 @@ struct Sample {
   double residual = 0;
 };
 
-// A burst that tells its gain and timing.
+// A burst with enough information on its gain and timing.
 struct Told {
   int recording = 0;
   int number = 0;
@@ -62,7 +62,7 @@ class Estimation {
   Result<CycleScatter> Run() {
     for (const CycleSamples& recording : recordings_) SINEW_TRY(Gather(recording));
     AssumeNoise();
-    // What is told of gains and timings depends on the noise, and the noise on what they explain.
+    // The information on gains and timings depends on the noise, and the noise on what they explain.
     for (int sweep = 0; sweep < kSweeps; ++sweep) {
       AddUp();
       AskBursts();
@@ -160,8 +160,8 @@ class Estimation {
     variance_ = std::max(left, 0.0) / std::max(degrees, 1.0);
   }
 
-  // A recording whose bursts scatter much more than those of the others is no measure of them, and is told
-  // by what its own say; a few cycles count for little against what is usual.
+  // A recording whose bursts scatter much more than those of the others is no measure of them, and is
+  // recognised by its own bursts; a few cycles have little weight against the usual scatter.
   void FindTotal(double Told::*value, double Told::*noise, double least, Scatter& scatter) const {
     struct Sums {
       double squares = 0;
@@ -250,7 +250,7 @@ class Estimation {
       pairs = count;
     }
     const double freedom = std::max(pairs - pairs_of_means, 1.0);
-    // A single burst is all of its cycle; of several that say nothing, each is for itself.
+    // A single burst is all of its cycle; of several with too little information, each is independent.
     Share(most > 1 ? gain / freedom : std::pow(out_.gain.total, 2), out_.gain);
     Share(most > 1 ? timing / freedom : std::pow(out_.timing.total, 2), out_.timing);
     for (const auto& [key, bursts] : Cycles(out_.after)) {
@@ -317,7 +317,7 @@ class Estimation {
   std::vector<BurstSums> bursts_;
   std::vector<Sample> samples_;
   std::vector<Told> told_;
-  double variance_ = 0;  // of a sample, less gains and timings, over that of the noise as it stands
+  double variance_ = 0;  // of a sample, less gains and timings, over that of the present noise estimate
   CycleScatter out_;
 };
 
@@ -334,7 +334,7 @@ Result<CycleScatter> EstimateCycleScatter(const std::vector<CycleSamples>& recor
 }
 
 double SharedTiming(const std::vector<std::vector<CycleTiming>>& muscles) {
-  std::map<std::pair<int, int>, std::vector<double>> cycles;  // of each muscle that tells
+  std::map<std::pair<int, int>, std::vector<double>> cycles;  // of each muscle with enough information
   for (const auto& timings : muscles) {
     for (const CycleTiming& of : timings) cycles[{of.recording, of.cycle}].push_back(of.timing);
   }

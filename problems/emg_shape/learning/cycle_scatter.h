@@ -18,7 +18,7 @@ struct CycleSamples {
   BurstPattern pattern;        ///< its `after` is found out
 };
 
-// Least scatter: of a movement that repeats itself exactly nothing would be left to learn a prior from.
+// Least scatter: a movement that repeats itself exactly would give a prior of zero width.
 constexpr double kMinGainScatter = 0.01;
 constexpr double kMinTimingScatter = 0.001;  // [cycle]
 

@@ -136,7 +136,7 @@ class Learning {
   int knots_;
   const EmgReference& reference_;
   std::vector<LearntRecording>& recordings_;
-  std::vector<std::size_t> with_;                  // recordings that tell of the muscle
+  std::vector<std::size_t> with_;                  // recordings with enough information on the muscle
   std::vector<std::vector<CycleTiming>> timings_;  // [muscles] that were learnt
 };
 

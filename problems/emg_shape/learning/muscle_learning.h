@@ -1,4 +1,4 @@
-// What the cycles of the training trials say of each muscle before anything is fitted.
+// Estimates for each muscle from the cycles of the training trials, before anything is fitted.
 #pragma once
 
 #include <map>
@@ -9,7 +9,7 @@
 
 namespace sinew {
 
-/// A recording, and what its own cycles say of its muscles; of training trials only.
+/// A recording, and the estimates for its muscles from its own cycles; of training trials only.
 struct LearntRecording : RecordedTrial {
   struct Muscle {
     BurstPattern bursts;

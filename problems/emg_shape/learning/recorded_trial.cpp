@@ -12,7 +12,7 @@
 namespace sinew {
 namespace {
 
-constexpr std::size_t kMinCycles = 2;  // one cannot say how much cycles differ
+constexpr std::size_t kMinCycles = 2;  // the scatter of cycles needs two
 
 double At(const std::vector<double>& time, const std::vector<double>& values, double t) {
   if (t <= time.front()) return values.front();
@@ -101,7 +101,7 @@ class Reader {
 
   void SetTimes(const Grid& clock, const Grid& angle_grid, const std::vector<double>& angle,
                 EmgShapeTrial& of) const {
-    // Held-out trials are predicted on the whole clock, for whoever wants the EMG; fitted ones where they are
+    // Held-out trials are predicted at all times, for use of their EMG; fitted ones where they are
     // compared.
     const std::size_t step = of.role == BlockRole::kTrain ? Stride(clock) : 1;
     std::vector<double> known_time;

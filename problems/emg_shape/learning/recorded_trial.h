@@ -19,8 +19,8 @@ struct RecordedTrial {
   std::map<std::string, std::vector<double>> measured;  ///< the same, NaN where nothing is compared
 };
 
-/// Nothing if the trial is left out; `notes` says why, and what else was left out. Errors: no angle or no
-/// excitations of a training trial, another unit, those of FindCycles and CheckMuscle.
+/// Nothing if the trial is left out; `notes` has the reason, and what else was left out. Errors: no angle or
+/// no excitations of a training trial, another unit, those of FindCycles and CheckMuscle.
 Result<std::optional<RecordedTrial>> ReadRecordedTrial(const std::string& name, const Trial& trial,
                                                        const EmgShapeSettings& settings,
                                                        std::vector<std::string>& notes);

@@ -1,4 +1,4 @@
-// Bursts of one muscle in one recording, as a prediction sees them.
+// Bursts of one muscle in one recording, as a prediction uses them.
 #pragma once
 
 #include <limits>

@@ -40,7 +40,7 @@ class Band {
   }
 
  private:
-  // Of all that was fitted, at the fitted point: single cycles, once known, say more about the rest.
+  // Of all that was fitted, at the fitted point: single cycles, once known, determine the rest better.
   Status FindCovariance(const Vector& fitted) {
     const Layout& layout = problem_.layout();
     std::vector<bool> train;

@@ -9,7 +9,7 @@
 
 namespace sinew {
 
-/// Immutable; refers to data and parameters, which must live longer.
+/// Immutable; refers to data and parameters, which must outlive it.
 class EmgBlock {
  public:
   /// What one thread needs for any block.

@@ -1,4 +1,4 @@
-// What the emg_shape problem tells of itself in a run file.
+// What the emg_shape problem writes into a run file.
 #include "models/emg/shape_basis.h"
 #include "problems/emg_shape/prediction/band.h"
 #include "problems/emg_shape/problem.h"

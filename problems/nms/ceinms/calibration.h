@@ -1,4 +1,4 @@
-// What a CEINMS calibration or execution asks for, as settings of the nms problem.
+// A CEINMS calibration or execution as settings of the nms problem.
 #pragma once
 
 #include <optional>

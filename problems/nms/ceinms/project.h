@@ -20,11 +20,11 @@ struct CeinmsProject {
 ///
 /// Trials are named by their file without .xml; those of the calibration are for training. Grids:
 /// `excitations` (per muscle, the weighted sum of its inputs), `lengths`, `moment_arms.JOINT`, `moments`
-/// (JOINT_moment). nms.yaml asks for CEINMS's own numbers (as_ceinms), its objective, and the calibration's
+/// (JOINT_moment). nms.yaml selects CEINMS's own numbers (as_ceinms), its objective, and the calibration's
 /// parameters and ranges; c1 and c2, which can be exchanged, become the mean and the spread of the poles.
 /// An execution gives the ranges that CEINMS users have (SCIENCE section 3).
 ///
-/// A calibration file of CEINMS-RT (<simulatedAnnealing>) is read as ReadCeinmsRtProject says.
+/// A calibration file of CEINMS-RT (<simulatedAnnealing>) is read as described at ReadCeinmsRtProject.
 /// @param validate trial files to predict only. @param execution of CEINMS-RT, else empty
 /// Errors, with file and line: a file that is not there, elements that make no sense, muscles without input.
 Result<CeinmsProject> ReadCeinmsProject(const std::string& setup, const std::vector<std::string>& validate,

@@ -11,7 +11,7 @@
 namespace sinew {
 namespace {
 
-// Every objective function frees the shape factor; the names do not say that optimal fibre lengths are free,
+// Every objective function frees the shape factor; the names do not show that optimal fibre lengths are free,
 // too.
 struct Objective {
   const char* name;

@@ -12,7 +12,7 @@
 
 namespace sinew {
 
-/// What an element says, and where.
+/// The text of an element, and its place.
 struct CeinmsRtText {
   std::string text;
   long line = 0;  ///< 0: the element is absent

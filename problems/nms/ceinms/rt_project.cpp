@@ -87,7 +87,7 @@ class Project {
       if (!ExcitationSources(subject_, muscle).empty()) continue;
       out_.notes.push_back(fmt::format(
           "{}: no channel excites the muscle '{}': CEINMS-RT takes its excitation as 0, here it is "
-          "not known, and `identify` will say so",
+          "not known, and `identify` will report it",
           *found, muscle));
     }
     return {};
@@ -103,7 +103,7 @@ class Project {
     }
     if (file.empty()) {
       out_.notes.push_back(
-          fmt::format("{}: the execution file of CEINMS-RT (-e), which knows the tendon, is not given "
+          fmt::format("{}: the execution file of CEINMS-RT (-e), which has the tendon model, is not given "
                       "(--execution): rigid",
                       file_));
     } else {
@@ -180,7 +180,7 @@ class Project {
     return {};
   }
 
-  // By the greatest value of <maxEMG> and of all recordings that are fitted; held-out ones have no say.
+  // By the greatest value of <maxEMG> and of all recordings that are fitted; held-out ones do not count.
   void Normalise() {
     for (const auto& [name, trial] : recordings_) {
       if (trial.role != Role::kTrain) continue;

@@ -11,7 +11,7 @@ namespace sinew {
 
 /// Reads CEINMS-RT's calibration file (<simulatedAnnealing>) and what it names: the subject
 /// DIRECTORY/inputSubjectXMLName, the .osim, and per trial DIRECTORY/TRIAL/ik.sto, id.sto and emgFilt.sto (or
-/// emg.sto, filtered as CEINMS-RT does). Files are found as FindCeinmsRtFile says.
+/// emg.sto, filtered as CEINMS-RT does). Files are found by FindCeinmsRtFile.
 ///
 /// Grids of each trial: `coordinates`, `excitations` (by the subject's channels, at times later by EMD),
 /// `moments`, and, from the .osim along the coordinates, `lengths` and `moment_arms.JOINT`. Its window is

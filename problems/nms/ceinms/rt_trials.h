@@ -16,7 +16,7 @@ struct CeinmsRtWanted {
   double from_s = 0;   ///< from the first moment on
   double to_s = 0;     ///< infinity: the end of the recording
   Role role = Role::kTrain;
-  long line = 0;  ///< where the calibration file asks for it
+  long line = 0;  ///< where the calibration file names it
 };
 
 /// The calibration's trials and those to validate: TRIAL, or TRIAL:FROM:TO in seconds. They are called by

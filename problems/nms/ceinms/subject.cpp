@@ -235,7 +235,7 @@ Result<std::string> WriteCeinmsSubject(std::string_view text, const std::string&
   SINEW_ASSIGN(const CeinmsSubject before, ReadCeinmsSubject(text, file_name));
   SINEW_ASSIGN(const XmlDocument xml, XmlDocument::Parse(text, file_name));
   SINEW_ASSIGN(const Dialect dialect, DialectOf(xml));
-  std::map<std::size_t, std::pair<std::size_t, std::string>> edits;  // place, length, what stands there
+  std::map<std::size_t, std::pair<std::size_t, std::string>> edits;  // place, length, replacement
   for (const SubjectMuscle& muscle : muscles) {
     const SubjectMuscle* old = before.subject.Find(muscle.name);
     if (old == nullptr) return Fail("{} has no muscle '{}'", file_name, muscle.name);

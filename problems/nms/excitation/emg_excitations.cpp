@@ -117,7 +117,8 @@ class Excitations {
       }
     }
     const auto& found = named.empty() ? in_volts : named;
-    if (found.size() > 1) return Fail("{} could all be raw EMG; say which with --grid", Join(found, " and "));
+    if (found.size() > 1)
+      return Fail("{} could all be raw EMG; choose one with --grid", Join(found, " and "));
     return found.empty() ? std::string() : found.front();
   }
 
@@ -220,11 +221,11 @@ class Excitations {
 
   void NoteRate(const std::string& trial, double rate_Hz) {
     if (rate_Hz < kUsualRate_Hz) {
-      report_.notes.push_back(
-          fmt::format("trial '{}': sampled at {:.4g} Hz; surface EMG reaches 400 Hz, and what lies above "
-                      "{:.4g} Hz is lost "
-                      "or folded back. Is this raw EMG?",
-                      trial, rate_Hz, rate_Hz / 2));
+      report_.notes.push_back(fmt::format(
+          "trial '{}': sampled at {:.4g} Hz; surface EMG has components up to 400 Hz, and what is above "
+          "{:.4g} Hz is lost "
+          "or folded back. Is this raw EMG?",
+          trial, rate_Hz, rate_Hz / 2));
     }
     if (settings_.rate_Hz >= rate_Hz) {
       report_.notes.push_back(
@@ -251,7 +252,7 @@ class Excitations {
            "; the envelope is too low there");
     }
     if (!faults.frozen.empty()) {
-      note("dropouts: the raw signal stands still for " + describe(faults.frozen) +
+      note("dropouts: the raw signal is constant for " + describe(faults.frozen) +
            "; they were taken as measured, and the envelope falls there");
     }
   }
@@ -306,10 +307,11 @@ class Excitations {
           muscle.name, above, Readable(muscle.largest / muscle.divisor), muscle.largest_trial));
     }
     if (settings_.normalisation != Normalisation::kGiven && muscle_at_end_[muscle.name]) {
-      report_.notes.push_back(fmt::format(
-          "{}: its maximum lies at an end of trial '{}', where the filter hangs on a single sample; cut that "
-          "end off, or normalise by other trials",
-          muscle.name, muscle.maximum_trial));
+      report_.notes.push_back(
+          fmt::format("{}: its maximum lies at an end of trial '{}', where the filter depends on a single "
+                      "sample; cut that "
+                      "end off, or normalise by other trials",
+                      muscle.name, muscle.maximum_trial));
     }
     return {};
   }

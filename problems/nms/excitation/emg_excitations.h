@@ -43,7 +43,7 @@ struct ExcitationReport {
 /// has channels in V. Of its channels those in V count; if none is in V, all. Trials without raw EMG stay as
 /// they are, with a note.
 /// Errors, with trial and channel: no raw EMG, or several grids that could be it; a name that does not exist;
-/// channels of one muscle with different units; whatever ComputeEnvelope and UniformRate refuse; a rate at
+/// channels of one muscle with different units; those of ComputeEnvelope and UniformRate; a rate at
 /// which the envelope would fold back (more than 1 % of it left at half of the rate); a muscle whose
 /// maximum is 0 or not given. The data set is then unspecified.
 Result<ExcitationReport> AddExcitations(Dataset& data, const ExcitationSettings& settings);

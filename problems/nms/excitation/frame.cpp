@@ -260,7 +260,7 @@ Result<FrameSolution> SolveFrame(const ExcitationFrame& frame, const FrameMuscle
         here = std::move(there);
         out.excitation = next;
       }
-      // What a damped step promises says nothing.
+      // The predicted decrease of a damped step is no criterion.
       out.converged = last && damping == 0;
       if (last && damping > 0) out.iterations = kMaxIterations;
       if (last || descends) break;

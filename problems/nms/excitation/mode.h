@@ -19,8 +19,8 @@ namespace sinew {
 
 enum class NmsModeType {
   kOpenLoop,  ///< all measured
-  kHybrid,    ///< those of some muscles are found: of those without EMG, if no list says otherwise
-  kAssisted,  ///< besides, the measured ones are adjusted: all, if no list says otherwise
+  kHybrid,    ///< those of some muscles are found: of those without EMG, unless listed otherwise
+  kAssisted,  ///< besides, the measured ones are adjusted: all, unless listed otherwise
   kOptimised  ///< all are found; EMG is not looked at
 };
 

@@ -19,7 +19,7 @@ bool IsAmong(const std::vector<std::string>& names, const std::string& name) {
   return std::find(names.begin(), names.end(), name) != names.end();
 }
 
-// The free muscles of a trial, as a frame sees them.
+// The free muscles of a trial in one frame.
 class MusclesOfFrame final : public FrameMuscles {
  public:
   [[nodiscard]] Result<ForceAt> Force(int muscle, double excitation) const override {
@@ -141,7 +141,7 @@ class TrialSearch {
   }
 
   // From the measured excitations, from those of the frame before, and from none at all. A fibre may need
-  // much excitation before a slack tendon pulls: then halfway too.
+  // much excitation before a slack tendon transmits force: then halfway too.
   [[nodiscard]] std::vector<Vector> Starts() const {
     std::vector<Vector> starts{frame_.measured.array().isNaN().select(0, frame_.measured)};
     if (last_.size() == starts[0].size()) starts.push_back(last_);
@@ -226,8 +226,9 @@ Status CheckModel(const NmsProblem& problem, const Vector& parameters) {
     for (std::size_t m = 0; m < parts.slots.size(); ++m) {
       for (int slot = kEmgGain; slot <= kCrossTalk; ++slot) {
         if (parts.slots[m][static_cast<std::size_t>(slot)] == 0) continue;
-        return Fail("muscle '{}': an effect on its measured excitation is not at 0: only open loop knows it",
-                    problem.data().muscles[m]);
+        return Fail(
+            "muscle '{}': an effect on its measured excitation is not at 0: only the open loop has it",
+            problem.data().muscles[m]);
       }
       if (parts.slots[m][kTendonCompliance] == 0) continue;
       return Fail("muscle '{}': its tendon_compliance is not at 0: expected tendon: elastic in its place",

@@ -27,7 +27,8 @@ struct FoundExcitations {
   int followed = 0;                ///< frames with a measured moment
   int unsettled = 0;               ///< frames whose search did not converge
   /// [muscles] frames in which no excitation moves the muscle's force: its elastic tendon hangs slack, and
-  /// the fibre does not take that up within one frame. The search cannot see that it would pull later.
+  /// the fibre does not take that up within one frame. The search cannot foresee the force that it would have
+  /// later.
   std::vector<int> slack;
   double seconds = 0;  ///< that it took
 };

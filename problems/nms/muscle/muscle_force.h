@@ -24,7 +24,7 @@ enum MuscleSlot {
   kLengthChange,
   kDamping,
   kLargestVelocity,
-  kSubjectSlots,             ///< those above are what a subject says of a muscle; those below rest at 0
+  kSubjectSlots,             ///< those above are a muscle's in the subject file; those below rest at 0
   kEmgGain = kSubjectSlots,  ///< excitation beyond the measured one, as a share [1, > -1]
   kEmgDrift,                 ///< share by which the excitation is larger per second of the trial [1/s]
   kCoContraction,            ///< excitation beyond the measured one [1]
@@ -50,7 +50,7 @@ struct MuscleModel {
   ActivationShape shape = ActivationShape::kExponential;
   /// As CEINMS computes it, down to the habits that change numbers: the filter runs at the rate of the
   /// lengths once they begin, delays are whole samples, and with an elastic tendon the velocity is that of
-  /// another pass whose filter forgets the value before the last.
+  /// another pass whose filter drops the value before the last.
   bool as_ceinms = false;
 };
 

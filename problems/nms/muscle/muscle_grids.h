@@ -26,7 +26,7 @@ class MuscleGrids {
   [[nodiscard]] const Grid* FindMotion(const Trial& trial) const;
 
   /// Adds the grids `lengths` and `moment_arms.JOINT` at the times of a grid of coordinates, in place of
-  /// grids of these names. @return what there is to say, in lines. Errors: an angle in another unit than rad;
+  /// grids of these names. @return notes. Errors: an angle in another unit than rad;
   /// those of CoordinateTrajectory and MuscleGeometry.
   [[nodiscard]] Result<std::string> Add(const Grid& motion, Trial& trial) const;
 

@@ -23,7 +23,8 @@ enum SubjectCurve {
   kSubjectCurves
 };
 
-/// What CEINMS calls a musculotendon unit. Values that the file gives once for all muscles stand in each.
+/// What CEINMS calls a musculotendon unit. Values that the file gives once for all muscles are copied to
+/// each.
 struct SubjectMuscle {
   std::string name;
   double c1 = -0.5;                          ///< of the filter, at the rate of the lengths [-1..1]
@@ -46,7 +47,7 @@ struct Subject {
   std::vector<SubjectMuscle> muscles;
   /// Joint coordinates with the muscles that move them, in the file's order.
   std::vector<std::pair<std::string, std::vector<std::string>>> dofs;
-  /// Measured signals with the muscles they excite (CEINMS-RT); empty if the file does not say.
+  /// Measured signals with the muscles they excite (CEINMS-RT); empty if the file has none.
   std::vector<std::pair<std::string, std::vector<std::string>>> channels;
 
   /// nullptr: no such muscle.

@@ -35,6 +35,20 @@ TEST(DiagnosisSentences, EveryFindingIsTold) {
                           "unknown_term torque(speed)", "parameter_change rate", "gain y"));
 }
 
+TEST(DiagnosisSentences, ParametersThatACurveCannotBeSeparatedFromAreNamed) {
+  const auto text = [](const std::vector<std::string>& parameters) {
+    const toy::ToyProblem problem = toy::JointProblem();
+    Diagnosis d = toy::JointDiagnosis(problem);
+    d.unknown_terms[0].inseparable_from = parameters;
+    for (const Sentence& sentence : Sentences(d)) {
+      if (sentence.kind == SentenceKind::kUnknownTerm) return sentence.text;
+    }
+    return std::string();
+  };
+  EXPECT_THAT(text({"stiffness", "gain"}), testing::HasSubstr("the same as a change of stiffness, gain:"));
+  EXPECT_THAT(text({}), Not(testing::HasSubstr("the same as")));
+}
+
 TEST(DiagnosisSentences, ALawThatContainsTheCauseIsNoAlternative) {
   EXPECT_THAT(Facts([](Diagnosis& d) { d.alternatives[0].contains_cause = true; }),
               Contains("more_general_law y.delay friction"));

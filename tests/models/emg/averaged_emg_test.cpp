@@ -232,7 +232,7 @@ TEST(AveragedEmgTest, LeavesOutCyclesWithANote) {
               ElementsAre("few: 115 deg/s is left out, it has 1 cycle and 2 are wanted.",
                           "silent: 57.3 deg/s is left out, it has 0 cycles and 2 are wanted.",
                           "silent: 115 deg/s is left out, there is no signal in its 2 cycles.",
-                          "silent: no speed has cycles to learn from, it is left out."));
+                          "silent: no speed has enough cycles, it is left out."));
   EXPECT_TRUE(model->has(0) && model->has(1));
   EXPECT_FALSE(model->has(2));
   EXPECT_THAT(model->muscle(1).speeds, ElementsAre(1));

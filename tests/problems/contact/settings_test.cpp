@@ -185,8 +185,7 @@ TEST_F(ContactSettingsTest, RegionsMustBeThereAndHaveNamesOfTheirOwn) {
   EXPECT_EQ(Read("contact: {model: m}").error().message, "contact.yaml:1: contact: expected key 'regions'");
   EXPECT_EQ(Read("contact: {regions: 3}").error().message,
             "contact.yaml:1: contact.regions: expected a list");
-  EXPECT_EQ(ErrorAfter("name: toe", "name: heel"),
-            "contact.yaml:18: regions: the name 'heel' stands there twice");
+  EXPECT_EQ(ErrorAfter("name: toe", "name: heel"), "contact.yaml:18: regions: the name 'heel' is used twice");
   EXPECT_EQ(ErrorAfter("name: toe", "name: ''"), "contact.yaml:18: regions: a region has no name");
 }
 

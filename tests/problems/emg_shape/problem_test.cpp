@@ -71,7 +71,9 @@ TEST(EmgShapeProblem, LawsPredictASpeedThatWasNotMeasured) {
   }
   EXPECT_THAT(
       with->WarningsAt(RestPoint(*with)),
-      Contains(HasSubstr("trial 'train_120' moves at 2.09 rad/s, outside of the measured 0.524 .. 1.57")));
+      Contains(testing::Field(
+          &Warning::message,
+          HasSubstr("trial 'train_120' moves at 2.09 rad/s, outside of the measured 0.524 .. 1.57"))));
 }
 
 // Bursts of both muscles come early and late together, so what is heard moves as the muscle's own EMG does.
