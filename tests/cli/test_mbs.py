@@ -47,8 +47,8 @@ class Mbs(ProgramTest):
 
     def test_a_motion_that_cannot_be_trusted_is_not_shown_as_if(self):
         text = self.succeeds("mbs", "A04", "--integrator", "rk_merson", "--accuracy", "1e-3")
-        self.assertIn("A04  does not keep its energy", text)
-        self.assertNotIn("does not keep its energy", self.succeeds("mbs", "A04"))
+        self.assertIn("A04  does not conserve energy", text)
+        self.assertNotIn("does not conserve energy", self.succeeds("mbs", "A04"))
 
     def test_references_of_ones_own(self):
         self.write("A01_reference_x.csv", "t_s,value_m\n0,-1\n")

@@ -212,7 +212,7 @@ TEST(EmgShapeData, WhatCannotBeUsedIsAnError) {
   data = good;
   for (auto& [name, trial] : data.trials) trial.role = Role::kValidate;
   EXPECT_THAT(ErrorOf(PrepareEmgShapeData(data, EmgSettings())),
-              HasSubstr("no training trial to learn from"));
+              HasSubstr("there is no training trial"));
 }
 
 }  // namespace
