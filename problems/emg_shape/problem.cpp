@@ -77,7 +77,7 @@ std::vector<Warning> EmgShapeProblem::WarningsAt(const Vector& /*parameters*/) c
       names.push_back("jitter." + muscle.name);
       numbers.push_back(muscle.timing.total);
     }
-    warn("the cycles of one speed scatter in timing (of a cycle) and amplitude by: " + scatter);
+    warn("cycles of one speed differ in timing (of a cycle) and size by: " + scatter);
     Warning& settings = warn(fmt::format(
         "to predict recordings without EMG, state in their settings: reference: {{speed: {:.9g}, period: "
         "{:.9g}}}, knots: {}, jitter: {{{}}}",

@@ -211,8 +211,7 @@ TEST(EmgShapeData, WhatCannotBeUsedIsAnError) {
   EXPECT_THAT(ErrorOf(PrepareEmgShapeData(data, EmgSettings())), HasSubstr("has the unit V, expected 1"));
   data = good;
   for (auto& [name, trial] : data.trials) trial.role = Role::kValidate;
-  EXPECT_THAT(ErrorOf(PrepareEmgShapeData(data, EmgSettings())),
-              HasSubstr("there is no training trial"));
+  EXPECT_THAT(ErrorOf(PrepareEmgShapeData(data, EmgSettings())), HasSubstr("there is no training trial"));
 }
 
 }  // namespace
