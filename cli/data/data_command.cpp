@@ -10,11 +10,12 @@ Result<std::optional<Role>> ParseRole(const std::string& word) {
 }
 
 void AddDataCommand(Command app, const RunAction& run) {
-  Command data = app.AddCommand("data", "Make, import, cut and inspect data sets");
+  Command data = app.AddCommand("data", "Make, import, check, cut and inspect data sets");
   data.RequireCommand();
   AddSynthesizeCommand(data, run);
   AddImportCommand(data, run);
   AddInfoCommand(data, run);
+  AddCheckCommand(data, run);
   AddCutCommand(data, run);
   AddDropCommand(data, run);
   AddKinematicsCommand(data, run);

@@ -12,6 +12,7 @@ namespace sinew {
 void AddSynthesizeCommand(Command data, const RunAction& run);
 void AddImportCommand(Command data, const RunAction& run);
 void AddInfoCommand(Command data, const RunAction& run);
+void AddCheckCommand(Command data, const RunAction& run);
 void AddCutCommand(Command data, const RunAction& run);
 void AddDropCommand(Command data, const RunAction& run);
 void AddCeinmsCommand(Command data, const RunAction& run);

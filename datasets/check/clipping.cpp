@@ -1,0 +1,136 @@
+#include "datasets/check/clipping.h"
+
+#include <algorithm>
+#include <cmath>
+#include <map>
+
+#include "datasets/check/robust.h"
+
+namespace sinew {
+namespace {
+
+constexpr std::size_t kClipShortest = 3;   // [samples] of a run
+constexpr std::size_t kClipFewest = 6;     // [samples] at the value, in all runs
+constexpr double kClipAbrupt = 3;          // slope at the run's ends, of the smallest increments
+constexpr double kClipStraight = 0.3;      // share of straight pieces: a trapezoid
+constexpr int kClipLevels = 5;
+constexpr double kClipPile = 5;        // samples at the level, of the mean of the next kClipLevels inwards
+constexpr double kClipVaried = 0.9;  // share of neighbours that differ, of a signal that is not rounded
+constexpr double kClipSlopeOfUsual = 0.1;  // and of the median increment
+
+struct ClipShape {
+  double quantum = 0;  // 5th percentile of the increments that are not 0
+  double step = 0;     // their median
+  bool straight = false;
+  bool rounded = false;
+};
+
+ClipShape ShapeOf(const ChannelGroup& group) {
+  std::vector<double> sizes;
+  double bends = 0;
+  double straight = 0;
+  double all = 0;
+  for (const Signal& signal : group.signals) {
+    const auto increments = Increments(signal.values);
+    for (std::size_t i = 2; i < increments.size(); ++i) {
+      if (!std::isfinite(increments[i])) continue;
+      all += 1;
+      if (increments[i] == 0) continue;
+      sizes.push_back(std::abs(increments[i]));
+      bends += 1;
+      straight += std::abs(increments[i] - increments[i - 1]) <= 1e-6 * std::abs(increments[i]) ? 1 : 0;
+    }
+  }
+  if (sizes.size() < 50) return {0, 0, true, false};
+  const bool rounded = static_cast<double>(sizes.size()) < kClipVaried * all;
+  // A rounded signal moves by the same number of quanta again and again: straight only where it does not
+  // rest.
+  return {Quantile(sizes, 0.05), Median(sizes), straight > kClipStraight * bends, rounded};
+}
+
+struct ClipLevel {
+  std::vector<Run> top;     // reached from below
+  std::vector<Run> bottom;  // reached from above
+  std::size_t other = 0;    // samples of runs that are passed through
+};
+
+std::size_t Samples(const std::vector<Run>& runs) {
+  std::size_t samples = 0;
+  for (const Run& run : runs) samples += run.size();
+  return samples;
+}
+
+}  // namespace
+
+std::vector<Finding> FindClipping(const ChannelGroup& group) {
+  const ClipShape shape = ShapeOf(group);
+  if (shape.straight) return {};
+  const double least = std::max(kClipAbrupt * shape.quantum, kClipSlopeOfUsual * shape.step);
+  std::vector<Finding> found;
+  for (const Signal& signal : group.signals) {
+    const std::vector<double>& x = signal.values;
+    std::map<double, int> counts;
+    for (const double value : x) {
+      if (std::isfinite(value)) ++counts[value];
+    }
+    std::map<double, ClipLevel> levels;
+    for (const Run& run : EqualRuns(x, kClipShortest)) {
+      if (run.value == 0 || run.first == 0 || run.last + 1 >= x.size()) continue;
+      const double in = x[run.first - 1] - run.value;
+      const double out = x[run.last + 1] - run.value;
+      if (!std::isfinite(in) || !std::isfinite(out)) continue;
+      ClipLevel& level = levels[run.value];
+      // A rounded signal that comes to rest may leave with a jump: both ends must be abrupt.
+      const double slope = shape.rounded ? std::min(std::abs(in), std::abs(out)) : std::max(std::abs(in), std::abs(out));
+      if (in * out < 0 || slope < least) {
+        level.other += run.size();
+      } else {
+        (in < 0 ? level.top : level.bottom).push_back(run);
+      }
+    }
+    const auto is_clipped = [&](const std::vector<Run>& runs, const ClipLevel& level) {
+      const std::size_t samples = Samples(runs);
+      return samples >= kClipFewest && samples > 4 * level.other;
+    };
+    // Nothing lies beyond the level from the first run to the last one.
+    const auto is_extreme = [&](const std::vector<Run>& runs, bool top) {
+      for (std::size_t i = runs.front().first; i <= runs.back().last; ++i) {
+        if (top ? x[i] > runs.front().value : x[i] < runs.front().value) return false;
+      }
+      return true;
+    };
+    // Samples at the level, against the mean of the next levels inwards: a rounded signal turns within a
+    // quantum, and spends some time there.
+    const auto piles_up = [&](const std::vector<Run>& runs, bool top) {
+      auto at = counts.find(runs.front().value);
+      const double here = at->second;
+      double inwards = 0;
+      for (int i = 0; i < kClipLevels; ++i) {
+        if (top ? at == counts.begin() : std::next(at) == counts.end()) break;
+        at = top ? std::prev(at) : std::next(at);
+        inwards += at->second;
+      }
+      return here > kClipPile * inwards / kClipLevels;
+    };
+    std::vector<Finding> here;
+    for (const auto& [value, level] : levels) {
+      for (const bool top : {true, false}) {
+        const std::vector<Run>& runs = top ? level.top : level.bottom;
+        const std::vector<Run>& opposite = top ? level.bottom : level.top;
+        if (!is_clipped(runs, level) || !opposite.empty() || !is_extreme(runs, top) || !piles_up(runs, top)) continue;
+        if (shape.rounded && (runs.size() < 2 || value != (top ? counts.rbegin()->first : counts.begin()->first))) continue;
+        Finding finding = signal.Found(FindingKind::kClipping);
+        finding.size = value;
+        finding.usual = static_cast<double>(Samples(runs)) / static_cast<double>(x.size());
+        for (const Run& run : runs) finding.spans.push_back(signal.Span(run.first, run.last));
+        here.push_back(std::move(finding));
+      }
+    }
+    if (signal.kind == ChannelKind::kInput && here.size() >= 2) continue;
+    // More than two levels are not the ends of a range.
+    if (here.size() <= 2) found.insert(found.end(), here.begin(), here.end());
+  }
+  return found;
+}
+
+}  // namespace sinew

@@ -1,0 +1,66 @@
+#include "datasets/check/robust.h"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+
+namespace sinew {
+
+double Quantile(std::vector<double> values, double share) {
+  const double place = share * static_cast<double>(values.size() - 1);
+  const auto low = static_cast<std::ptrdiff_t>(place);
+  const auto at = values.begin() + low;
+  std::nth_element(values.begin(), at, values.end());
+  const double value = *at;
+  if (at + 1 == values.end()) return value;
+  const double next = *std::min_element(at + 1, values.end());
+  return value + (place - static_cast<double>(low)) * (next - value);
+}
+
+double Median(std::vector<double> values) {
+  return Quantile(std::move(values), 0.5);
+}
+
+double RobustDeviation(const std::vector<double>& values) {
+  constexpr double kNormal = 1.4826;  // 1 / (upper quartile of the standard normal)
+  const double middle = Median(values);
+  std::vector<double> distance;
+  distance.reserve(values.size());
+  for (const double value : values) distance.push_back(std::abs(value - middle));
+  return kNormal * Median(std::move(distance));
+}
+
+std::vector<double> Finite(const std::vector<double>& values) {
+  std::vector<double> finite;
+  finite.reserve(values.size());
+  std::copy_if(values.begin(), values.end(), std::back_inserter(finite),
+               [](double value) { return std::isfinite(value); });
+  return finite;
+}
+
+double Correlation(const std::vector<double>& a, const std::vector<double>& b) {
+  double n = 0;
+  double mean_a = 0;
+  double mean_b = 0;
+  for (std::size_t i = 0; i < a.size(); ++i) {
+    if (!std::isfinite(a[i] + b[i])) continue;
+    n += 1;
+    mean_a += a[i];
+    mean_b += b[i];
+  }
+  if (n < 2) return std::numeric_limits<double>::quiet_NaN();
+  mean_a /= n;
+  mean_b /= n;
+  double aa = 0;
+  double bb = 0;
+  double ab = 0;
+  for (std::size_t i = 0; i < a.size(); ++i) {
+    if (!std::isfinite(a[i] + b[i])) continue;
+    aa += (a[i] - mean_a) * (a[i] - mean_a);
+    bb += (b[i] - mean_b) * (b[i] - mean_b);
+    ab += (a[i] - mean_a) * (b[i] - mean_b);
+  }
+  return aa > 0 && bb > 0 ? ab / std::sqrt(aa * bb) : std::numeric_limits<double>::quiet_NaN();
+}
+
+}  // namespace sinew

@@ -1,0 +1,105 @@
+#include "datasets/check/signals.h"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <map>
+
+#include "datasets/check/robust.h"
+
+namespace sinew {
+namespace {
+
+constexpr const char* kVertical = "_force_y";
+
+// Sets the centre of pressure and the free moment of an unloaded plate to NaN. A force at any angle counts,
+// so that a wrong axis does not hide them.
+void LeaveOutUnloaded(const std::string& channel, const Grid& grid, std::vector<double>& values) {
+  const auto cop = channel.find("_cop_");
+  const auto at = cop != std::string::npos ? cop : channel.find("_moment_");
+  if (at == std::string::npos) return;
+  const std::string plate = channel.substr(0, at);
+  std::vector<double> load(values.size(), 0);
+  bool found = false;
+  for (const char* axis : {"_force_x", "_force_y", "_force_z"}) {
+    const auto force = grid.channels.find(plate + axis);
+    if (force == grid.channels.end()) continue;
+    found = true;
+    for (std::size_t i = 0; i < load.size(); ++i) load[i] = std::hypot(load[i], force->second.values[i]);
+  }
+  if (!found) return;
+  const auto finite = Finite(load);
+  const double most = finite.empty() ? 0 : Quantile(finite, 0.99);
+  for (std::size_t i = 0; i < load.size(); ++i) {
+    if (!(load[i] > kUnloadedShare * most)) values[i] = std::numeric_limits<double>::quiet_NaN();
+  }
+}
+
+}  // namespace
+
+Finding Signal::Found(FindingKind found) const {
+  Finding finding;
+  finding.kind = found;
+  finding.trial = trial;
+  finding.grid = grid;
+  finding.channel = channel;
+  finding.unit = unit;
+  return finding;
+}
+
+std::vector<ChannelGroup> GroupSignals(const Dataset& dataset) {
+  std::map<std::string, ChannelGroup> groups;
+  for (const auto& [trial_name, trial] : dataset.trials) {
+    std::map<std::string, int> count;
+    for (const auto& [grid_name, grid] : trial.grids) {
+      for (const auto& [name, channel] : grid.channels) ++count[name];
+    }
+    for (const auto& [grid_name, grid] : trial.grids) {
+      for (const auto& [name, channel] : grid.channels) {
+        Signal signal{trial_name,   grid_name,    name,       trial.role,
+                      channel.kind, channel.unit, &grid.time, channel.values};
+        LeaveOutUnloaded(name, grid, signal.values);
+        ChannelGroup& group = groups[name + "/" + channel.unit + (count[name] > 1 ? "/" + grid_name : "")];
+        group.channel = name;
+        group.signals.push_back(std::move(signal));
+      }
+    }
+  }
+  std::vector<ChannelGroup> all;
+  all.reserve(groups.size());
+  for (auto& [key, group] : groups) all.push_back(std::move(group));
+  return all;
+}
+
+std::vector<Run> EqualRuns(const std::vector<double>& values, std::size_t shortest) {
+  std::vector<Run> runs;
+  for (std::size_t i = 0; i < values.size();) {
+    std::size_t last = i;
+    while (last + 1 < values.size() && values[last + 1] == values[i]) ++last;
+    if (std::isfinite(values[i]) && last - i + 1 >= shortest) runs.push_back({i, last, values[i]});
+    i = last + 1;
+  }
+  return runs;
+}
+
+std::vector<double> Increments(const std::vector<double>& values) {
+  std::vector<double> increments(values.size(), std::numeric_limits<double>::quiet_NaN());
+  for (std::size_t i = 1; i < values.size(); ++i) increments[i] = values[i] - values[i - 1];
+  return increments;
+}
+
+std::vector<std::string> PlateNames(const Trial& trial) {
+  const std::string ending = kVertical;
+  std::vector<std::string> plates;
+  for (const std::string& name : trial.ChannelNames()) {
+    if (name.size() > ending.size() &&
+        name.compare(name.size() - ending.size(), ending.size(), ending) == 0) {
+      plates.push_back(name.substr(0, name.size() - ending.size()));
+    }
+  }
+  std::sort(plates.begin(), plates.end());
+  plates.erase(std::unique(plates.begin(), plates.end()), plates.end());
+  return plates;
+}
+
+}  // namespace sinew

@@ -1,0 +1,66 @@
+// The channels of a data set as the checks see them: one series per trial, the same channel of all trials
+// together.
+#pragma once
+
+#include <string>
+#include <vector>
+
+#include "datasets/check/finding.h"
+#include "datasets/dataset.h"
+
+namespace sinew {
+
+/// One channel of one trial. Points into the data set, which must outlive it.
+struct Signal {
+  std::string trial;
+  std::string grid;
+  std::string channel;
+  Role role = Role::kTrain;
+  ChannelKind kind = ChannelKind::kMeasured;
+  std::string unit;
+  const std::vector<double>* time = nullptr;  ///< [N, s]
+  /// [N] NaN where there is a gap, and where the channel means nothing: centres of pressure and free moments
+  /// of a plate while it carries nothing.
+  std::vector<double> values;
+
+  [[nodiscard]] std::size_t size() const { return values.size(); }
+  /// From sample `first` to sample `last`.
+  [[nodiscard]] TimeSpan Span(std::size_t first, std::size_t last) const {
+    return {(*time)[first], (*time)[last]};
+  }
+  [[nodiscard]] TimeSpan Whole() const { return {time->front(), time->back()}; }
+  /// A finding about this channel; spans, size and so on are the caller's.
+  [[nodiscard]] Finding Found(FindingKind kind) const;
+};
+
+/// The same channel of all trials that have it: of the same name and unit, and of the same grid where a trial
+/// has several channels of that name.
+struct ChannelGroup {
+  std::string channel;
+  std::vector<Signal> signals;
+};
+
+[[nodiscard]] std::vector<ChannelGroup> GroupSignals(const Dataset& dataset);
+
+/// A run of equal values.
+struct Run {
+  std::size_t first = 0;
+  std::size_t last = 0;  ///< inclusive
+  double value = 0;
+
+  [[nodiscard]] std::size_t size() const { return last - first + 1; }
+};
+
+/// Runs of at least `shortest` samples that are exactly equal, in order; NaN ends a run.
+[[nodiscard]] std::vector<Run> EqualRuns(const std::vector<double>& values, std::size_t shortest);
+
+/// Differences of neighbours, [N]: entry i is value i less value i - 1; NaN at 0 and next to gaps.
+[[nodiscard]] std::vector<double> Increments(const std::vector<double>& values);
+
+/// The plates of a trial: names NAME with channels NAME_force_y, in order.
+[[nodiscard]] std::vector<std::string> PlateNames(const Trial& trial);
+
+/// Share of a plate's greatest vertical force below which centre of pressure and free moment mean nothing.
+inline constexpr double kUnloadedShare = 0.05;
+
+}  // namespace sinew

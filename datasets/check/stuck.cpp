@@ -1,0 +1,110 @@
+#include "datasets/check/stuck.h"
+
+#include <algorithm>
+#include <cmath>
+#include <map>
+
+#include "datasets/check/robust.h"
+
+namespace sinew {
+namespace {
+
+constexpr std::size_t kStuckShortest = 8;        // [samples] of a run
+constexpr std::size_t kStuckMinIncrements = 50;  // that are not 0
+constexpr double kStuckRepeats = 0.02;  // share of equal neighbours outside of long runs: it is rounded
+constexpr double kStuckStraight = 0.3;  // share of straight pieces: a trapezoid
+constexpr double kStuckAbrupt = 0.5;    // of the median increment, at the entry or the exit of a run
+constexpr double kStuckJump = 5;        // of the 99th percentile of the increments, at the exit
+
+struct StuckUsual {
+  double step = 0;        // median of the increments that are not 0
+  double large_step = 0;  // their 99th percentile
+  bool rounded = false;
+  bool straight = false;
+  std::map<double, int> rests;  // runs at each value
+};
+
+bool InRun(const std::vector<Run>& runs, std::size_t i) {
+  const auto next = std::upper_bound(runs.begin(), runs.end(), i,
+                                     [](std::size_t at, const Run& run) { return at < run.first; });
+  return next != runs.begin() && std::prev(next)->last >= i;
+}
+
+StuckUsual Judge(const ChannelGroup& group, const std::vector<std::vector<Run>>& runs) {
+  StuckUsual usual;
+  std::vector<double> sizes;
+  double outside = 0;
+  double equal = 0;
+  double bends = 0;
+  double straight = 0;
+  for (std::size_t s = 0; s < group.signals.size(); ++s) {
+    const auto increments = Increments(group.signals[s].values);
+    for (const Run& run : runs[s]) ++usual.rests[run.value];
+    for (std::size_t i = 1; i < increments.size(); ++i) {
+      if (!std::isfinite(increments[i]) || (InRun(runs[s], i) && InRun(runs[s], i - 1))) continue;
+      outside += 1;
+      equal += increments[i] == 0 ? 1 : 0;
+      if (increments[i] != 0) sizes.push_back(std::abs(increments[i]));
+      if (i < 2 || !std::isfinite(increments[i - 1])) continue;
+      bends += 1;
+      const double size = std::max(std::abs(increments[i]), std::abs(increments[i - 1]));
+      straight += std::abs(increments[i] - increments[i - 1]) <= 1e-6 * size ? 1 : 0;
+    }
+  }
+  usual.rounded = !(equal < kStuckRepeats * outside);
+  usual.straight = straight > kStuckStraight * bends;
+  if (sizes.size() >= kStuckMinIncrements) {
+    usual.step = Median(sizes);
+    usual.large_step = Quantile(std::move(sizes), 0.99);
+  }
+  return usual;
+}
+
+bool IsStuck(const Signal& signal, const Run& run, const StuckUsual& usual) {
+  const std::vector<double>& x = signal.values;
+  const bool entered = run.first > 0 && std::isfinite(x[run.first - 1]);
+  const bool left = run.last + 1 < x.size() && std::isfinite(x[run.last + 1]);
+  const double exit = left ? std::abs(x[run.last + 1] - x[run.last]) : 0;
+  if (usual.rests.at(run.value) >= 3 || (run.value == 0 && usual.rests.at(run.value) >= 2)) return false;
+  const auto moves = [&](std::size_t from, std::size_t to) {
+    if (to >= x.size()) return false;
+    for (std::size_t i = from; i < to; ++i) {
+      if (x[i] != x[i + 1]) return true;
+    }
+    return false;
+  };
+  const bool moved_before = run.first > kStuckShortest && moves(run.first - kStuckShortest, run.first - 1);
+  const bool moves_after = moves(run.last + 1, run.last + 1 + kStuckShortest);
+  // It catches up with a jump and goes on.
+  if (exit > kStuckJump * usual.large_step && moved_before && moves_after) return true;
+  if (usual.rounded || usual.straight || signal.kind == ChannelKind::kInput) return false;
+  const double entry = entered ? std::abs(x[run.first] - x[run.first - 1]) : 0;
+  return std::max(entry, exit) > kStuckAbrupt * usual.step;
+}
+
+}  // namespace
+
+std::vector<Finding> FindStuck(const ChannelGroup& group) {
+  std::vector<std::vector<Run>> runs;
+  for (const Signal& signal : group.signals) runs.push_back(EqualRuns(signal.values, kStuckShortest));
+  const StuckUsual usual = Judge(group, runs);
+  if (usual.step == 0) return {};
+  std::vector<Finding> found;
+  for (std::size_t s = 0; s < group.signals.size(); ++s) {
+    const Signal& signal = group.signals[s];
+    Finding finding = signal.Found(FindingKind::kStuck);
+    for (const Run& run : runs[s]) {
+      if (!IsStuck(signal, run, usual)) continue;
+      const TimeSpan span = signal.Span(run.first, run.last);
+      if (span.to - span.from >= finding.usual) {
+        finding.usual = span.to - span.from;
+        finding.size = run.value;
+      }
+      finding.spans.push_back(span);
+    }
+    if (!finding.spans.empty()) found.push_back(std::move(finding));
+  }
+  return found;
+}
+
+}  // namespace sinew
