@@ -53,18 +53,22 @@ std::string TimeJump(const Finding& f) {
                      Seconds(f.usual));
 }
 
+// "next to trial 'b'"; of a channel: that is what the other trials relate it to.
+std::string Compared(const Finding& f) {
+  if (f.undecided) return "as compared to " + f.other;
+  return fmt::format("next to {}, as compared to the other trials", f.other);
+}
+
 std::string UnitText(const Finding& f) {
-  const std::string compared =
-      f.other.empty() ? "for its unit " + (f.unit.empty() ? "1" : f.unit) : "next to " + f.other;
-  return f.size > 1
-             ? fmt::format("{} is about {} times too large {}", Where(f), Readable(f.size, 3), compared)
-             : fmt::format("{} is about {} times too small {}", Where(f), Readable(1 / f.size, 3), compared);
+  const std::string compared = f.other.empty() ? "for its unit " + (f.unit.empty() ? "1" : f.unit) : Compared(f);
+  return f.size > 1 ? fmt::format("{} is about {} times too large {}", Where(f), Readable(f.size, 3), compared)
+                    : fmt::format("{} is about {} times too small {}", Where(f), Readable(1 / f.size, 3), compared);
 }
 
 std::string SignText(const Finding& f) {
   if (f.other.empty()) return fmt::format("{} has the wrong sign", Where(f));
-  return fmt::format("{} has the opposite sign as compared to {} (correlation {:.2f}, expected {:.2f})",
-                     Where(f), f.other, f.size, f.usual);
+  return fmt::format("{} has the opposite sign {} (correlation with what is expected {:.2f}, usual {:.2f})", Where(f),
+                     Compared(f), f.size, f.usual);
 }
 
 std::string Text(const Finding& f) {

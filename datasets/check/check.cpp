@@ -2,9 +2,16 @@
 
 #include <algorithm>
 #include <iterator>
+#include <limits>
+#include <map>
+#include <string>
 
 #include "datasets/check/clipping.h"
+#include "datasets/check/cycles.h"
 #include "datasets/check/excursions.h"
+#include "datasets/check/odd_cycles.h"
+#include "datasets/check/plausible.h"
+#include "datasets/check/relations.h"
 #include "datasets/check/signals.h"
 #include "datasets/check/stuck.h"
 #include "datasets/check/time_stamps.h"
@@ -16,18 +23,60 @@ void Append(std::vector<Finding> more, std::vector<Finding>& all) {
   std::move(more.begin(), more.end(), std::back_inserter(all));
 }
 
+void AppendNew(std::vector<Finding> more, std::vector<Finding>& all) {
+  for (Finding& finding : more) {
+    const bool known = std::any_of(all.begin(), all.end(), [&](const Finding& other) {
+      return other.kind == finding.kind && other.trial == finding.trial && other.grid == finding.grid &&
+             other.channel == finding.channel;
+    });
+    if (!known) all.push_back(std::move(finding));
+  }
+}
+
+// What has a remark already does not get another one from the comparisons that follow.
+void LeaveOut(const std::vector<Finding>& found, Signal& signal) {
+  for (const Finding& finding : found) {
+    if (finding.trial != signal.trial || finding.grid != signal.grid || finding.channel != signal.channel) continue;
+    for (const TimeSpan& span : finding.spans) {
+      const auto& time = *signal.time;
+      const auto first = std::lower_bound(time.begin(), time.end(), span.from) - time.begin();
+      const auto last = std::upper_bound(time.begin(), time.end(), span.to) - time.begin();
+      std::fill(signal.values.begin() + first, signal.values.begin() + last, std::numeric_limits<double>::quiet_NaN());
+    }
+  }
+}
+
 }  // namespace
 
 CheckReport CheckData(const Dataset& dataset) {
   CheckReport report;
   report.trials = static_cast<int>(dataset.trials.size());
   Append(FindTimeJumps(dataset), report.findings);
-  for (const ChannelGroup& group : GroupSignals(dataset)) {
+  std::vector<ChannelGroup> groups = GroupSignals(dataset);
+  for (ChannelGroup& group : groups) {
     report.channels += static_cast<int>(group.signals.size());
-    Append(FindExcursions(group), report.findings);
-    Append(FindStuck(group), report.findings);
-    Append(FindClipping(group), report.findings);
+    std::vector<Finding> found = FindExcursions(group);
+    Append(FindStuck(group), found);
+    Append(FindClipping(group), found);
+    for (Signal& signal : group.signals) LeaveOut(found, signal);
+    Append(std::move(found), report.findings);
   }
+  std::map<std::string, std::vector<const Signal*>> of_trial;
+  for (const ChannelGroup& group : groups) {
+    for (const Signal& signal : group.signals) of_trial[signal.trial].push_back(&signal);
+  }
+  for (const auto& [trial, signals] : of_trial) {
+    const Cycles cycles = FindCycles(signals);
+    if (cycles.count() == 0) continue;
+    report.cycles[trial] = cycles.count();
+    for (const Signal* signal : signals) Append(FindOddCycles(*signal, cycles), report.findings);
+  }
+  // One remark per channel that is wrong as a whole.
+  std::vector<Finding> whole = FindImplausible(dataset, groups);
+  for (const ChannelGroup& group : groups) Append(FindOddScales(group), whole);
+  Append(FindBrokenRelations(groups), whole);
+  AppendNew(std::move(whole), report.findings);
+  for (const ChannelGroup& group : groups) Append(FindOddTrials(group), report.findings);
   return report;
 }
 

@@ -1,0 +1,205 @@
+#include "datasets/check/odd_cycles.h"
+
+#include <algorithm>
+#include <cmath>
+
+#include "datasets/check/robust.h"
+
+namespace sinew {
+namespace {
+
+constexpr std::size_t kOddPhases = 60;            // samples per cycle
+constexpr double kOddDeviations = 5;      // robust standard deviations of the logarithm
+constexpr double kOddLeastScatter = 0.1;  // of the logarithm
+constexpr double kOddFactor = 2;          // of the median deviation
+constexpr double kOddShareOfRange = 0.05;  // of the median cycle's range: smaller deviations spoil nothing
+constexpr double kOddPeakOfRange = 0.2;    // the same of the largest deviation at a phase
+constexpr double kOddLeastScatterOfPhase = 0.5;  // of the median scatter over the phases
+constexpr double kOddSpan = 0.98;         // of a cycle's squared deviation that its span holds
+constexpr std::size_t kOddFewestTrials = 8;
+constexpr double kOddDuration = 0.35;  // largest difference from the median duration
+
+using Phases = std::vector<double>;  // [kOddPhases]
+
+struct OddPiece {
+  std::size_t index;
+  double deviation;
+  double first;  // [0, 1] of its duration: where it deviates
+  double last;
+};
+
+struct OddPieces {
+  std::vector<OddPiece> pieces;
+  double usual = 0;
+};
+
+// Where most of the squared deviation is.
+void SetSpan(const Phases& squares, OddPiece& piece) {
+  double all = 0;
+  for (const double s : squares) all += s;
+  const double leave = 0.5 * (1 - kOddSpan) * all;
+  double before = 0;
+  std::size_t first = 0;
+  while (first < kOddPhases - 1 && before + squares[first] < leave)
+    before += squares[first++];
+  double after = 0;
+  std::size_t last = kOddPhases - 1;
+  while (last > first && after + squares[last] < leave)
+    after += squares[last--];
+  piece.first = std::max(0.0, (static_cast<double>(first) - 1) / kOddPhases);
+  piece.last = std::min(1.0, (static_cast<double>(last) + 2) / kOddPhases);
+}
+
+// Median over the pieces at each phase, and their robust deviation from it; NaN where most have gaps.
+struct OddMiddle {
+  Phases middle;
+  Phases scatter;
+  double range = 0;
+};
+
+OddMiddle MiddleOf(const std::vector<Phases>& pieces) {
+  OddMiddle m;
+  for (std::size_t i = 0; i < kOddPhases; ++i) {
+    std::vector<double> at;
+    for (const Phases& piece : pieces) at.push_back(piece[i]);
+    const auto finite = Finite(at);
+    const bool known = 2 * finite.size() > at.size();
+    m.middle.push_back(known ? Median(finite) : NAN);
+    m.scatter.push_back(known ? RobustDeviation(finite) : NAN);
+  }
+  const auto known = Finite(m.middle);
+  if (known.empty()) return m;
+  const auto [low, high] = std::minmax_element(known.begin(), known.end());
+  m.range = *high - *low;
+  // Phases at which nothing usually happens: deviations there count against those of the other phases as well.
+  const double typical = Median(Finite(m.scatter));
+  for (double& s : m.scatter) s = std::max(s, kOddLeastScatterOfPhase * typical);
+  return m;
+}
+
+// Squared deviations of a piece at each phase, of its values divided by `unit` of the phase; 0 where unknown.
+Phases Squares(const Phases& piece, const Phases& middle, const Phases* unit) {
+  Phases squares(kOddPhases, 0);
+  for (std::size_t i = 0; i < squares.size(); ++i) {
+    const double difference = (piece[i] - middle[i]) / (unit != nullptr ? (*unit)[i] : 1);
+    if (std::isfinite(difference)) squares[i] = difference * difference;
+  }
+  return squares;
+}
+
+// The limit of the deviations, or infinity if they do not tell.
+double LimitOf(const std::vector<double>& deviations) {
+  std::vector<double> logs;
+  for (const double d : deviations) {
+    if (d > 0) logs.push_back(std::log(d));
+  }
+  if (2 * logs.size() <= deviations.size()) return INFINITY;
+  const double typical = Median(logs);
+  const double scatter = std::max(RobustDeviation(logs), kOddLeastScatter);
+  return std::max(std::exp(typical + kOddDeviations * scatter), kOddFactor * std::exp(typical));
+}
+
+OddPieces FindOdd(const std::vector<Phases>& pieces) {
+  const OddMiddle m = MiddleOf(pieces);
+  if (Finite(m.middle).size() < kOddPhases / 10 || !(m.range > 0)) return {};
+  // Deviations as they are, which make the squared error, and in terms of what is usual at their phase.
+  std::vector<double> plain;
+  std::vector<double> scaled;
+  std::vector<double> largest;
+  for (const Phases& piece : pieces) {
+    double count = 0;
+    for (std::size_t i = 0; i < kOddPhases; ++i) count += std::isfinite(piece[i] - m.middle[i]) ? 1 : 0;
+    const bool known = count > kOddPhases / 10.0;
+    const auto rms = [&](const Phases& squares) {
+      double sum = 0;
+      for (const double s : squares) sum += s;
+      return known ? std::sqrt(sum / count) : NAN;
+    };
+    const Phases squares = Squares(piece, m.middle, nullptr);
+    plain.push_back(rms(squares));
+    scaled.push_back(rms(Squares(piece, m.middle, &m.scatter)));
+    largest.push_back(std::sqrt(*std::max_element(squares.begin(), squares.end())));
+  }
+  const double plain_limit = std::max(LimitOf(plain), kOddShareOfRange * m.range);
+  const double scaled_limit = LimitOf(scaled);
+  OddPieces odd;
+  const auto known = Finite(plain);
+  odd.usual = known.empty() ? 0 : Median(known);
+  for (std::size_t k = 0; k < pieces.size(); ++k) {
+    const bool is_plain = plain[k] > plain_limit;
+    const bool is_scaled = scaled[k] > scaled_limit && plain[k] > kOddFactor * odd.usual &&
+                           largest[k] > kOddPeakOfRange * m.range;
+    if (!is_plain && !is_scaled) continue;
+    OddPiece piece{k, plain[k], 0, 1};
+    SetSpan(Squares(pieces[k], m.middle, is_scaled ? &m.scatter : nullptr), piece);
+    odd.pieces.push_back(piece);
+  }
+  return odd;
+}
+
+Phases PhasesOf(const Signal& signal, double from, double to) {
+  Phases phases;
+  for (std::size_t i = 0; i < kOddPhases; ++i)
+    phases.push_back(ValueAt(*signal.time, signal.values, from + (to - from) * (static_cast<double>(i) + 0.5) / kOddPhases));
+  return phases;
+}
+
+// The first and last cycles of a recording, when the movement starts and ends, are rightly unlike the others.
+void LeaveOutEnds(std::size_t count, std::vector<OddPiece>& odd) {
+  std::size_t begin = 0;
+  while (begin < odd.size() && odd[begin].index == begin) ++begin;
+  std::size_t end = odd.size();
+  while (end > begin && odd[end - 1].index + (odd.size() - end) + 1 == count) --end;
+  odd = {odd.begin() + static_cast<std::ptrdiff_t>(begin), odd.begin() + static_cast<std::ptrdiff_t>(end)};
+}
+
+}  // namespace
+
+std::vector<Finding> FindOddCycles(const Signal& signal, const Cycles& cycles) {
+  std::vector<Phases> pieces;
+  for (int k = 0; k < cycles.count(); ++k)
+    pieces.push_back(PhasesOf(signal, cycles.starts[static_cast<std::size_t>(k)], cycles.starts[static_cast<std::size_t>(k) + 1]));
+  OddPieces odd = FindOdd(pieces);
+  LeaveOutEnds(pieces.size(), odd.pieces);
+  if (odd.pieces.empty()) return {};
+  Finding finding = signal.Found(FindingKind::kOddCycle);
+  finding.usual = odd.usual;
+  finding.among = cycles.count();
+  for (const OddPiece& piece : odd.pieces) {
+    const double from = cycles.starts[piece.index];
+    const double length = cycles.starts[piece.index + 1] - from;
+    finding.spans.push_back({from + piece.first * length, from + piece.last * length});
+    finding.size = std::max(finding.size, piece.deviation);
+  }
+  return {finding};
+}
+
+std::vector<Finding> FindOddTrials(const ChannelGroup& group) {
+  if (group.signals.size() < kOddFewestTrials) return {};
+  std::vector<double> durations;
+  for (const Signal& signal : group.signals) durations.push_back(signal.Whole().to - signal.Whole().from);
+  const double usual_duration = Median(durations);
+  std::vector<Phases> pieces;
+  std::vector<const Signal*> alike;
+  for (std::size_t s = 0; s < group.signals.size(); ++s) {
+    if (std::abs(durations[s] - usual_duration) > kOddDuration * usual_duration) continue;
+    const Signal& signal = group.signals[s];
+    pieces.push_back(PhasesOf(signal, signal.Whole().from, signal.Whole().to));
+    alike.push_back(&signal);
+  }
+  if (alike.size() < kOddFewestTrials) return {};
+  const OddPieces odd = FindOdd(pieces);
+  std::vector<Finding> found;
+  for (const OddPiece& piece : odd.pieces) {
+    Finding finding = alike[piece.index]->Found(FindingKind::kOddTrial);
+    finding.usual = odd.usual;
+    finding.size = piece.deviation;
+    finding.among = static_cast<int>(alike.size());
+    finding.whole = true;
+    finding.spans = {alike[piece.index]->Whole()};
+    found.push_back(std::move(finding));
+  }
+  return found;
+}
+
+}  // namespace sinew
