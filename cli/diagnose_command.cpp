@@ -6,6 +6,7 @@
 #include "cli/binding.h"
 #include "cli/command.h"
 #include "cli/command_files.h"
+#include "cli/data/data_warnings.h"
 #include "cli/terminal.h"
 #include "identify/files/diagnosis_file.h"
 #include "identify/files/diagnosis_json.h"
@@ -114,6 +115,8 @@ Result<int> RunDiagnose(const DiagnoseWords& words) {
   if (!result) return tl::unexpected(result.error());
   Diagnosis& diagnosis = *result;
   for (const std::string& note : notes) diagnosis.warnings.push_back({WarningKind::kOther, {}, {}, note});
+  for (Warning& warning : DataWarnings(binding.data, binding.problem().layout(), words.binding.data))
+    diagnosis.warnings.push_back(std::move(warning));
 
   SINEW_ASSIGN(const Hdf5Node tree, DiagnosisTree(binding.problem(), diagnosis, provenance, options));
   SINEW_TRY(WriteHdf5(words.out, tree));

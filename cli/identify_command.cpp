@@ -8,6 +8,7 @@
 #include "cli/binding.h"
 #include "cli/command.h"
 #include "cli/command_files.h"
+#include "cli/data/data_warnings.h"
 #include "cli/terminal.h"
 #include "identify/identification/identification.h"
 #include "identify/identification/stepwise.h"
@@ -149,6 +150,8 @@ Result<int> RunIdentify(const IdentifyWords& words) {
   line.Clear();
   for (const std::string& note : binding.bound.notes)
     identification.warnings.push_back({WarningKind::kOther, {}, {}, note});
+  for (Warning& warning : DataWarnings(binding.data, binding.problem().layout(), words.binding.data))
+    identification.warnings.push_back(std::move(warning));
 
   SINEW_ASSIGN(const Hdf5Node tree, RunTree(binding.problem(), identification, provenance));
   SINEW_TRY(WriteHdf5(words.out, tree));

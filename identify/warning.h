@@ -25,7 +25,9 @@ enum class WarningKind {
   kNoValidationTrial,  ///< no gain can be measured
   // Of both.
   kErrorConcentration,  ///< names {channel, trial}; numbers {share, width [s], time [s]}
-  kOther                ///< of the problem or of the data: message; names and numbers, if any, are its facts
+  kDataCheck,  ///< of a check of the data: names {kind of the finding, channel, trial}; numbers {from, to
+               ///< [s]}; message
+  kOther       ///< of the problem or of the data: message; names and numbers, if any, are its facts
 };
 
 /// "failed_evaluations", "not_converged", ...: the `kind` in JSON and HDF5.

@@ -1,7 +1,7 @@
 // sinew data check: what is wrong with measured data, before anything is fitted to them.
 #include "datasets/check/check.h"
 
-#include <algorithm>
+#include <cstdio>
 
 #include "base/text.h"
 #include "cli/binding.h"
@@ -9,7 +9,9 @@
 #include "cli/data/check_json.h"
 #include "cli/data/check_text.h"
 #include "cli/data/data_commands.h"
+#include "cli/data/data_warnings.h"
 #include "cli/data/dataset_json.h"
+#include "cli/run_command_line.h"
 #include "cli/terminal.h"
 #include "cli/work_options.h"
 #include "datasets/check/mask.h"
@@ -52,13 +54,42 @@ std::string MaskedText(const std::string& out, const std::vector<MaskedSpan>& ma
   return text;
 }
 
+// What the problem compares, or the reason why it cannot use the data. Errors: no such problem, no settings.
+Result<Result<Layout>> LayoutOf(const CheckWords& words, const Dataset& data) {
+  SINEW_ASSIGN(const ProblemEntry* entry, FindProblem(words.program->problems, words.problem));
+  const bool has_settings =
+      !words.config.empty() || data.files.count(words.problem + ".yaml") != 0 || entry->settings_optional;
+  if (!has_settings)
+    return Fail("{}: holds no settings '{}.yaml'; give --config, or leave the problem out", words.path,
+                words.problem);
+  BindingOptions options;
+  options.problem = words.problem;
+  options.data = words.path;
+  options.config = words.config;
+  options.program = words.program;
+  const auto binding = Bind(options, false);
+  if (!binding) return Result<Layout>(tl::unexpected(binding.error()));
+  return Result<Layout>(binding->problem().layout());
+}
+
 Result<int> Check(const CheckWords& words) {
   if (!words.mask.empty() && words.mask != "auto") return Fail("--mask {}: expected auto", words.mask);
   if (words.mask.empty() && !words.out.empty()) return Fail("--out: nothing is written without --mask auto");
   SINEW_TRY(words.mask.empty() ? CheckFiles({{words.path, words.config}, {}, words.json})
                                : CheckInPlace(words.path, words.out, {words.config}, words.json));
   SINEW_ASSIGN(Dataset data, ReadDataset(words.path));
+  std::string cannot_bind;
+  std::vector<std::string> compared;
   CheckReport report = CheckData(data);
+  if (!words.problem.empty()) {
+    SINEW_ASSIGN(const auto layout, LayoutOf(words, data));
+    if (layout) {
+      report.findings = FindingsOf(data, *layout, report.findings);
+      compared = ComparedChannels(*layout);
+    } else {
+      cannot_bind = layout.error().message;
+    }
+  }
   const std::vector<MaskedSpan> mask = SuggestMask(data, report.findings);
   std::string text = CheckText(words, data, report);
   MaskOutcome outcome;
@@ -73,11 +104,20 @@ Result<int> Check(const CheckWords& words) {
   }
   SINEW_TRY(Report(
       words.json, [&] { return CheckJson(data, report, write ? &outcome : nullptr); }, text));
-  if (!applied) {
-    std::fprintf(stderr, "sinew: no usable data: %s\n", applied.error().message.c_str());
-    return kNotUsable;
-  }
-  return kDone;
+  std::string why = cannot_bind;
+  if (why.empty() && !applied) why = applied.error().message;
+  if (why.empty() && !HasTrainingData(masked, compared))
+    why = fmt::format("no training trial has anything measured left of {}", Join(compared, ", "));
+  if (why.empty()) return kDone;
+  std::fputs(
+      Wrapped("sinew: no usable data: " + why +
+                  (report.findings.empty() ? ""
+                                           : "; correct on import what is said above, give another trial the "
+                                             "role train, or record again"),
+              0)
+          .c_str(),
+      stderr);
+  return kNotUsable;
 }
 
 }  // namespace

@@ -60,18 +60,21 @@ std::string Compared(const Finding& f) {
 }
 
 std::string UnitText(const Finding& f) {
-  const std::string compared = f.other.empty() ? "for its unit " + (f.unit.empty() ? "1" : f.unit) : Compared(f);
-  return f.size > 1 ? fmt::format("{} is about {} times too large {}", Where(f), Readable(f.size, 3), compared)
-                    : fmt::format("{} is about {} times too small {}", Where(f), Readable(1 / f.size, 3), compared);
+  const std::string compared = f.among > 0 ? fmt::format("as compared to the {} other trials", f.among - 1)
+                               : f.other.empty() ? "for its unit " + (f.unit.empty() ? "1" : f.unit)
+                                                 : Compared(f);
+  return f.size > 1
+             ? fmt::format("{} is about {} times too large {}", Where(f), Readable(f.size, 3), compared)
+             : fmt::format("{} is about {} times too small {}", Where(f), Readable(1 / f.size, 3), compared);
 }
 
 std::string SignText(const Finding& f) {
   if (f.other.empty()) return fmt::format("{} has the wrong sign", Where(f));
-  return fmt::format("{} has the opposite sign {} (correlation with what is expected {:.2f}, usual {:.2f})", Where(f),
-                     Compared(f), f.size, f.usual);
+  return fmt::format("{} has the opposite sign {} (correlation with what is expected {:.2f}, usual {:.2f})",
+                     Where(f), Compared(f), f.size, f.usual);
 }
 
-std::string Text(const Finding& f) {
+std::string PhraseOf(const Finding& f) {
   switch (f.kind) {
     case FindingKind::kTimeJump:
       return TimeJump(f);
@@ -114,9 +117,9 @@ std::string Text(const Finding& f) {
                          Where(f), f.among - 1, WithUnit(f.size, f.unit), WithUnit(f.usual, f.unit));
     case FindingKind::kTwoFeet:
       return fmt::format(
-          "a second foot touches plate '{}' in trial '{}' {} ({}): its centre of pressure runs {} m, "
-          "usual are {} m",
-          f.other, f.trial, Times(f.spans.size()), SpansText(f), Readable(f.size, 2), Readable(f.usual, 2));
+          "in trial '{}' a second foot is on plate '{}' {} of {} times ({}): it is loaded for up to {}, "
+          "usual are {}",
+          f.trial, f.other, f.spans.size(), f.among, SpansText(f), Seconds(f.size), Seconds(f.usual));
     case FindingKind::kNothingUsable:
       return "no training trial has a usable measured channel left";
   }
@@ -161,8 +164,12 @@ std::string Advice(const Finding& f) {
 
 }  // namespace
 
+std::string FindingPhrase(const Finding& finding) {
+  return PhraseOf(finding);
+}
+
 std::string FindingText(const Finding& finding) {
-  return Capitalised(Text(finding)) + ".";
+  return Capitalised(PhraseOf(finding)) + ".";
 }
 
 std::string AdviceText(const Finding& finding) {

@@ -9,6 +9,9 @@
 
 namespace sinew::text {
 
+/// What was found, to stand within a line: without capital letter and full stop.
+[[nodiscard]] std::string FindingPhrase(const Finding& finding);
+
 /// What was found, where, when and how large, with a full stop.
 [[nodiscard]] std::string FindingText(const Finding& finding);
 

@@ -17,6 +17,7 @@ void AddDataCommand(Command app, const RunAction& run) {
   AddInfoCommand(data, run);
   AddCheckCommand(data, run);
   AddCutCommand(data, run);
+  AddStancesCommand(data, run);
   AddDropCommand(data, run);
   AddKinematicsCommand(data, run);
   AddEnvelopeCommand(data, run);

@@ -14,6 +14,7 @@ void AddImportCommand(Command data, const RunAction& run);
 void AddInfoCommand(Command data, const RunAction& run);
 void AddCheckCommand(Command data, const RunAction& run);
 void AddCutCommand(Command data, const RunAction& run);
+void AddStancesCommand(Command data, const RunAction& run);
 void AddDropCommand(Command data, const RunAction& run);
 void AddCeinmsCommand(Command data, const RunAction& run);
 void AddSubjectCommand(Command data, const RunAction& run);

@@ -3,25 +3,30 @@
 
 #include "base/numbers.h"
 #include "base/text.h"
+#include "cli/data/check_text.h"
 #include "cli/data/data_commands.h"
 #include "cli/data/dataset_json.h"
 #include "cli/terminal.h"
+#include "datasets/check/mask.h"
 #include "datasets/io/dataset_file.h"
 
 namespace sinew {
 namespace {
 
 std::string InfoText(const std::string& path, const Dataset& data) {
-  std::string text = fmt::format("{}: {}{}\n", path, data.title.empty() ? "(no title)" : data.title,
+  std::string info = fmt::format("{}: {}{}\n", path, data.title.empty() ? "(no title)" : data.title,
                                  data.synthetic ? " (synthetic)" : "");
   for (const auto& [key, value] : {std::pair{"subject", data.subject}, std::pair{"source", data.source},
                                    std::pair{"licence", data.licence}}) {
-    if (!value.empty()) text += fmt::format("  {}: {}\n", key, value);
+    if (!value.empty()) info += fmt::format("  {}: {}\n", key, value);
   }
   for (const auto& [name, constant] : data.constants)
-    text += fmt::format("  {} = {} {}\n", name, Readable(constant.value, 4), constant.unit);
+    info += fmt::format("  {} = {} {}\n", name, Readable(constant.value, 4), constant.unit);
   for (const auto& [name, file] : data.files)
-    text += fmt::format("  file {} ({} bytes)\n", name, file.size());
+    info += fmt::format("  file {} ({} bytes)\n", name, file.size());
+  const auto masked = RecordedMask(data);
+  if (masked && !masked->empty())
+    info += Wrapped("masked: " + text::MaskText(*masked) + fmt::format(" (files/{})", kMaskFile), 2);
   std::vector<std::vector<std::string>> rows{
       {"trial", "role", "grid", "samples", "from [s]", "to [s]", "rate [Hz]", "gaps", "channels"}};
   for (const auto& [name, trial] : data.trials) {
@@ -38,7 +43,7 @@ std::string InfoText(const std::string& path, const Dataset& data) {
                       Join(names, " ") + (all > kMaxShown ? fmt::format(" ... ({} in all)", all) : "")});
     }
   }
-  return text + Table(rows, 2);
+  return info + Table(rows, 2);
 }
 
 Result<int> Info(const std::string& path, bool json) {

@@ -15,6 +15,7 @@
 #include "datasets/check/signals.h"
 #include "datasets/check/stuck.h"
 #include "datasets/check/time_stamps.h"
+#include "datasets/check/two_feet.h"
 
 namespace sinew {
 namespace {
@@ -25,10 +26,16 @@ void Append(std::vector<Finding> more, std::vector<Finding>& all) {
 
 void AppendNew(std::vector<Finding> more, std::vector<Finding>& all) {
   for (Finding& finding : more) {
-    const bool known = std::any_of(all.begin(), all.end(), [&](const Finding& other) {
-      return other.kind == finding.kind && other.trial == finding.trial && other.grid == finding.grid &&
-             other.channel == finding.channel;
-    });
+    const bool known = std::any_of(all.begin(), all.end(),
+                                   [&](const Finding& other) {
+                                     return other.kind == finding.kind && other.trial == finding.trial &&
+                                            other.grid == finding.grid && other.channel == finding.channel;
+                                   }) ||
+                       std::any_of(all.begin(), all.end(), [&](const Finding& other) {
+                         // Of a pair of trials one is known to be wrong already.
+                         return finding.undecided && other.whole && other.kind == finding.kind &&
+                                other.channel == finding.channel;
+                       });
     if (!known) all.push_back(std::move(finding));
   }
 }
@@ -36,12 +43,14 @@ void AppendNew(std::vector<Finding> more, std::vector<Finding>& all) {
 // What has a remark already does not get another one from the comparisons that follow.
 void LeaveOut(const std::vector<Finding>& found, Signal& signal) {
   for (const Finding& finding : found) {
-    if (finding.trial != signal.trial || finding.grid != signal.grid || finding.channel != signal.channel) continue;
+    if (finding.trial != signal.trial || finding.grid != signal.grid || finding.channel != signal.channel)
+      continue;
     for (const TimeSpan& span : finding.spans) {
       const auto& time = *signal.time;
       const auto first = std::lower_bound(time.begin(), time.end(), span.from) - time.begin();
       const auto last = std::upper_bound(time.begin(), time.end(), span.to) - time.begin();
-      std::fill(signal.values.begin() + first, signal.values.begin() + last, std::numeric_limits<double>::quiet_NaN());
+      std::fill(signal.values.begin() + first, signal.values.begin() + last,
+                std::numeric_limits<double>::quiet_NaN());
     }
   }
 }
@@ -71,6 +80,7 @@ CheckReport CheckData(const Dataset& dataset) {
     report.cycles[trial] = cycles.count();
     for (const Signal* signal : signals) Append(FindOddCycles(*signal, cycles), report.findings);
   }
+  Append(FindTwoFeet(dataset), report.findings);
   // One remark per channel that is wrong as a whole.
   std::vector<Finding> whole = FindImplausible(dataset, groups);
   for (const ChannelGroup& group : groups) Append(FindOddScales(group), whole);

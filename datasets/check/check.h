@@ -14,7 +14,7 @@ namespace sinew {
 struct CheckReport {
   std::vector<Finding> findings;  ///< those that spoil most first
   int trials = 0;
-  int channels = 0;  ///< over all trials
+  int channels = 0;                   ///< over all trials
   std::map<std::string, int> cycles;  ///< of the trials that have any
 };
 

@@ -4,17 +4,17 @@
 #include <cmath>
 #include <map>
 
-#include "datasets/check/robust.h"
+#include "datasets/robust.h"
 
 namespace sinew {
 namespace {
 
-constexpr std::size_t kClipShortest = 3;   // [samples] of a run
-constexpr std::size_t kClipFewest = 6;     // [samples] at the value, in all runs
-constexpr double kClipAbrupt = 3;          // slope at the run's ends, of the smallest increments
-constexpr double kClipStraight = 0.3;      // share of straight pieces: a trapezoid
+constexpr std::size_t kClipShortest = 3;  // [samples] of a run
+constexpr std::size_t kClipFewest = 6;    // [samples] at the value, in all runs
+constexpr double kClipAbrupt = 3;         // slope at the run's ends, of the smallest increments
+constexpr double kClipStraight = 0.3;     // share of straight pieces: a trapezoid
 constexpr int kClipLevels = 5;
-constexpr double kClipPile = 5;        // samples at the level, of the mean of the next kClipLevels inwards
+constexpr double kClipPile = 5;      // samples at the level, of the mean of the next kClipLevels inwards
 constexpr double kClipVaried = 0.9;  // share of neighbours that differ, of a signal that is not rounded
 constexpr double kClipSlopeOfUsual = 0.1;  // and of the median increment
 
@@ -81,7 +81,8 @@ std::vector<Finding> FindClipping(const ChannelGroup& group) {
       if (!std::isfinite(in) || !std::isfinite(out)) continue;
       ClipLevel& level = levels[run.value];
       // A rounded signal that comes to rest may leave with a jump: both ends must be abrupt.
-      const double slope = shape.rounded ? std::min(std::abs(in), std::abs(out)) : std::max(std::abs(in), std::abs(out));
+      const double slope =
+          shape.rounded ? std::min(std::abs(in), std::abs(out)) : std::max(std::abs(in), std::abs(out));
       if (in * out < 0 || slope < least) {
         level.other += run.size();
       } else {
@@ -117,8 +118,11 @@ std::vector<Finding> FindClipping(const ChannelGroup& group) {
       for (const bool top : {true, false}) {
         const std::vector<Run>& runs = top ? level.top : level.bottom;
         const std::vector<Run>& opposite = top ? level.bottom : level.top;
-        if (!is_clipped(runs, level) || !opposite.empty() || !is_extreme(runs, top) || !piles_up(runs, top)) continue;
-        if (shape.rounded && (runs.size() < 2 || value != (top ? counts.rbegin()->first : counts.begin()->first))) continue;
+        if (!is_clipped(runs, level) || !opposite.empty() || !is_extreme(runs, top) || !piles_up(runs, top))
+          continue;
+        if (shape.rounded &&
+            (runs.size() < 2 || value != (top ? counts.rbegin()->first : counts.begin()->first)))
+          continue;
         Finding finding = signal.Found(FindingKind::kClipping);
         finding.size = value;
         finding.usual = static_cast<double>(Samples(runs)) / static_cast<double>(x.size());

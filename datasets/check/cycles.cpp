@@ -5,19 +5,19 @@
 #include <functional>
 #include <limits>
 
-#include "datasets/check/robust.h"
+#include "datasets/robust.h"
 
 namespace sinew {
 namespace {
 
 constexpr std::size_t kCycleFewest = 6;
-constexpr double kCycleRate_Hz = 100;          // at most: of the series that cycles are looked for in
+constexpr double kCycleRate_Hz = 100;  // at most: of the series that cycles are looked for in
 constexpr std::size_t kCycleMostSamples = 8000;
 constexpr std::size_t kCycleMostChannels = 30;
-constexpr double kCycleMinPeriodic = 0.6;      // autocorrelation at the period
-constexpr double kCycleAlmostBest = 0.93;      // of the largest autocorrelation: the shortest such period
-constexpr double kCycleMinAlike = 0.5;         // correlation of a cycle with the median cycle
-constexpr double kCycleLimit = 4;              // robust deviations, beyond which values are limited
+constexpr double kCycleMinPeriodic = 0.6;  // autocorrelation at the period
+constexpr double kCycleAlmostBest = 0.93;  // of the largest autocorrelation: the shortest such period
+constexpr double kCycleMinAlike = 0.5;     // correlation of a cycle with the median cycle
+constexpr double kCycleLimit = 4;          // robust deviations, beyond which values are limited
 
 struct Series {
   double start = 0;  // [s]
@@ -26,7 +26,8 @@ struct Series {
 };
 
 double Limited(double value, double middle, double deviation) {
-  return std::isfinite(value) ? std::clamp(value - middle, -kCycleLimit * deviation, kCycleLimit * deviation) : 0;
+  return std::isfinite(value) ? std::clamp(value - middle, -kCycleLimit * deviation, kCycleLimit * deviation)
+                              : 0;
 }
 
 // Channels that vary, on one clock, less their medians, limited to a few robust deviations, gaps at 0.
@@ -52,7 +53,8 @@ Series Sampled(const std::vector<const Signal*>& signals) {
     if (2 * finite.size() < signal.size() || signal.size() < 50) continue;
     const double middle = Median(finite);
     // Signals that rest most of the time have a robust deviation of 0.
-    const double deviation = std::max(RobustDeviation(finite), (Quantile(finite, 0.95) - Quantile(finite, 0.05)) / 4);
+    const double deviation =
+        std::max(RobustDeviation(finite), (Quantile(finite, 0.95) - Quantile(finite, 0.05)) / 4);
     if (!(deviation > 0)) continue;
     std::vector<double> values(samples);
     for (std::size_t i = 0; i < samples; ++i) {
@@ -82,8 +84,8 @@ struct Period {
   std::size_t reference = 0;  // channel
 };
 
-// The shortest lag at which the autocorrelation of the most periodic channels has a peak almost as high as its
-// highest.
+// The shortest lag at which the autocorrelation of the most periodic channels has a peak almost as high as
+// its highest.
 Period FindPeriod(const Series& series) {
   const std::size_t n = series.values.front().size();
   const std::size_t longest = n / kCycleFewest;
@@ -104,7 +106,8 @@ Period FindPeriod(const Series& series) {
   for (std::size_t lag = 1; lag <= longest; ++lag) {
     std::vector<double> at;
     for (const auto& r : all) at.push_back(r[lag]);
-    std::partial_sort(at.begin(), at.begin() + static_cast<std::ptrdiff_t>(counted), at.end(), std::greater<>());
+    std::partial_sort(at.begin(), at.begin() + static_cast<std::ptrdiff_t>(counted), at.end(),
+                      std::greater<>());
     for (std::size_t c = 0; c < counted; ++c) mean[lag] += at[c] / static_cast<double>(counted);
   }
   std::size_t from = 1;
@@ -115,7 +118,8 @@ Period FindPeriod(const Series& series) {
   }
   if (best < kCycleMinPeriodic) return {};
   for (std::size_t lag = from + 1; lag < longest; ++lag) {
-    if (!(mean[lag] >= mean[lag - 1] && mean[lag] >= mean[lag + 1] && mean[lag] > kCycleAlmostBest * best)) continue;
+    if (!(mean[lag] >= mean[lag - 1] && mean[lag] >= mean[lag + 1] && mean[lag] > kCycleAlmostBest * best))
+      continue;
     Period period{lag, 0};
     for (std::size_t c = 1; c < all.size(); ++c) {
       if (all[c][lag] > all[period.reference][lag]) period.reference = c;
@@ -169,7 +173,8 @@ Match FindMatches(const std::vector<double>& x, const std::vector<double>& wante
     const std::size_t from = i > apart ? i - apart : 0;
     const std::size_t to = std::min(i + apart, correlation.size() - 1);
     const auto begin = correlation.begin();
-    const auto largest = std::max_element(begin + static_cast<std::ptrdiff_t>(from), begin + static_cast<std::ptrdiff_t>(to) + 1);
+    const auto largest = std::max_element(begin + static_cast<std::ptrdiff_t>(from),
+                                          begin + static_cast<std::ptrdiff_t>(to) + 1);
     if (largest - begin != static_cast<std::ptrdiff_t>(i)) continue;
     match.starts.push_back(i);
     reached.push_back(correlation[i]);
@@ -178,7 +183,8 @@ Match FindMatches(const std::vector<double>& x, const std::vector<double>& wante
   return match;
 }
 
-std::vector<double> MedianCycle(const std::vector<double>& x, const std::vector<std::size_t>& starts, std::size_t period) {
+std::vector<double> MedianCycle(const std::vector<double>& x, const std::vector<std::size_t>& starts,
+                                std::size_t period) {
   std::vector<double> median(period);
   for (std::size_t i = 0; i < period; ++i) {
     std::vector<double> at;
@@ -213,7 +219,8 @@ Cycles FindCycles(const std::vector<const Signal*>& signals) {
   constexpr std::size_t kTried = 8;
   for (std::size_t i = 0; i < kTried; ++i) {
     const std::size_t at = (x.size() - period.samples) * i / kTried;
-    std::vector<double> wanted(x.begin() + static_cast<std::ptrdiff_t>(at), x.begin() + static_cast<std::ptrdiff_t>(at + period.samples));
+    std::vector<double> wanted(x.begin() + static_cast<std::ptrdiff_t>(at),
+                               x.begin() + static_cast<std::ptrdiff_t>(at + period.samples));
     Normalise(wanted);
     Match match = FindMatches(x, wanted);
     if (match.typical > best.typical) best = std::move(match);

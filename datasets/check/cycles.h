@@ -15,9 +15,9 @@ struct Cycles {
 };
 
 /// The cycles of a trial; none, if it has no six of them. The period is that of the autocorrelation, of all
-/// channels together; the starts are where the most regular channel resembles its own median cycle best, so that
-/// a minority of spoilt cycles moves neither. Between starts that are several periods apart, because that channel
-/// is spoilt there, cycles of equal length are assumed.
+/// channels together; the starts are where the most regular channel resembles its own median cycle best, so
+/// that a minority of spoilt cycles moves neither. Between starts that are several periods apart, because
+/// that channel is spoilt there, cycles of equal length are assumed.
 /// @param signals of one trial
 [[nodiscard]] Cycles FindCycles(const std::vector<const Signal*>& signals);
 

@@ -5,7 +5,7 @@
 #include <cmath>
 #include <limits>
 
-#include "datasets/check/robust.h"
+#include "datasets/robust.h"
 
 namespace sinew {
 namespace {
@@ -17,7 +17,7 @@ constexpr double kExcursionShareOfRange = 0.1;
 constexpr double kExcursionBeyondLocal = 5;  // of the 90th percentile of the increments nearby
 constexpr std::size_t kExcursionNear = 30;   // [samples] on each side that count as nearby
 constexpr double kExcursionReturns = 0.5;    // largest change over the stretch, of the smaller jump
-constexpr double kExcursionAlike = 0.3;    // smaller of the two jumps, of the larger one
+constexpr double kExcursionAlike = 0.3;      // smaller of the two jumps, of the larger one
 constexpr double kExcursionLongest = 0.3;    // of the trial
 constexpr std::size_t kExcursionSpike = 3;   // [samples] at most
 constexpr std::size_t kExcursionAround = 3;  // increments on each side that tell the local slope
@@ -76,10 +76,12 @@ std::vector<ExcursionJump> Jumps(const std::vector<double>& unexpected, double l
 }
 
 // True if the signal is after the second jump where it was before the first one.
-bool Returns(const std::vector<double>& x, std::size_t before, std::size_t after, double smaller, double typical_step) {
-  const double change =
-      MedianOf(x, after, std::min(after + 2, x.size() - 1)) - MedianOf(x, before > 2 ? before - 2 : 0, before);
-  return std::abs(change) < kExcursionReturns * smaller + typical_step * static_cast<double>(after - before - 1);
+bool Returns(const std::vector<double>& x, std::size_t before, std::size_t after, double smaller,
+             double typical_step) {
+  const double change = MedianOf(x, after, std::min(after + 2, x.size() - 1)) -
+                        MedianOf(x, before > 2 ? before - 2 : 0, before);
+  return std::abs(change) <
+         kExcursionReturns * smaller + typical_step * static_cast<double>(after - before - 1);
 }
 
 // Jumps that follow each other within a few samples and leave the signal where it was: one spike. They are
@@ -111,7 +113,8 @@ std::vector<Excursion> TakeSpikes(const std::vector<double>& x, std::vector<Excu
   return spikes;
 }
 
-std::vector<Excursion> Excursions(const Signal& signal, std::vector<ExcursionJump> jumps, double typical_step) {
+std::vector<Excursion> Excursions(const Signal& signal, std::vector<ExcursionJump> jumps,
+                                  double typical_step) {
   const std::vector<double>& x = signal.values;
   std::vector<Excursion> found = TakeSpikes(x, jumps, typical_step);
   const auto longest = static_cast<std::size_t>(kExcursionLongest * static_cast<double>(x.size()));
@@ -185,8 +188,7 @@ std::vector<Finding> FindExcursions(const ChannelGroup& group) {
     const Signal& signal = group.signals[s];
     const auto jumps = Jumps(unexpected[s], least_if_constant);
     auto excursions = Excursions(signal, jumps, typical_step);
-    for (const FindingKind kind :
-         {FindingKind::kDropout, FindingKind::kSpike, FindingKind::kDisplaced}) {
+    for (const FindingKind kind : {FindingKind::kDropout, FindingKind::kSpike, FindingKind::kDisplaced}) {
       Finding finding = signal.Found(kind);
       finding.usual = usual;
       for (const Excursion& e : excursions) {
@@ -194,9 +196,9 @@ std::vector<Finding> FindExcursions(const ChannelGroup& group) {
         const bool dropout = e.constant && (length > kExcursionSpike || signal.values[e.first] == 0);
         if (!dropout && e.jump < least) continue;
         if (e.jump < kExcursionBeyondLocal * LocalSize(unexpected[s], e.first, e.last)) continue;
-        const FindingKind which = dropout                     ? FindingKind::kDropout
+        const FindingKind which = dropout                         ? FindingKind::kDropout
                                   : length <= 3 * kExcursionSpike ? FindingKind::kSpike
-                                                              : FindingKind::kDisplaced;
+                                                                  : FindingKind::kDisplaced;
         if (which != kind) continue;
         finding.spans.push_back(signal.Span(e.first, e.last));
         finding.size = std::max(finding.size, e.jump);

@@ -3,19 +3,19 @@
 #include <algorithm>
 #include <cmath>
 
-#include "datasets/check/robust.h"
+#include "datasets/robust.h"
 
 namespace sinew {
 namespace {
 
-constexpr std::size_t kOddPhases = 60;            // samples per cycle
-constexpr double kOddDeviations = 5;      // robust standard deviations of the logarithm
-constexpr double kOddLeastScatter = 0.1;  // of the logarithm
-constexpr double kOddFactor = 2;          // of the median deviation
+constexpr std::size_t kOddPhases = 60;     // samples per cycle
+constexpr double kOddDeviations = 5;       // robust standard deviations of the logarithm
+constexpr double kOddLeastScatter = 0.1;   // of the logarithm
+constexpr double kOddFactor = 2;           // of the median deviation
 constexpr double kOddShareOfRange = 0.05;  // of the median cycle's range: smaller deviations spoil nothing
 constexpr double kOddPeakOfRange = 0.2;    // the same of the largest deviation at a phase
 constexpr double kOddLeastScatterOfPhase = 0.5;  // of the median scatter over the phases
-constexpr double kOddSpan = 0.98;         // of a cycle's squared deviation that its span holds
+constexpr double kOddSpan = 0.98;                // of a cycle's squared deviation that its span holds
 constexpr std::size_t kOddFewestTrials = 8;
 constexpr double kOddDuration = 0.35;  // largest difference from the median duration
 
@@ -40,12 +40,10 @@ void SetSpan(const Phases& squares, OddPiece& piece) {
   const double leave = 0.5 * (1 - kOddSpan) * all;
   double before = 0;
   std::size_t first = 0;
-  while (first < kOddPhases - 1 && before + squares[first] < leave)
-    before += squares[first++];
+  while (first < kOddPhases - 1 && before + squares[first] < leave) before += squares[first++];
   double after = 0;
   std::size_t last = kOddPhases - 1;
-  while (last > first && after + squares[last] < leave)
-    after += squares[last--];
+  while (last > first && after + squares[last] < leave) after += squares[last--];
   piece.first = std::max(0.0, (static_cast<double>(first) - 1) / kOddPhases);
   piece.last = std::min(1.0, (static_cast<double>(last) + 2) / kOddPhases);
 }
@@ -71,7 +69,8 @@ OddMiddle MiddleOf(const std::vector<Phases>& pieces) {
   if (known.empty()) return m;
   const auto [low, high] = std::minmax_element(known.begin(), known.end());
   m.range = *high - *low;
-  // Phases at which nothing usually happens: deviations there count against those of the other phases as well.
+  // Phases at which nothing usually happens: deviations there count against those of the other phases as
+  // well.
   const double typical = Median(Finite(m.scatter));
   for (double& s : m.scatter) s = std::max(s, kOddLeastScatterOfPhase * typical);
   return m;
@@ -140,7 +139,8 @@ OddPieces FindOdd(const std::vector<Phases>& pieces) {
 Phases PhasesOf(const Signal& signal, double from, double to) {
   Phases phases;
   for (std::size_t i = 0; i < kOddPhases; ++i)
-    phases.push_back(ValueAt(*signal.time, signal.values, from + (to - from) * (static_cast<double>(i) + 0.5) / kOddPhases));
+    phases.push_back(ValueAt(*signal.time, signal.values,
+                             from + (to - from) * (static_cast<double>(i) + 0.5) / kOddPhases));
   return phases;
 }
 
@@ -158,7 +158,8 @@ void LeaveOutEnds(std::size_t count, std::vector<OddPiece>& odd) {
 std::vector<Finding> FindOddCycles(const Signal& signal, const Cycles& cycles) {
   std::vector<Phases> pieces;
   for (int k = 0; k < cycles.count(); ++k)
-    pieces.push_back(PhasesOf(signal, cycles.starts[static_cast<std::size_t>(k)], cycles.starts[static_cast<std::size_t>(k) + 1]));
+    pieces.push_back(PhasesOf(signal, cycles.starts[static_cast<std::size_t>(k)],
+                              cycles.starts[static_cast<std::size_t>(k) + 1]));
   OddPieces odd = FindOdd(pieces);
   LeaveOutEnds(pieces.size(), odd.pieces);
   if (odd.pieces.empty()) return {};

@@ -9,9 +9,9 @@
 
 namespace sinew {
 
-/// Cycles of a channel that deviate from the median cycle far more than the cycles usually do: in the logarithm
-/// of the RMS deviation by more than five robust standard deviations, and by a factor of two. Medians hold
-/// while fewer than half of the cycles are spoilt, wherever they are.
+/// Cycles of a channel that deviate from the median cycle far more than the cycles usually do: in the
+/// logarithm of the RMS deviation by more than five robust standard deviations, and by a factor of two.
+/// Medians hold while fewer than half of the cycles are spoilt, wherever they are.
 [[nodiscard]] std::vector<Finding> FindOddCycles(const Signal& signal, const Cycles& cycles);
 
 /// The same for trials that are one movement each, such as stances cut out of a recording: at least eight of

@@ -6,7 +6,8 @@
 #include <optional>
 
 #include "datasets/check/cycles.h"
-#include "datasets/check/robust.h"
+#include "datasets/robust.h"
+#include "datasets/stances/stances.h"
 
 namespace sinew {
 namespace {
@@ -15,8 +16,9 @@ constexpr double kScaleTolerance = 2.5;  // factor around 57.3 or 1000
 constexpr double kScaleAgree = 4;        // largest factor between the other trials and their median
 constexpr double kGravity = 9.80665;     // [m/s2]
 constexpr double kSideways = 1.5;        // of the vertical force
+constexpr double kMuchLarger = 10;       // the same: of another unit, not along another axis
 constexpr double kDerivativeHolds = 0.9;
-constexpr double kMostTurns_rad = 25;    // range of a joint
+constexpr double kMostTurns_rad = 25;  // range of a joint
 constexpr double kFarFromMarkers_m = 2;
 
 // 57.3, 1000 or an inverse, if the ratio is near it.
@@ -36,7 +38,8 @@ double RangeOf(const Signal& signal) {
 
 using OfTrial = std::map<std::string, const Signal*>;  // channels by name; of several grids the first
 
-Finding WholeFinding(const Signal& signal, FindingKind kind, double size, double usual, const std::string& other) {
+Finding WholeFinding(const Signal& signal, FindingKind kind, double size, double usual,
+                     const std::string& other) {
   Finding finding = signal.Found(kind);
   finding.whole = true;
   finding.spans = {signal.Whole()};
@@ -58,7 +61,8 @@ double LargestOf(const Signal* signal) {
   return sizes.empty() ? 0 : Quantile(std::move(sizes), 0.98);
 }
 
-void CheckForces(const Dataset& dataset, const std::string& plate, const OfTrial& channels, std::vector<Finding>& found) {
+void CheckForces(const Dataset& dataset, const std::string& plate, const OfTrial& channels,
+                 std::vector<Finding>& found) {
   const Signal* up = Get(channels, plate + "_force_y");
   if (up == nullptr) return;
   const double vertical = LargestOf(up);
@@ -66,6 +70,11 @@ void CheckForces(const Dataset& dataset, const std::string& plate, const OfTrial
   for (const char* axis : {"_force_x", "_force_z"}) {
     const Signal* side = Get(channels, plate + axis);
     const double sideways = LargestOf(side);
+    if (sideways > kMuchLarger * vertical && vertical > 0) {
+      found.push_back(WholeFinding(*side, FindingKind::kUnit,
+                                   sideways > 200 * vertical ? 1000 : 57.29577951308232, 1, ""));
+      continue;
+    }
     if (sideways > kSideways * vertical && vertical > 0) {
       found.push_back(WholeFinding(*up, FindingKind::kAxis, sideways, vertical, side->channel));
       return;
@@ -76,7 +85,8 @@ void CheckForces(const Dataset& dataset, const std::string& plate, const OfTrial
   for (const double v : Finite(up->values)) {
     if (std::abs(v) > 0.2 * vertical) loaded.push_back(v);
   }
-  if (!loaded.empty() && Median(loaded) < 0) found.push_back(WholeFinding(*up, FindingKind::kSign, -1, 1, ""));
+  if (!loaded.empty() && Median(loaded) < 0)
+    found.push_back(WholeFinding(*up, FindingKind::kSign, -1, 1, ""));
   if (mass != dataset.constants.end() && mass->second.value > 0) {
     const double weights = vertical / (mass->second.value * kGravity);
     if (weights > 30 || weights < 0.01)
@@ -126,7 +136,8 @@ void CheckMarkers(const OfTrial& channels, std::vector<Finding>& found) {
     std::vector<const Signal*> markers;
     std::vector<double> levels;
     for (const auto& [name, signal] : channels) {
-      if (signal->grid != "markers" || name.size() < 3 || name.compare(name.size() - 2, 2, axis) != 0) continue;
+      if (signal->grid != "markers" || name.size() < 3 || name.compare(name.size() - 2, 2, axis) != 0)
+        continue;
       const auto finite = Finite(signal->values);
       if (finite.size() < 10) continue;
       markers.push_back(signal);
@@ -141,7 +152,8 @@ void CheckMarkers(const OfTrial& channels, std::vector<Finding>& found) {
     for (std::size_t i = 0; i < markers.size(); ++i) {
       const double size = std::abs(levels[i]);
       if (size > 15 * reach) {
-        found.push_back(WholeFinding(*markers[i], FindingKind::kUnit, size > 150 * reach ? 1000 : 57.3, 1, ""));
+        found.push_back(
+            WholeFinding(*markers[i], FindingKind::kUnit, size > 150 * reach ? 1000 : 57.3, 1, ""));
       } else if (std::abs(levels[i] - middle) > 6 * scatter + 0.5) {
         // It lies where it would with the other sign.
         const bool mirrored = std::abs(-levels[i] - middle) < 3 * scatter;
@@ -153,10 +165,14 @@ void CheckMarkers(const OfTrial& channels, std::vector<Finding>& found) {
     for (const Signal* marker : markers) {
       std::vector<double> r;
       for (const Signal* other : markers) {
-        if (other != marker && other->size() == marker->size()) r.push_back(Correlation(marker->values, other->values));
+        if (other != marker && other->size() == marker->size())
+          r.push_back(Correlation(marker->values, other->values));
       }
       r = Finite(r);
-      if (r.size() >= 8 && Median(r) < -0.95 && std::none_of(found.begin(), found.end(), [&](const Finding& f) { return f.channel == marker->channel && f.trial == marker->trial; }))
+      if (r.size() >= 8 && Median(r) < -0.95 &&
+          std::none_of(found.begin(), found.end(), [&](const Finding& f) {
+            return f.channel == marker->channel && f.trial == marker->trial;
+          }))
         found.push_back(WholeFinding(*marker, FindingKind::kSign, -1, 1, ""));
     }
   }
@@ -204,7 +220,8 @@ void CheckSpeeds(const OfTrial& channels, std::vector<Finding>& found) {
       std::vector<double> shifted(slope.size(), NAN);
       for (std::size_t i = 0; i < shifted.size(); ++i) {
         const long from = static_cast<long>(i) - lag;
-        if (from >= 0 && from < static_cast<long>(slope.size())) shifted[i] = slope[static_cast<std::size_t>(from)];
+        if (from >= 0 && from < static_cast<long>(slope.size()))
+          shifted[i] = slope[static_cast<std::size_t>(from)];
       }
       const double at = Correlation(shifted, speed->values);
       if (at > best) {
@@ -219,7 +236,10 @@ void CheckSpeeds(const OfTrial& channels, std::vector<Finding>& found) {
 
 // The other side's channel of the same name; empty if the name has no side.
 std::string OtherSide(const std::string& name) {
-  for (const auto& [a, b] : {std::pair<std::string, std::string>{"_r", "_l"}, {"right", "left"}, {"R.", "L."}, {"Right", "Left"}}) {
+  for (const auto& [a, b] : {std::pair<std::string, std::string>{"_r", "_l"},
+                             {"right", "left"},
+                             {"R.", "L."},
+                             {"Right", "Left"}}) {
     for (const auto& [here, there] : {std::pair{a, b}, std::pair{b, a}}) {
       const auto at = name.find(here);
       if (at == std::string::npos) continue;
@@ -235,7 +255,9 @@ void CheckSides(const OfTrial& channels, std::vector<Finding>& found) {
   for (const auto& [name, signal] : channels) {
     const std::string other_name = OtherSide(name);
     const Signal* other = other_name.empty() ? nullptr : Get(channels, other_name);
-    if (other == nullptr || other->unit != signal->unit || signal->grid == "markers" || other->grid != signal->grid || name > other_name) continue;
+    if (other == nullptr || other->unit != signal->unit || signal->grid == "markers" ||
+        other->grid != signal->grid || name > other_name)
+      continue;
     if (name.find("_force_") != std::string::npos && name.find("_force_y") == std::string::npos) continue;
     const double mine = RangeOf(*signal);
     const double theirs = RangeOf(*other);
@@ -246,13 +268,16 @@ void CheckSides(const OfTrial& channels, std::vector<Finding>& found) {
     std::vector<double> logs;
     for (const auto& [unused, peer] : channels) {
       const double range = RangeOf(*peer);
-      if (peer != signal && peer != other && peer->unit == signal->unit && peer->grid == signal->grid && range > 0)
+      if (peer != signal && peer != other && peer->unit == signal->unit && peer->grid == signal->grid &&
+          range > 0)
         logs.push_back(std::log(range));
     }
     bool mine_is_wrong = mine > theirs;
-    if (!logs.empty()) mine_is_wrong = std::abs(std::log(mine) - Median(logs)) > std::abs(std::log(theirs) - Median(logs));
+    if (!logs.empty())
+      mine_is_wrong = std::abs(std::log(mine) - Median(logs)) > std::abs(std::log(theirs) - Median(logs));
     const Signal& wrong = mine_is_wrong ? *signal : *other;
-    Finding finding = WholeFinding(wrong, FindingKind::kUnit, mine_is_wrong ? *factor : 1 / *factor, 1, mine_is_wrong ? other_name : name);
+    Finding finding = WholeFinding(wrong, FindingKind::kUnit, mine_is_wrong ? *factor : 1 / *factor, 1,
+                                   mine_is_wrong ? other_name : name);
     found.push_back(std::move(finding));
   }
 }
@@ -281,7 +306,9 @@ std::vector<Finding> FindOddScales(const ChannelGroup& group) {
     const auto factor = UnitNear(ranges[s] / middle, kScaleTolerance);
     const auto [low, high] = std::minmax_element(others.begin(), others.end());
     if (!factor || *high > kScaleAgree * middle || *low * kScaleAgree < middle) continue;
-    found.push_back(WholeFinding(group.signals[s], FindingKind::kUnit, *factor, 1, group.channel));
+    Finding finding = WholeFinding(group.signals[s], FindingKind::kUnit, *factor, 1, "");
+    finding.among = static_cast<int>(others.size()) + 1;
+    found.push_back(std::move(finding));
   }
   return found;
 }

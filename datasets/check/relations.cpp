@@ -6,12 +6,12 @@
 
 #include "base/decompositions.h"
 #include "base/linear_algebra.h"
-#include "datasets/check/robust.h"
+#include "datasets/robust.h"
 
 namespace sinew {
 namespace {
 
-constexpr int kRelationMostSamples = 1500;      // per trial
+constexpr int kRelationMostSamples = 1500;  // per trial
 constexpr std::size_t kRelationMostChannels = 80;
 constexpr std::size_t kRelationMostTrials = 16;
 constexpr std::size_t kRelationPredictors = 5;  // channels, each with two derivatives
@@ -19,14 +19,14 @@ constexpr double kRelationRidge = 1e-3;         // of the mean diagonal
 constexpr double kRelationHolds = 0.7;          // least median correlation of prediction and measurement
 constexpr double kRelationHoldsInTime = 0.85;   // the same where times are compared
 constexpr double kRelationHoldsWell = 0.9;      // the same of signals that swing less than four times
-constexpr double kRelationHoldsAtLeast = 0.6;  // least correlation in every other trial, or all but one
+constexpr double kRelationHoldsAtLeast = 0.6;   // least correlation in every other trial, or all but one
 constexpr int kRelationCrossings = 4;           // of its median, of a signal that swings
 constexpr double kRelationOpposite = -0.6;
 constexpr double kRelationUnitTolerance = 1.4;  // factor around 57.3 or 1000
 constexpr double kRelationSpreadTolerance = 4;  // the same of the spread against other trials
 constexpr double kRelationLongestLag_s = 0.4;
-constexpr int kRelationLeastLag = 3;              // [samples]
-constexpr double kRelationLagExplains = 0.7;      // of the error that is left at the usual lag
+constexpr int kRelationLeastLag = 3;          // [samples]
+constexpr double kRelationLagExplains = 0.7;  // of the error that is left at the usual lag
 constexpr int kRelationMostFindings = 6;
 
 // Channels of one trial on one clock, standardised as in all trials together.
@@ -68,9 +68,10 @@ Eigen::VectorXd Resampled(const Signal& signal, double start, double step, int s
     const auto next = static_cast<std::size_t>(std::lower_bound(time.begin(), time.end(), t) - time.begin());
     if (count > 1) {
       last = sum / count;
-    } else if (next < time.size() && next > 0 && std::isfinite(signal.values[next] + signal.values[next - 1])) {
-      last = signal.values[next - 1] +
-             (signal.values[next] - signal.values[next - 1]) * (t - time[next - 1]) / (time[next] - time[next - 1]);
+    } else if (next < time.size() && next > 0 &&
+               std::isfinite(signal.values[next] + signal.values[next - 1])) {
+      last = signal.values[next - 1] + (signal.values[next] - signal.values[next - 1]) *
+                                           (t - time[next - 1]) / (time[next] - time[next - 1]);
     } else if (next < time.size() && std::isfinite(signal.values[next])) {
       last = signal.values[next];
     }
@@ -82,7 +83,8 @@ Eigen::VectorXd Resampled(const Signal& signal, double start, double step, int s
 Eigen::VectorXd Derivative(const Eigen::VectorXd& x) {
   constexpr Eigen::Index kWidth = 2;  // samples on each side: noise is not amplified much
   Eigen::VectorXd d = Eigen::VectorXd::Zero(x.size());
-  for (Eigen::Index i = kWidth; i + kWidth < x.size(); ++i) d[i] = (x[i + kWidth] - x[i - kWidth]) / (2 * kWidth);
+  for (Eigen::Index i = kWidth; i + kWidth < x.size(); ++i)
+    d[i] = (x[i + kWidth] - x[i - kWidth]) / (2 * kWidth);
   return d;
 }
 
@@ -105,7 +107,8 @@ std::vector<const ChannelGroup*> Common(const std::vector<ChannelGroup>& groups,
     if (group.signals.size() != trials) continue;
     const bool varies = std::all_of(group.signals.begin(), group.signals.end(), [](const Signal& signal) {
       const auto finite = Finite(signal.values);
-      return signal.size() >= 50 && 2 * finite.size() > signal.size() && Quantile(finite, 0.95) > Quantile(finite, 0.05);
+      return signal.size() >= 50 && 2 * finite.size() > signal.size() &&
+             Quantile(finite, 0.95) > Quantile(finite, 0.05);
     });
     if (varies) common.push_back(&group);
   }
@@ -137,7 +140,8 @@ std::vector<Sheet> Sheets(const std::vector<const ChannelGroup*>& channels) {
     // The middle of long trials: they may begin and end at rest.
     sheet.start += 0.5 * (end - sheet.start - samples * sheet.step);
     for (std::size_t c = 0; c < channels.size(); ++c)
-      sheet.values.col(static_cast<Eigen::Index>(c)) = Resampled(*sheet.signals[c], sheet.start, sheet.step, samples);
+      sheet.values.col(static_cast<Eigen::Index>(c)) =
+          Resampled(*sheet.signals[c], sheet.start, sheet.step, samples);
     sheets.push_back(std::move(sheet));
   }
   return sheets;
@@ -194,19 +198,22 @@ class Relations {
     for (Eigen::Index i = 0; i < n; ++i) scale[i] = 1 / std::sqrt(gram(columns[Index(i)], columns[Index(i)]));
     for (Eigen::Index i = 0; i < n; ++i) {
       b[i] = gram(columns[Index(i)], 3 * channel) * scale[i];
-      for (Eigen::Index j = 0; j < n; ++j) a(i, j) = gram(columns[Index(i)], columns[Index(j)]) * scale[i] * scale[j];
+      for (Eigen::Index j = 0; j < n; ++j)
+        a(i, j) = gram(columns[Index(i)], columns[Index(j)]) * scale[i] * scale[j];
     }
     a.diagonal().array() += kRelationRidge;
     const Eigen::VectorXd weights = a.ldlt().solve(b).cwiseProduct(scale);
     const Sheet& sheet = sheets_[t];
     relation.predicted = Eigen::VectorXd::Zero(sheet.values.rows());
-    for (Eigen::Index i = 0; i < n; ++i) relation.predicted += weights[i] * sheet.features.col(columns[Index(i)]);
+    for (Eigen::Index i = 0; i < n; ++i)
+      relation.predicted += weights[i] * sheet.features.col(columns[Index(i)]);
     const Eigen::VectorXd measured = sheet.features.col(3 * channel);
     relation.correlation = CorrelationOf(measured, relation.predicted);
     const double power = relation.predicted.squaredNorm();
     relation.gain = power > 0 ? measured.dot(relation.predicted) / power : NAN;
     relation.spread = measured.norm() / std::sqrt(static_cast<double>(measured.size()));
-    const int longest = std::min<int>(static_cast<int>(kRelationLongestLag_s / sheet.step), static_cast<int>(measured.size()) / 4);
+    const int longest = std::min<int>(static_cast<int>(kRelationLongestLag_s / sheet.step),
+                                      static_cast<int>(measured.size()) / 4);
     relation.at_lag = relation.correlation;
     for (int lag = -longest; lag <= longest; ++lag) {
       const double r = CorrelationAt(measured, relation.predicted, lag);
@@ -225,9 +232,10 @@ class Relations {
     return sheet.features.transpose() * sheet.features / static_cast<double>(sheet.features.rows());
   }
 
-  // Features of the channels that are correlated most with this one. Not of one that is the same up to noise: it
-  // would hide what others know (a marker of the same segment is no other measurement, but it is welcome).
-  [[nodiscard]] std::vector<Eigen::Index> Predictors(const Eigen::MatrixXd& gram, Eigen::Index channel) const {
+  // Features of the channels that are correlated most with this one. Not of one that is the same up to noise:
+  // it would hide what others know (a marker of the same segment is no other measurement, but it is welcome).
+  [[nodiscard]] std::vector<Eigen::Index> Predictors(const Eigen::MatrixXd& gram,
+                                                     Eigen::Index channel) const {
     std::vector<std::pair<double, Eigen::Index>> strength;
     const double own = gram(3 * channel, 3 * channel);
     for (Eigen::Index c = 0; c < channels(); ++c) {
@@ -235,7 +243,8 @@ class Relations {
       double best = 0;
       for (Eigen::Index f = 3 * c; f < 3 * c + 3; ++f) {
         const double other = gram(f, f);
-        if (other > 0 && own > 0) best = std::max(best, std::abs(gram(f, 3 * channel)) / std::sqrt(own * other));
+        if (other > 0 && own > 0)
+          best = std::max(best, std::abs(gram(f, 3 * channel)) / std::sqrt(own * other));
       }
       strength.emplace_back(best, c);
     }
@@ -324,14 +333,15 @@ Others TheOther(const Relations& relations, std::size_t t, Eigen::Index c) {
   return {{std::abs(relation.correlation)}, {1}, {relation.spread}, {0}};
 }
 
-bool IsLate(const Relations& relations, std::size_t t, Eigen::Index c, const Relation& here, const Others& others,
-            Suspect& suspect) {
+bool IsLate(const Relations& relations, std::size_t t, Eigen::Index c, const Relation& here,
+            const Others& others, Suspect& suspect) {
   const double step = relations.sheets()[t].step;
   const double usual = Median(others.lag);
   double scatter = 0;
   for (const double lag : others.lag) scatter = std::max(scatter, std::abs(lag - usual));
   const double delay = here.lag * step;
-  if (std::abs(delay - usual) < std::max(kRelationLeastLag * step, 2 * scatter) || here.at_lag < kRelationHoldsInTime)
+  if (std::abs(delay - usual) < std::max(kRelationLeastLag * step, 2 * scatter) ||
+      here.at_lag < kRelationHoldsInTime)
     return false;
   const double at_usual = CorrelationAt(relations.sheets()[t].features.col(3 * c), here.predicted,
                                         static_cast<int>(std::lround(usual / step)));
@@ -421,7 +431,9 @@ std::vector<Finding> FindBrokenRelations(const std::vector<ChannelGroup>& groups
     finding.size = s.size;
     finding.usual = s.usual;
     finding.undecided = relations.sheets().size() == 2;
-    finding.other = finding.undecided ? "trial '" + relations.sheets()[1 - s.trial].trial + "'" : relations.sheets()[s.trial].signals[static_cast<std::size_t>(s.partner)]->channel;
+    finding.other = finding.undecided
+                        ? "trial '" + relations.sheets()[1 - s.trial].trial + "'"
+                        : relations.sheets()[s.trial].signals[static_cast<std::size_t>(s.partner)]->channel;
     found.push_back(std::move(finding));
     relations = std::move(*best);
     suspects = std::move(left);

@@ -5,12 +5,10 @@
 #include <limits>
 #include <map>
 
-#include "datasets/check/robust.h"
+#include "datasets/robust.h"
 
 namespace sinew {
 namespace {
-
-constexpr const char* kVertical = "_force_y";
 
 // Sets the centre of pressure and the free moment of an unloaded plate to NaN. A force at any angle counts,
 // so that a wrong axis does not hide them.
@@ -86,20 +84,6 @@ std::vector<double> Increments(const std::vector<double>& values) {
   std::vector<double> increments(values.size(), std::numeric_limits<double>::quiet_NaN());
   for (std::size_t i = 1; i < values.size(); ++i) increments[i] = values[i] - values[i - 1];
   return increments;
-}
-
-std::vector<std::string> PlateNames(const Trial& trial) {
-  const std::string ending = kVertical;
-  std::vector<std::string> plates;
-  for (const std::string& name : trial.ChannelNames()) {
-    if (name.size() > ending.size() &&
-        name.compare(name.size() - ending.size(), ending.size(), ending) == 0) {
-      plates.push_back(name.substr(0, name.size() - ending.size()));
-    }
-  }
-  std::sort(plates.begin(), plates.end());
-  plates.erase(std::unique(plates.begin(), plates.end()), plates.end());
-  return plates;
 }
 
 }  // namespace sinew

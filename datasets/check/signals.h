@@ -57,9 +57,6 @@ struct Run {
 /// Differences of neighbours, [N]: entry i is value i less value i - 1; NaN at 0 and next to gaps.
 [[nodiscard]] std::vector<double> Increments(const std::vector<double>& values);
 
-/// The plates of a trial: names NAME with channels NAME_force_y, in order.
-[[nodiscard]] std::vector<std::string> PlateNames(const Trial& trial);
-
 /// Share of a plate's greatest vertical force below which centre of pressure and free moment mean nothing.
 inline constexpr double kUnloadedShare = 0.05;
 

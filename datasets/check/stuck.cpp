@@ -4,7 +4,7 @@
 #include <cmath>
 #include <map>
 
-#include "datasets/check/robust.h"
+#include "datasets/robust.h"
 
 namespace sinew {
 namespace {

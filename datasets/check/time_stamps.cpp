@@ -3,7 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
-#include "datasets/check/robust.h"
+#include "datasets/robust.h"
 
 namespace sinew {
 namespace {

@@ -80,6 +80,7 @@ std::string Text(const Warning& w, const std::vector<std::vector<std::string>>& 
           "there; a gap is better than a wrong value",
           Percent(w.numbers[0]), w.names[0], w.names[1], Readable(w.numbers[1], 2),
           Readable(w.numbers[2], 3));
+    case WarningKind::kDataCheck:
     case WarningKind::kOther:
       return w.message;
   }

@@ -1,4 +1,4 @@
-#include "datasets/check/robust.h"
+#include "datasets/robust.h"
 
 #include <algorithm>
 #include <cmath>
