@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 #include <map>
+#include <set>
 
 #include "datasets/robust.h"
 
@@ -14,8 +15,9 @@ constexpr std::size_t kClipFewest = 6;    // [samples] at the value, in all runs
 constexpr double kClipAbrupt = 3;         // slope at the run's ends, of the smallest increments
 constexpr double kClipStraight = 0.3;     // share of straight pieces: a trapezoid
 constexpr int kClipLevels = 5;
-constexpr double kClipPile = 5;      // samples at the level, of the mean of the next kClipLevels inwards
-constexpr double kClipVaried = 0.9;  // share of neighbours that differ, of a signal that is not rounded
+constexpr double kClipPile = 5;  // samples at the level, of the mean of the next kClipLevels inwards
+constexpr std::size_t kClipFewLevels = 5;  // values that are repeated, of a signal that is not rounded
+constexpr double kClipVaried = 0.9;        // share of neighbours that differ, of a signal that is not rounded
 constexpr double kClipSlopeOfUsual = 0.1;  // and of the median increment
 
 struct ClipShape {
@@ -30,19 +32,24 @@ ClipShape ShapeOf(const ChannelGroup& group) {
   double bends = 0;
   double straight = 0;
   double all = 0;
+  std::set<double> repeated;
   for (const Signal& signal : group.signals) {
     const auto increments = Increments(signal.values);
     for (std::size_t i = 2; i < increments.size(); ++i) {
       if (!std::isfinite(increments[i])) continue;
       all += 1;
-      if (increments[i] == 0) continue;
+      if (increments[i] == 0) {
+        repeated.insert(signal.values[i]);
+        continue;
+      }
       sizes.push_back(std::abs(increments[i]));
       bends += 1;
       straight += std::abs(increments[i] - increments[i - 1]) <= 1e-6 * std::abs(increments[i]) ? 1 : 0;
     }
   }
   if (sizes.size() < 50) return {0, 0, true, false};
-  const bool rounded = static_cast<double>(sizes.size()) < kClipVaried * all;
+  const bool rounded =
+      static_cast<double>(sizes.size()) < kClipVaried * all && repeated.size() > kClipFewLevels;
   // A rounded signal moves by the same number of quanta again and again: straight only where it does not
   // rest.
   return {Quantile(sizes, 0.05), Median(sizes), straight > kClipStraight * bends, rounded};

@@ -125,14 +125,18 @@ std::vector<Excursion> Excursions(const Signal& signal, std::vector<ExcursionJum
       const std::size_t first = jumps[a].after;
       const std::size_t last = jumps[b].before;
       if (last - first + 1 > longest) break;
-      if (jumps[a].net * jumps[b].net > 0) continue;
       const double smaller = std::min(jumps[a].largest, jumps[b].largest);
       const double larger = std::max(jumps[a].largest, jumps[b].largest);
-      if (smaller < kExcursionAlike * larger || !Returns(x, before, after, smaller, typical_step)) continue;
+      if (smaller < kExcursionAlike * larger) continue;
+      if (jumps[a].net * jumps[b].net > 0) break;
+      // Either it comes back to where it was, or it was shifted while it moved on: by as much as it is
+      // shifted back.
+      const bool shifted = std::abs(jumps[a].net + jumps[b].net) < kExcursionAlike * larger;
+      if (!shifted && !Returns(x, before, after, smaller, typical_step)) break;
       // Two single spikes far from each other leave the signal between them where it was.
       const double outside = 0.5 * (MedianOf(x, before > 4 ? before - 4 : 0, before) +
                                     MedianOf(x, after, std::min(after + 4, x.size() - 1)));
-      if (std::abs(MedianOf(x, first, last) - outside) < kExcursionReturns * smaller) continue;
+      if (!shifted && std::abs(MedianOf(x, first, last) - outside) < kExcursionReturns * smaller) break;
       bool constant = true;
       for (std::size_t i = first; i < last; ++i) constant = constant && x[i] == x[i + 1];
       found.push_back({first, last, larger, constant});

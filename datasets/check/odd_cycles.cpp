@@ -8,18 +8,25 @@
 namespace sinew {
 namespace {
 
-constexpr std::size_t kOddPhases = 60;     // samples per cycle
-constexpr double kOddDeviations = 5;       // robust standard deviations of the logarithm
-constexpr double kOddLeastScatter = 0.1;   // of the logarithm
-constexpr double kOddFactor = 2;           // of the median deviation
-constexpr double kOddShareOfRange = 0.05;  // of the median cycle's range: smaller deviations spoil nothing
-constexpr double kOddPeakOfRange = 0.2;    // the same of the largest deviation at a phase
+constexpr std::size_t kOddPhases = 60;    // samples per cycle
+constexpr std::size_t kOddShift = 5;      // largest shift that aligns a piece with the median, in phases
+constexpr double kOddDeviations = 5;      // robust standard deviations of the logarithm
+constexpr double kOddLeastScatter = 0.1;  // of the logarithm
+constexpr double kOddUpperShare =
+    0.8;  // quantile above the median, that a fifth of spoilt cycles moves little
+constexpr double kOddUpperNormal = 0.8416;  // the same quantile of the standard normal
+constexpr double kOddUpperDeviations = 4;   // above the median, in terms of that quantile
+constexpr double kOddFactor = 2;            // of the median deviation
+constexpr double kOddFactorOfScaled = 3.5;  // the same in terms of the usual deviation at each phase
+constexpr double kOddShareOfRange = 0.05;   // of the median cycle's range: smaller deviations spoil nothing
+constexpr double kOddPeakOfRange = 0.2;     // the same of the largest deviation at a phase
 constexpr double kOddLeastScatterOfPhase = 0.5;  // of the median scatter over the phases
 constexpr double kOddSpan = 0.98;                // of a cycle's squared deviation that its span holds
 constexpr std::size_t kOddFewestTrials = 8;
 constexpr double kOddDuration = 0.35;  // largest difference from the median duration
 
 using Phases = std::vector<double>;  // [kOddPhases]
+using Wide = std::vector<double>;    // [kOddPhases + 2 kOddShift], with neighbours
 
 struct OddPiece {
   std::size_t index;
@@ -95,10 +102,49 @@ double LimitOf(const std::vector<double>& deviations) {
   if (2 * logs.size() <= deviations.size()) return INFINITY;
   const double typical = Median(logs);
   const double scatter = std::max(RobustDeviation(logs), kOddLeastScatter);
-  return std::max(std::exp(typical + kOddDeviations * scatter), kOddFactor * std::exp(typical));
+  // Where noise fills most cycles and a few differ in size, the upper side scatters more than the lower one.
+  const double upper = (Quantile(logs, kOddUpperShare) - typical) / kOddUpperNormal;
+  return std::exp(typical +
+                  std::max({kOddDeviations * scatter, kOddUpperDeviations * upper, std::log(kOddFactor)}));
 }
 
-OddPieces FindOdd(const std::vector<Phases>& pieces) {
+Phases Shifted(const Wide& wide, std::size_t shift) {
+  const auto begin = wide.begin() + static_cast<std::ptrdiff_t>(shift);
+  return {begin, begin + kOddPhases};
+}
+
+// Each piece moved to where it resembles the median most: steps vary in time, and their starts are not exact.
+std::vector<Phases> Aligned(const std::vector<Wide>& wide) {
+  std::vector<Phases> pieces;
+  pieces.reserve(wide.size());
+  for (const Wide& w : wide) pieces.push_back(Shifted(w, kOddShift));
+  for (int pass = 0; pass < 2; ++pass) {
+    const Phases middle = MiddleOf(pieces).middle;
+    for (std::size_t k = 0; k < wide.size(); ++k) {
+      double least = INFINITY;
+      for (std::size_t shift = 0; shift <= 2 * kOddShift; ++shift) {
+        Phases piece = Shifted(wide[k], shift);
+        double sum = 0;
+        double count = 0;
+        for (std::size_t i = 0; i < kOddPhases; ++i) {
+          const double difference = piece[i] - middle[i];
+          if (!std::isfinite(difference)) continue;
+          sum += difference * difference;
+          count += 1;
+        }
+        if (2 * count < kOddPhases && shift != kOddShift) continue;
+        if (count > 0 && sum / count < least) {
+          least = sum / count;
+          pieces[k] = std::move(piece);
+        }
+      }
+    }
+  }
+  return pieces;
+}
+
+OddPieces FindOdd(const std::vector<Wide>& wide) {
+  const std::vector<Phases> pieces = Aligned(wide);
   const OddMiddle m = MiddleOf(pieces);
   if (Finite(m.middle).size() < kOddPhases / 10 || !(m.range > 0)) return {};
   // Deviations as they are, which make the squared error, and in terms of what is usual at their phase.
@@ -124,10 +170,12 @@ OddPieces FindOdd(const std::vector<Phases>& pieces) {
   OddPieces odd;
   const auto known = Finite(plain);
   odd.usual = known.empty() ? 0 : Median(known);
+  const auto known_scaled = Finite(scaled);
+  const double usual_scaled = known_scaled.empty() ? 0 : Median(known_scaled);
   for (std::size_t k = 0; k < pieces.size(); ++k) {
     const bool is_plain = plain[k] > plain_limit;
-    const bool is_scaled = scaled[k] > scaled_limit && plain[k] > kOddFactor * odd.usual &&
-                           largest[k] > kOddPeakOfRange * m.range;
+    const bool is_scaled = scaled[k] > std::max(scaled_limit, kOddFactorOfScaled * usual_scaled) &&
+                           plain[k] > kOddFactor * odd.usual && largest[k] > kOddPeakOfRange * m.range;
     if (!is_plain && !is_scaled) continue;
     OddPiece piece{k, plain[k], 0, 1};
     SetSpan(Squares(pieces[k], m.middle, is_scaled ? &m.scatter : nullptr), piece);
@@ -136,9 +184,9 @@ OddPieces FindOdd(const std::vector<Phases>& pieces) {
   return odd;
 }
 
-Phases PhasesOf(const Signal& signal, double from, double to) {
-  Phases phases;
-  for (std::size_t i = 0; i < kOddPhases; ++i)
+Wide PhasesOf(const Signal& signal, double from, double to) {
+  Wide phases;
+  for (int i = -static_cast<int>(kOddShift); i < static_cast<int>(kOddPhases + kOddShift); ++i)
     phases.push_back(ValueAt(*signal.time, signal.values,
                              from + (to - from) * (static_cast<double>(i) + 0.5) / kOddPhases));
   return phases;
@@ -156,7 +204,7 @@ void LeaveOutEnds(std::size_t count, std::vector<OddPiece>& odd) {
 }  // namespace
 
 std::vector<Finding> FindOddCycles(const Signal& signal, const Cycles& cycles) {
-  std::vector<Phases> pieces;
+  std::vector<Wide> pieces;
   for (int k = 0; k < cycles.count(); ++k)
     pieces.push_back(PhasesOf(signal, cycles.starts[static_cast<std::size_t>(k)],
                               cycles.starts[static_cast<std::size_t>(k) + 1]));
@@ -180,7 +228,7 @@ std::vector<Finding> FindOddTrials(const ChannelGroup& group) {
   std::vector<double> durations;
   for (const Signal& signal : group.signals) durations.push_back(signal.Whole().to - signal.Whole().from);
   const double usual_duration = Median(durations);
-  std::vector<Phases> pieces;
+  std::vector<Wide> pieces;
   std::vector<const Signal*> alike;
   for (std::size_t s = 0; s < group.signals.size(); ++s) {
     if (std::abs(durations[s] - usual_duration) > kOddDuration * usual_duration) continue;

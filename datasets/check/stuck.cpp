@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 #include <map>
+#include <set>
 
 #include "datasets/robust.h"
 
@@ -11,6 +12,7 @@ namespace {
 
 constexpr std::size_t kStuckShortest = 8;        // [samples] of a run
 constexpr std::size_t kStuckMinIncrements = 50;  // that are not 0
+constexpr std::size_t kStuckFewLevels = 5;       // values that are repeated, of a signal that is not rounded
 constexpr double kStuckRepeats = 0.02;  // share of equal neighbours outside of long runs: it is rounded
 constexpr double kStuckStraight = 0.3;  // share of straight pieces: a trapezoid
 constexpr double kStuckAbrupt = 0.5;    // of the median increment, at the entry or the exit of a run
@@ -35,6 +37,7 @@ StuckUsual Judge(const ChannelGroup& group, const std::vector<std::vector<Run>>&
   std::vector<double> sizes;
   double outside = 0;
   double equal = 0;
+  std::set<double> repeated;
   double bends = 0;
   double straight = 0;
   for (std::size_t s = 0; s < group.signals.size(); ++s) {
@@ -44,6 +47,7 @@ StuckUsual Judge(const ChannelGroup& group, const std::vector<std::vector<Run>>&
       if (!std::isfinite(increments[i]) || (InRun(runs[s], i) && InRun(runs[s], i - 1))) continue;
       outside += 1;
       equal += increments[i] == 0 ? 1 : 0;
+      if (increments[i] == 0) repeated.insert(group.signals[s].values[i]);
       if (increments[i] != 0) sizes.push_back(std::abs(increments[i]));
       if (i < 2 || !std::isfinite(increments[i - 1])) continue;
       bends += 1;
@@ -51,7 +55,7 @@ StuckUsual Judge(const ChannelGroup& group, const std::vector<std::vector<Run>>&
       straight += std::abs(increments[i] - increments[i - 1]) <= 1e-6 * size ? 1 : 0;
     }
   }
-  usual.rounded = !(equal < kStuckRepeats * outside);
+  usual.rounded = !(equal < kStuckRepeats * outside) && repeated.size() > kStuckFewLevels;
   usual.straight = straight > kStuckStraight * bends;
   if (sizes.size() >= kStuckMinIncrements) {
     usual.step = Median(sizes);
