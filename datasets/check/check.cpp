@@ -8,6 +8,7 @@
 
 #include "datasets/check/clipping.h"
 #include "datasets/check/cycles.h"
+#include "datasets/check/drift.h"
 #include "datasets/check/excursions.h"
 #include "datasets/check/odd_cycles.h"
 #include "datasets/check/plausible.h"
@@ -76,6 +77,7 @@ CheckReport CheckData(const Dataset& dataset) {
   }
   for (const auto& [trial, signals] : of_trial) {
     const Cycles cycles = FindCycles(signals);
+    for (const Signal* signal : signals) Append(FindDrift(*signal, cycles), report.findings);
     if (cycles.count() == 0) continue;
     report.cycles[trial] = cycles.count();
     for (const Signal* signal : signals) Append(FindOddCycles(*signal, cycles), report.findings);

@@ -8,16 +8,15 @@
 namespace sinew {
 namespace {
 
-constexpr std::size_t kOddPhases = 60;    // samples per cycle
-constexpr std::size_t kOddShift = 5;      // largest shift that aligns a piece with the median, in phases
-constexpr double kOddDeviations = 5;      // robust standard deviations of the logarithm
-constexpr double kOddLeastScatter = 0.1;  // of the logarithm
-constexpr double kOddUpperShare =
-    0.8;  // quantile above the median, that a fifth of spoilt cycles moves little
-constexpr double kOddUpperNormal = 0.8416;  // the same quantile of the standard normal
-constexpr double kOddUpperDeviations = 4;   // above the median, in terms of that quantile
+constexpr std::size_t kOddPhases = 60;      // samples per cycle
+constexpr std::size_t kOddShift = 5;        // largest shift that aligns a piece with the median, in phases
+constexpr double kOddSize = 0.15;           // largest difference in size that is taken off
+constexpr double kOddSizeShare = 0.75;      // of the phases, those that differ least, tell the size
+constexpr double kOddDeviations = 5;        // robust standard deviations of the logarithm
+constexpr double kOddFew = 5;               // of so many cycles twice as many
+constexpr double kOddLeastScatter = 0.1;    // of the logarithm
 constexpr double kOddFactor = 2;            // of the median deviation
-constexpr double kOddFactorOfScaled = 3.5;  // the same in terms of the usual deviation at each phase
+constexpr double kOddFactorOfScaled = 3;  // the same in terms of the usual deviation at each phase
 constexpr double kOddShareOfRange = 0.05;   // of the median cycle's range: smaller deviations spoil nothing
 constexpr double kOddPeakOfRange = 0.2;     // the same of the largest deviation at a phase
 constexpr double kOddLeastScatterOfPhase = 0.5;  // of the median scatter over the phases
@@ -102,15 +101,59 @@ double LimitOf(const std::vector<double>& deviations) {
   if (2 * logs.size() <= deviations.size()) return INFINITY;
   const double typical = Median(logs);
   const double scatter = std::max(RobustDeviation(logs), kOddLeastScatter);
-  // Where noise fills most cycles and a few differ in size, the upper side scatters more than the lower one.
-  const double upper = (Quantile(logs, kOddUpperShare) - typical) / kOddUpperNormal;
-  return std::exp(typical +
-                  std::max({kOddDeviations * scatter, kOddUpperDeviations * upper, std::log(kOddFactor)}));
+  // Few pieces tell their scatter roughly.
+  const double limit = kOddDeviations * (1 + kOddFew / static_cast<double>(logs.size()));
+  return std::exp(typical + std::max(limit * scatter, std::log(kOddFactor)));
 }
 
-Phases Shifted(const Wide& wide, std::size_t shift) {
-  const auto begin = wide.begin() + static_cast<std::ptrdiff_t>(shift);
-  return {begin, begin + kOddPhases};
+// The phases from `shift` on, straight between those of the wide piece. @param shift [0, 2 kOddShift]
+Phases Shifted(const Wide& wide, double shift) {
+  const auto whole = std::min(static_cast<std::size_t>(shift), 2 * kOddShift - 1);
+  const double part = shift - static_cast<double>(whole);
+  Phases phases(kOddPhases);
+  for (std::size_t i = 0; i < kOddPhases; ++i) {
+    const double here = wide[i + whole];
+    phases[i] = part == 0 ? here : here + part * (wide[i + whole + 1] - here);
+  }
+  return phases;
+}
+
+double MeanSquare(const Phases& piece, const Phases& middle) {
+  double sum = 0;
+  double count = 0;
+  for (std::size_t i = 0; i < kOddPhases; ++i) {
+    const double difference = piece[i] - middle[i];
+    if (!std::isfinite(difference)) continue;
+    sum += difference * difference;
+    count += 1;
+  }
+  return 2 * count < kOddPhases / 2.0 ? INFINITY : sum / count;
+}
+
+// Takes off what a piece differs from the median in size only, within +-15 %: no two steps are of one size.
+// The phases that differ most, where a fault may be, do not decide.
+void TakeOffSize(const Phases& middle, Phases& piece) {
+  const auto known = Finite(middle);
+  const double level = Median(known);
+  double gain = 1;
+  for (int pass = 0; pass < 3; ++pass) {
+    std::vector<double> differences(kOddPhases, NAN);
+    for (std::size_t i = 0; i < kOddPhases; ++i)
+      differences[i] = std::abs(piece[i] - level - gain * (middle[i] - level));
+    const auto finite = Finite(differences);
+    if (finite.size() < kOddPhases / 3) return;
+    const double most = Quantile(finite, kOddSizeShare);
+    double ab = 0;
+    double aa = 0;
+    for (std::size_t i = 0; i < kOddPhases; ++i) {
+      if (!(differences[i] <= most)) continue;
+      ab += (piece[i] - level) * (middle[i] - level);
+      aa += (middle[i] - level) * (middle[i] - level);
+    }
+    if (!(aa > 0)) return;
+    gain = std::clamp(ab / aa, 1 - kOddSize, 1 + kOddSize);
+  }
+  for (std::size_t i = 0; i < kOddPhases; ++i) piece[i] -= (gain - 1) * (middle[i] - level);
 }
 
 // Each piece moved to where it resembles the median most: steps vary in time, and their starts are not exact.
@@ -121,25 +164,24 @@ std::vector<Phases> Aligned(const std::vector<Wide>& wide) {
   for (int pass = 0; pass < 2; ++pass) {
     const Phases middle = MiddleOf(pieces).middle;
     for (std::size_t k = 0; k < wide.size(); ++k) {
-      double least = INFINITY;
-      for (std::size_t shift = 0; shift <= 2 * kOddShift; ++shift) {
-        Phases piece = Shifted(wide[k], shift);
-        double sum = 0;
-        double count = 0;
-        for (std::size_t i = 0; i < kOddPhases; ++i) {
-          const double difference = piece[i] - middle[i];
-          if (!std::isfinite(difference)) continue;
-          sum += difference * difference;
-          count += 1;
-        }
-        if (2 * count < kOddPhases && shift != kOddShift) continue;
-        if (count > 0 && sum / count < least) {
-          least = sum / count;
-          pieces[k] = std::move(piece);
-        }
+      std::vector<double> squares;
+      for (std::size_t shift = 0; shift <= 2 * kOddShift; ++shift)
+        squares.push_back(MeanSquare(Shifted(wide[k], static_cast<double>(shift)), middle));
+      const auto least =
+          static_cast<std::size_t>(std::min_element(squares.begin(), squares.end()) - squares.begin());
+      if (!std::isfinite(squares[least])) continue;
+      double shift = static_cast<double>(least);
+      if (least > 0 && least < 2 * kOddShift) {
+        // The lowest point of the parabola through three.
+        const double bend = squares[least - 1] - 2 * squares[least] + squares[least + 1];
+        if (bend > 0 && std::isfinite(bend)) shift += 0.5 * (squares[least - 1] - squares[least + 1]) / bend;
       }
+      pieces[k] = Shifted(wide[k], shift);
     }
   }
+  const Phases middle = MiddleOf(pieces).middle;
+  if (Finite(middle).empty()) return pieces;
+  for (Phases& piece : pieces) TakeOffSize(middle, piece);
   return pieces;
 }
 
