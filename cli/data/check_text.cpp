@@ -69,6 +69,8 @@ std::string UnitText(const Finding& f) {
 }
 
 std::string SignText(const Finding& f) {
+  if (f.among > 0)
+    return fmt::format("{} has the opposite sign of that of the {} other trials", Where(f), f.among - 1);
   if (f.other.empty()) return fmt::format("{} has the wrong sign", Where(f));
   return fmt::format("{} has the opposite sign {} (correlation with what is expected {:.2f}, usual {:.2f})",
                      Where(f), Compared(f), f.size, f.usual);

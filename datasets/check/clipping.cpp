@@ -82,10 +82,13 @@ std::vector<Finding> FindClipping(const ChannelGroup& group) {
     }
     std::map<double, ClipLevel> levels;
     for (const Run& run : EqualRuns(x, kClipShortest)) {
-      if (run.value == 0 || run.first == 0 || run.last + 1 >= x.size()) continue;
-      const double in = x[run.first - 1] - run.value;
-      const double out = x[run.last + 1] - run.value;
-      if (!std::isfinite(in) || !std::isfinite(out)) continue;
+      if (run.value == 0) continue;
+      // At the ends of the record, or of a gap, only one side tells.
+      const double before = run.first > 0 ? x[run.first - 1] - run.value : NAN;
+      const double behind = run.last + 1 < x.size() ? x[run.last + 1] - run.value : NAN;
+      const double in = std::isfinite(before) ? before : behind;
+      const double out = std::isfinite(behind) ? behind : before;
+      if (!std::isfinite(in)) continue;
       ClipLevel& level = levels[run.value];
       // A rounded signal that comes to rest may leave with a jump: both ends must be abrupt.
       const double slope =

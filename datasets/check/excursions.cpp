@@ -11,7 +11,8 @@ namespace sinew {
 namespace {
 
 constexpr std::size_t kExcursionMinIncrements = 100;  // that are not 0: fewer do not tell what is usual
-constexpr double kExcursionBeyondUsual = 6;           // of the 99th percentile of the increments
+constexpr double kExcursionFaults = 8;       // increments that a fault may have without moving what is usual
+constexpr double kExcursionBeyondUsual = 6;  // of the 99th percentile of the increments
 constexpr double kExcursionBeyondUsualIfConstant = 3;
 constexpr double kExcursionShareOfRange = 0.1;
 constexpr double kExcursionBeyondLocal = 5;  // of the 90th percentile of the increments nearby
@@ -181,7 +182,9 @@ std::vector<Finding> FindExcursions(const ChannelGroup& group) {
     }
   }
   if (sizes.size() < kExcursionMinIncrements) return {};
-  const double usual = Quantile(sizes, 0.99);
+  // Of a short recording the 99th percentile would be the fault itself.
+  const double share = 1 - std::max(0.01, kExcursionFaults / static_cast<double>(sizes.size()));
+  const double usual = Quantile(sizes, share);
   const double range = Quantile(all, 0.99) - Quantile(all, 0.01);
   const double typical_step = Median(std::move(steps));
   const double least_if_constant =

@@ -8,17 +8,19 @@
 namespace sinew {
 namespace {
 
-constexpr std::size_t kOddPhases = 60;      // samples per cycle
-constexpr std::size_t kOddShift = 5;        // largest shift that aligns a piece with the median, in phases
-constexpr double kOddSize = 0.15;           // largest difference in size that is taken off
-constexpr double kOddSizeShare = 0.75;      // of the phases, those that differ least, tell the size
-constexpr double kOddDeviations = 5;        // robust standard deviations of the logarithm
-constexpr double kOddFew = 5;               // of so many cycles twice as many
-constexpr double kOddLeastScatter = 0.1;    // of the logarithm
-constexpr double kOddFactor = 2;            // of the median deviation
-constexpr double kOddFactorOfScaled = 3;  // the same in terms of the usual deviation at each phase
-constexpr double kOddShareOfRange = 0.05;   // of the median cycle's range: smaller deviations spoil nothing
-constexpr double kOddPeakOfRange = 0.2;     // the same of the largest deviation at a phase
+constexpr std::size_t kOddPhases = 60;     // samples per cycle
+constexpr std::size_t kOddShift = 5;       // largest shift that aligns a piece with the median, in phases
+constexpr double kOddSize = 0.15;          // largest difference in size that is taken off
+constexpr double kOddSizeShare = 0.75;     // of the phases, those that differ least, tell the size
+constexpr double kOddDeviations = 5;       // robust standard deviations of the logarithm
+constexpr double kOddFew = 5;              // of so many cycles twice as many
+constexpr double kOddLeastScatter = 0.1;   // of the logarithm
+constexpr double kOddFactor = 2;           // of the median deviation
+constexpr double kOddFactorOfScaled = 3;   // the same in terms of the usual deviation at each phase
+constexpr double kOddFactorOfLocal = 3.5;  // the same of the tenth of the cycle that deviates most
+constexpr double kOddPlainOfLocal = 1.5;   // and of its deviation as it is
+constexpr double kOddShareOfRange = 0.05;  // of the median cycle's range: smaller deviations spoil nothing
+constexpr double kOddPeakOfRange = 0.2;    // the same of the largest deviation at a phase
 constexpr double kOddLeastScatterOfPhase = 0.5;  // of the median scatter over the phases
 constexpr double kOddSpan = 0.98;                // of a cycle's squared deviation that its span holds
 constexpr std::size_t kOddFewestTrials = 8;
@@ -90,6 +92,18 @@ Phases Squares(const Phases& piece, const Phases& middle, const Phases* unit) {
     if (std::isfinite(difference)) squares[i] = difference * difference;
   }
   return squares;
+}
+
+// Root of the largest mean of neighbouring squares, a tenth of the piece.
+double LargestLocal(const Phases& squares) {
+  constexpr std::size_t kWidth = kOddPhases / 10;
+  double largest = 0;
+  for (std::size_t i = 0; i + kWidth <= squares.size(); ++i) {
+    double sum = 0;
+    for (std::size_t j = i; j < i + kWidth; ++j) sum += squares[j];
+    largest = std::max(largest, sum / kWidth);
+  }
+  return std::sqrt(largest);
 }
 
 // The limit of the deviations, or infinity if they do not tell.
@@ -192,6 +206,7 @@ OddPieces FindOdd(const std::vector<Wide>& wide) {
   // Deviations as they are, which make the squared error, and in terms of what is usual at their phase.
   std::vector<double> plain;
   std::vector<double> scaled;
+  std::vector<double> local;  // the same of the tenth of the piece that deviates most
   std::vector<double> largest;
   for (const Phases& piece : pieces) {
     double count = 0;
@@ -205,10 +220,14 @@ OddPieces FindOdd(const std::vector<Wide>& wide) {
     const Phases squares = Squares(piece, m.middle, nullptr);
     plain.push_back(rms(squares));
     scaled.push_back(rms(Squares(piece, m.middle, &m.scatter)));
+    local.push_back(known ? LargestLocal(Squares(piece, m.middle, &m.scatter)) : NAN);
     largest.push_back(std::sqrt(*std::max_element(squares.begin(), squares.end())));
   }
   const double plain_limit = std::max(LimitOf(plain), kOddShareOfRange * m.range);
   const double scaled_limit = LimitOf(scaled);
+  const double local_limit = LimitOf(local);
+  const auto known_local = Finite(local);
+  const double usual_local = known_local.empty() ? 0 : Median(known_local);
   OddPieces odd;
   const auto known = Finite(plain);
   odd.usual = known.empty() ? 0 : Median(known);
@@ -218,9 +237,11 @@ OddPieces FindOdd(const std::vector<Wide>& wide) {
     const bool is_plain = plain[k] > plain_limit;
     const bool is_scaled = scaled[k] > std::max(scaled_limit, kOddFactorOfScaled * usual_scaled) &&
                            plain[k] > kOddFactor * odd.usual && largest[k] > kOddPeakOfRange * m.range;
-    if (!is_plain && !is_scaled) continue;
+    const bool is_local = local[k] > std::max(local_limit, kOddFactorOfLocal * usual_local) &&
+                          plain[k] > kOddPlainOfLocal * odd.usual && largest[k] > kOddPeakOfRange * m.range;
+    if (!is_plain && !is_scaled && !is_local) continue;
     OddPiece piece{k, plain[k], 0, 1};
-    SetSpan(Squares(pieces[k], m.middle, is_scaled ? &m.scatter : nullptr), piece);
+    SetSpan(Squares(pieces[k], m.middle, is_scaled || is_local ? &m.scatter : nullptr), piece);
     odd.pieces.push_back(piece);
   }
   return odd;

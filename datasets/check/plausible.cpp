@@ -13,7 +13,8 @@ namespace sinew {
 namespace {
 
 constexpr double kScaleTolerance = 2.5;  // factor around 57.3 or 1000
-constexpr double kScaleAgree = 4;        // largest factor between the other trials and their median
+constexpr double kScaleMostSpread = 25;  // largest factor between the other trials
+constexpr double kScaleApart = 8;        // least factor between this trial and the nearest of them
 constexpr double kGravity = 9.80665;     // [m/s2]
 constexpr double kSideways = 1.5;        // of the vertical force
 constexpr double kMuchLarger = 10;       // the same: of another unit, not along another axis
@@ -29,6 +30,25 @@ std::optional<double> UnitNear(double ratio, double tolerance) {
     }
   }
   return std::nullopt;
+}
+
+// 57.3, 1000 or an inverse, if the size of one trial is apart from those of all others by about that.
+std::optional<double> OddScale(const std::vector<double>& sizes, std::size_t s) {
+  std::vector<double> others;
+  for (std::size_t u = 0; u < sizes.size(); ++u) {
+    if (u != s && sizes[u] != 0) others.push_back(std::abs(sizes[u]));
+  }
+  const double size = std::abs(sizes[s]);
+  if (others.size() < 2 || size == 0) return std::nullopt;
+  const auto [low, high] = std::minmax_element(others.begin(), others.end());
+  const double spread = *high / *low;
+  const auto factor =
+      UnitNear(size / Median(others), std::max(kScaleTolerance, std::min(spread, kScaleMostSpread)));
+  if (!factor || spread > kScaleMostSpread) return std::nullopt;
+  const double apart = size > *high ? size / *high : *low / size;
+  // Further from the nearest of them than they are from each other.
+  if (apart < std::max(kScaleApart, spread)) return std::nullopt;
+  return factor;
 }
 
 double RangeOf(const Signal& signal) {
@@ -294,20 +314,29 @@ void CheckAngles(const OfTrial& channels, std::vector<Finding>& found) {
 std::vector<Finding> FindOddScales(const ChannelGroup& group) {
   std::vector<Finding> found;
   if (group.signals.size() < 3) return found;
+  // Ranges, and levels of channels that stay far from 0.
   std::vector<double> ranges;
-  for (const Signal& signal : group.signals) ranges.push_back(RangeOf(signal));
+  std::vector<double> levels;
+  for (const Signal& signal : group.signals) {
+    const auto finite = Finite(signal.values);
+    const bool known = finite.size() >= 10;
+    const double low = known ? Quantile(finite, 0.02) : 0;
+    const double high = known ? Quantile(finite, 0.98) : 0;
+    ranges.push_back(high - low);
+    levels.push_back(low * high > 0 ? Median(finite) : 0);
+  }
   for (std::size_t s = 0; s < ranges.size(); ++s) {
-    std::vector<double> others;
-    for (std::size_t u = 0; u < ranges.size(); ++u) {
-      if (u != s && ranges[u] > 0) others.push_back(ranges[u]);
-    }
-    if (others.size() < 2 || !(ranges[s] > 0)) continue;
-    const double middle = Median(others);
-    const auto factor = UnitNear(ranges[s] / middle, kScaleTolerance);
-    const auto [low, high] = std::minmax_element(others.begin(), others.end());
-    if (!factor || *high > kScaleAgree * middle || *low * kScaleAgree < middle) continue;
-    Finding finding = WholeFinding(group.signals[s], FindingKind::kUnit, *factor, 1, "");
-    finding.among = static_cast<int>(others.size()) + 1;
+    const auto factor = OddScale(levels, s);
+    const auto unit = factor ? factor : OddScale(ranges, s);
+    const bool angle = group.signals[s].unit.rfind("rad", 0) == 0;
+    const bool possible = unit && group.signals[s].unit != "1" && (angle || *unit > 500 || *unit < 1.0 / 500);
+    const bool opposite = std::all_of(levels.begin(), levels.end(), [&](const double& level) {
+      return &level == &levels[s] ? level != 0 : level * levels[s] < 0;
+    });
+    if (!possible && !opposite) continue;
+    Finding finding = WholeFinding(group.signals[s], unit ? FindingKind::kUnit : FindingKind::kSign,
+                                   unit.value_or(-1), 1, "");
+    finding.among = static_cast<int>(ranges.size());
     found.push_back(std::move(finding));
   }
   return found;

@@ -9,8 +9,9 @@
 
 namespace sinew {
 
-/// Channels whose range in one trial is 57.3 or 1000 times (within a factor of 2.5) that of the others, or
-/// the inverse, where the others agree within a factor of four.
+/// Channels with a unit whose range, or level if it stays away from 0, in one trial is 57.3 (of angles) or
+/// 1000 times that of the others, or the inverse, and further from the nearest of them than they are from
+/// each other; and channels that are negative in one trial and positive in all others, or the inverse.
 [[nodiscard]] std::vector<Finding> FindOddScales(const ChannelGroup& group);
 
 /// What is known of the quantities themselves:

@@ -21,6 +21,7 @@ constexpr double kRelationHoldsInTime = 0.85;   // the same where times are comp
 constexpr double kRelationHoldsWell = 0.9;      // the same of signals that swing less than four times
 constexpr double kRelationHoldsAtLeast = 0.6;   // least correlation in every other trial, or all but one
 constexpr int kRelationCrossings = 4;           // of its median, of a signal that swings
+constexpr int kRelationManyCrossings = 20;      // of two trials that are compared in time
 constexpr double kRelationOpposite = -0.6;
 constexpr double kRelationUnitTolerance = 1.4;  // factor around 57.3 or 1000
 constexpr double kRelationSpreadTolerance = 4;  // the same of the spread against other trials
@@ -362,7 +363,7 @@ std::vector<Suspect> Suspects(const Relations& relations) {
       const Relation here = relations.Judge(t, c, t);
       const double r = here.correlation;
       const bool odd = r < kRelationOpposite || (r > kRelationHolds && UnitFactor(std::abs(here.gain))) ||
-                       (trials > 2 && std::abs(here.lag) >= kRelationLeastLag);
+                       std::abs(here.lag) >= kRelationLeastLag;
       if (!odd) continue;
       const int crossings = Crossings(relations.sheets()[t].values.col(c));
       const Others others = trials == 2 ? TheOther(relations, t, c) : OthersOf(relations, t, c);
@@ -383,7 +384,8 @@ std::vector<Suspect> Suspects(const Relations& relations) {
         suspect.size = *unit;
         suspect.usual = 1;
         suspects.push_back(suspect);
-      } else if (trials > 2 && IsLate(relations, t, c, here, others, suspect)) {
+      } else if ((trials > 2 || crossings > kRelationManyCrossings) &&
+                 IsLate(relations, t, c, here, others, suspect)) {
         suspects.push_back(suspect);
       }
     }

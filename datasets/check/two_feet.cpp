@@ -7,6 +7,11 @@
 #include "datasets/stances/stances.h"
 
 namespace sinew {
+namespace {
+
+constexpr std::size_t kManyContacts = 8;
+
+}  // namespace
 
 std::vector<Finding> FindTwoFeet(const Dataset& dataset) {
   std::vector<Finding> found;
@@ -24,7 +29,10 @@ std::vector<Finding> FindTwoFeet(const Dataset& dataset) {
       std::vector<double> durations;
       for (const Contact& contact : contacts) {
         durations.push_back(contact.to - contact.from);
-        if (contact.fault != ContactFault::kTwoFeet) continue;
+        // Among many steps one that lasts much longer is no step.
+        const bool is_long = contact.fault == ContactFault::kLong && contacts.size() >= kManyContacts &&
+                             contact.to < contacts.back().from;
+        if (contact.fault != ContactFault::kTwoFeet && !is_long) continue;
         finding.spans.push_back({contact.from, contact.to});
         finding.size = std::max(finding.size, contact.to - contact.from);
       }
