@@ -23,6 +23,7 @@ constexpr double kOddShareOfRange = 0.05;  // of the median cycle's range: small
 constexpr double kOddPeakOfRange = 0.2;    // the same of the largest deviation at a phase
 constexpr double kOddLeastScatterOfPhase = 0.5;  // of the median scatter over the phases
 constexpr double kOddSpan = 0.98;                // of a cycle's squared deviation that its span holds
+constexpr int kOddPasses = 3;
 constexpr std::size_t kOddFewestTrials = 8;
 constexpr double kOddDuration = 0.35;  // largest difference from the median duration
 
@@ -199,15 +200,16 @@ std::vector<Phases> Aligned(const std::vector<Wide>& wide) {
   return pieces;
 }
 
-OddPieces FindOdd(const std::vector<Wide>& wide) {
-  const std::vector<Phases> pieces = Aligned(wide);
-  const OddMiddle m = MiddleOf(pieces);
-  if (Finite(m.middle).size() < kOddPhases / 10 || !(m.range > 0)) return {};
-  // Deviations as they are, which make the squared error, and in terms of what is usual at their phase.
-  std::vector<double> plain;
-  std::vector<double> scaled;
-  std::vector<double> local;  // the same of the tenth of the piece that deviates most
-  std::vector<double> largest;
+// How much each piece deviates from the median.
+struct OddMeasures {
+  std::vector<double> plain;    // RMS as it is, which makes the squared error
+  std::vector<double> scaled;   // in terms of what is usual at each phase
+  std::vector<double> local;    // the same of the tenth of the piece that deviates most
+  std::vector<double> largest;  // at any phase
+};
+
+OddMeasures Measure(const std::vector<Phases>& pieces, const OddMiddle& m) {
+  OddMeasures measures;
   for (const Phases& piece : pieces) {
     double count = 0;
     for (std::size_t i = 0; i < kOddPhases; ++i) count += std::isfinite(piece[i] - m.middle[i]) ? 1 : 0;
@@ -218,31 +220,70 @@ OddPieces FindOdd(const std::vector<Wide>& wide) {
       return known ? std::sqrt(sum / count) : NAN;
     };
     const Phases squares = Squares(piece, m.middle, nullptr);
-    plain.push_back(rms(squares));
-    scaled.push_back(rms(Squares(piece, m.middle, &m.scatter)));
-    local.push_back(known ? LargestLocal(Squares(piece, m.middle, &m.scatter)) : NAN);
-    largest.push_back(std::sqrt(*std::max_element(squares.begin(), squares.end())));
+    const Phases scaled = Squares(piece, m.middle, &m.scatter);
+    measures.plain.push_back(rms(squares));
+    measures.scaled.push_back(rms(scaled));
+    measures.local.push_back(known ? LargestLocal(scaled) : NAN);
+    measures.largest.push_back(std::sqrt(*std::max_element(squares.begin(), squares.end())));
   }
-  const double plain_limit = std::max(LimitOf(plain), kOddShareOfRange * m.range);
-  const double scaled_limit = LimitOf(scaled);
-  const double local_limit = LimitOf(local);
-  const auto known_local = Finite(local);
-  const double usual_local = known_local.empty() ? 0 : Median(known_local);
+  return measures;
+}
+
+// The values of the pieces that are not odd.
+template <class T>
+std::vector<T> WithoutOdd(const std::vector<T>& all, const std::vector<bool>& odd) {
+  std::vector<T> others;
+  for (std::size_t k = 0; k < all.size(); ++k) {
+    if (!odd[k]) others.push_back(all[k]);
+  }
+  return others;
+}
+
+double UsualOf(const std::vector<double>& values) {
+  const auto known = Finite(values);
+  return known.empty() ? 0 : Median(known);
+}
+
+// Pieces that are odd by what is usual among those that are not.
+OddPieces FindOddOnce(const std::vector<Phases>& pieces, const std::vector<bool>& known_odd) {
+  const OddMiddle m = MiddleOf(WithoutOdd(pieces, known_odd));
+  if (Finite(m.middle).size() < kOddPhases / 10 || !(m.range > 0)) return {};
+  const OddMeasures all = Measure(pieces, m);
+  const auto plain = WithoutOdd(all.plain, known_odd);
+  const auto scaled = WithoutOdd(all.scaled, known_odd);
+  const auto local = WithoutOdd(all.local, known_odd);
   OddPieces odd;
-  const auto known = Finite(plain);
-  odd.usual = known.empty() ? 0 : Median(known);
-  const auto known_scaled = Finite(scaled);
-  const double usual_scaled = known_scaled.empty() ? 0 : Median(known_scaled);
+  odd.usual = UsualOf(plain);
+  const double plain_limit = std::max(LimitOf(plain), kOddShareOfRange * m.range);
+  const double scaled_limit = std::max(LimitOf(scaled), kOddFactorOfScaled * UsualOf(scaled));
+  const double local_limit = std::max(LimitOf(local), kOddFactorOfLocal * UsualOf(local));
   for (std::size_t k = 0; k < pieces.size(); ++k) {
-    const bool is_plain = plain[k] > plain_limit;
-    const bool is_scaled = scaled[k] > std::max(scaled_limit, kOddFactorOfScaled * usual_scaled) &&
-                           plain[k] > kOddFactor * odd.usual && largest[k] > kOddPeakOfRange * m.range;
-    const bool is_local = local[k] > std::max(local_limit, kOddFactorOfLocal * usual_local) &&
-                          plain[k] > kOddPlainOfLocal * odd.usual && largest[k] > kOddPeakOfRange * m.range;
-    if (!is_plain && !is_scaled && !is_local) continue;
-    OddPiece piece{k, plain[k], 0, 1};
+    const bool is_large = all.largest[k] > kOddPeakOfRange * m.range;
+    const bool is_scaled = all.scaled[k] > scaled_limit && is_large && all.plain[k] > kOddFactor * odd.usual;
+    const bool is_local =
+        all.local[k] > local_limit && is_large && all.plain[k] > kOddPlainOfLocal * odd.usual;
+    if (!(all.plain[k] > plain_limit) && !is_scaled && !is_local) continue;
+    OddPiece piece{k, all.plain[k], 0, 1};
     SetSpan(Squares(pieces[k], m.middle, is_scaled || is_local ? &m.scatter : nullptr), piece);
     odd.pieces.push_back(piece);
+  }
+  return odd;
+}
+
+// Those that were found are left out of what is usual, and the rest is judged again.
+OddPieces FindOdd(const std::vector<Wide>& wide) {
+  const std::vector<Phases> pieces = Aligned(wide);
+  std::vector<bool> known_odd(pieces.size(), false);
+  OddPieces odd;
+  for (int pass = 0; pass < kOddPasses; ++pass) {
+    OddPieces now = FindOddOnce(pieces, known_odd);
+    const std::size_t before = odd.pieces.size();
+    // More than a third are no exceptions.
+    if (3 * now.pieces.size() > pieces.size()) break;
+    odd = std::move(now);
+    known_odd.assign(pieces.size(), false);
+    for (const OddPiece& piece : odd.pieces) known_odd[piece.index] = true;
+    if (odd.pieces.size() == before) break;
   }
   return odd;
 }
