@@ -5,6 +5,7 @@
 #include <limits>
 #include <map>
 #include <string>
+#include <utility>
 
 #include "datasets/check/clipping.h"
 #include "datasets/check/cycles.h"
@@ -65,11 +66,12 @@ CheckReport CheckData(const Dataset& dataset) {
   std::vector<ChannelGroup> groups = GroupSignals(dataset);
   for (ChannelGroup& group : groups) {
     report.channels += static_cast<int>(group.signals.size());
-    std::vector<Finding> found = FindExcursions(group);
-    Append(FindStuck(group), found);
-    Append(FindClipping(group), found);
-    for (Signal& signal : group.signals) LeaveOut(found, signal);
-    Append(std::move(found), report.findings);
+    // What one of them found is left out for the next one.
+    for (const auto& detector : {FindExcursions, FindStuck, FindClipping}) {
+      std::vector<Finding> found = detector(group);
+      for (Signal& signal : group.signals) LeaveOut(found, signal);
+      Append(std::move(found), report.findings);
+    }
   }
   std::map<std::string, std::vector<const Signal*>> of_trial;
   for (const ChannelGroup& group : groups) {
@@ -89,6 +91,10 @@ CheckReport CheckData(const Dataset& dataset) {
   Append(FindBrokenRelations(groups), whole);
   AppendNew(std::move(whole), report.findings);
   for (const ChannelGroup& group : groups) Append(FindOddTrials(group), report.findings);
+  // What spoils most comes first: whole channels, then by time.
+  std::stable_sort(report.findings.begin(), report.findings.end(), [](const Finding& a, const Finding& b) {
+    return std::pair(a.whole, Duration(a.spans)) > std::pair(b.whole, Duration(b.spans));
+  });
   return report;
 }
 
