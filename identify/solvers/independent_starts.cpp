@@ -17,6 +17,9 @@ namespace {
 // Searches at a time, whatever the number of threads.
 constexpr int kAtOnce = 4;
 constexpr int kMaxChains = 6;
+// Chains that have to end at the same cost where white noise is left; one more where there is structure,
+// which a wrong minimum leaves as well as a wrong model.
+constexpr int kAgreeing = 2;
 // Successive displacements without gain that end a chain.
 constexpr int kPatience = 32;
 // A local search that has not reached a lower cost after so many evaluations rarely does.
@@ -46,6 +49,16 @@ double SizeOfSignals(const LeastSquares& fit) {
   return cost;
 }
 
+// Mean squared difference of successive residuals over twice their variance: 1 for white noise, less where
+// errors last (von Neumann 1941). Its standard deviation is 1 / sqrt(n).
+bool AreWhite(const Eigen::Ref<const Vector>& residuals) {
+  const Eigen::Index n = residuals.size();
+  if (n < 10) return true;
+  const double differences = (residuals.tail(n - 1) - residuals.head(n - 1)).squaredNorm() / (2.0 * (n - 1));
+  const double variance = residuals.squaredNorm() / static_cast<double>(n);
+  return differences > (1 - 3 / std::sqrt(static_cast<double>(n))) * variance;
+}
+
 class Searching {
  public:
   Searching(Evaluator& evaluator, const SolverOptions& options)
@@ -62,12 +75,15 @@ class Searching {
       // Searches that end close to each other may have run out of evaluations on the way to one minimum.
       Stage end = *best;
       if (CountWithin(first, kMayBeSame * end.cost) > 1) end = Finish(std::move(end));
-      if (CountWithin(first, (1 + kSameMinimum) * end.cost) > 1 && !Done()) {
-        *std::min_element(first.begin(), first.end(), IsBetter) = end;
-        ends_ = std::move(first);
-        return End("local searches");
-      }
-      ends_.push_back(Hop(std::move(end), 0));
+      const bool same_again = CountWithin(first, (1 + kSameMinimum) * end.cost) >= kAgreeing;
+      *std::min_element(first.begin(), first.end(), IsBetter) = end;
+      if (same_again && IsNoise()) return End(std::move(first), "local searches");
+      const double reached = end.cost;
+      if (!Done()) end = Hop(std::move(end), 0);
+      // Where structure is left, local searches that agree may all have missed a lower minimum near by.
+      if (same_again && !(end.cost < (1 - kSameMinimum) * reached))
+        return End(std::move(first), "local searches");
+      ends_.push_back(std::move(end));
     }
     for (int chain = 1; chain < kMaxChains && !Done() && !Agrees(); ++chain) {
       std::vector<Stage> starts = Polish(Sample(start, chain, false), kEvaluationsPerSearch);
@@ -77,8 +93,7 @@ class Searching {
       else if (best != nullptr)
         ends_.push_back(*best);
     }
-    if (ends_.empty()) ends_ = std::move(first);
-    return End("basin hopping");
+    return End(ends_.empty() ? std::move(first) : std::move(ends_), "basin hopping");
   }
 
  private:
@@ -96,7 +111,23 @@ class Searching {
 
   [[nodiscard]] bool Exact() const { return evaluator_.has_best() && evaluator_.best().cost <= exact_; }
   [[nodiscard]] bool Done() { return Exact() || evaluator_.MustStop(); }
-  [[nodiscard]] bool Agrees() const { return AgreementOf(ends_).agreeing > 1; }
+  [[nodiscard]] bool Agrees() {
+    const int agreeing = AgreementOf(ends_).agreeing;
+    return agreeing >= kAgreeing + 1 || (agreeing == kAgreeing && IsNoise());
+  }
+
+  // Whether nothing but white noise is left at the best point.
+  bool IsNoise() {
+    const LeastSquares& fit = evaluator_.fit();
+    LeastSquares::Workspace workspace = fit.NewWorkspace();
+    Vector residuals;
+    if (!fit.Evaluate(evaluator_.best().x, workspace, residuals, nullptr)) return false;
+    const auto& blocks = fit.train_blocks();
+    return std::all_of(blocks.begin(), blocks.end(), [&](const LeastSquares::TrainBlock& train) {
+      const Block& block = fit.problem().layout()[static_cast<std::size_t>(train.block)];
+      return AreWhite(residuals.segment(train.first_row, block.samples()));
+    });
+  }
 
   std::vector<Vector> Sample(const Vector& start, int chain, bool with_start) const {
     // Seeds of different chains must not share points.
@@ -150,17 +181,17 @@ class Searching {
     return Finish(std::move(at));
   }
 
-  Search End(const char* how) {
+  Search End(std::vector<Stage> ends, const char* how) {
     const bool exact = Exact();
     if (evaluator_.has_best() && !evaluator_.MustStop()) {
       for (Stage& last : Polish({evaluator_.best().x}, kEvaluationsOfAnswer)) {
-        const auto best = std::min_element(ends_.begin(), ends_.end(), IsBetter);
-        if (best != ends_.end() && last.cost <= best->cost) *best = std::move(last);
+        const auto best = std::min_element(ends.begin(), ends.end(), IsBetter);
+        if (best != ends.end() && last.cost <= best->cost) *best = std::move(last);
       }
     }
-    std::stable_sort(ends_.begin(), ends_.end(), IsBetter);
-    const Agreement agreement = AgreementOf(ends_);
-    search_.stages = std::move(ends_);
+    std::stable_sort(ends.begin(), ends.end(), IsBetter);
+    const Agreement agreement = AgreementOf(ends);
+    search_.stages = std::move(ends);
     search_.stop.kind = Termination::kStartsDone;
     if (exact) {
       search_.stop.test = fmt::format("cost {:.2g} is zero to rounding", evaluator_.best().cost);

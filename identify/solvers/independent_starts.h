@@ -18,10 +18,11 @@ inline constexpr double kSameMinimum = 1e-3;
 /// A search that ends when independent starts agree.
 ///
 /// 1. Local searches by `lm` from the given start and from three others anywhere in the box. Where the best
-///    cost is reached twice, the fit has one minimum as far as can be seen, and this is the answer.
+///    cost is reached twice and white noise is left, this is the answer. Where structure is left, basin
+///    hopping from the best point has to confirm it.
 /// 2. Else basin hopping from the best of them, until a number of successive displacements have not reduced
 ///    the cost; then again from four new starts, and so on, until two of these searches end at the same cost
-///    or six are done.
+///    (three, if the residuals are not white), or six are done.
 ///
 /// A cost that is zero to rounding (exact data) ends the search at once. The best point is then the start of
 /// one local search without a limit. The stages are the ends of the independent starts, best first. What is
