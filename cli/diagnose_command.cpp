@@ -20,7 +20,7 @@ struct DiagnoseWords {
   BindingOptions binding;
   FitOptions fit;
   std::string from;
-  std::string solver = DiagnosisOptions{}.solver;
+  std::string solver;  // empty: that of the problem
   std::string out;
   std::string json;
 };
@@ -100,7 +100,7 @@ Result<int> RunDiagnose(const DiagnoseWords& words) {
 
   SolverOptions how;
   how.seed = words.fit.seed;
-  SINEW_TRY(MakeSolver(words.solver, how));  // a wrong name writes nothing
+  if (!words.solver.empty()) SINEW_TRY(MakeSolver(words.solver, how));  // a wrong name writes nothing
   DiagnosisOptions options;
   options.solver = words.solver;
   options.seed = words.fit.seed;
@@ -138,8 +138,7 @@ void AddDiagnoseCommand(Command app, const RunAction& run) {
   words->fit.AddChoiceTo(command);
   words->fit.AddWorkTo(command);
   command.Add("--from", words->from, "Start the base fit from the answer of a run file").Shows("RUN.h5");
-  command.Add("--solver", words->solver, "Of the base fit; `basin-hopping` where local minima trap others")
-      .ShowsDefault()
+  command.Add("--solver", words->solver, "Of the base fit; default: the problem's own, mostly restarts")
       .Shows("S");
   command.Add("--out", words->out, "Diagnosis file to write (docs/run_file.md)").Required().Shows("DIAG.h5");
   AddJsonTo(command, words->json);

@@ -26,7 +26,7 @@ struct IdentifyWords {
   BindingOptions binding;
   FitOptions fit;
   std::string out;
-  std::string solver = "ceres";
+  std::string solver;  // empty: that of the problem
   std::string json;
   bool resume = false;
   bool stepwise = false;
@@ -55,8 +55,8 @@ Status CheckSameParameters(const std::string& path, const Hdf5Node& recorded, co
 
 // The evaluations of the run that is resumed. Errors: no such run; it was made from something else, so that
 // its evaluations are not those of this one.
-Result<std::vector<TraceEntry>> Recorded(const IdentifyWords& words, const Provenance& provenance,
-                                         const FitSetup& setup) {
+Result<std::vector<TraceEntry>> Recorded(const IdentifyWords& words, const std::string& solver,
+                                         const Provenance& provenance, const FitSetup& setup) {
   const auto recorded = ReadRun(words.out);
   if (!recorded) return tl::unexpected(recorded.error());
   const auto differs = [&](const char* what, const std::string& then, const std::string& now) {
@@ -64,7 +64,7 @@ Result<std::vector<TraceEntry>> Recorded(const IdentifyWords& words, const Prove
   };
   if (recorded->problem != provenance.problem)
     return differs("problem", recorded->problem, provenance.problem);
-  if (recorded->solver != words.solver) return differs("solver", recorded->solver, words.solver);
+  if (recorded->solver != solver) return differs("solver", recorded->solver, solver);
   if (recorded->data_hash != provenance.data_hash)
     return differs("data", recorded->data_hash, provenance.data_hash);
   if (recorded->seed != words.fit.seed) {
@@ -110,7 +110,7 @@ Result<int> RunIdentify(const IdentifyWords& words) {
   const Provenance provenance = binding.ToProvenance(words.binding);
 
   IdentificationOptions options;
-  options.solver = words.solver;
+  options.solver = words.solver.empty() ? binding.problem().default_solver() : words.solver;
   options.solver_options = words.fit.ToSolverOptions();
   options.evaluator.budget = words.fit.ToBudget();
   options.evaluator.interrupt = &InterruptFlag();
@@ -120,10 +120,10 @@ Result<int> RunIdentify(const IdentifyWords& words) {
   SINEW_TRY(MakeSolver(options.solver, options.solver_options));  // a wrong name writes nothing
   if (words.resume && words.stepwise) return Fail("--resume: steps are done again, not resumed");
   if (words.resume) {
-    SINEW_ASSIGN(options.evaluator.replay, Recorded(words, provenance, setup));
+    SINEW_ASSIGN(options.evaluator.replay, Recorded(words, options.solver, provenance, setup));
   }
 
-  ProgressLine line("identify " + words.solver, words.fit.quiet);
+  ProgressLine line("identify " + options.solver, words.fit.quiet);
   double next_saving = kCheckpointInterval;
   bool unsaved_noted = false;
   const IdentificationOptions as_asked = options;
@@ -172,8 +172,9 @@ void AddIdentifyCommand(Command app, const RunAction& run) {
   words->binding.AddTo(command);
   words->fit.AddTo(command);
   command.Add("--out", words->out, "Run file to write (docs/run_file.md)").Required().Shows("RUN.h5");
-  command.Add("--solver", words->solver, "One of `sinew list solvers`, or a chain a+b")
-      .ShowsDefault()
+  command
+      .Add("--solver", words->solver,
+           "One of `sinew list solvers`, or a chain a+b; default: the problem's own, mostly restarts")
       .Shows("S");
   command.AddFlag("--resume", words->resume, "Continue an interrupted run; the result is the same");
   command

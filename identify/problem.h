@@ -111,6 +111,11 @@ class Problem {
   /// message for the report, and continues; `prediction` may then hold anything. Throws nothing.
   virtual Status Predict(const Query& query, Workspace& workspace, Prediction& prediction) const = 0;
 
+  /// The solver of `identify` and `diagnose` where the user names none: of those that found the lowest cost
+  /// of this kind of problem in every study, the fastest (docs/decisions/default_solver.md). Default:
+  /// "restarts", which searches from several starts until two agree.
+  [[nodiscard]] virtual const char* default_solver() const { return "restarts"; }
+
   /// What the cost is, in words for reports.
   [[nodiscard]] virtual std::string objective() const { return "half the sum of squared weighted residuals"; }
 

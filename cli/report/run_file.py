@@ -178,7 +178,7 @@ def _check_run(path, file):
     if "trace" in file and _columns(path, file, "/trace", ("cost", "seconds")) > 0:
         has.add("convergence")
     if "stages" in file and _columns(path, file, "/stages", ("solver", "cost", "evaluations")) > 1 \
-            and "multistart" in str(info.attrs["solver"]):
+            and any(name in str(info.attrs["solver"]) for name in ("multistart", "restarts")):
         has.add("starts")
     for trial, regions in file.get("details/contact", {}).items():
         for region in regions:

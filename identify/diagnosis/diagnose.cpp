@@ -91,11 +91,12 @@ class DiagnosisRun {
     SolverOptions how;
     how.seed = options_.seed;
     how.threads = options_.threads;
-    SINEW_ASSIGN(const auto solver, MakeSolver(options_.solver, how));
+    const std::string name = options_.solver.empty() ? problem_.default_solver() : options_.solver;
+    SINEW_ASSIGN(const auto solver, MakeSolver(name, how));
     Evaluator::Options gate;
     gate.interrupt = options_.interrupt;
     gate.budget.max_evaluations =
-        options_.solver == DiagnosisOptions{}.solver ? kBaseEvaluations : kMaxEvaluations;
+        name == "ceres" ? kBaseEvaluations : kMaxEvaluations;
     Evaluator evaluator(fit, gate);
     out_.base = solver->Solve(evaluator, fit.Start());
     out_.base_point = fit.Parameters(out_.base.x);

@@ -39,7 +39,7 @@ struct DiagnosisProgress {
 };
 
 struct DiagnosisOptions {
-  std::string solver = "ceres";  ///< of the base fit; a global one for costs with many local minima
+  std::string solver;  ///< of the base fit; empty: Problem::default_solver()
   double alarm_level = 0.05;     ///< family-wise: probability of any alarm if the model is adequate
   std::uint64_t seed = 1;
   int threads = 1;

@@ -9,6 +9,7 @@
 namespace sinew {
 
 Result<Identification> Identify(const Problem& problem, FitSetup setup, IdentificationOptions options) {
+  if (options.solver.empty()) options.solver = problem.default_solver();
   SINEW_ASSIGN(const auto solver, MakeSolver(options.solver, options.solver_options));
   SINEW_TRY(CheckProblem(problem, setup));
   Identification out;

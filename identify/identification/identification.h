@@ -17,7 +17,7 @@
 namespace sinew {
 
 struct IdentificationOptions {
-  std::string solver = "ceres";
+  std::string solver;  ///< empty: Problem::default_solver()
   SolverOptions solver_options;
   Evaluator::Options evaluator;
   bool profiles = true;  ///< false: intervals are linear

@@ -5,37 +5,24 @@
 #include <algorithm>
 
 #include "base/random.h"
+#include "identify/solvers/displacement.h"
 #include "identify/solvers/levenberg_marquardt.h"
-#include "identify/solvers/multistart.h"
 #include "identify/solvers/polishing.h"
 
 namespace sinew::solvers {
 namespace {
 
-// Standard deviation of a displacement, as a share of the box.
-constexpr double kHop = 0.05;
 constexpr int kHopsAtOnce = 4;
 // A local search that has not reached a lower cost after this many evaluations rarely does; the next
 // displacement is more likely to.
 constexpr long kEvaluationsPerHop = 60;
 constexpr double kImprovement = 1e-3;
 
-Vector Displaced(const Vector& x, Random& random) {
-  Vector y = x;
-  for (double& value : y) {
-    value += kHop * random.Normal();
-    // Reflected into the box, because many good points lie on a bound.
-    if (value < 0) value = -value;
-    if (value > 1) value = 2 - value;
-    value = std::clamp(value, 0.0, 1.0);
-  }
-  return y;
-}
-
 }  // namespace
 
 Search BasinHopping::DoSolve(Evaluator& evaluator, const Vector& start) const {
   const LevenbergMarquardt local(options_.cost_tolerance);
+  const StartSampler sampler(evaluator.fit());
   Random random(options_.seed);
   Search search;
   int hops = 0;
@@ -50,7 +37,7 @@ Search BasinHopping::DoSolve(Evaluator& evaluator, const Vector& start) const {
   if (!evaluator.has_best()) {
     std::vector<PolishingStart> starts;
     long left = evaluator.remaining().max_evaluations;
-    for (Vector& x : LatinHypercube(options_.starts, static_cast<int>(start.size()), options_.seed)) {
+    for (Vector& x : sampler.Anywhere(start, options_.starts, options_.seed)) {
       if (left <= 0) break;
       starts.push_back({std::move(x), std::min(kEvaluationsPerHop, left)});
       left -= starts.back().evaluations;
@@ -62,7 +49,7 @@ Search BasinHopping::DoSolve(Evaluator& evaluator, const Vector& start) const {
     std::vector<PolishingStart> starts;
     long left = evaluator.remaining().max_evaluations;
     for (int i = 0; i < kHopsAtOnce && left > 0; ++i) {
-      starts.push_back({Displaced(evaluator.best().x, random), std::min(kEvaluationsPerHop, left)});
+      starts.push_back({sampler.Near(evaluator.best().x, random), std::min(kEvaluationsPerHop, left)});
       left -= starts.back().evaluations;
     }
     polish(starts);

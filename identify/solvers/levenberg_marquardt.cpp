@@ -11,8 +11,6 @@
 namespace sinew::solvers {
 namespace {
 
-// Nearly Gauss-Newton, of columns scaled to unit length.
-constexpr double kFirstDamping = 1e-8;
 constexpr double kSmallestDamping = 1e-14;
 constexpr double kLargestDamping = 1e12;
 // Below this a step in the unit box is rounding.
@@ -32,7 +30,7 @@ Search LevenbergMarquardt::DoSolve(Evaluator& evaluator, const Vector& start) co
     return search;
   }
   double cost = 0.5 * residuals.squaredNorm();
-  double damping = kFirstDamping;
+  double damping = first_damping_;
   double growth = 2;
   bool derivatives_at_x = false;
   while (true) {

@@ -14,14 +14,19 @@ namespace sinew::solvers {
 /// derivatives. Stops on the relative change of the cost, predicted or actual, and on the length of the step.
 /// Normal equations square the condition number: where columns are collinear to eight digits `ceres` (QR) is
 /// more accurate.
+///
+/// The first damping is relative to the squared length of each column. Nearly Gauss-Newton serves starts that
+/// are close to a minimum; 1e-3 keeps the first steps of those that are not from ending at bounds.
 class LevenbergMarquardt : public Solver {
  public:
-  explicit LevenbergMarquardt(double cost_tolerance) : cost_tolerance_(cost_tolerance) {}
+  explicit LevenbergMarquardt(double cost_tolerance, double first_damping = 1e-8)
+      : cost_tolerance_(cost_tolerance), first_damping_(first_damping) {}
 
  private:
   Search DoSolve(Evaluator& evaluator, const Vector& start) const override;
 
   double cost_tolerance_;
+  double first_damping_;
 };
 
 }  // namespace sinew::solvers

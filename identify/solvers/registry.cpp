@@ -4,6 +4,7 @@
 #include "identify/solvers/ceres_solver.h"
 #include "identify/solvers/chain.h"
 #include "identify/solvers/cmaes.h"
+#include "identify/solvers/independent_starts.h"
 #include "identify/solvers/ipopt_solver.h"
 #include "identify/solvers/levenberg_marquardt.h"
 #include "identify/solvers/multistart.h"
@@ -30,6 +31,7 @@ Result<std::unique_ptr<Solver>> MakeOne(const std::string& name, const SolverOpt
   if (name == "cmaes") return std::make_unique<solvers::CmaEs>(options.seed, options.cost_tolerance);
   if (name == "multistart") return std::make_unique<solvers::MultiStart>(options);
   if (name == "basin-hopping" || name == "hop") return std::make_unique<solvers::BasinHopping>(options);
+  if (name == "restarts") return std::make_unique<solvers::IndependentStarts>(options);
   if (name == "ceres") return std::make_unique<solvers::CeresSolver>(options.cost_tolerance);
   if (name == "lm") return std::make_unique<solvers::LevenbergMarquardt>(options.cost_tolerance);
   if (name == "ipopt")
@@ -60,6 +62,8 @@ const std::vector<SolverEntry>& SolverRegistry() {
       {"multistart", kGlobal, kGradient, kBox, "Latin hypercube of starts, each polished by ceres"},
       {"basin-hopping", kGlobal, kGradient, kBox,
        "(alias: hop) lm from displacements of the best point (Wales, Doye 1997; Leary 2000)"},
+      {"restarts", kGlobal, kGradient, kBox,
+       "lm and basin hopping from independent starts until two end at the same minimum"},
       {"ceres", kLocal, kGradient, kBox, "Levenberg-Marquardt on residual blocks (Ceres; Marquardt 1963)"},
       {"lm", kLocal, kGradient, kBox,
        "Levenberg-Marquardt with active bounds (Levenberg 1944; Marquardt 1963)"},

@@ -26,6 +26,7 @@ class EmgShapeProblem final : public Problem {
   [[nodiscard]] std::unique_ptr<Workspace> NewWorkspace() const override;
   Status Predict(const Query& query, Workspace& workspace, Prediction& prediction) const override;
   /// Angle, phase and number of the cycle.
+  [[nodiscard]] const char* default_solver() const override { return "lm"; }
   [[nodiscard]] std::vector<Signal> ResidualCovariates(int block) const override;
   /// Timing jitter; speeds that lie outside of the measured ones.
   [[nodiscard]] std::vector<Warning> WarningsAt(const Vector& parameters) const override;

@@ -31,6 +31,7 @@ class FreeBodyProblem final : public Problem {
   /// Windows are predicted in parallel, as far as oneTBB may.
   Status Predict(const Query& query, Workspace& workspace, Prediction& prediction) const override;
   [[nodiscard]] std::string objective() const override;
+  [[nodiscard]] const char* default_solver() const override { return "ceres"; }
   [[nodiscard]] double cost_noise_level() const override;
   /// Per toss, under free_body/TRIAL: time, measured and predicted [N x 7] pose of the whole toss from the
   /// state that fits its flight before the first touch; position_error [m] and rotation_error [rad] per

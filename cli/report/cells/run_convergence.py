@@ -32,7 +32,7 @@ else:
 if failed.any():
     axis.plot(count[failed], np.zeros(failed.sum()), "|", color=VALIDATE, ms=8, transform=axis.get_xaxis_transform(),
               label=f"failed simulation ({failed.sum()})", clip_on=False)
-chain = "/stages" in run and "multistart" not in info["solver"]
+chain = "/stages" in run and not any(name in info["solver"] for name in ("multistart", "restarts"))
 if chain:  # one solver after the other: say where each began
     ends = np.cumsum(run["/stages/evaluations"][:])
     for start, solver in zip(np.concatenate([[0], ends[:-1]]), texts("/stages/solver")):

@@ -151,8 +151,8 @@ TEST(Ceres, NothingIsPrinted) {
   FunctionProblem problem;
   MakeRosenbrock(problem, -1.3, 0.5);
   const Fit fit(problem);
-  for (const char* name :
-       {"ceres", "lm", "basin-hopping", "ipopt", "nlopt:GD_STOGO", "nlopt:GN_AGS", "nlopt:LN_PRAXIS"}) {
+  for (const char* name : {"ceres", "lm", "basin-hopping", "restarts", "ipopt", "nlopt:GD_STOGO",
+                           "nlopt:GN_AGS", "nlopt:LN_PRAXIS"}) {
     Evaluator::Options options;
     options.budget.max_evaluations = 300;
     Evaluator evaluator(fit.least_squares, options);
@@ -168,8 +168,9 @@ TEST(LocalSolvers, RosenbrockToTheMinimum) {
   FunctionProblem problem;
   MakeRosenbrock(problem);
   const Fit fit(problem);
-  for (const char* name : {"ceres", "ipopt", "ipopt-lbfgs", "nlopt:LN_BOBYQA", "nlopt:LD_LBFGS",
-                           "nlopt:LD_SLSQP", "cmaes", "multistart", "basin-hopping", "lm", "sa+ceres"}) {
+  for (const char* name :
+       {"ceres", "ipopt", "ipopt-lbfgs", "nlopt:LN_BOBYQA", "nlopt:LD_LBFGS", "nlopt:LD_SLSQP", "cmaes",
+        "multistart", "basin-hopping", "restarts", "lm", "sa+ceres"}) {
     Evaluator::Options options;
     options.budget.max_evaluations = 3000;
     Evaluator evaluator(fit.least_squares, options);
