@@ -55,7 +55,8 @@ Result<std::vector<std::string>> StartFrom(const DiagnoseWords& words, const Pro
     const bool not_at_null = p.kind == ParameterKind::kEffect && value != p.null_value;
     const bool held = not_at_null && !was_free && run.solver != kDiagnoseSolver;
     if (not_at_null && !held) released.push_back(name);
-    if (p.kind != ParameterKind::kBase && !held) continue;
+    if (p.kind == ParameterKind::kEffect && !held) continue;
+    if (p.kind == ParameterKind::kNuisance && !was_free) continue;
     if (IsNamed(request.fix, name) || IsNamed(request.start, name)) continue;
     if (!IsNamed(request.bounds, name) && !(value >= p.lower && value <= p.upper)) {
       return Fail("--from: {} has {} = {}, outside its bounds {} .. {}; give --bounds as that run had them",

@@ -112,7 +112,7 @@ class Problem {
   virtual Status Predict(const Query& query, Workspace& workspace, Prediction& prediction) const = 0;
 
   /// The solver of `identify` and `diagnose` where the user names none: of those that found the lowest cost
-  /// of this kind of problem in every study, the fastest (docs/decisions/default_solver.md). Default:
+  /// of this kind of problem in every study, the fastest (docs/decisions). Default:
   /// "restarts", which searches from several starts until two agree.
   [[nodiscard]] virtual const char* default_solver() const { return "restarts"; }
 
