@@ -243,6 +243,22 @@ class HeldOutValidation {
       const Refit without = Without(cause.candidate);
       if (without.usable()) cause.delta_lr = without.deviance - selection_.model.deviance;
     }
+    RemoveWhatLowersTheLikelihood();
+  }
+
+  // A cause without which the remaining set fits better is none.
+  void RemoveWhatLowersTheLikelihood() {
+    const auto worse = std::find_if(selection_.causes.begin(), selection_.causes.end(),
+                                    [](const ChosenCause& cause) { return cause.delta_lr < 0; });
+    if (worse == selection_.causes.end()) return;
+    const int gone = worse->candidate;
+    selection_.model = Without(gone);
+    selection_.causes.erase(worse);
+    selection_.rivals.erase(std::remove_if(selection_.rivals.begin(), selection_.rivals.end(),
+                                           [&](const Rival& rival) { return rival.instead_of == gone; }),
+                            selection_.rivals.end());
+    selection_.structure_left = true;
+    CompareWithTheRest();
   }
 
   // Replaces the cause by the next alternative of its set that generalises.

@@ -78,6 +78,10 @@ class Selector {
       selection.causes.clear();
       selection.rivals.clear();
       Judge(chosen, selection);
+      if (const ChosenCause* worse = LowersTheLikelihood(selection)) {
+        chosen = Without(chosen, worse->candidate);
+        continue;
+      }
       SINEW_TRY(FindRivals(chosen, selection));
       const Set better = BetterRival(chosen, selection);
       if (better.empty() || exchanges == kMaxExchanges) break;
@@ -331,6 +335,15 @@ class Selector {
     }
     std::stable_sort(selection.causes.begin(), selection.causes.end(),
                      [](const ChosenCause& a, const ChosenCause& b) { return a.delta_lr > b.delta_lr; });
+  }
+
+  // A cause without which the model fits better: its refit, or the search over sets, ended at a minimum that
+  // the smaller model leaves. nullptr: there is none.
+  static const ChosenCause* LowersTheLikelihood(const Selection& selection) {
+    for (const ChosenCause& cause : selection.causes) {
+      if (cause.delta_lr < 0) return &cause;
+    }
+    return nullptr;
   }
 
   // The rivals of each cause.
