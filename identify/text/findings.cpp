@@ -15,8 +15,19 @@ const Parameter& ParameterOf(const FitSetup& setup, const ParameterVerdict& verd
   return setup.parameters[static_cast<std::size_t>(verdict.parameter)];
 }
 
+// Digits that tell the ends of an interval apart.
+int DigitsOf(const ParameterVerdict& v) {
+  constexpr int kMaxDigits = 12;
+  int digits = 3;
+  if (v.ci95_lower == v.ci95_upper) return digits;
+  while (digits < kMaxDigits && Readable(v.ci95_lower, digits) == Readable(v.ci95_upper, digits)) ++digits;
+  return digits;
+}
+
 Sentence Determined(const Parameter& p, const ParameterVerdict& v) {
-  const std::string interval = fmt::format("{} to {}", Readable(v.ci95_lower), Readable(v.ci95_upper));
+  const int digits = DigitsOf(v);
+  const std::string interval =
+      fmt::format("{} to {}", Readable(v.ci95_lower, digits), Readable(v.ci95_upper, digits));
   // An unconverged search may stop outside of the interval, which belongs to the minimum near by.
   if (v.value < v.ci95_lower || v.value > v.ci95_upper) {
     return {SentenceKind::kOffMinimum,
@@ -26,7 +37,7 @@ Sentence Determined(const Parameter& p, const ParameterVerdict& v) {
   }
   const bool sure = v.verdict == Verdict::kIdentifiable;
   return {sure ? SentenceKind::kIdentifiable : SentenceKind::kWeak,
-          fmt::format("{} = {} (95 % interval {}): {}.", p.name, WithUnit(v.value, p.unit), interval,
+          fmt::format("{} = {} (95 % interval {}): {}.", p.name, WithUnit(v.value, p.unit, digits), interval,
                       sure ? "identifiable" : "weak, " + ReasonText(p, v)),
           {p.name}};
 }
@@ -79,7 +90,20 @@ std::vector<Sentence> Undetermined(const FitSetup& setup, const std::vector<Para
   return sentences;
 }
 
-std::vector<Sentence> Predictions(const std::vector<FitQuality>& pooled) {
+// ": walk36 16.5, walk45 23.4": each of several held-out trials; empty where there is one, or too many to
+// list.
+std::string EachHeldOut(const std::vector<FitQuality>& quality, const std::string& channel) {
+  constexpr std::size_t kMaxListed = 6;
+  std::vector<std::string> trials;
+  for (const FitQuality& one : quality) {
+    if (one.role == BlockRole::kValidate && one.channel == channel)
+      trials.push_back(fmt::format("{} {}", one.trial, Readable(one.rmse, 2)));
+  }
+  return trials.size() < 2 || trials.size() > kMaxListed ? "" : ": " + Join(trials, ", ");
+}
+
+std::vector<Sentence> Predictions(const std::vector<FitQuality>& pooled,
+                                  const std::vector<FitQuality>& quality) {
   std::vector<Sentence> sentences;
   for (const FitQuality& train : pooled) {
     if (train.role != BlockRole::kTrain) continue;
@@ -87,8 +111,8 @@ std::vector<Sentence> Predictions(const std::vector<FitQuality>& pooled) {
                                        WithUnit(train.rmse, train.unit, 2), train.r2);
     for (const FitQuality& validate : pooled) {
       if (validate.role != BlockRole::kValidate || validate.channel != train.channel) continue;
-      sentence +=
-          fmt::format(", validate {} (R2 {:.3f})", WithUnit(validate.rmse, validate.unit, 2), validate.r2);
+      sentence += fmt::format(", validate {} (R2 {:.3f}{})", WithUnit(validate.rmse, validate.unit, 2),
+                              validate.r2, EachHeldOut(quality, validate.channel));
     }
     sentences.push_back({SentenceKind::kPrediction, sentence + ".", {train.channel}});
   }
@@ -96,7 +120,7 @@ std::vector<Sentence> Predictions(const std::vector<FitQuality>& pooled) {
 }
 
 void Add(const FitSetup& setup, const Uncertainty& uncertainty, const std::vector<FitQuality>& pooled_fit,
-         const std::string& step, std::vector<Sentence>& findings) {
+         const std::vector<FitQuality>& quality, const std::string& step, std::vector<Sentence>& findings) {
   const std::size_t first = findings.size();
   for (const ParameterVerdict& v : uncertainty.parameters) {
     const Parameter& p = ParameterOf(setup, v);
@@ -116,7 +140,7 @@ void Add(const FitSetup& setup, const Uncertainty& uncertainty, const std::vecto
     findings.push_back({SentenceKind::kOpenDirection, "Not determined: " + DirectionText(direction) + ".",
                         std::move(names)});
   }
-  for (auto& sentence : Predictions(pooled_fit)) findings.push_back(std::move(sentence));
+  for (auto& sentence : Predictions(pooled_fit, quality)) findings.push_back(std::move(sentence));
   if (step.empty()) return;
   for (std::size_t i = first; i < findings.size(); ++i) {
     findings[i].text.insert(0, step + ": ");
@@ -129,8 +153,9 @@ void Add(const FitSetup& setup, const Uncertainty& uncertainty, const std::vecto
 std::vector<Sentence> Findings(const Identification& identification) {
   std::vector<Sentence> findings;
   for (const FinishedStep& step : identification.steps)
-    Add(step.setup, step.uncertainty, step.pooled_fit, step.name, findings);
-  Add(identification.setup, identification.uncertainty, identification.pooled_fit, "", findings);
+    Add(step.setup, step.uncertainty, step.pooled_fit, {}, step.name, findings);
+  Add(identification.setup, identification.uncertainty, identification.pooled_fit,
+      identification.prediction.quality, "", findings);
   return findings;
 }
 

@@ -84,7 +84,7 @@ class Selector {
       }
       SINEW_TRY(FindRivals(chosen, selection));
       const Set better = BetterRival(chosen, selection);
-      if (better.empty() || exchanges == kMaxExchanges) break;
+      if (better.empty() || exchanges >= kMaxExchanges) break;
       chosen = better;
       Eliminate(chosen);
     }

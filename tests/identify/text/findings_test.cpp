@@ -88,6 +88,24 @@ TEST_F(FindingsTest, TrainingAndValidationAreOneSentencePerQuantity) {
   EXPECT_THAT(Facts(), ElementsAre("prediction force", "prediction angle"));
 }
 
+TEST_F(FindingsTest, DigitsTellTheEndsOfANarrowIntervalApart) {
+  Judge(0, Verdict::kIdentifiable);
+  ParameterVerdict& verdict = identification_.uncertainty.parameters[0];
+  verdict.value = 1.00012;
+  verdict.ci95_lower = 1.00010;
+  verdict.ci95_upper = 1.00014;
+  EXPECT_THAT(Found()[0].text, testing::HasSubstr("1.00010 to 1.00014"));
+}
+
+TEST_F(FindingsTest, SeveralHeldOutTrialsAreListed) {
+  identification_.pooled_fit = {{"", BlockRole::kTrain, "force", "N", 0.9, 0.9991, 100},
+                                {"", BlockRole::kValidate, "force", "N", 1.2, 0.998, 50}};
+  identification_.prediction.quality = {{"slow", BlockRole::kValidate, "force", "N", 1.1, 0.998, 25}};
+  EXPECT_THAT(Found()[0].text, testing::Not(testing::HasSubstr("slow")));
+  identification_.prediction.quality.push_back({"fast", BlockRole::kValidate, "force", "N", 1.3, 0.998, 25});
+  EXPECT_THAT(Found()[0].text, testing::HasSubstr("slow 1.1, fast 1.3"));
+}
+
 TEST_F(FindingsTest, EarlierStepsComeFirst) {
   Judge(1, Verdict::kIdentifiable);
   FinishedStep step;
