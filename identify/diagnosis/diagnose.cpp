@@ -95,8 +95,7 @@ class DiagnosisRun {
     SINEW_ASSIGN(const auto solver, MakeSolver(name, how));
     Evaluator::Options gate;
     gate.interrupt = options_.interrupt;
-    gate.budget.max_evaluations =
-        name == "ceres" ? kBaseEvaluations : kMaxEvaluations;
+    gate.budget.max_evaluations = name == "ceres" ? kBaseEvaluations : kMaxEvaluations;
     Evaluator evaluator(fit, gate);
     out_.base = solver->Solve(evaluator, fit.Start());
     out_.base_point = fit.Parameters(out_.base.x);

@@ -39,8 +39,8 @@ struct DiagnosisProgress {
 };
 
 struct DiagnosisOptions {
-  std::string solver;  ///< of the base fit; empty: Problem::default_solver()
-  double alarm_level = 0.05;     ///< family-wise: probability of any alarm if the model is adequate
+  std::string solver;         ///< of the base fit; empty: Problem::default_solver()
+  double alarm_level = 0.05;  ///< family-wise: probability of any alarm if the model is adequate
   std::uint64_t seed = 1;
   int threads = 1;
   const std::atomic<bool>* interrupt = nullptr;
