@@ -45,7 +45,7 @@ TEST_F(RunFileTest, WhatIsWrittenIsRead) {
   const auto read = Reread(tree_);
   ASSERT_TRUE(read) << read.error().message;
   EXPECT_EQ(read->problem, "line");
-  EXPECT_EQ(read->solver, "ceres");
+  EXPECT_EQ(read->solver, "restarts");
   EXPECT_EQ(read->data_hash, "0123456789abcdef");
   EXPECT_EQ(read->seed, 1U);
   EXPECT_TRUE(read->finished);

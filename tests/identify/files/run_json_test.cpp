@@ -30,7 +30,7 @@ TEST_F(RunJsonTest, HasTheFieldsOfTheContract) {
   ASSERT_TRUE(json.is_object());
   EXPECT_EQ(json["schema"], "sinew.run/1");
   EXPECT_EQ(json["problem"], "line");
-  EXPECT_EQ(json["solver"], "ceres");
+  EXPECT_EQ(json["solver"], "restarts");
   EXPECT_EQ(json["stop_reason"], ToString(line_.result.stop.kind));
   EXPECT_EQ(json["evaluations"], line_.trace.size());
   EXPECT_EQ(json["cost"], line_.result.cost);
