@@ -13,7 +13,7 @@ namespace {
 
 constexpr const char* kUsage =
     "usage: hidden_effects_generate --kind none|single|pair|outsider --seed N [--size S] "
-    "[--noise white|ar|other] [--effect NAME]... [--experiment multisine|trapezoid] [--no-correlations] "
+    "[--noise white|ar|other] [--effect NAME]... [--experiment multisine|trapezoid|over_the_top] [--no-correlations] "
     "[--also same|rest|creep|hold|fast|sharp]... --out F.h5 --truth T.json | --list\n";
 
 struct Options {
@@ -70,7 +70,7 @@ Result<Options> ReadOptions(const std::vector<std::string>& words) {
   };
   SINEW_TRY(one_of("--kind", options.kind, {"none", "single", "pair", "outsider"}));
   SINEW_TRY(one_of("--noise", options.noise, {"white", "ar", "other"}));
-  SINEW_TRY(one_of("--experiment", options.experiment, {"multisine", "trapezoid"}));
+  SINEW_TRY(one_of("--experiment", options.experiment, {"multisine", "trapezoid", "over_the_top"}));
   for (const std::string& effect : options.effects) {
     SINEW_TRY(one_of("--effect", effect, options.kind == "outsider" ? OutsiderNames() : LibraryEffects()));
   }
@@ -96,6 +96,11 @@ Result<DrivePlan> DrawPlan(const Options& options) {
   request.set["gravity_torque"] = joint.Uniform(0.2, 1);
   request.set["known_noise"] = 0;
   request.set["excitation"] = options.experiment == "trapezoid" ? 1 : 0;
+  if (options.experiment == "over_the_top") {
+    request.set["excitation"] = 2;
+    request.set["duration"] = 12;
+    request.set["position_noise"] = 0.002;
+  }
   Random noise = StreamOf(options, kNoise);
   if (options.noise == "ar") {
     const double rho[] = {0.5, 0.8, 0.9};

@@ -22,11 +22,12 @@ DriveTrial Replay(const DriveTrial& trial, const Vector& input) {
 Result<Oracle> Oracle::Make(const DrivePlan& plan) {
   Oracle oracle;
   oracle.plan_ = plan;
+  if (plan.step < kFineStep) oracle.step_ = kOverTheTopSignatureStep;
   oracle.plan_.trials.resize(plan.train);
   oracle.samples_ = static_cast<Eigen::Index>(plan.trials.front().command.size());
   oracle.extents_ = {0, 0, 0};
   for (const DriveTrial& trial : oracle.plan_.trials) {
-    SINEW_ASSIGN(const DriveRecord record, SimulateDrive(plan.truth, trial, kSignatureStep));
+    SINEW_ASSIGN(const DriveRecord record, SimulateDrive(plan.truth, trial, oracle.step_));
     oracle.replayed_.push_back(Replay(trial, record.input));
     Extents& extents = oracle.extents_;
     extents.position = std::max(extents.position, record.position.cwiseAbs().maxCoeff());
@@ -77,11 +78,11 @@ Result<Vector> Oracle::Signature(const DriveTruth& truth) const {
   Matrix change(samples_ * static_cast<Eigen::Index>(plan_.train), 1);
   for (std::size_t i = 0; i < plan_.train; ++i) {
     const Eigen::Index at = static_cast<Eigen::Index>(i) * samples_;
-    SINEW_ASSIGN(DriveRecord record, SimulateDrive(truth, plan_.trials[i], kSignatureStep));
+    SINEW_ASSIGN(DriveRecord record, SimulateDrive(truth, plan_.trials[i], step_));
     ReadPosition(truth, record.position);
     if (other_input) {  // the base model is driven by what was recorded
       SINEW_ASSIGN(const DriveRecord bare,
-                   SimulateDrive(plan_.truth, Replay(plan_.trials[i], record.input), kSignatureStep));
+                   SimulateDrive(plan_.truth, Replay(plan_.trials[i], record.input), step_));
       change.col(0).segment(at, samples_) = record.position - bare.position;
     } else {
       change.col(0).segment(at, samples_) = record.position - undisturbed_.segment(at, samples_);
@@ -163,7 +164,7 @@ void Oracle::Whiten(Matrix& stacked) const {
 Result<Vector> Oracle::Positions(const DriveTruth& truth, const std::vector<DriveTrial>& trials) const {
   Vector positions(samples_ * static_cast<Eigen::Index>(trials.size()));
   for (std::size_t i = 0; i < trials.size(); ++i) {
-    SINEW_ASSIGN(const DriveRecord record, SimulateDrive(truth, trials[i], kSignatureStep));
+    SINEW_ASSIGN(const DriveRecord record, SimulateDrive(truth, trials[i], step_));
     positions.segment(static_cast<Eigen::Index>(i) * samples_, samples_) = record.position;
   }
   return positions;

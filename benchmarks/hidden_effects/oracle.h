@@ -42,6 +42,7 @@ class Oracle {
   Result<Vector> Positions(const DriveTruth& truth, const std::vector<DriveTrial>& trials) const;
 
   DrivePlan plan_;
+  double step_ = kSignatureStep;
   std::vector<DriveTrial> replayed_;  ///< the training trials with their recorded torque as command
   Eigen::Index samples_ = 0;          ///< per trial
   Vector undisturbed_;                ///< position readings of the base model

@@ -62,6 +62,9 @@ inline constexpr double kDriveLead = 0.3;
 /// [s] A step that is far finer than anything that happens, and one for signatures.
 inline constexpr double kFineStep = 2e-4;
 inline constexpr double kSignatureStep = 1e-3;
+/// [s] The same where small differences grow.
+inline constexpr double kOverTheTopStep = 2e-5;
+inline constexpr double kOverTheTopSignatureStep = 2e-4;
 
 /// What the instruments would show without noise, before the position reading is clipped or rounded.
 struct DriveRecord {
