@@ -1,0 +1,341 @@
+#include "identify/shooting/multiple_shooting.h"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+
+#include "base/decompositions.h"
+
+namespace sinew::shooting {
+namespace {
+
+constexpr double kFirstPenalty = 1;     // a gap that a window's samples just resolve costs as much as noise
+constexpr double kPenaltyGrowth = 100;  // from one round to the next
+constexpr int kRounds = 7;
+constexpr int kMostIterations = 30;  // of a round
+constexpr double kEnough = 1e-3;     // relative decrease at which a round ends
+constexpr double kAlmost = 1e-8;     // the same of the last round
+constexpr double kRounding = 1e-9;  // of what a typical state predicts
+constexpr double kFirstDamping = 1e-3;
+constexpr double kLeastDamping = 1e-12;
+constexpr double kMostDamping = 1e8;
+
+// Where a parameter lies in the search, which steps by ratios where its scale is logarithmic.
+double Forth(const Parameter& p, double value) {
+  return p.scale == Scale::kLog ? std::log(value) : value;
+}
+double Back(const Parameter& p, double place) {
+  return std::clamp(p.scale == Scale::kLog ? std::exp(place) : place, p.lower, p.upper);
+}
+
+// What is left of a window when its state is eliminated: its state from the next window's and the parameters.
+struct Eliminated {
+  Matrix own;    // [n x n] upper triangular
+  Matrix next;   // [n x n]
+  Matrix shared;  // [n x p]
+  Vector right;  // [n]
+};
+
+// 1 for the identity.
+double Size(const Matrix& m) {
+  return m.norm() / std::sqrt(static_cast<double>(m.rows()));
+}
+
+class Search {
+ public:
+  Search(const Model& model, const std::vector<Parameter>& all, const std::vector<int>& free,
+         const Vector& parameters)
+      : model_(model), all_(all), free_(free), n_(model.states()), p_(static_cast<Eigen::Index>(free.size())) {
+    solution_.parameters = parameters;
+    for (std::size_t a = 0; a < model.arcs(); ++a) {
+      Matrix states(n_, static_cast<Eigen::Index>(model.windows(a)));
+      for (std::size_t w = 0; w < model.windows(a); ++w)
+        states.col(static_cast<Eigen::Index>(w)) = model.MeasuredState(a, w);
+      solution_.states.push_back(std::move(states));
+      shots_.emplace_back(model.windows(a));
+      trial_shots_.emplace_back(model.windows(a));
+      eliminated_.emplace_back(model.windows(a));
+    }
+  }
+
+  Result<Solution> Run() {
+    SINEW_TRY(ShootAll(solution_, true, shots_));
+    SetUnit();
+    // Without continuity first: it tells the noise and what the model cannot follow over one window.
+    for (int round = -1; round < kRounds; ++round) {
+      if (round <= 0) SetUnit();
+      penalty_ = round < 0 ? 0 : kFirstPenalty * std::pow(kPenaltyGrowth, round);
+      SINEW_TRY(Descend(round + 1 == kRounds ? kAlmost : kEnough));
+      if (round < 0) solution_.free_cost = ResidualCost(shots_);
+    }
+    solution_.cost = ResidualCost(shots_);
+    solution_.largest_gap = LargestGap();
+    return std::move(solution_);
+  }
+
+ private:
+  using Shots = std::vector<std::vector<Shot>>;
+
+  Status ShootAll(const Solution& at, bool derivatives, Shots& shots) const {
+    for (std::size_t a = 0; a < shots.size(); ++a) {
+      for (std::size_t w = 0; w < shots[a].size(); ++w)
+        SINEW_TRY(model_.Shoot(a, w, at.parameters, at.states[a].col(static_cast<Eigen::Index>(w)), free_,
+                               derivatives, shots[a][w]));
+    }
+    return {};
+  }
+
+  [[nodiscard]] static double ResidualCost(const Shots& shots) {
+    double cost = 0;
+    for (const auto& arc : shots) {
+      for (const Shot& shot : arc) cost += 0.5 * shot.residual.squaredNorm();
+    }
+    return cost;
+  }
+
+  // The noise of a residual, and a square root of the metric of gaps.
+  void SetUnit() {
+    double sum = 0;
+    double rows = 0;
+    double windows = 0;
+    double typical = 0;
+    Matrix information = Matrix::Zero(n_, n_);
+    for (const auto& arc : shots_) {
+      for (const Shot& shot : arc) {
+        sum += shot.residual.squaredNorm();
+        rows += static_cast<double>(shot.residual.size());
+        typical += (shot.by_state * model_.TypicalState()).squaredNorm();
+        information += shot.by_state.transpose() * shot.by_state;
+        ++windows;
+      }
+    }
+    // Exact data have no noise; rounding is a floor.
+    const double floor = kRounding * kRounding * typical / std::max(rows, 1.0);
+    unit_ = std::sqrt(std::max({sum / std::max(rows, 1.0), floor, 1e-200}));
+    information /= windows * unit_ * unit_;
+    information.diagonal() += model_.TypicalState().cwiseAbs2().cwiseInverse();
+    const Vector scale = information.diagonal().cwiseSqrt();
+    Matrix unit = scale.cwiseInverse().asDiagonal() * information * scale.cwiseInverse().asDiagonal();
+    unit.diagonal().array() += 1e-12;
+    const Eigen::LLT<Matrix> factor(unit);
+    metric_ = factor.matrixU();
+    metric_ = metric_ * scale.asDiagonal();
+  }
+
+  [[nodiscard]] Vector Gap(const Solution& at, const Shots& shots, std::size_t a, std::size_t w) const {
+    return metric_ * (shots[a][w].end - at.states[a].col(static_cast<Eigen::Index>(w) + 1));
+  }
+
+  [[nodiscard]] double LargestGap() const {
+    double largest = 0;
+    for (std::size_t a = 0; a < shots_.size(); ++a) {
+      for (std::size_t w = 0; w + 1 < shots_[a].size(); ++w)
+        largest = std::max(largest, Gap(solution_, shots_, a, w).norm());
+    }
+    return largest;
+  }
+
+  // Half the sum of squares of residuals and gaps, in units of the noise.
+  [[nodiscard]] double Cost(const Solution& at, const Shots& shots) const {
+    double cost = ResidualCost(shots) / (unit_ * unit_);
+    for (std::size_t a = 0; a < shots.size(); ++a) {
+      for (std::size_t w = 0; w + 1 < shots[a].size(); ++w)
+        cost += 0.5 * penalty_ * Gap(at, shots, a, w).squaredNorm();
+    }
+    return cost;
+  }
+
+  // d parameter / d place in the search.
+  [[nodiscard]] double Slope(Eigen::Index k) const {
+    const int index = free_[static_cast<std::size_t>(k)];
+    return all_[static_cast<std::size_t>(index)].scale == Scale::kLog ? solution_.parameters[index] : 1;
+  }
+
+  Status Descend(double enough) {
+    double damping = kFirstDamping;
+    double cost = Cost(solution_, shots_);
+    for (int iteration = 0; iteration < kMostIterations && damping <= kMostDamping; ++iteration) {
+      Solution next = Stepped(damping);
+      bool better = bool(ShootAll(next, false, trial_shots_));
+      const double reached = better ? Cost(next, trial_shots_) : 0;
+      better = better && reached < cost;
+      if (!better) {
+        damping = std::max(8 * damping, 1e-6);
+        continue;
+      }
+      const double gained = (cost - reached) / cost;
+      solution_ = std::move(next);
+      SINEW_TRY(ShootAll(solution_, true, shots_));
+      cost = reached;
+      damping = std::max(0.1 * damping, kLeastDamping);
+      if (gained < enough) break;
+    }
+    return {};
+  }
+
+  // One step with that damping.
+  [[nodiscard]] Solution Stepped(double damping) {
+    Vector slopes(p_);
+    for (Eigen::Index k = 0; k < p_; ++k) slopes[k] = Slope(k);
+    std::vector<Matrix> of_parameters;
+    Vector lengths = Vector::Zero(p_);
+    for (std::size_t a = 0; a < shots_.size(); ++a)
+      of_parameters.push_back(Eliminate(a, damping, slopes, lengths));
+    Eigen::Index rows = p_;
+    for (const Matrix& m : of_parameters) rows += m.rows();
+    Matrix whole = Matrix::Zero(rows, p_ + 1);
+    Eigen::Index row = 0;
+    for (const Matrix& m : of_parameters) {
+      whole.middleRows(row, m.rows()) = m;
+      row += m.rows();
+    }
+    Vector shared = Vector::Zero(p_);
+    if (p_ > 0) {
+      const Vector scale = lengths.cwiseSqrt().cwiseMax(1e-150);
+      Matrix left = whole.leftCols(p_) * scale.cwiseInverse().asDiagonal();
+      for (Eigen::Index k = 0; k < p_; ++k) left(row + k, k) = std::sqrt(damping);
+      const Vector right = whole.col(p_);
+      shared = Eigen::ColPivHouseholderQR<Matrix>(left).solve(right).cwiseQuotient(scale);
+    }
+    Solution next = solution_;
+    for (Eigen::Index k = 0; k < p_; ++k) {
+      const int index = free_[static_cast<std::size_t>(k)];
+      const Parameter& p = all_[static_cast<std::size_t>(index)];
+      next.parameters[index] = Back(p, Forth(p, solution_.parameters[index]) + shared[k]);
+      shared[k] = Forth(p, next.parameters[index]) - Forth(p, solution_.parameters[index]);
+    }
+    for (std::size_t a = 0; a < shots_.size(); ++a) {
+      Vector later = Vector::Zero(n_);
+      for (std::size_t w = shots_[a].size(); w-- > 0;) {
+        const Eliminated& e = eliminated_[a][w];
+        Vector right = e.right - e.shared * shared;
+        if (w + 1 < shots_[a].size()) right -= e.next * later;
+        later = e.own.triangularView<Eigen::Upper>().solve(right);
+        next.states[a].col(static_cast<Eigen::Index>(w)) += later;
+      }
+    }
+    return next;
+  }
+
+  // Eliminates the states of an arc from first to last. @return rows [. x p + 1] that only the parameters
+  // enter. @param lengths gets the squared columns of the parameters, before elimination
+  Matrix Eliminate(std::size_t a, double damping, const Vector& slopes, Vector& lengths) {
+    Matrix carried(0, n_ + p_ + 1);
+    const double root = std::sqrt(penalty_);
+    for (std::size_t w = 0; w < shots_[a].size(); ++w) {
+      const Shot& shot = shots_[a][w];
+      const bool last = w + 1 == shots_[a].size();
+      const bool joined = !last && penalty_ > 0;
+      const Eigen::Index m = shot.residual.size();
+      const Eigen::Index gaps = joined ? n_ : 0;
+      const Eigen::Index columns = 2 * n_ + p_ + 1;  // own state, next state, parameters, right side
+      Matrix rows = Matrix::Zero(carried.rows() + m + gaps + n_, columns);
+      rows.topLeftCorner(carried.rows(), n_) = carried.leftCols(n_);
+      rows.block(0, 2 * n_, carried.rows(), p_ + 1) = carried.rightCols(p_ + 1);
+      Eigen::Index at = carried.rows();
+      rows.block(at, 0, m, n_) = shot.by_state / unit_;
+      rows.block(at, 2 * n_, m, p_) = shot.by_parameter * slopes.asDiagonal() / unit_;
+      rows.block(at, columns - 1, m, 1) = -shot.residual / unit_;
+      Vector own = rows.block(at, 0, m, n_).colwise().squaredNorm();
+      at += m;
+      if (joined) {
+        const Matrix weight = root * metric_;
+        rows.block(at, 0, n_, n_) = weight * shot.end_by_state;
+        rows.block(at, n_, n_, n_) = -weight;
+        rows.block(at, 2 * n_, n_, p_) = weight * shot.end_by_parameter * slopes.asDiagonal();
+        rows.block(at, columns - 1, n_, 1) = -root * Gap(solution_, shots_, a, w);
+        at += n_;
+      }
+      lengths += rows.block(carried.rows(), 2 * n_, at - carried.rows(), p_).colwise().squaredNorm().transpose();
+      // Damping of the state in the metric of the gaps: finite where the window says nothing about it.
+      rows.block(at, 0, n_, n_) = std::sqrt(damping) * metric_;
+      const Eigen::HouseholderQR<Matrix> qr(rows);
+      const Matrix& packed = qr.matrixQR();
+      Matrix upper = packed.topRows(std::min(packed.rows(), columns));
+      for (Eigen::Index c = 0; c < columns; ++c) {
+        for (Eigen::Index r = c + 1; r < upper.rows(); ++r) upper(r, c) = 0;
+      }
+      Eliminated& e = eliminated_[a][w];
+      e.own = upper.topLeftCorner(n_, n_);
+      e.next = upper.block(0, n_, n_, n_);
+      e.shared = upper.block(0, 2 * n_, n_, p_);
+      e.right = upper.block(0, columns - 1, n_, 1);
+      // The last of these rows is what no step changes, and is not needed.
+      const Eigen::Index left = std::max<Eigen::Index>(0, std::min(upper.rows(), columns - 1) - n_);
+      carried = upper.block(n_, n_, left, n_ + p_ + 1);
+    }
+    // After the last window the columns of its successor are zero.
+    return carried.rightCols(p_ + 1);
+  }
+
+  const Model& model_;
+  const std::vector<Parameter>& all_;
+  const std::vector<int>& free_;
+  Eigen::Index n_;
+  Eigen::Index p_;
+  Solution solution_;
+  Shots shots_;
+  Shots trial_shots_;
+  std::vector<std::vector<Eliminated>> eliminated_;
+  double unit_ = 1;
+  double penalty_ = 0;
+  Matrix metric_;
+};
+
+}  // namespace
+
+Result<Solution> Solve(const Model& model, const std::vector<Parameter>& all, const std::vector<int>& free,
+                       const Vector& parameters) {
+  return Search(model, all, free, parameters).Run();
+}
+
+Result<std::vector<std::vector<Matrix>>> Transitions(const Model& model, const Vector& parameters,
+                                                     const std::vector<Matrix>& states) {
+  const Vector typical = model.TypicalState();
+  std::vector<std::vector<Matrix>> all(model.arcs());
+  Shot shot;
+  for (std::size_t a = 0; a < model.arcs(); ++a) {
+    for (std::size_t w = 0; w + 1 < model.windows(a); ++w) {
+      const Vector state = states.empty() ? model.MeasuredState(a, w)
+                                          : Vector(states[a].col(static_cast<Eigen::Index>(w)));
+      SINEW_TRY(model.Shoot(a, w, parameters, state, {}, true, shot));
+      all[a].emplace_back(typical.cwiseInverse().asDiagonal() * shot.end_by_state * typical.asDiagonal());
+    }
+  }
+  return all;
+}
+
+double LargestGrowth(const std::vector<Matrix>& transitions) {
+  double largest = 1;
+  std::vector<Matrix> from;  // the begin of each window to the end of the present one
+  for (const Matrix& step : transitions) {
+    from.push_back(Matrix::Identity(step.rows(), step.cols()));
+    for (Matrix& m : from) m = step * m;
+    for (const Matrix& m : from) largest = std::max(largest, Size(m));
+    // What has shrunk since its begin grows no further than what begins here.
+    from.erase(std::remove_if(from.begin(), from.end(), [](const Matrix& m) { return m.norm() < 1; }),
+               from.end());
+  }
+  return std::isfinite(largest) ? largest : std::numeric_limits<double>::infinity();
+}
+
+std::vector<std::size_t> Join(const std::vector<Matrix>& transitions, double growth, std::size_t most) {
+  std::vector<std::size_t> begins{0};
+  std::vector<Matrix> from;
+  for (std::size_t w = 0; w < transitions.size(); ++w) {
+    const Matrix& step = transitions[w];
+    from.push_back(Matrix::Identity(step.rows(), step.cols()));
+    double largest = 0;
+    for (Matrix& m : from) {
+      m = step * m;
+      largest = std::max(largest, Size(m));
+    }
+    if (w > begins.back() && !(largest <= growth && w - begins.back() < most)) {
+      begins.push_back(w);
+      from.assign(1, step);
+    }
+  }
+  return begins;
+}
+
+}  // namespace sinew::shooting
