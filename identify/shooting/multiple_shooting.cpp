@@ -70,6 +70,7 @@ class Search {
     }
     solution_.cost = ResidualCost(shots_);
     solution_.largest_gap = LargestGap();
+    DescribeMisfit();
     return std::move(solution_);
   }
 
@@ -120,6 +121,23 @@ class Search {
     const Eigen::LLT<Matrix> factor(unit);
     metric_ = factor.matrixU();
     metric_ = metric_ * scale.asDiagonal();
+  }
+
+  void DescribeMisfit() {
+    double all = 0;
+    double rows = 0;
+    for (const auto& arc : shots_) {
+      double sum = 0;
+      double typical = 0;
+      for (const Shot& shot : arc) {
+        sum += shot.residual.squaredNorm();
+        typical += (shot.by_state * model_.TypicalState()).squaredNorm();
+        rows += static_cast<double>(shot.residual.size());
+      }
+      all += sum;
+      solution_.misfit.push_back(typical > 0 ? std::sqrt(sum / typical) : 0);
+    }
+    solution_.residual_rms = rows > 0 ? std::sqrt(all / rows) : 0;
   }
 
   [[nodiscard]] Vector Gap(const Solution& at, const Shots& shots, std::size_t a, std::size_t w) const {

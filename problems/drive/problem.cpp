@@ -7,13 +7,6 @@
 #include "models/drive/uses.h"
 
 namespace sinew {
-namespace {
-
-constexpr double kStepError = 1e-4;  // of the spread of the positions
-constexpr int kMostHalvings = 5;
-
-}  // namespace
-
 struct DriveProblem::Scratch final : Problem::Workspace {
   std::vector<std::pair<int, int>> lanes;  // slot, column
   std::vector<double> plain;
@@ -93,7 +86,7 @@ Result<std::unique_ptr<DriveProblem>> DriveProblem::Make(const Dataset& data, co
   SINEW_TRY(CheckParameterList(problem->list_));
   SINEW_TRY(CheckLayout(problem->layout(), static_cast<int>(problem->parameters().size())));
   const bool chosen = settings.step.has_value();
-  if (!chosen) SINEW_TRY(problem->ChooseStep(kStepError * problem->data_.scales.position, kMostHalvings));
+  if (!chosen) SINEW_TRY(problem->ChooseStep(kStepError * problem->data_.scales.position, 5));
   SINEW_TRY(problem->PlanSegments(!chosen));
   return problem;
 }

@@ -11,6 +11,7 @@
 
 #include "datasets/dataset.h"
 #include "identify/problem.h"
+#include "identify/shooting/multiple_shooting.h"
 #include "problems/drive/data/data.h"
 
 namespace sinew {
@@ -49,6 +50,7 @@ class DriveProblem final : public Problem {
 
  private:
   friend class DriveWindows;
+  static constexpr double kStepError = 1e-4;  ///< of the spread of the positions
   struct Scratch;
   /// A stretch of a trial that is predicted as one trajectory, from a state of its own.
   struct Segment {
@@ -74,6 +76,15 @@ class DriveProblem final : public Problem {
   /// Finds out whether small differences grow over a trial; if so, plans windows, finds starts with them, and
   /// cuts the trials into segments that can be predicted as one trajectory each.
   Status PlanSegments(bool choose_step);
+  struct Trajectory {
+    Matrix states;  ///< [2 x windows]
+    double misfit = 0;
+  };
+  Status ShootForStarts(std::vector<Trajectory>& found);
+  bool Cut(const std::vector<double>& growth, const std::vector<Trajectory>& found);
+  [[nodiscard]] std::optional<shooting::Solution> SolveWindows(const std::vector<int>& free,
+                                                               const std::vector<bool>& compared,
+                                                               const Vector& parameters) const;
   /// Those of the runs that have a compared block.
   [[nodiscard]] std::vector<std::size_t> SegmentsOf(const std::vector<bool>& compared) const;
   [[nodiscard]] int IndexOf(int slot, const Segment& segment) const;
@@ -103,6 +114,7 @@ class DriveProblem final : public Problem {
   std::vector<std::size_t> first_segment_;       ///< [runs + 1] of each run
   std::vector<std::vector<std::size_t>> nodes_;  ///< [segments] stops at which a window of multiple shooting
                                                  ///< begins; empty: nowhere does anything grow
+  double residual_rms_ = 0;  ///< weighted, of the training trials, when starts were found
   std::size_t history_ = 1;
 };
 

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "base/text.h"
 #include "identify/shooting/multiple_shooting.h"
 #include "problems/drive/data/trial.h"
 
@@ -14,6 +15,13 @@ constexpr std::size_t kMostJoined = 8;  // of these in one window
 constexpr double kGrowthOfWindow = 2;
 /// Small differences that grow by less over a trial leave no search lost.
 constexpr double kGrowthThatMatters = 30;
+/// Of one trajectory. Rounding, 1e-16, and what is left of gaps stay far below any noise.
+constexpr double kMostGrowth = 1e7;
+constexpr double kLeastGrowth = 10;
+/// A trajectory whose residual is so large a share of the typical state has lost the measurement.
+constexpr double kLost = 0.03;
+constexpr double kStepErrorOfNoise = 0.03;  // of the residual's root mean square
+constexpr int kFineHalvings = 9;
 
 }  // namespace
 
@@ -189,48 +197,9 @@ std::vector<std::size_t> DriveProblem::SegmentsOf(const std::vector<bool>& compa
   return segments;
 }
 
-Status DriveProblem::PlanSegments(bool choose_step) {
-  if (data_.command.sampled()) return {};  // its controller has a memory, and keeps the joint from diverging
-  for (const DriveMotion& motion : data_.motions) {
-    if (motion.speed_measured) return {};  // positions are not known from the measurement
-  }
-  const std::vector<bool> all = Compared(data_.layout, true, true);
-  const Vector rest = RestPoint(*this);
-  const DriveWindows regular(*this, DriveWindows::Regular(*this, SegmentsOf(all), all, kSamples), all);
-  const auto transitions = shooting::Transitions(regular, rest, {});
-  if (!transitions) return {};
-  double growth = 0;
-  for (const auto& of_arc : *transitions) growth = std::max(growth, shooting::LargestGrowth(of_arc));
-  if (getenv("SHOOT_DEBUG")) fprintf(stderr, "growth %g typical %g %g\n", growth, regular.TypicalState()[0], regular.TypicalState()[1]);
-  if (growth < kGrowthThatMatters) return {};
-  nodes_.resize(segments_.size());
-  for (std::size_t a = 0; a < regular.arcs(); ++a) {
-    const DriveWindows::Arc& arc = regular.all()[a];
-    for (const std::size_t w : shooting::Join((*transitions)[a], kGrowthOfWindow, kMostJoined))
-      nodes_[arc.segment].push_back(arc.begins[w]);
-  }
-  (void)choose_step;
-  const auto take = [&](bool train) {
-    std::vector<int> free;
-    for (std::size_t i = 0; train && i < shared_; ++i) {
-      if (list_.parameters[i].kind == ParameterKind::kBase) free.push_back(static_cast<int>(i));
-    }
-    const auto improved = ImprovedStart(free, Compared(data_.layout, train, !train), RestPoint(*this));
-    if (!improved) return;
-    for (std::size_t i = 0; i < list_.parameters.size(); ++i) {
-      if (list_.parameters[i].kind != ParameterKind::kEffect)
-        list_.parameters[i].start = (*improved)[static_cast<Eigen::Index>(i)];
-    }
-  };
-  take(true);
-  take(false);
-  return {};
-}
-
-std::optional<Vector> DriveProblem::ImprovedStart(const std::vector<int>& free,
-                                                  const std::vector<bool>& compared,
-                                                  const Vector& parameters) const {
-  if (nodes_.empty()) return {};
+std::optional<shooting::Solution> DriveProblem::SolveWindows(const std::vector<int>& free,
+                                                             const std::vector<bool>& compared,
+                                                             const Vector& parameters) const {
   std::vector<DriveWindows::Arc> arcs;
   for (const std::size_t s : SegmentsOf(compared)) arcs.push_back({s, nodes_[s]});
   if (arcs.empty()) return {};
@@ -238,22 +207,162 @@ std::optional<Vector> DriveProblem::ImprovedStart(const std::vector<int>& free,
   std::vector<int> shared;
   std::copy_if(free.begin(), free.end(), std::back_inserter(shared),
                [this](int index) { return index < static_cast<int>(shared_); });
-  const auto solved = shooting::Solve(windows, list_.parameters, shared, parameters);
+  auto solved = shooting::Solve(windows, list_.parameters, shared, parameters);
   if (!solved) return {};
-  if (getenv("SHOOT_DEBUG")) fprintf(stderr, "cost free %g closed %g gap %g\n", solved->free_cost, solved->cost, solved->largest_gap);
-  Vector improved = solved->parameters;
   for (std::size_t a = 0; a < arcs.size(); ++a) {
     const int state = segments_[arcs[a].segment].state;
     for (int k = 0; k < 2; ++k) {
       const Parameter& p = list_.parameters[static_cast<std::size_t>(state + k)];
-      improved[state + k] = std::clamp(solved->states[a](k, 0), p.lower, p.upper);
+      solved->parameters[state + k] = std::clamp(solved->states[a](k, 0), p.lower, p.upper);
     }
   }
-  return improved;
+  return std::move(*solved);
+}
+
+std::optional<Vector> DriveProblem::ImprovedStart(const std::vector<int>& free,
+                                                  const std::vector<bool>& compared,
+                                                  const Vector& parameters) const {
+  if (nodes_.empty()) return {};
+  auto solved = SolveWindows(free, compared, parameters);
+  if (!solved) return {};
+  return std::move(solved->parameters);
+}
+
+// Starts of the parameters from the training trials, then states of the others.
+Status DriveProblem::ShootForStarts(std::vector<Trajectory>& found) {
+  found.assign(segments_.size(), {});
+  for (const bool train : {true, false}) {
+    std::vector<int> free;
+    for (std::size_t i = 0; train && i < shared_; ++i) {
+      if (list_.parameters[i].kind == ParameterKind::kBase) free.push_back(static_cast<int>(i));
+    }
+    const std::vector<bool> compared = Compared(data_.layout, train, !train);
+    const auto segments = SegmentsOf(compared);
+    if (segments.empty()) continue;
+    const auto solved = SolveWindows(free, compared, RestPoint(*this));
+    if (!solved) return Fail("multiple shooting: the windows cannot be integrated");
+    for (std::size_t a = 0; a < segments.size(); ++a) {
+      found[segments[a]] = {solved->states[a], solved->misfit[a]};
+      segments_[segments[a]].position = solved->states[a](0, 0);
+      segments_[segments[a]].speed = solved->states[a](1, 0);
+    }
+    if (!train) continue;
+    residual_rms_ = solved->residual_rms;
+    for (const int index : free) {
+      const auto slot = std::find(list_.index.begin(), list_.index.end(), index) - list_.index.begin();
+      data_.starts[static_cast<std::size_t>(slot)] = solved->parameters[index];
+    }
+    ListParameters();
+  }
+  ListParameters();
+  return {};
+}
+
+// Cuts a segment where small differences have grown by `growth` since its begin. @return whether it was cut
+bool DriveProblem::Cut(const std::vector<double>& growth, const std::vector<Trajectory>& found) {
+  const std::vector<bool> all = Compared(data_.layout, true, true);
+  std::vector<DriveWindows::Arc> arcs;
+  std::vector<Matrix> states;
+  for (const std::size_t s : SegmentsOf(all)) {
+    arcs.push_back({s, nodes_[s]});
+    states.push_back(found[s].states);
+  }
+  const DriveWindows windows(*this, arcs, all);
+  const auto transitions = shooting::Transitions(windows, RestPoint(*this), states);
+  if (!transitions) return false;
+  std::vector<Segment> segments;
+  std::vector<std::vector<std::size_t>> nodes;
+  for (std::size_t a = 0; a < arcs.size(); ++a) {
+    const std::size_t s = arcs[a].segment;
+    const auto begins = shooting::Join((*transitions)[a], growth[s], nodes_[s].size());
+    for (std::size_t k = 0; k < begins.size(); ++k) {
+      const bool last = k + 1 == begins.size();
+      const std::size_t end = last ? nodes_[s].size() : begins[k + 1];
+      Segment part = segments_[s];
+      part.first = nodes_[s][begins[k]];
+      part.end = last ? segments_[s].end : nodes_[s][end];
+      part.position = states[a](0, static_cast<Eigen::Index>(begins[k]));
+      part.speed = states[a](1, static_cast<Eigen::Index>(begins[k]));
+      segments.push_back(part);
+      nodes.emplace_back(nodes_[s].begin() + static_cast<std::ptrdiff_t>(begins[k]),
+                         nodes_[s].begin() + static_cast<std::ptrdiff_t>(end));
+    }
+  }
+  const bool cut = segments.size() > segments_.size();
+  segments_ = std::move(segments);
+  nodes_ = std::move(nodes);
+  ListParameters();
+  return cut;
+}
+
+Status DriveProblem::PlanSegments(bool choose_step) {
+  if (data_.command.sampled()) return {};  // its controller has a memory, and keeps the joint from diverging
+  for (const DriveMotion& motion : data_.motions) {
+    if (motion.speed_measured) return {};  // positions are not known from the measurement
+  }
+  const std::vector<bool> all = Compared(data_.layout, true, true);
+  const auto every = SegmentsOf(all);
+  if (every.size() != segments_.size()) return {};
+  const DriveWindows regular(*this, DriveWindows::Regular(*this, every, all, kSamples), all);
+  const auto transitions = shooting::Transitions(regular, RestPoint(*this), {});
+  if (!transitions) return {};
+  double growth = 0;
+  for (const auto& of_arc : *transitions) growth = std::max(growth, shooting::LargestGrowth(of_arc));
+  if (growth < kGrowthThatMatters) return {};
+  nodes_.resize(segments_.size());
+  for (std::size_t a = 0; a < regular.arcs(); ++a) {
+    const DriveWindows::Arc& arc = regular.all()[a];
+    for (const std::size_t w : shooting::Join((*transitions)[a], kGrowthOfWindow, kMostJoined))
+      nodes_[arc.segment].push_back(arc.begins[w]);
+  }
+  std::vector<Trajectory> found;
+  if (!ShootForStarts(found)) {
+    nodes_.clear();
+    return {};
+  }
+  // As long a trajectory as numbers of 16 digits can follow; shorter where the model does not follow the
+  // measurement over such a length.
+  std::vector<double> limit(segments_.size(), kMostGrowth);
+  if (Cut(limit, found)) SINEW_TRY(ShootForStarts(found));
+  for (double shorter = 0.01 * kMostGrowth; shorter >= kLeastGrowth; shorter *= 0.1) {
+    limit.assign(segments_.size(), kMostGrowth);
+    bool lost = false;
+    for (std::size_t s = 0; s < segments_.size(); ++s) {
+      if (found[s].misfit < kLost) continue;
+      limit[s] = shorter;
+      lost = true;
+    }
+    if (!lost) break;
+    if (Cut(limit, found)) SINEW_TRY(ShootForStarts(found));
+  }
+  if (!choose_step) return {};
+  double enough = kStepError * data_.scales.position;
+  for (std::size_t b = 0; b < data_.layout.size(); ++b) {
+    const Block& block = data_.layout[b];
+    if (data_.blocks[b].channel == 0 && block.role == BlockRole::kTrain)
+      enough = std::min(enough, kStepErrorOfNoise * residual_rms_ / block.weight);
+  }
+  const double before = data_.command.step;
+  SINEW_TRY(ChooseStep(enough, kFineHalvings));
+  if (data_.command.step < before) SINEW_TRY(ShootForStarts(found));
+  return {};
 }
 
 std::vector<std::string> DriveProblem::WarningsAt(const Vector& /*parameters*/) const {
-  return {};
+  std::vector<std::string> warnings;
+  for (std::size_t r = 0; r < data_.runs.size(); ++r) {
+    const std::size_t count = first_segment_[r + 1] - first_segment_[r];
+    if (count == 1) continue;
+    const DriveRun& run = data_.runs[r];
+    std::vector<std::string> times;
+    for (std::size_t s = first_segment_[r] + 1; s < first_segment_[r + 1]; ++s)
+      times.push_back(fmt::format("{:.4g}", run.begin + run.stops[segments_[s].first]));
+    warnings.push_back(fmt::format(
+        "trial '{}' is not predicted as one trajectory but as {}, which begin anew at t = {} s: small differences "
+        "grow so much that one would not stay near the measurement",
+        run.trial, count, Join(times, ", ")));
+  }
+  return warnings;
 }
 
 }  // namespace sinew
