@@ -15,7 +15,8 @@ constexpr int kRounds = 7;
 constexpr int kMostIterations = 30;  // of a round
 constexpr double kEnough = 1e-3;     // relative decrease at which a round ends
 constexpr double kAlmost = 1e-8;     // the same of the last round
-constexpr double kRounding = 1e-9;  // of what a typical state predicts
+constexpr double kRounding = 1e-9;   // of what a typical state predicts
+constexpr double kHeld = 1e10;       // weight of a component that does not change
 constexpr double kFirstDamping = 1e-3;
 constexpr double kLeastDamping = 1e-12;
 constexpr double kMostDamping = 1e8;
@@ -30,31 +31,30 @@ double Back(const Parameter& p, double place) {
 
 // What is left of a window when its state is eliminated: its state from the next window's and the parameters.
 struct Eliminated {
-  Matrix own;    // [n x n] upper triangular
-  Matrix next;   // [n x n]
+  Matrix own;     // [n x n] upper triangular
+  Matrix next;    // [n x n]
   Matrix shared;  // [n x p]
-  Vector right;  // [n]
+  Vector right;   // [n]
 };
 
-// 1 for the identity.
-double Size(const Matrix& m) {
-  return m.norm() / std::sqrt(static_cast<double>(m.rows()));
-}
+Window WindowOf(const Arc& arc, std::size_t w);
 
 class Search {
  public:
-  Search(const Model& model, const std::vector<Parameter>& all, const std::vector<int>& free,
-         const Vector& parameters)
-      : model_(model), all_(all), free_(free), n_(model.states()), p_(static_cast<Eigen::Index>(free.size())) {
+  Search(const Model& model, const std::vector<Arc>& arcs, const std::vector<Parameter>& all,
+         const std::vector<int>& free, const Vector& parameters, std::vector<Matrix> states)
+      : model_(model),
+        arcs_(arcs),
+        all_(all),
+        free_(free),
+        n_(model.states()),
+        p_(static_cast<Eigen::Index>(free.size())) {
     solution_.parameters = parameters;
-    for (std::size_t a = 0; a < model.arcs(); ++a) {
-      Matrix states(n_, static_cast<Eigen::Index>(model.windows(a)));
-      for (std::size_t w = 0; w < model.windows(a); ++w)
-        states.col(static_cast<Eigen::Index>(w)) = model.MeasuredState(a, w);
-      solution_.states.push_back(std::move(states));
-      shots_.emplace_back(model.windows(a));
-      trial_shots_.emplace_back(model.windows(a));
-      eliminated_.emplace_back(model.windows(a));
+    solution_.states = std::move(states);
+    for (const Arc& arc : arcs) {
+      shots_.emplace_back(arc.windows());
+      trial_shots_.emplace_back(arc.windows());
+      eliminated_.emplace_back(arc.windows());
     }
   }
 
@@ -80,8 +80,9 @@ class Search {
   Status ShootAll(const Solution& at, bool derivatives, Shots& shots) const {
     for (std::size_t a = 0; a < shots.size(); ++a) {
       for (std::size_t w = 0; w < shots[a].size(); ++w)
-        SINEW_TRY(model_.Shoot(a, w, at.parameters, at.states[a].col(static_cast<Eigen::Index>(w)), free_,
-                               derivatives, shots[a][w]));
+        SINEW_TRY(model_.Shoot(WindowOf(arcs_[a], w), at.parameters,
+                               at.states[a].col(static_cast<Eigen::Index>(w)), free_, derivatives,
+                               shots[a][w]));
     }
     return {};
   }
@@ -247,14 +248,18 @@ class Search {
       const Eigen::Index m = shot.residual.size();
       const Eigen::Index gaps = joined ? n_ : 0;
       const Eigen::Index columns = 2 * n_ + p_ + 1;  // own state, next state, parameters, right side
-      Matrix rows = Matrix::Zero(carried.rows() + m + gaps + n_, columns);
+      std::vector<Eigen::Index> known;               // components that do not change
+      for (Eigen::Index i = 0; w == 0 && arcs_[a].begins.front() == 0 && i < n_; ++i) {
+        if (model_.IsKnown(arcs_[a].trial, static_cast<int>(i))) known.push_back(i);
+      }
+      Matrix rows =
+          Matrix::Zero(carried.rows() + m + gaps + n_ + static_cast<Eigen::Index>(known.size()), columns);
       rows.topLeftCorner(carried.rows(), n_) = carried.leftCols(n_);
       rows.block(0, 2 * n_, carried.rows(), p_ + 1) = carried.rightCols(p_ + 1);
       Eigen::Index at = carried.rows();
       rows.block(at, 0, m, n_) = shot.by_state / unit_;
       rows.block(at, 2 * n_, m, p_) = shot.by_parameter * slopes.asDiagonal() / unit_;
       rows.block(at, columns - 1, m, 1) = -shot.residual / unit_;
-      Vector own = rows.block(at, 0, m, n_).colwise().squaredNorm();
       at += m;
       if (joined) {
         const Matrix weight = root * metric_;
@@ -264,9 +269,12 @@ class Search {
         rows.block(at, columns - 1, n_, 1) = -root * Gap(solution_, shots_, a, w);
         at += n_;
       }
-      lengths += rows.block(carried.rows(), 2 * n_, at - carried.rows(), p_).colwise().squaredNorm().transpose();
+      lengths +=
+          rows.block(carried.rows(), 2 * n_, at - carried.rows(), p_).colwise().squaredNorm().transpose();
       // Damping of the state in the metric of the gaps: finite where the window says nothing about it.
       rows.block(at, 0, n_, n_) = std::sqrt(damping) * metric_;
+      at += n_;
+      for (const Eigen::Index i : known) rows(at++, i) = kHeld * (rows.col(i).norm() + metric_.norm());
       const Eigen::HouseholderQR<Matrix> qr(rows);
       const Matrix& packed = qr.matrixQR();
       Matrix upper = packed.topRows(std::min(packed.rows(), columns));
@@ -287,6 +295,7 @@ class Search {
   }
 
   const Model& model_;
+  const std::vector<Arc>& arcs_;
   const std::vector<Parameter>& all_;
   const std::vector<int>& free_;
   Eigen::Index n_;
@@ -300,60 +309,87 @@ class Search {
   Matrix metric_;
 };
 
+Window WindowOf(const Arc& arc, std::size_t w) {
+  return {arc.trial, arc.begins[w], arc.EndOf(w), !arc.IsLast(w)};
+}
+
+// The state at a window's begin from its own samples, held to a guess by a little.
+Vector Corrected(const Model& model, const Window& window, const Vector& parameters, Vector guess,
+                 Shot& shot) {
+  constexpr int kIterations = 4;
+  constexpr double kTrust = 0.05;  // in the guess: deviation of a sample, of what a typical state predicts
+  const Vector typical = model.TypicalState();
+  const Vector before = guess;
+  double cost = std::numeric_limits<double>::infinity();
+  double unit = 0;
+  Vector best = guess;
+  for (int iteration = 0; iteration <= kIterations; ++iteration) {
+    if (!model.Shoot(window, parameters, guess, {}, true, shot)) break;
+    const Matrix slopes = shot.by_state * typical.asDiagonal();
+    if (iteration == 0)
+      unit = kTrust * std::max(slopes.norm() / std::sqrt(std::max(1.0, double(slopes.rows()))), 1e-150);
+    const Vector off = (guess - before).cwiseQuotient(typical);
+    const double reached = shot.residual.squaredNorm() / (unit * unit) + off.squaredNorm();
+    if (!(reached < cost)) break;
+    cost = reached;
+    best = guess;
+    Matrix rows(slopes.rows() + slopes.cols(), slopes.cols());
+    rows << slopes / unit, Matrix::Identity(slopes.cols(), slopes.cols());
+    Vector right(rows.rows());
+    right << -shot.residual / unit, -off;
+    const Eigen::ColPivHouseholderQR<Matrix> qr(rows);
+    guess += typical.cwiseProduct(Vector(qr.solve(right)));
+  }
+  return best;
+}
+
 }  // namespace
 
-Result<Solution> Solve(const Model& model, const std::vector<Parameter>& all, const std::vector<int>& free,
-                       const Vector& parameters) {
-  return Search(model, all, free, parameters).Run();
+void Shot::Prepare(Eigen::Index m, Eigen::Index n, Eigen::Index p, bool joined, bool derivatives) {
+  residual.resize(m);
+  end.resize(joined ? n : 0);
+  if (!derivatives) return;
+  by_state.setZero(m, n);
+  by_parameter.setZero(m, p);
+  end_by_state.setZero(joined ? n : 0, n);
+  end_by_parameter.setZero(joined ? n : 0, p);
 }
 
-Result<std::vector<std::vector<Matrix>>> Transitions(const Model& model, const Vector& parameters,
-                                                     const std::vector<Matrix>& states) {
-  const Vector typical = model.TypicalState();
-  std::vector<std::vector<Matrix>> all(model.arcs());
+bool Shot::IsFinite() const {
+  return residual.allFinite() && end.allFinite() && by_state.allFinite() && by_parameter.allFinite() &&
+         end_by_state.allFinite() && end_by_parameter.allFinite();
+}
+
+Result<Solution> Solve(const Model& model, const std::vector<Arc>& arcs, const std::vector<Parameter>& all,
+                       const std::vector<int>& free, const Vector& parameters) {
+  SINEW_ASSIGN(auto states, TrackedStates(model, arcs, parameters));
+  return Search(model, arcs, all, free, parameters, std::move(states)).Run();
+}
+
+Result<std::vector<Matrix>> TrackedStates(const Model& model, const std::vector<Arc>& arcs,
+                                          const Vector& parameters) {
+  std::vector<Matrix> all;
   Shot shot;
-  for (std::size_t a = 0; a < model.arcs(); ++a) {
-    for (std::size_t w = 0; w + 1 < model.windows(a); ++w) {
-      const Vector state = states.empty() ? model.MeasuredState(a, w)
-                                          : Vector(states[a].col(static_cast<Eigen::Index>(w)));
-      SINEW_TRY(model.Shoot(a, w, parameters, state, {}, true, shot));
-      all[a].emplace_back(typical.cwiseInverse().asDiagonal() * shot.end_by_state * typical.asDiagonal());
+  for (const Arc& arc : arcs) {
+    Matrix states(model.states(), static_cast<Eigen::Index>(arc.windows()));
+    Vector reached;
+    for (std::size_t w = 0; w < arc.windows(); ++w) {
+      Vector state = model.MeasuredState(arc.trial, arc.begins[w]);
+      if (!state.allFinite()) {
+        if (w == 0) return Fail("no state is known where an arc begins");
+        for (Eigen::Index i = 0; i < state.size(); ++i) {
+          if (!std::isfinite(state[i])) state[i] = reached[i];
+        }
+        state = Corrected(model, WindowOf(arc, w), parameters, state, shot);
+      }
+      states.col(static_cast<Eigen::Index>(w)) = state;
+      if (arc.IsLast(w) || model.MeasuredState(arc.trial, arc.EndOf(w)).allFinite()) continue;
+      SINEW_TRY(model.Shoot(WindowOf(arc, w), parameters, state, {}, false, shot));
+      reached = shot.end;
     }
+    all.push_back(std::move(states));
   }
   return all;
-}
-
-double LargestGrowth(const std::vector<Matrix>& transitions) {
-  double largest = 1;
-  std::vector<Matrix> from;  // the begin of each window to the end of the present one
-  for (const Matrix& step : transitions) {
-    from.push_back(Matrix::Identity(step.rows(), step.cols()));
-    for (Matrix& m : from) m = step * m;
-    for (const Matrix& m : from) largest = std::max(largest, Size(m));
-    // What has shrunk since its begin grows no further than what begins here.
-    from.erase(std::remove_if(from.begin(), from.end(), [](const Matrix& m) { return m.norm() < 1; }),
-               from.end());
-  }
-  return std::isfinite(largest) ? largest : std::numeric_limits<double>::infinity();
-}
-
-std::vector<std::size_t> Join(const std::vector<Matrix>& transitions, double growth, std::size_t most) {
-  std::vector<std::size_t> begins{0};
-  std::vector<Matrix> from;
-  for (std::size_t w = 0; w < transitions.size(); ++w) {
-    const Matrix& step = transitions[w];
-    from.push_back(Matrix::Identity(step.rows(), step.cols()));
-    double largest = 0;
-    for (Matrix& m : from) {
-      m = step * m;
-      largest = std::max(largest, Size(m));
-    }
-    if (w > begins.back() && !(largest <= growth && w - begins.back() < most)) {
-      begins.push_back(w);
-      from.assign(1, step);
-    }
-  }
-  return begins;
 }
 
 }  // namespace sinew::shooting

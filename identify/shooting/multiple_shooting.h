@@ -38,21 +38,13 @@ struct Solution {
 /// without those of states, which are the solution's `states`
 /// @param parameters [P] where to begin
 /// Errors: a window cannot be integrated at the begin.
-Result<Solution> Solve(const Model& model, const std::vector<Parameter>& all, const std::vector<int>& free,
-                       const Vector& parameters);
+Result<Solution> Solve(const Model& model, const std::vector<Arc>& arcs, const std::vector<Parameter>& all,
+                       const std::vector<int>& free, const Vector& parameters);
 
-/// How small differences grow from the begin of each window to its end, in units of TypicalState:
-/// [arcs][windows but the last] of n x n. @param states [arcs] of n x windows, as a Solution has them, or
-/// empty: the measured ones. Errors: a window cannot be integrated.
-Result<std::vector<std::vector<Matrix>>> Transitions(const Model& model, const Vector& parameters,
-                                                     const std::vector<Matrix>& states);
-
-/// The largest factor by which a small difference grows between the begins of any two windows.
-[[nodiscard]] double LargestGrowth(const std::vector<Matrix>& transitions);
-
-/// Joins neighbouring windows as long as differences grow by no more than `growth` in between, and at most
-/// `most` of them. @return the windows at which one begins, 0 first
-[[nodiscard]] std::vector<std::size_t> Join(const std::vector<Matrix>& transitions, double growth,
-                                            std::size_t most);
+/// States at the begins of all windows [arcs] of n x windows: the measured ones; components that are not
+/// measured follow the model from window to window, corrected by what each window's samples say.
+/// Errors: a window cannot be integrated.
+Result<std::vector<Matrix>> TrackedStates(const Model& model, const std::vector<Arc>& arcs,
+                                          const Vector& parameters);
 
 }  // namespace sinew::shooting

@@ -37,8 +37,8 @@ void DriveProblem::ListParameters() {
       Segment& segment = segments_[g];
       const bool begins = segment.first == 0;
       const std::string name = begins ? "initial" : fmt::format("segment_{}", g - first_segment_[r] + 1);
-      const std::string where =
-          begins ? "at the begin of the trial" : fmt::format("at t = {:.6g} s", run.begin + run.stops[segment.first]);
+      const std::string where = begins ? "at the begin of the trial"
+                                       : fmt::format("at t = {:.6g} s", run.begin + run.stops[segment.first]);
       segment.state = static_cast<int>(list_.parameters.size());
       Parameter p;
       p.kind = ParameterKind::kNuisance;
@@ -87,7 +87,7 @@ Result<std::unique_ptr<DriveProblem>> DriveProblem::Make(const Dataset& data, co
   SINEW_TRY(CheckLayout(problem->layout(), static_cast<int>(problem->parameters().size())));
   const bool chosen = settings.step.has_value();
   if (!chosen) SINEW_TRY(problem->ChooseStep(kStepError * problem->data_.scales.position, 5));
-  SINEW_TRY(problem->PlanSegments(!chosen));
+  SINEW_TRY(problem->PlanTrajectories(!chosen));
   return problem;
 }
 
@@ -208,27 +208,27 @@ Status DriveProblem::IntegrateLanes(const Stretch& stretch, const Vector& parame
   scratch.lanes = lanes;
   return InPasses(scratch, [&](auto type, std::size_t first, std::size_t count, auto& history) -> Status {
     using T = decltype(type);
-    return Integrate<T>(stretch, parameters, first, count, scratch, history,
-                        [&](std::size_t stop, const DriveSample<T>& sample, const T& position, const T& speed) {
-                          const std::array<const T*, 6> values{&speed,         &position,      &sample.position,
-                                                               &sample.speed, &sample.torque, &sample.current};
-                          for (int channel = -2; channel < 4; ++channel) {
-                            const T& value = *values[static_cast<std::size_t>(channel + 2)];
-                            const double* slopes = nullptr;
-                            if constexpr (!std::is_same_v<T, double>) slopes = value.d.data();
-                            sink(stop, channel, Value(value), slopes, first, count);
-                          }
-                        });
+    return Integrate<T>(
+        stretch, parameters, first, count, scratch, history,
+        [&](std::size_t stop, const DriveSample<T>& sample, const T& position, const T& speed) {
+          const std::array<const T*, 6> values{&speed,        &position,      &sample.position,
+                                               &sample.speed, &sample.torque, &sample.current};
+          for (int channel = -2; channel < 4; ++channel) {
+            const T& value = *values[static_cast<std::size_t>(channel + 2)];
+            const double* slopes = nullptr;
+            if constexpr (!std::is_same_v<T, double>) slopes = value.d.data();
+            sink(stop, channel, Value(value), slopes, first, count);
+          }
+        });
   });
 }
 
 Status DriveProblem::PredictSegment(const Segment& segment, const Query& query, Scratch& scratch,
                                     Prediction& prediction) const {
   // Columns of the states of the other segments of this run, which this one does not depend on.
-  const std::size_t first_state = shared_ + 2 * (static_cast<std::size_t>(&segment - segments_.data()) -
-                                                 first_segment_[segment.run]);
-  const std::size_t columns =
-      shared_ + 2 * (first_segment_[segment.run + 1] - first_segment_[segment.run]);
+  const std::size_t first_state =
+      shared_ + 2 * (static_cast<std::size_t>(&segment - segments_.data()) - first_segment_[segment.run]);
+  const std::size_t columns = shared_ + 2 * (first_segment_[segment.run + 1] - first_segment_[segment.run]);
   auto& lanes = scratch.lanes;
   lanes.clear();
   for (int slot = 0; slot < kDriveSlots; ++slot) {
@@ -239,40 +239,41 @@ Status DriveProblem::PredictSegment(const Segment& segment, const Query& query, 
   }
   const Stretch stretch{segment.run, segment.first, segment.end, query.parameters[segment.state],
                         query.parameters[segment.state + 1]};
-  return InPasses(scratch, [&](auto type, std::size_t first_lane, std::size_t count, auto& history) -> Status {
-    using T = decltype(type);
-    bool finite = true;
-    SINEW_TRY(Integrate<T>(
-        stretch, query.parameters, first_lane, count, scratch, history,
-        [&](std::size_t stop, const DriveSample<T>& sample, const T&, const T&) {
-          const std::array<const T*, 4> channels{&sample.position, &sample.speed, &sample.torque,
-                                                 &sample.current};
-          for (const int block : blocks_of_run_[segment.run]) {
-            const auto b = static_cast<std::size_t>(block);
-            const int row = data_.blocks[b].rows[stop];
-            if (!query.blocks[b] || row < 0) continue;
-            const T& value = *channels[static_cast<std::size_t>(data_.blocks[b].channel)];
-            prediction.values(block)[row] = Value(value);
-            finite = finite && std::isfinite(Value(value));
-            auto derivatives = prediction.derivatives(block);
-            if (query.derivatives && first_lane == 0) {
-              for (std::size_t c = shared_; c < columns; ++c)
-                derivatives(row, static_cast<Eigen::Index>(c)) = 0;
-            }
-            if constexpr (!std::is_same_v<T, double>) {
-              for (std::size_t i = 0; i < count; ++i) {
-                derivatives(row, scratch.lanes[first_lane + i].second) = value.d[i];
-                finite = finite && std::isfinite(value.d[i]);
-              }
-            }
-          }
-        }));
-    if (!finite) {
-      return Fail("trial '{}': the prediction or its sensitivity is not finite",
-                  data_.runs[segment.run].trial);
-    }
-    return {};
-  });
+  return InPasses(
+      scratch, [&](auto type, std::size_t first_lane, std::size_t count, auto& history) -> Status {
+        using T = decltype(type);
+        bool finite = true;
+        SINEW_TRY(Integrate<T>(stretch, query.parameters, first_lane, count, scratch, history,
+                               [&](std::size_t stop, const DriveSample<T>& sample, const T&, const T&) {
+                                 const std::array<const T*, 4> channels{&sample.position, &sample.speed,
+                                                                        &sample.torque, &sample.current};
+                                 for (const int block : blocks_of_run_[segment.run]) {
+                                   const auto b = static_cast<std::size_t>(block);
+                                   const int row = data_.blocks[b].rows[stop];
+                                   if (!query.blocks[b] || row < 0) continue;
+                                   const T& value =
+                                       *channels[static_cast<std::size_t>(data_.blocks[b].channel)];
+                                   prediction.values(block)[row] = Value(value);
+                                   finite = finite && std::isfinite(Value(value));
+                                   auto derivatives = prediction.derivatives(block);
+                                   if (query.derivatives && first_lane == 0) {
+                                     for (std::size_t c = shared_; c < columns; ++c)
+                                       derivatives(row, static_cast<Eigen::Index>(c)) = 0;
+                                   }
+                                   if constexpr (!std::is_same_v<T, double>) {
+                                     for (std::size_t i = 0; i < count; ++i) {
+                                       derivatives(row, scratch.lanes[first_lane + i].second) = value.d[i];
+                                       finite = finite && std::isfinite(value.d[i]);
+                                     }
+                                   }
+                                 }
+                               }));
+        if (!finite) {
+          return Fail("trial '{}': the prediction or its sensitivity is not finite",
+                      data_.runs[segment.run].trial);
+        }
+        return {};
+      });
 }
 
 std::string DriveProblem::objective() const {

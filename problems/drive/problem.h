@@ -11,7 +11,7 @@
 
 #include "datasets/dataset.h"
 #include "identify/problem.h"
-#include "identify/shooting/multiple_shooting.h"
+#include "identify/shooting/trajectory_plan.h"
 #include "problems/drive/data/data.h"
 
 namespace sinew {
@@ -40,7 +40,7 @@ class DriveProblem final : public Problem {
   /// position, velocity (measured, or a smoothed difference) and command.
   [[nodiscard]] std::vector<Signal> ResidualCovariates(int block) const override;
 
-  /// Multiple shooting, where small differences grow (see DriveWindows); else nothing.
+  /// Multiple shooting, where small differences grow; else nothing.
   [[nodiscard]] std::optional<Vector> ImprovedStart(const std::vector<int>& free,
                                                     const std::vector<bool>& compared,
                                                     const Vector& parameters) const override;
@@ -73,20 +73,11 @@ class DriveProblem final : public Problem {
   void ListParameters();
   /// Halves the step until halving it again moves no predicted position by more than `enough`.
   Status ChooseStep(double enough, int most_halvings);
-  /// Finds out whether small differences grow over a trial; if so, plans windows, finds starts with them, and
-  /// cuts the trials into segments that can be predicted as one trajectory each.
-  Status PlanSegments(bool choose_step);
-  struct Trajectory {
-    Matrix states;  ///< [2 x windows]
-    double misfit = 0;
-  };
-  Status ShootForStarts(std::vector<Trajectory>& found);
-  bool Cut(const std::vector<double>& growth, const std::vector<Trajectory>& found);
-  [[nodiscard]] std::optional<shooting::Solution> SolveWindows(const std::vector<int>& free,
-                                                               const std::vector<bool>& compared,
-                                                               const Vector& parameters) const;
-  /// Those of the runs that have a compared block.
-  [[nodiscard]] std::vector<std::size_t> SegmentsOf(const std::vector<bool>& compared) const;
+  /// Finds out whether small differences grow over a trial; if so, finds starts by multiple shooting and cuts
+  /// the trials into trajectories (shooting::MakePlan).
+  Status PlanTrajectories(bool choose_step);
+  /// @param free the base parameters that the plan has found
+  void TakeOver(const shooting::Plan& plan, const std::vector<int>& free);
   [[nodiscard]] int IndexOf(int slot, const Segment& segment) const;
   Status PredictSegment(const Segment& segment, const Query& query, Scratch& scratch,
                         Prediction& prediction) const;
@@ -97,7 +88,7 @@ class DriveProblem final : public Problem {
   /// What a sink gets of one stop: a channel (or -1 position, -2 speed, of the joint itself), its value, and
   /// the slopes of lanes first .. first + count - 1.
   using LaneSink = std::function<void(std::size_t stop, int channel, double value, const double* slopes,
-                                  std::size_t first, std::size_t count)>;
+                                      std::size_t first, std::size_t count)>;
   /// All lanes, in as many passes as it takes.
   Status IntegrateLanes(const Stretch& stretch, const Vector& parameters,
                         const std::vector<std::pair<int, int>>& lanes, Workspace& workspace,
@@ -110,11 +101,9 @@ class DriveProblem final : public Problem {
   DriveParameterList list_;
   std::size_t shared_ = 0;  ///< parameters before the nuisance values
   std::vector<std::vector<int>> blocks_of_run_;
-  std::vector<Segment> segments_;                ///< in the order of the runs, then of time
-  std::vector<std::size_t> first_segment_;       ///< [runs + 1] of each run
-  std::vector<std::vector<std::size_t>> nodes_;  ///< [segments] stops at which a window of multiple shooting
-                                                 ///< begins; empty: nowhere does anything grow
-  double residual_rms_ = 0;  ///< weighted, of the training trials, when starts were found
+  std::vector<Segment> segments_;           ///< in the order of the runs, then of time
+  std::vector<std::size_t> first_segment_;  ///< [runs + 1] of each run
+  std::vector<shooting::Arc> arcs_;  ///< [segments] with their windows; empty: nowhere does anything grow
   std::size_t history_ = 1;
 };
 

@@ -30,9 +30,9 @@ struct DriveData {
   DriveCommand command;
   std::vector<DriveRun> runs;
   std::vector<DriveMotion> motions;  ///< [runs] as measured, without their runs
-  Layout layout;                   ///< without columns
-  std::vector<DriveBlock> blocks;  ///< as in the layout
-  bool known_noise = false;        ///< weights are 1 / sigma
+  Layout layout;                     ///< without columns
+  std::vector<DriveBlock> blocks;    ///< as in the layout
+  bool known_noise = false;          ///< weights are 1 / sigma
   std::vector<std::string> notes;
 };
 
