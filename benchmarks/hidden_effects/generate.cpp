@@ -13,7 +13,8 @@ namespace {
 
 constexpr const char* kUsage =
     "usage: hidden_effects_generate --kind none|single|pair|outsider --seed N [--size S] "
-    "[--noise white|ar|other] [--effect NAME]... [--experiment multisine|trapezoid|over_the_top] [--no-correlations] "
+    "[--noise white|ar|other] [--effect NAME]... [--experiment multisine|trapezoid|over_the_top] "
+    "[--no-correlations] "
     "[--also same|rest|creep|hold|fast|sharp]... --out F.h5 --truth T.json | --list\n";
 
 struct Options {
@@ -124,15 +125,15 @@ struct Hidden {
 Result<std::optional<Hidden>> TryToHide(const Options& options, const Oracle& oracle, const DrivePlan& plan,
                                         const std::string& name, Random& random) {
   const HiddenEffect effect = DrawHidden(name, oracle.extents(), random);
-  SINEW_ASSIGN(const auto amplitude, oracle.Amplitude(effect, kUnitNorm * options.size));
-  if (!amplitude) return std::optional<Hidden>();
+  SINEW_ASSIGN(auto sized, oracle.Amplitude(effect, kUnitNorm * options.size));
+  if (!sized) return std::optional<Hidden>();
   Hidden hidden;
   hidden.name = name;
   hidden.alone = plan.truth;
-  effect.apply(*amplitude, hidden.alone);
-  SINEW_ASSIGN(hidden.signature, oracle.Signature(hidden.alone));
+  effect.apply(sized->amplitude, hidden.alone);
+  hidden.signature = std::move(sized->signature);
   SINEW_ASSIGN(const auto unit, oracle.Amplitude(effect, kUnitNorm));
-  hidden.unit_ratio = unit ? *unit / *amplitude : 0;
+  hidden.unit_ratio = unit ? unit->amplitude / sized->amplitude : 0;
   return std::optional<Hidden>(std::move(hidden));
 }
 
@@ -240,7 +241,12 @@ Status Generate(const Options& options) {
     truth["pair_correlation"] =
         std::abs(hidden[0].signature.normalized().dot(hidden[1].signature.normalized()));
   }
-  SINEW_ASSIGN(const Vector whole, oracle.Signature(plan.truth));
+  Vector whole;
+  if (hidden.size() == 1) {
+    whole = hidden.front().signature;
+  } else {
+    SINEW_ASSIGN(whole, oracle.Signature(plan.truth));
+  }
   truth["oracle_norm"] = whole.norm();
 
   SINEW_ASSIGN(Dataset data, RecordDrive(plan));

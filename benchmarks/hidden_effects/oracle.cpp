@@ -22,7 +22,8 @@ DriveTrial Replay(const DriveTrial& trial, const Vector& input) {
 Result<Oracle> Oracle::Make(const DrivePlan& plan) {
   Oracle oracle;
   oracle.plan_ = plan;
-  if (plan.step < kFineStep) oracle.step_ = kOverTheTopSignatureStep;
+  oracle.grows_ = plan.step < kFineStep;
+  if (oracle.grows_) oracle.step_ = plan.step;
   oracle.plan_.trials.resize(plan.train);
   oracle.samples_ = static_cast<Eigen::Index>(plan.trials.front().command.size());
   oracle.extents_ = {0, 0, 0};
@@ -70,7 +71,7 @@ Result<Oracle> Oracle::Make(const DrivePlan& plan) {
   return oracle;
 }
 
-Result<Vector> Oracle::Signature(const DriveTruth& truth) const {
+Result<Matrix> Oracle::Change(const DriveTruth& truth) const {
   const bool closed = plan_.trials.front().control != DriveControl::kTorque;
   const bool other_input = closed || truth[kInputOffset] != 0 || truth[kInputDrift] != 0 ||
                            truth[kInputGain] != 1 || truth[kInputTimeOffset] != 0 ||
@@ -88,9 +89,18 @@ Result<Vector> Oracle::Signature(const DriveTruth& truth) const {
       change.col(0).segment(at, samples_) = record.position - undisturbed_.segment(at, samples_);
     }
   }
+  return change;
+}
+
+Vector Oracle::Project(Matrix change) const {
   Whiten(change);
   const Vector whitened = change.col(0);
-  return Vector(whitened - basis_ * (basis_.transpose() * whitened));
+  return whitened - basis_ * (basis_.transpose() * whitened);
+}
+
+Result<Vector> Oracle::Signature(const DriveTruth& truth) const {
+  SINEW_ASSIGN(Matrix change, Change(truth));
+  return Project(std::move(change));
 }
 
 Vector Oracle::Noise() const {
@@ -104,7 +114,31 @@ Vector Oracle::Noise() const {
   return whitened - basis_ * (basis_.transpose() * whitened);
 }
 
-Result<std::optional<double>> Oracle::Amplitude(const HiddenEffect& effect, double norm) const {
+Result<std::optional<Oracle::Sized>> Oracle::SmallAmplitude(const HiddenEffect& effect, double norm) const {
+  constexpr int kMaxSteps = 25;
+  constexpr double kLinear = 0.03;  // [rad]
+  double amplitude = std::min(effect.guess, effect.most);
+  for (int step = 0; step < kMaxSteps; ++step) {
+    DriveTruth truth = plan_.truth;
+    effect.apply(amplitude, truth);
+    SINEW_ASSIGN(const Matrix change, Change(truth));
+    const double largest = change.cwiseAbs().maxCoeff();
+    const double share = largest / kLinear;
+    const bool most = amplitude >= effect.most;
+    if (share <= 1 && (share > 0.1 || most)) {
+      Vector signature = Project(change);
+      const double factor = norm / std::max(signature.norm(), 1e-12);
+      if (amplitude * factor > effect.most) return std::optional<Sized>();
+      return std::optional<Sized>(Sized{amplitude * factor, signature * factor});
+    }
+    if (most && share < 1) break;
+    amplitude = std::min(amplitude * std::clamp(0.5 / std::max(share, 1e-9), 0.02, 8.0), effect.most);
+  }
+  return std::optional<Sized>();
+}
+
+Result<std::optional<Oracle::Sized>> Oracle::Amplitude(const HiddenEffect& effect, double norm) const {
+  if (grows_) return SmallAmplitude(effect, norm);
   constexpr int kMaxSteps = 30;
   constexpr double kTolerance = 0.01;
   double amplitude = std::min(effect.guess, effect.most);
@@ -115,9 +149,9 @@ Result<std::optional<double>> Oracle::Amplitude(const HiddenEffect& effect, doub
     effect.apply(amplitude, truth);
     SINEW_ASSIGN(const Vector signature, Signature(truth));
     const double found = signature.norm();
-    if (std::abs(found - norm) < kTolerance * norm) return std::optional<double>(amplitude);
+    if (std::abs(found - norm) < kTolerance * norm) return std::optional<Sized>(Sized{amplitude, signature});
     if (found < norm) {
-      if (amplitude >= effect.most) return std::optional<double>();
+      if (amplitude >= effect.most) return std::optional<Sized>();
       below = amplitude;
     } else {
       above = amplitude;
@@ -126,7 +160,7 @@ Result<std::optional<double>> Oracle::Amplitude(const HiddenEffect& effect, doub
     if (above > 0 && (next >= above || next <= below || step > 8)) next = 0.5 * (below + above);
     amplitude = std::min(next, effect.most);
   }
-  return std::optional<double>();  // the norm jumps over this value
+  return std::optional<Sized>();  // the norm jumps over this value
 }
 
 Result<double> Oracle::Correlation(const Vector& signature, const std::string& effect) const {

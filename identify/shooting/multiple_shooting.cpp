@@ -370,21 +370,28 @@ Result<std::vector<Matrix>> TrackedStates(const Model& model, const std::vector<
                                           const Vector& parameters) {
   std::vector<Matrix> all;
   Shot shot;
-  for (const Arc& arc : arcs) {
+  Vector reached;  // where the window before ended
+  for (std::size_t a = 0; a < arcs.size(); ++a) {
+    const Arc& arc = arcs[a];
+    const bool goes_on =
+        a + 1 < arcs.size() && arcs[a + 1].trial == arc.trial && arcs[a + 1].begins.front() == arc.end;
+    const bool follows = a > 0 && arcs[a - 1].trial == arc.trial && arcs[a - 1].end == arc.begins.front();
     Matrix states(model.states(), static_cast<Eigen::Index>(arc.windows()));
-    Vector reached;
     for (std::size_t w = 0; w < arc.windows(); ++w) {
       Vector state = model.MeasuredState(arc.trial, arc.begins[w]);
       if (!state.allFinite()) {
-        if (w == 0) return Fail("no state is known where an arc begins");
+        if (w == 0 && !follows) return Fail("no state is known where an arc begins");
         for (Eigen::Index i = 0; i < state.size(); ++i) {
           if (!std::isfinite(state[i])) state[i] = reached[i];
         }
         state = Corrected(model, WindowOf(arc, w), parameters, state, shot);
       }
       states.col(static_cast<Eigen::Index>(w)) = state;
-      if (arc.IsLast(w) || model.MeasuredState(arc.trial, arc.EndOf(w)).allFinite()) continue;
-      SINEW_TRY(model.Shoot(WindowOf(arc, w), parameters, state, {}, false, shot));
+      if (arc.IsLast(w) && !goes_on) continue;
+      if (model.MeasuredState(arc.trial, arc.EndOf(w)).allFinite()) continue;
+      Window window = WindowOf(arc, w);
+      window.joined = true;
+      SINEW_TRY(model.Shoot(window, parameters, state, {}, false, shot));
       reached = shot.end;
     }
     all.push_back(std::move(states));

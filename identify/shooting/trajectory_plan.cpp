@@ -106,15 +106,19 @@ Status Complete(const Model& model, const std::vector<bool>& train, const std::v
   plan.needed = plan.growth >= kGrowthThatMatters;
   if (!plan.needed) return {};
   plan.arcs = std::move(joined);
+  SINEW_ASSIGN(plan.states, TrackedStates(model, plan.arcs, plan.parameters));
   Found found;
-  SINEW_TRY(Shoot(model, train, all, free, plan, found));
-  bool cut = false;
-  SINEW_TRY(Cut(model, std::vector<double>(plan.arcs.size(), options.most_growth), plan, cut));
-  if (cut) SINEW_TRY(Shoot(model, train, all, free, plan, found));
+  // Once along the measured states, and once where the solution turns out to grow faster.
+  for (int round = 0; round < 2; ++round) {
+    bool cut = false;
+    SINEW_TRY(Cut(model, std::vector<double>(plan.arcs.size(), options.most_growth), plan, cut));
+    if (cut || round == 0) SINEW_TRY(Shoot(model, train, all, free, plan, found));
+  }
   for (double shorter = 0.01 * options.most_growth; shorter >= kLeastGrowth; shorter *= 0.1) {
     std::vector<double> limit;
     for (const double misfit : found.misfit) limit.push_back(misfit < kLost ? options.most_growth : shorter);
     if (*std::min_element(limit.begin(), limit.end()) == options.most_growth) break;
+    bool cut = false;
     SINEW_TRY(Cut(model, limit, plan, cut));
     if (cut) SINEW_TRY(Shoot(model, train, all, free, plan, found));
   }
@@ -174,7 +178,10 @@ Plan MakePlan(const Model& model, const std::vector<bool>& train, const std::vec
               const std::vector<int>& free, const Vector& parameters, const PlanOptions& options) {
   Plan plan;
   plan.parameters = parameters;
-  if (!Complete(model, train, all, free, options, plan)) plan.needed = false;
+  auto st = Complete(model, train, all, free, options, plan);
+  if (!st && getenv("SHOOT_DEBUG")) fprintf(stderr, "plan %s\n", st.error().message.c_str());
+  if (getenv("SHOOT_DEBUG")) fprintf(stderr, "growth %g arcs %zu\n", plan.growth, plan.arcs.size());
+  if (!st) plan.needed = false;
   return plan;
 }
 
