@@ -129,7 +129,7 @@ Result<std::optional<Oracle::Sized>> Oracle::SmallAmplitude(const HiddenEffect& 
       Vector signature = Project(change);
       const double factor = norm / std::max(signature.norm(), 1e-12);
       if (amplitude * factor > effect.most) return std::optional<Sized>();
-      return std::optional<Sized>(Sized{amplitude * factor, signature * factor});
+      return std::optional<Sized>(Sized{amplitude * factor, signature * factor, factor});
     }
     if (most && share < 1) break;
     amplitude = std::min(amplitude * std::clamp(0.5 / std::max(share, 1e-9), 0.02, 8.0), effect.most);
@@ -138,10 +138,15 @@ Result<std::optional<Oracle::Sized>> Oracle::SmallAmplitude(const HiddenEffect& 
 }
 
 Result<std::optional<Oracle::Sized>> Oracle::Amplitude(const HiddenEffect& effect, double norm) const {
-  if (grows_) return SmallAmplitude(effect, norm);
+  double guess = effect.guess;
+  if (grows_) {
+    SINEW_ASSIGN(auto small, SmallAmplitude(effect, norm));
+    if (!small || small->factor >= 1) return small;
+    guess = small->amplitude / small->factor;  // smaller ones are found by trial: some do nothing
+  }
   constexpr int kMaxSteps = 30;
   constexpr double kTolerance = 0.01;
-  double amplitude = std::min(effect.guess, effect.most);
+  double amplitude = std::min(guess, effect.most);
   double below = 0;
   double above = 0;  // 0: none known yet
   for (int step = 0; step < kMaxSteps; ++step) {
@@ -149,7 +154,8 @@ Result<std::optional<Oracle::Sized>> Oracle::Amplitude(const HiddenEffect& effec
     effect.apply(amplitude, truth);
     SINEW_ASSIGN(const Vector signature, Signature(truth));
     const double found = signature.norm();
-    if (std::abs(found - norm) < kTolerance * norm) return std::optional<Sized>(Sized{amplitude, signature});
+    if (std::abs(found - norm) < kTolerance * norm)
+      return std::optional<Sized>(Sized{amplitude, signature, 1});
     if (found < norm) {
       if (amplitude >= effect.most) return std::optional<Sized>();
       below = amplitude;

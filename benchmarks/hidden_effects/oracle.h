@@ -30,6 +30,7 @@ class Oracle {
   struct Sized {
     double amplitude = 0;
     Vector signature;
+    double factor = 1;  ///< by which both were multiplied
   };
   /// The amplitude whose signature has norm `norm` (to 1 %); nothing if no sensible amplitude has.
   ///

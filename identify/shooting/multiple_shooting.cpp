@@ -66,11 +66,16 @@ class Search {
       if (round <= 0) SetUnit();
       penalty_ = round < 0 ? 0 : kFirstPenalty * std::pow(kPenaltyGrowth, round);
       SINEW_TRY(Descend(round + 1 == kRounds ? kAlmost : kEnough));
-      if (round < 0) solution_.free_cost = ResidualCost(shots_);
+      if (round < 0) solution_.free_misfit = Misfits();
     }
     solution_.cost = ResidualCost(shots_);
     solution_.largest_gap = LargestGap();
-    DescribeMisfit();
+    solution_.misfit = Misfits();
+    double rows = 0;
+    for (const auto& arc : shots_) {
+      for (const Shot& shot : arc) rows += static_cast<double>(shot.residual.size());
+    }
+    solution_.residual_rms = std::sqrt(2 * solution_.cost / std::max(rows, 1.0));
     return std::move(solution_);
   }
 
@@ -124,21 +129,18 @@ class Search {
     metric_ = metric_ * scale.asDiagonal();
   }
 
-  void DescribeMisfit() {
-    double all = 0;
-    double rows = 0;
+  [[nodiscard]] std::vector<double> Misfits() const {
+    std::vector<double> misfits;
     for (const auto& arc : shots_) {
       double sum = 0;
       double typical = 0;
       for (const Shot& shot : arc) {
         sum += shot.residual.squaredNorm();
         typical += (shot.by_state * model_.TypicalState()).squaredNorm();
-        rows += static_cast<double>(shot.residual.size());
       }
-      all += sum;
-      solution_.misfit.push_back(typical > 0 ? std::sqrt(sum / typical) : 0);
+      misfits.push_back(typical > 0 ? std::sqrt(sum / typical) : 0);
     }
-    solution_.residual_rms = rows > 0 ? std::sqrt(all / rows) : 0;
+    return misfits;
   }
 
   [[nodiscard]] Vector Gap(const Solution& at, const Shots& shots, std::size_t a, std::size_t w) const {

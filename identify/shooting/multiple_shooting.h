@@ -22,13 +22,13 @@ struct Solution {
   Vector parameters;           ///< [P] the free ones changed
   std::vector<Matrix> states;  ///< [arcs] of n x windows
   double cost = 0;             ///< half the sum of squared residuals
-  double free_cost = 0;        ///< the same while the windows were not joined yet
   /// Largest gap between two windows, in units of what the samples of a window resolve.
   double largest_gap = 0;
   /// [arcs] Root mean square of an arc's residual, as a share of what a change of the typical state at the
   /// begins of its windows does to it: far below 1 while predictions stay near the measurement.
   std::vector<double> misfit;
-  double residual_rms = 0;  ///< of all residuals, weighted
+  std::vector<double> free_misfit;  ///< [arcs] the same while the windows were not joined yet
+  double residual_rms = 0;          ///< of all residuals, weighted
 };
 
 /// Each step of the search is the Gauss-Newton step with Levenberg's damping of residuals and gaps together.

@@ -14,8 +14,10 @@ constexpr std::size_t kMostJoined = 8;       // shortest windows in one
 constexpr double kGrowthOfWindow = 2;
 constexpr double kGrowthThatMatters = 30;
 constexpr double kLeastGrowth = 10;  // of a trajectory
-/// A trajectory whose residual is so large a share of what a typical change does has lost the measurement.
+/// A trajectory has lost the measurement if its residual is so large a share of what a typical change does,
+/// and so many times that of windows that are not joined, which is noise.
 constexpr double kLost = 0.03;
+constexpr double kFarAbove = 2;
 
 // 1 for the identity.
 double Size(const Matrix& m) {
@@ -40,13 +42,13 @@ Arc ShortestWindows(const Model& model, std::size_t trial) {
 
 // What is found of an arc.
 struct Found {
-  std::vector<double> misfit;  // [arcs]
+  std::vector<bool> lost;  // [arcs] the trajectory does not stay near the measurement
 };
 
 Status Shoot(const Model& model, const std::vector<bool>& train, const std::vector<Parameter>& all,
              const std::vector<int>& free, Plan& plan, Found& found) {
   plan.states.assign(plan.arcs.size(), {});
-  found.misfit.assign(plan.arcs.size(), 0);
+  found.lost.assign(plan.arcs.size(), false);
   for (const bool training : {true, false}) {
     std::vector<Arc> arcs;
     std::vector<std::size_t> of;
@@ -60,7 +62,7 @@ Status Shoot(const Model& model, const std::vector<bool>& train, const std::vect
                  Solve(model, arcs, all, training ? free : std::vector<int>(), plan.parameters));
     for (std::size_t k = 0; k < of.size(); ++k) {
       plan.states[of[k]] = solution.states[k];
-      found.misfit[of[k]] = solution.misfit[k];
+      found.lost[of[k]] = solution.misfit[k] > std::max(kLost, kFarAbove * solution.free_misfit[k]);
     }
     plan.parameters = solution.parameters;
     if (training) plan.residual_rms = solution.residual_rms;
@@ -116,7 +118,7 @@ Status Complete(const Model& model, const std::vector<bool>& train, const std::v
   }
   for (double shorter = 0.01 * options.most_growth; shorter >= kLeastGrowth; shorter *= 0.1) {
     std::vector<double> limit;
-    for (const double misfit : found.misfit) limit.push_back(misfit < kLost ? options.most_growth : shorter);
+    for (const bool lost : found.lost) limit.push_back(lost ? shorter : options.most_growth);
     if (*std::min_element(limit.begin(), limit.end()) == options.most_growth) break;
     bool cut = false;
     SINEW_TRY(Cut(model, limit, plan, cut));
@@ -178,10 +180,7 @@ Plan MakePlan(const Model& model, const std::vector<bool>& train, const std::vec
               const std::vector<int>& free, const Vector& parameters, const PlanOptions& options) {
   Plan plan;
   plan.parameters = parameters;
-  auto st = Complete(model, train, all, free, options, plan);
-  if (!st && getenv("SHOOT_DEBUG")) fprintf(stderr, "plan %s\n", st.error().message.c_str());
-  if (getenv("SHOOT_DEBUG")) fprintf(stderr, "growth %g arcs %zu\n", plan.growth, plan.arcs.size());
-  if (!st) plan.needed = false;
+  if (!Complete(model, train, all, free, options, plan)) plan.needed = false;
   return plan;
 }
 

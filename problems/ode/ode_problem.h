@@ -257,7 +257,7 @@ class OdeProblem : public DeclaredProblem {
   static constexpr std::size_t kLaneCount = DeclaredProblem::kLanes;
   /// Of one trajectory: times kFine, what the integrator's errors become.
   static constexpr double kMostGrowth = 1e6;
-  static constexpr double kFine = 1e-12;  // accuracy where small differences grow
+  static constexpr double kFine = 1e-11;  // accuracy where small differences grow
 
   static constexpr std::size_t Index(int state) { return static_cast<std::size_t>(state); }
 
