@@ -40,28 +40,36 @@ Result<Oracle> Oracle::Make(const DrivePlan& plan) {
   const auto train = static_cast<Eigen::Index>(plan.train);
   Matrix columns = Matrix::Zero(train * oracle.samples_, 3 + 2 * train);
   constexpr int base[] = {kInertia, kViscousFriction, kGravityTorque};
+  // Where small differences grow, a step that is small elsewhere turns the joint over once more.
+  const auto slope = [&](double step, auto&& readings) -> Result<Vector> {
+    constexpr double kLinear = 0.01;  // [rad]
+    constexpr int kMaxTries = 12;
+    for (int tries = 0;; ++tries) {
+      SINEW_ASSIGN(const Vector above, readings(step));
+      SINEW_ASSIGN(const Vector below, readings(-step));
+      const double largest = (above - below).cwiseAbs().maxCoeff();
+      if (!oracle.grows_ || largest <= kLinear || tries == kMaxTries)
+        return Vector((above - below) / (2 * step));
+      step *= std::clamp(0.3 * kLinear / largest, 1e-3, 0.3);
+    }
+  };
   for (int c = 0; c < 3; ++c) {
-    DriveTruth lower = plan.truth;
-    DriveTruth upper = plan.truth;
-    const double step = kRelativeStep * plan.truth[base[c]];
-    lower[base[c]] -= step;
-    upper[base[c]] += step;
-    SINEW_ASSIGN(const Vector above, oracle.Positions(upper, oracle.replayed_));
-    SINEW_ASSIGN(const Vector below, oracle.Positions(lower, oracle.replayed_));
-    columns.col(c) = (above - below) / (2 * step);
+    SINEW_ASSIGN(columns.col(c), slope(kRelativeStep * plan.truth[base[c]], [&](double by) {
+                   DriveTruth moved = plan.truth;
+                   moved[base[c]] += by;
+                   return oracle.Positions(moved, oracle.replayed_);
+                 }));
   }
   for (int s = 0; s < 2; ++s) {
     const auto start = s == 0 ? &DriveTrial::initial_position : &DriveTrial::initial_speed;
-    std::vector<DriveTrial> lower = oracle.replayed_;
-    std::vector<DriveTrial> upper = oracle.replayed_;
-    for (DriveTrial& trial : lower) trial.*start -= kRelativeStep;
-    for (DriveTrial& trial : upper) trial.*start += kRelativeStep;
-    SINEW_ASSIGN(const Vector above, oracle.Positions(plan.truth, upper));
-    SINEW_ASSIGN(const Vector below, oracle.Positions(plan.truth, lower));
-    const Vector slope = (above - below) / (2 * kRelativeStep);
     for (Eigen::Index i = 0; i < train; ++i) {
-      columns.col(3 + 2 * i + s).segment(i * oracle.samples_, oracle.samples_) =
-          slope.segment(i * oracle.samples_, oracle.samples_);
+      const std::vector<DriveTrial> one{oracle.replayed_[static_cast<std::size_t>(i)]};
+      SINEW_ASSIGN(columns.col(3 + 2 * i + s).segment(i * oracle.samples_, oracle.samples_),
+                   slope(kRelativeStep, [&](double by) {
+                     std::vector<DriveTrial> moved = one;
+                     moved.front().*start += by;
+                     return oracle.Positions(plan.truth, moved);
+                   }));
     }
   }
   oracle.Whiten(columns);

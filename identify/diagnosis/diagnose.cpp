@@ -98,7 +98,7 @@ class DiagnosisRun {
     gate.budget.max_evaluations =
         options_.solver == DiagnosisOptions{}.solver ? kBaseEvaluations : kMaxEvaluations;
     Evaluator evaluator(fit, gate);
-    out_.base = solver->Solve(evaluator, BestStart(fit));
+    out_.base = solver->Solve(evaluator, solvers::BestStart(fit));
     out_.base_point = fit.Parameters(out_.base.x);
     out_.extended_point = out_.base_point;
     if (!out_.base.stop.usable() || !out_.base.stop.converged()) {

@@ -21,7 +21,7 @@ Result<Identification> Identify(const Problem& problem, FitSetup setup, Identifi
   options.evaluator.began = std::chrono::steady_clock::now();
   const auto* interrupt = options.evaluator.interrupt;
   Evaluator evaluator(least_squares, std::move(options.evaluator));
-  out.result = solver->Solve(evaluator, BestStart(least_squares));
+  out.result = solver->Solve(evaluator, solvers::BestStart(least_squares));
   out.seconds = evaluator.seconds();
   out.trace = evaluator.trace();
   out.failures = evaluator.failures();

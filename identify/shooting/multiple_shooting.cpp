@@ -12,14 +12,15 @@ namespace {
 constexpr double kFirstPenalty = 1;     // a gap that a window's samples just resolve costs as much as noise
 constexpr double kPenaltyGrowth = 100;  // from one round to the next
 constexpr int kRounds = 7;
-constexpr int kMostIterations = 30;  // of a round
-constexpr double kEnough = 1e-3;     // relative decrease at which a round ends
-constexpr double kAlmost = 1e-8;     // the same of the last round
-constexpr double kRounding = 1e-9;   // of what a typical state predicts
-constexpr double kHeld = 1e10;       // weight of a component that does not change
+constexpr int kMaxIterations = 30;  // of a round
+constexpr double kEnough = 1e-3;    // relative decrease at which a round ends
+constexpr double kAlmost = 1e-8;    // the same of the last round
+constexpr double kRounding = 1e-9;  // of what a typical state predicts
+constexpr double kHeld = 1e10;      // weight of a component that does not change
 constexpr double kFirstDamping = 1e-3;
-constexpr double kLeastDamping = 1e-12;
-constexpr double kMostDamping = 1e8;
+constexpr double kSmallDamping = 1e-5;  // too small to hide what could still be gained
+constexpr double kMinDamping = 1e-12;
+constexpr double kMaxDamping = 1e8;
 
 // Where a parameter lies in the search, which steps by ratios where its scale is logarithmic.
 double Forth(const Parameter& p, double value) {
@@ -175,7 +176,7 @@ class Search {
   Status Descend(double enough) {
     double damping = kFirstDamping;
     double cost = Cost(solution_, shots_);
-    for (int iteration = 0; iteration < kMostIterations && damping <= kMostDamping; ++iteration) {
+    for (int iteration = 0; iteration < kMaxIterations && damping <= kMaxDamping; ++iteration) {
       Solution next = Stepped(damping);
       bool better = bool(ShootAll(next, false, trial_shots_));
       const double reached = better ? Cost(next, trial_shots_) : 0;
@@ -188,8 +189,8 @@ class Search {
       solution_ = std::move(next);
       SINEW_TRY(ShootAll(solution_, true, shots_));
       cost = reached;
-      damping = std::max(0.1 * damping, kLeastDamping);
-      if (gained < enough) break;
+      damping = std::max(0.1 * damping, kMinDamping);
+      if (gained < enough && damping <= kSmallDamping) break;
     }
     return {};
   }
@@ -262,6 +263,8 @@ class Search {
       rows.block(at, 0, m, n_) = shot.by_state / unit_;
       rows.block(at, 2 * n_, m, p_) = shot.by_parameter * slopes.asDiagonal() / unit_;
       rows.block(at, columns - 1, m, 1) = -shot.residual / unit_;
+      // Without the gaps: their weight grows, and damping in their units would stop the search.
+      lengths += rows.block(at, 2 * n_, m, p_).colwise().squaredNorm().transpose();
       at += m;
       if (joined) {
         const Matrix weight = root * metric_;
@@ -271,8 +274,6 @@ class Search {
         rows.block(at, columns - 1, n_, 1) = -root * Gap(solution_, shots_, a, w);
         at += n_;
       }
-      lengths +=
-          rows.block(carried.rows(), 2 * n_, at - carried.rows(), p_).colwise().squaredNorm().transpose();
       // Damping of the state in the metric of the gaps: finite where the window says nothing about it.
       rows.block(at, 0, n_, n_) = std::sqrt(damping) * metric_;
       at += n_;

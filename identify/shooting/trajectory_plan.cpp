@@ -10,10 +10,10 @@ namespace sinew::shooting {
 namespace {
 
 constexpr std::size_t kSamplesPerState = 4;  // in the shortest window
-constexpr std::size_t kMostJoined = 8;       // shortest windows in one
+constexpr std::size_t kMaxJoined = 8;        // shortest windows in one
 constexpr double kGrowthOfWindow = 2;
 constexpr double kGrowthThatMatters = 30;
-constexpr double kLeastGrowth = 10;  // of a trajectory
+constexpr double kMinGrowth = 10;  // of a trajectory
 /// A trajectory has lost the measurement if its residual is so large a share of what a typical change does,
 /// and so many times that of windows that are not joined, which is noise.
 constexpr double kLost = 0.03;
@@ -102,7 +102,7 @@ Status Complete(const Model& model, const std::vector<bool>& train, const std::v
     SINEW_ASSIGN(const auto transitions, Transitions(model, arc, plan.parameters, plan.states[a]));
     plan.growth = std::max(plan.growth, LargestGrowth(transitions));
     joined.push_back({arc.trial, {}, arc.end});
-    for (const std::size_t w : Join(transitions, kGrowthOfWindow, kMostJoined))
+    for (const std::size_t w : Join(transitions, kGrowthOfWindow, kMaxJoined))
       joined.back().begins.push_back(arc.begins[w]);
   }
   plan.needed = plan.growth >= kGrowthThatMatters;
@@ -113,13 +113,13 @@ Status Complete(const Model& model, const std::vector<bool>& train, const std::v
   // Once along the measured states, and once where the solution turns out to grow faster.
   for (int round = 0; round < 2; ++round) {
     bool cut = false;
-    SINEW_TRY(Cut(model, std::vector<double>(plan.arcs.size(), options.most_growth), plan, cut));
+    SINEW_TRY(Cut(model, std::vector<double>(plan.arcs.size(), options.max_growth), plan, cut));
     if (cut || round == 0) SINEW_TRY(Shoot(model, train, all, free, plan, found));
   }
-  for (double shorter = 0.01 * options.most_growth; shorter >= kLeastGrowth; shorter *= 0.1) {
+  for (double shorter = 0.01 * options.max_growth; shorter >= kMinGrowth; shorter *= 0.1) {
     std::vector<double> limit;
-    for (const bool lost : found.lost) limit.push_back(lost ? shorter : options.most_growth);
-    if (*std::min_element(limit.begin(), limit.end()) == options.most_growth) break;
+    for (const bool lost : found.lost) limit.push_back(lost ? shorter : options.max_growth);
+    if (*std::min_element(limit.begin(), limit.end()) == options.max_growth) break;
     bool cut = false;
     SINEW_TRY(Cut(model, limit, plan, cut));
     if (cut) SINEW_TRY(Shoot(model, train, all, free, plan, found));

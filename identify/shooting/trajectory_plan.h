@@ -23,7 +23,7 @@ Result<std::vector<Matrix>> Transitions(const Model& model, const Arc& arc, cons
 
 struct PlanOptions {
   /// Of one trajectory: rounding and the integrator's error, times this, stay far below the noise.
-  double most_growth = 1e7;
+  double max_growth = 1e7;
 };
 
 /// The trajectories of all trials.
@@ -38,7 +38,7 @@ struct Plan {
 
 /// Finds out how small differences grow along the measured states. If they grow by a factor of more than 30,
 /// parameters and states are sought by multiple shooting, of the trials to train on together, then of each
-/// other trial its states alone. A trajectory is as long as `most_growth` allows, or shorter where the model,
+/// other trial its states alone. A trajectory is as long as `max_growth` allows, or shorter where the model,
 /// with whatever is wrong with it, does not stay near the measurement over such a length.
 /// @param train [trials] @param all, free, parameters as for Solve
 /// If anything cannot be integrated, nothing is planned.

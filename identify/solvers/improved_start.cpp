@@ -3,7 +3,7 @@
 #include <algorithm>
 #include <vector>
 
-namespace sinew {
+namespace sinew::solvers {
 
 std::optional<Vector> ImprovedStart(const LeastSquares& fit, const Vector& parameters) {
   const Problem& problem = fit.problem();
@@ -29,4 +29,4 @@ Vector BestStart(const LeastSquares& fit) {
   return there && (!here || *there < *here) ? second : start;
 }
 
-}  // namespace sinew
+}  // namespace sinew::solvers

@@ -5,7 +5,7 @@
 
 #include "identify/least_squares.h"
 
-namespace sinew {
+namespace sinew::solvers {
 
 /// Problem::ImprovedStart for the free parameters and training blocks of a fit. @param parameters [P] within
 /// the fit's bounds @return [P] within them; nothing if the problem has none
@@ -14,4 +14,4 @@ namespace sinew {
 /// The start of a fit, or the problem's improved one if its cost is lower [n].
 [[nodiscard]] Vector BestStart(const LeastSquares& fit);
 
-}  // namespace sinew
+}  // namespace sinew::solvers

@@ -91,7 +91,7 @@ Result<std::unique_ptr<DriveProblem>> DriveProblem::Make(const Dataset& data, co
   return problem;
 }
 
-Status DriveProblem::ChooseStep(double enough, int most_halvings) {
+Status DriveProblem::ChooseStep(double enough, int max_halvings) {
   const Vector rest = RestPoint(*this);
   const auto workspace = NewWorkspace();
   std::vector<bool> wanted(data_.layout.size(), false);
@@ -100,7 +100,7 @@ Status DriveProblem::ChooseStep(double enough, int most_halvings) {
   Prediction fine(data_.layout);
   // Starts may be so bad that there is no motion to compare; then the longest step stays.
   if (!Predict({rest, wanted, false, nullptr}, *workspace, coarse)) return {};
-  for (int halving = 0; halving < most_halvings; ++halving) {
+  for (int halving = 0; halving < max_halvings; ++halving) {
     data_.command.step *= 0.5;
     if (!Predict({rest, wanted, false, nullptr}, *workspace, fine)) break;
     double moved = 0;

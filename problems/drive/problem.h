@@ -72,7 +72,7 @@ class DriveProblem final : public Problem {
   explicit DriveProblem(DriveData data);
   void ListParameters();
   /// Halves the step until halving it again moves no predicted position by more than `enough`.
-  Status ChooseStep(double enough, int most_halvings);
+  Status ChooseStep(double enough, int max_halvings);
   /// Finds out whether small differences grow over a trial; if so, finds starts by multiple shooting and cuts
   /// the trials into trajectories (shooting::MakePlan).
   Status PlanTrajectories(bool choose_step);

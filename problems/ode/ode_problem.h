@@ -86,7 +86,7 @@ class OdeProblem : public DeclaredProblem {
       if (fitted && !state) free.push_back(static_cast<int>(i));
     }
     shooting::PlanOptions how;
-    how.most_growth = kMostGrowth;
+    how.max_growth = kMaxGrowth;
     const Vector rest = RestPoint(*this);
     typical_ = TypicalStates(compared, rest);
     const double accuracy = accuracy_.relative;
@@ -256,7 +256,7 @@ class OdeProblem : public DeclaredProblem {
   using LaneNumber = Lanes;
   static constexpr std::size_t kLaneCount = DeclaredProblem::kLanes;
   /// Of one trajectory: times kFine, what the integrator's errors become.
-  static constexpr double kMostGrowth = 1e6;
+  static constexpr double kMaxGrowth = 1e6;
   static constexpr double kFine = 1e-11;  // accuracy where small differences grow
 
   static constexpr std::size_t Index(int state) { return static_cast<std::size_t>(state); }
