@@ -98,7 +98,7 @@ double Rmse(const Problem& problem, const Identification& found, BlockRole role)
 }
 
 TEST(ChaoticOde, ALorenzRecordingIsFittedAtItsNoiseFromOneMeasuredState) {
-  const auto problem = BindModel<Lorenz>(Recording(40, 0.05, 1), false);
+  const auto problem = BindModel<Lorenz>(Recording(40, 0.04, 1), false);
   ASSERT_TRUE(problem.has_value()) << ErrorOf(problem);
   // exp(0.9 * 40) is 4e15: one trajectory cannot be computed, let alone fitted.
   const Vector rest = RestPoint(**problem);
