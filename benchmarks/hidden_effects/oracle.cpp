@@ -42,7 +42,7 @@ Result<Oracle> Oracle::Make(const DrivePlan& plan) {
   constexpr int base[] = {kInertia, kViscousFriction, kGravityTorque};
   // Where small differences grow, a step that is small elsewhere turns the joint over once more.
   const auto slope = [&](double step, auto&& readings) -> Result<Vector> {
-    constexpr double kLinear = 0.01;  // [rad]
+    constexpr double kLinear = 1e-3;  // [rad]
     constexpr int kMaxTries = 12;
     for (int tries = 0;; ++tries) {
       SINEW_ASSIGN(const Vector above, readings(step));
@@ -124,7 +124,7 @@ Vector Oracle::Noise() const {
 
 Result<std::optional<Oracle::Sized>> Oracle::SmallAmplitude(const HiddenEffect& effect, double norm) const {
   constexpr int kMaxSteps = 25;
-  constexpr double kLinear = 0.03;  // [rad]
+  constexpr double kLinear = 1e-3;  // [rad]
   double amplitude = std::min(effect.guess, effect.most);
   for (int step = 0; step < kMaxSteps; ++step) {
     DriveTruth truth = plan_.truth;

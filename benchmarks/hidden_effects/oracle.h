@@ -36,7 +36,7 @@ class Oracle {
   ///
   /// Where small differences grow (a plan that turns the joint over), the bare change of the readings leaves
   /// the range in which it is linear long before its part off the base model does. There the signature is
-  /// that of an amplitude so small that no reading changes by more than 0.03 rad, times a factor. For effects
+  /// that of an amplitude so small that no reading changes by more than 1 mrad, times a factor. For effects
   /// with a threshold (saturation, backlash), which grow faster than their amplitude, it is a lower limit.
   Result<std::optional<Sized>> Amplitude(const HiddenEffect& effect, double norm) const;
 

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
+#include <utility>
 
 #include "base/text.h"
 
@@ -184,15 +185,16 @@ Plan MakePlan(const Model& model, const std::vector<bool>& train, const std::vec
   return plan;
 }
 
-std::string CutSentence(const std::string& trial, const std::vector<double>& times) {
+Warning CutWarning(const std::string& trial, const std::vector<double>& times) {
   std::string list;
   for (const double t : times) list += fmt::format("{}{:.4g}", list.empty() ? "" : ", ", t);
-  return fmt::format(
+  std::string message = fmt::format(
       "trial '{}' is predicted as {} trajectories, not as one; a new one begins at t = {} s, without "
       "continuity "
       "to the one before: small differences grow so much that one trajectory would not stay near the "
       "measurement, or could not be computed",
       trial, times.size() + 1, list);
+  return {WarningKind::kOther, std::vector<std::string>(times.size(), trial), times, std::move(message)};
 }
 
 Status Refine(const Model& model, const std::vector<bool>& train, const std::vector<Parameter>& all,

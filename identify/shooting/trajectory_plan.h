@@ -5,6 +5,7 @@
 #include <vector>
 
 #include "identify/shooting/multiple_shooting.h"
+#include "identify/warning.h"
 
 namespace sinew::shooting {
 
@@ -45,8 +46,9 @@ struct Plan {
 Plan MakePlan(const Model& model, const std::vector<bool>& train, const std::vector<Parameter>& all,
               const std::vector<int>& free, const Vector& parameters, const PlanOptions& options);
 
-/// What a reader is told of a trial that is not one trajectory. @param times [s] at which it begins anew
-[[nodiscard]] std::string CutSentence(const std::string& trial, const std::vector<double>& times);
+/// The warning about a trial that is not one trajectory; its facts are the trial and the time of each new
+/// begin. @param times [s] at which one begins anew
+[[nodiscard]] Warning CutWarning(const std::string& trial, const std::vector<double>& times);
 
 /// Parameters and states of a plan once more: after the integration became finer.
 Status Refine(const Model& model, const std::vector<bool>& train, const std::vector<Parameter>& all,

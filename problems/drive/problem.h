@@ -44,7 +44,7 @@ class DriveProblem final : public Problem {
   [[nodiscard]] std::optional<Vector> ImprovedStart(const std::vector<int>& free,
                                                     const std::vector<bool>& compared,
                                                     const Vector& parameters) const override;
-  [[nodiscard]] std::vector<std::string> WarningsAt(const Vector& parameters) const override;
+  [[nodiscard]] std::vector<Warning> WarningsAt(const Vector& parameters) const override;
 
   [[nodiscard]] const DriveData& data() const { return data_; }
 

@@ -95,8 +95,8 @@ std::optional<Vector> DriveProblem::ImprovedStart(const std::vector<int>& free,
   return improved;
 }
 
-std::vector<std::string> DriveProblem::WarningsAt(const Vector& /*parameters*/) const {
-  std::vector<std::string> warnings;
+std::vector<Warning> DriveProblem::WarningsAt(const Vector& /*parameters*/) const {
+  std::vector<Warning> warnings;
   for (std::size_t r = 0; r < data_.runs.size(); ++r) {
     const std::size_t count = first_segment_[r + 1] - first_segment_[r];
     if (count == 1) continue;
@@ -104,7 +104,7 @@ std::vector<std::string> DriveProblem::WarningsAt(const Vector& /*parameters*/) 
     std::vector<double> times;
     for (std::size_t s = first_segment_[r] + 1; s < first_segment_[r + 1]; ++s)
       times.push_back(run.begin + run.stops[segments_[s].first]);
-    warnings.push_back(shooting::CutSentence(run.trial, times));
+    warnings.push_back(shooting::CutWarning(run.trial, times));
   }
   return warnings;
 }

@@ -143,14 +143,14 @@ class OdeProblem : public DeclaredProblem {
     return improved;
   }
 
-  [[nodiscard]] std::vector<std::string> WarningsAt(const Vector& /*parameters*/) const override {
-    std::vector<std::string> warnings;
+  [[nodiscard]] std::vector<Warning> WarningsAt(const Vector& /*parameters*/) const override {
+    std::vector<Warning> warnings;
     for (std::size_t t = 0; t < stretches_.size(); ++t) {
       std::vector<double> times;
       for (const Trajectory& trajectory : stretches_[t].trajectories) {
         if (trajectory.first > 0) times.push_back(stretches_[t].stops[trajectory.first]);
       }
-      if (!times.empty()) warnings.push_back(shooting::CutSentence(trials()[t].name, times));
+      if (!times.empty()) warnings.push_back(shooting::CutWarning(trials()[t].name, times));
     }
     return warnings;
   }
