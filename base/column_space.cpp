@@ -16,10 +16,6 @@ Eigen::ColPivHouseholderQR<Matrix> Decompose(const Matrix& columns, double thres
   return qr;
 }
 
-Matrix BasisOf(const Eigen::ColPivHouseholderQR<Matrix>& qr) {
-  return qr.householderQ() * Matrix::Identity(qr.rows(), qr.rank());
-}
-
 // Solved for the independent columns alone: Eigen's own solve would divide by the rounding errors of the
 // dependent ones.
 Matrix SolveBy(const Eigen::ColPivHouseholderQR<Matrix>& qr, const Matrix& rows) {
@@ -86,7 +82,7 @@ ColumnSpace::ColumnSpace(const Matrix& columns, double threshold)
         scaled(r, c) = columns(group.rows[static_cast<std::size_t>(r)], column) / length_[column];
     }
     group.qr = Decompose(scaled, threshold);
-    group.basis = BasisOf(group.qr);
+    group.basis = OrthonormalBasis(group.qr);
     rank_ += group.qr.rank();
   }
   wide_.resize(height_, static_cast<Eigen::Index>(others_.size()));
@@ -102,7 +98,7 @@ ColumnSpace::ColumnSpace(const Matrix& columns, double threshold)
     if (left.col(c).norm() <= threshold) left.col(c).setZero();
   }
   qr_ = Decompose(left, threshold);
-  basis_ = BasisOf(qr_);
+  basis_ = OrthonormalBasis(qr_);
   rank_ += qr_.rank();
 }
 
@@ -158,7 +154,7 @@ Matrix ColumnSpace::RowsOf(const Group& group, const Matrix& all) {
 void ColumnSpace::TakeGroupsFrom(Matrix& rows) const {
   for (const Group& group : groups_) {
     const Matrix own = RowsOf(group, rows);
-    const Matrix taken = group.basis * (group.basis.transpose() * own);
+    const Matrix taken = ProjectionOnto(group.basis, own);
     for (Eigen::Index c = 0; c < rows.cols(); ++c) {
       for (Eigen::Index r = 0; r < own.rows(); ++r)
         rows(group.rows[static_cast<std::size_t>(r)], c) -= taken(r, c);
@@ -168,7 +164,7 @@ void ColumnSpace::TakeGroupsFrom(Matrix& rows) const {
 
 Matrix ColumnSpace::TakenFrom(Matrix rows) const {
   TakeGroupsFrom(rows);
-  if (basis_.cols() > 0) rows -= basis_ * (basis_.transpose() * rows);
+  if (basis_.cols() > 0) rows -= ProjectionOnto(basis_, rows);
   return rows;
 }
 

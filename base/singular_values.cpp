@@ -3,9 +3,8 @@
 
 namespace Eigen {  // NOLINT(readability-identifier-naming): Eigen's
 
-template class EigenSolver<MatrixXd>;
 template EigenSolver<MatrixXd>& EigenSolver<MatrixXd>::compute(const EigenBase<MatrixXd>&, bool);
 
-template class JacobiSVD<MatrixXd>;
+template JacobiSVD<MatrixXd>& JacobiSVD<MatrixXd>::compute(const MatrixXd&, unsigned int);
 
 }  // namespace Eigen

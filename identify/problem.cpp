@@ -40,6 +40,12 @@ std::vector<Warning> Problem::WarningsAt(const Vector& /*parameters*/) const {
   return {};
 }
 
+std::optional<Vector> Problem::ImprovedStart(const std::vector<int>& /*free*/,
+                                             const std::vector<bool>& /*compared*/,
+                                             const Vector& /*parameters*/) const {
+  return {};
+}
+
 Status Problem::WriteDetails(const Vector& /*parameters*/, Hdf5Node& /*details*/) const {
   return {};
 }

@@ -3,6 +3,7 @@
 #pragma once
 
 #include <memory>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -127,6 +128,16 @@ class Problem {
   /// Adds results that are specific to this problem (pressures under a sole, muscle forces) at these
   /// parameters [P] to the details of a run file. Default: nothing.
   virtual Status WriteDetails(const Vector& parameters, Hdf5Node& details) const;
+
+  /// A better point to begin a local fit of the compared blocks at, for problems whose predictions depend so
+  /// strongly on their initial states that a search from anywhere gets lost: multiple shooting. Nothing: the
+  /// problem has no such way, or sees no need for it.
+  /// @param free [increasing] the parameters that may change @param compared [layout size] true for the
+  /// blocks whose measurements are used @param parameters [P] where to begin
+  /// @return [P]; whether it is better is for the caller to find out
+  [[nodiscard]] virtual std::optional<Vector> ImprovedStart(const std::vector<int>& free,
+                                                            const std::vector<bool>& compared,
+                                                            const Vector& parameters) const;
 
   /// Warnings about the model at these parameters [P], such as a muscle outside its working range: kind
   /// kOther, one sentence in `message`; `names` and `numbers`, of equal length or empty, state its facts for

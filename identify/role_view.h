@@ -32,6 +32,11 @@ class RoleView final : public Problem {
   [[nodiscard]] std::vector<Signal> ResidualCovariates(int block) const override {
     return inner_.ResidualCovariates(block);
   }
+  [[nodiscard]] std::optional<Vector> ImprovedStart(const std::vector<int>& free,
+                                                    const std::vector<bool>& compared,
+                                                    const Vector& parameters) const override {
+    return inner_.ImprovedStart(free, compared, parameters);
+  }
   Status WriteDetails(const Vector& parameters, Hdf5Node& details) const override {
     return inner_.WriteDetails(parameters, details);
   }

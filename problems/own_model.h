@@ -44,7 +44,10 @@ Result<std::unique_ptr<Problem>> BindModel(const Dataset& data, bool with_sensor
   } catch (const std::exception& exception) {
     return Fail("the model cannot be made from these data: {}", exception.what());
   }
-  if constexpr (std::is_base_of_v<DeclaredProblem, P>) SINEW_TRY(model->CheckDeclaration());
+  if constexpr (std::is_base_of_v<DeclaredProblem, P>) {
+    SINEW_TRY(model->CheckDeclaration());
+    SINEW_TRY(model->Prepare());
+  }
   SINEW_TRY(CheckProblem(*model));
   if (!with_sensor_effects) return std::unique_ptr<Problem>(std::move(model));
   return std::unique_ptr<Problem>(std::make_unique<SensorEffects>(std::move(model)));

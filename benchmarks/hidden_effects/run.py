@@ -53,6 +53,8 @@ def study(options, number, kind, size, noise, seed):
         data, truth_file = folder / f"case_{number:05d}.h5", folder / "truth.json"
         words = [options.generate, "--kind", kind, "--seed", seed, "--size", size, "--noise", noise, "--experiment",
                  options.experiment, "--out", data, "--truth", truth_file]
+        if options.no_correlations:
+            words.append("--no-correlations")
         if kind not in ("none",):
             words += [w for effect in options.effect for w in ("--effect", effect)]
         status, case["generate_seconds"], message = run(*words)
@@ -368,12 +370,13 @@ def main():
     parser.add_argument("--cases", type=int, default=100, help="per kind, size and noise")
     parser.add_argument("--sizes", type=numbers, default=[2.0], help="in units of what an oracle just detects")
     parser.add_argument("--noise", type=words, default=["white"], help="of white,ar,other")
-    parser.add_argument("--experiment", choices=["multisine", "trapezoid"], default="multisine")
+    parser.add_argument("--experiment", choices=["multisine", "trapezoid", "over_the_top"], default="multisine")
     parser.add_argument("--effect", action="append", default=[], help="hide this one instead of drawing")
     parser.add_argument("--jobs", type=int, default=2)
     parser.add_argument("--first-seed", type=int, default=1, help="cases of one seed share joint and motion")
     parser.add_argument("--program-seed", type=int, default=1, help="--seed of the diagnosis")
     parser.add_argument("--no-coverage", action="store_true", help="without the fit that is told the true effect")
+    parser.add_argument("--no-correlations", action="store_true", help="without the count `separable`, which needs them")
     parser.add_argument("--merge", type=Path, nargs="+", help="no new cases: the tables of these results together")
     parser.add_argument("--out", type=Path)
     options = parser.parse_args()

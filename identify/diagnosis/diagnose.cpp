@@ -15,6 +15,7 @@
 #include "identify/diagnosis/tabulation.h"
 #include "identify/error_concentration.h"
 #include "identify/solvers/held_out_nuisance.h"
+#include "identify/solvers/improved_start.h"
 
 namespace sinew {
 namespace diagnosis {
@@ -97,7 +98,7 @@ class DiagnosisRun {
     gate.interrupt = options_.interrupt;
     gate.budget.max_evaluations = name == "ceres" ? kBaseEvaluations : kMaxEvaluations;
     Evaluator evaluator(fit, gate);
-    out_.base = solver->Solve(evaluator, fit.Start());
+    out_.base = solver->Solve(evaluator, solvers::BestStart(fit));
     out_.base_point = fit.Parameters(out_.base.x);
     out_.extended_point = out_.base_point;
     if (!out_.base.stop.usable() || !out_.base.stop.converged()) {

@@ -5,6 +5,7 @@
 #include "identify/check_problem.h"
 #include "identify/error_concentration.h"
 #include "identify/solvers/held_out_nuisance.h"
+#include "identify/solvers/improved_start.h"
 
 namespace sinew {
 
@@ -21,7 +22,7 @@ Result<Identification> Identify(const Problem& problem, FitSetup setup, Identifi
   options.evaluator.began = std::chrono::steady_clock::now();
   const auto* interrupt = options.evaluator.interrupt;
   Evaluator evaluator(least_squares, std::move(options.evaluator));
-  out.result = solver->Solve(evaluator, least_squares.Start());
+  out.result = solver->Solve(evaluator, solvers::BestStart(least_squares));
   out.seconds = evaluator.seconds();
   out.trace = evaluator.trace();
   out.failures = evaluator.failures();

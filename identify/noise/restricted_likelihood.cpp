@@ -44,7 +44,7 @@ void FitOrdinary(ReducedBlocks& reduced) {
   Vector projection = Vector::Zero(k);
   for (const LaggedBlock& block : reduced.blocks) {
     const Eigen::Index n = block.rows.cols() - 1;
-    const Matrix product = block.rows.transpose() * block.rows;
+    const Matrix product = Gram(block.rows);
     for (Eigen::Index c = 0; c < n; ++c) {
       const int column = block.columns[static_cast<std::size_t>(c)];
       projection[column] += product(n, c);
@@ -70,7 +70,7 @@ ReducedBlocks Reduce(const std::vector<NoiseBlock>& blocks) {
   }
   Matrix gram = Matrix::Zero(all, all);
   for (const NoiseBlock& block : blocks) {
-    const Matrix product = block.regressors.transpose() * block.regressors;
+    const Matrix product = Gram(block.regressors);
     for (std::size_t c = 0; c < block.columns.size(); ++c) {
       for (std::size_t r = 0; r < block.columns.size(); ++r) {
         gram(block.columns[r], block.columns[c]) +=

@@ -317,6 +317,18 @@ void SensorEffects::ObserveDerivatives(const Query& query, int b, const Observat
   }
 }
 
+std::optional<Vector> SensorEffects::ImprovedStart(const std::vector<int>& free,
+                                                   const std::vector<bool>& compared,
+                                                   const Vector& parameters) const {
+  const auto own = std::lower_bound(free.begin(), free.end(), static_cast<int>(inner_parameters_));
+  const auto improved =
+      inner_->ImprovedStart({free.begin(), own}, compared, parameters.head(inner_parameters_));
+  if (!improved) return {};
+  Vector all = parameters;
+  all.head(inner_parameters_) = *improved;
+  return all;
+}
+
 Status SensorEffects::WriteDetails(const Vector& parameters, Hdf5Node& details) const {
   return inner_->WriteDetails(parameters.head(inner_parameters_), details);
 }

@@ -53,6 +53,10 @@ class SensorEffects final : public Problem {
   Status Predict(const Query& query, Workspace& workspace, Prediction& prediction) const override;
   [[nodiscard]] std::string objective() const override { return inner_->objective(); }
   [[nodiscard]] double cost_noise_level() const override { return inner_->cost_noise_level(); }
+  /// Of the wrapped problem, as if the readings were what it predicts.
+  [[nodiscard]] std::optional<Vector> ImprovedStart(const std::vector<int>& free,
+                                                    const std::vector<bool>& compared,
+                                                    const Vector& parameters) const override;
   Status WriteDetails(const Vector& parameters, Hdf5Node& details) const override;
   [[nodiscard]] std::vector<Signal> ResidualCovariates(int block) const override {
     return inner_->ResidualCovariates(block);

@@ -12,7 +12,7 @@ bool BoxQuadraticModel::Set(Eigen::Index variables, const Vector& residuals, con
   normal.setZero(variables, variables);
   gradient.setZero(variables);
   for (const SparseJacobian::Piece& piece : jacobian.pieces) {
-    const Matrix products = piece.values.transpose() * piece.values;
+    const Matrix products = Gram(piece.values);
     const Vector pull = piece.values.transpose() * residuals.segment(piece.first_row, piece.values.rows());
     for (std::size_t a = 0; a < piece.variables.size(); ++a) {
       gradient[piece.variables[a]] += pull[static_cast<Eigen::Index>(a)];

@@ -6,6 +6,7 @@
 #include "identify/fit_setup.h"
 #include "identify/least_squares.h"
 #include "identify/role_view.h"
+#include "identify/solvers/improved_start.h"
 #include "identify/solvers/local_fit.h"
 
 namespace sinew::solvers {
@@ -38,6 +39,11 @@ Result<Vector> FitHeldOutNuisance(const Problem& problem, const Vector& paramete
     LocalFit fit(least_squares);
     const auto outcome = fit.Minimize(least_squares.Variables(answer), -1, {0, 1e-9}, kEvaluations);
     if (outcome.failure.empty()) answer = least_squares.Parameters(outcome.x);
+    const auto improved = ImprovedStart(least_squares, answer);
+    if (!improved) continue;
+    const auto second = fit.Minimize(least_squares.Variables(*improved), -1, {0, 1e-9}, kEvaluations);
+    if (second.failure.empty() && (!outcome.failure.empty() || second.cost < outcome.cost))
+      answer = least_squares.Parameters(second.x);
   }
   return answer;
 }

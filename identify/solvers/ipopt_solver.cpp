@@ -117,7 +117,7 @@ class Program : public Ipopt::TNLP {
     if (!Predict(n, x)) return false;
     Matrix hessian = Matrix::Zero(n, n);
     for (const SparseJacobian::Piece& piece : jacobian_.pieces) {
-      const Matrix product = piece.values.transpose() * piece.values;
+      const Matrix product = Gram(piece.values);
       for (std::size_t i = 0; i < piece.variables.size(); ++i) {
         for (std::size_t j = 0; j < piece.variables.size(); ++j) {
           hessian(piece.variables[i], piece.variables[j]) +=

@@ -78,7 +78,7 @@ Matrix LongRunCovariance(const Matrix& scores, std::vector<Span> spans) {
   const Matrix white = Whitened(scores, correlation, spans);
   double rows = 0;
   for (const Span& s : spans) rows += static_cast<double>(s.count);
-  if (rows == 0) return scores.transpose() * scores;  // one sample per block: nothing to correlate with
+  if (rows == 0) return Gram(scores);  // one sample per block: nothing to correlate with
   const Vector recolour = (1 - correlation.array()).inverse();
   const Matrix sum = BartlettSum(white, spans, AutomaticLag(white, spans, rows));
   return n / rows * recolour.asDiagonal() * sum * recolour.asDiagonal();
@@ -88,7 +88,7 @@ Matrix LongRunCovariance(const Matrix& scores, std::vector<Span> spans) {
 
 Matrix PlainCovariance(const Information& info, const Vector& deviation) {
   const Matrix root = deviation.asDiagonal() * info.columns * info.inverse;
-  return root.transpose() * root;
+  return Gram(root);
 }
 
 Matrix RobustCovariance(const Information& info, const Linearization& at, const Vector& deviation) {
@@ -101,8 +101,7 @@ Matrix RobustCovariance(const Information& info, const Linearization& at, const 
   const double degrees = static_cast<double>(n) - info.leverage.head(n).sum();
   const double correction = static_cast<double>(n) / std::max(degrees, 1.0);
   const Matrix prior_rows = deviation.tail(priors).asDiagonal() * info.columns.bottomRows(priors);
-  const Matrix long_run =
-      correction * LongRunCovariance(scores, std::move(spans)) + prior_rows.transpose() * prior_rows;
+  const Matrix long_run = correction * LongRunCovariance(scores, std::move(spans)) + Gram(prior_rows);
   return info.inverse * long_run * info.inverse;
 }
 

@@ -137,7 +137,7 @@ Matrix FittedInformation(const Linearization& at, const Noise& noise) {
   for (std::size_t v = 0; v < at.status.size(); ++v) {
     if (at.status[v] != VariableStatus::kInside) white.col(static_cast<Eigen::Index>(v)).setZero();
   }
-  return white.transpose() * white;
+  return Gram(white);
 }
 
 Vector StandardErrors(const Matrix& information) {

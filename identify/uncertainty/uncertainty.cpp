@@ -225,7 +225,7 @@ Vector Analysis::Tangent(const Matrix& normal, int variable) const {
 }
 
 void Analysis::Profiles() {
-  const Matrix normal = at_.jacobian.transpose() * at_.jacobian;
+  const Matrix normal = Gram(at_.jacobian);
   std::vector<ProfileRequest> requests;
   std::vector<std::size_t> finding_of;
   for (std::size_t f = 0; f < findings_.size(); ++f) {

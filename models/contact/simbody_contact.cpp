@@ -5,23 +5,17 @@
 #include <exception>
 
 #include "base/assert.h"
+#include "models/multibody/simbody_model.h"
 
 namespace sinew {
 namespace {
 
-SimTK::Vec3 ToSimbody(const Vec3& v) {
-  return {v.x(), v.y(), v.z()};
-}
-Vec3 FromSimbody(const SimTK::Vec3& v) {
-  return {v[0], v[1], v[2]};
-}
-
-SimTK::Rotation ToSimbody(const Mat3& m) {
+SimTK::Rotation RotationOf(const Mat3& m) {
   return SimTK::Rotation(
       SimTK::Mat33(m(0, 0), m(0, 1), m(0, 2), m(1, 0), m(1, 1), m(1, 2), m(2, 0), m(2, 1), m(2, 2)));
 }
 
-SimTK::ContactGeometry::TriangleMesh ToSimbody(const ContactMesh& mesh) {
+SimTK::ContactGeometry::TriangleMesh MeshOf(const ContactMesh& mesh) {
   SimTK::Array_<SimTK::Vec3> vertices;
   SimTK::Array_<int> corners;
   for (const Vec3& vertex : mesh.vertices) vertices.push_back(ToSimbody(vertex));
@@ -58,8 +52,8 @@ SimbodyContact::SimbodyContact(const std::vector<ContactRegion>& regions,
   for (std::size_t i = 0; i < regions.size(); ++i) {
     const SimTK::Body::Rigid any_body(SimTK::MassProperties(1, SimTK::Vec3(0), SimTK::Inertia(1)));
     s.bodies.emplace_back(s.matter.Ground(), SimTK::Transform(), any_body, SimTK::Transform());
-    s.contacts.addBody(set, s.bodies.back(), ToSimbody(regions[i].mesh),
-                       SimTK::Transform(ToSimbody(regions[i].rotation), ToSimbody(regions[i].position)));
+    s.contacts.addBody(set, s.bodies.back(), MeshOf(regions[i].mesh),
+                       SimTK::Transform(RotationOf(regions[i].rotation), ToSimbody(regions[i].position)));
     const ElasticFoundation& p = parameters[i];
     foundation.setBodyParameters(SimTK::ContactSurfaceIndex(static_cast<int>(i) + 1), p.stiffness,
                                  p.dissipation, p.static_friction, p.dynamic_friction, p.viscous_friction);
@@ -78,7 +72,7 @@ Result<std::vector<ContactWrench>> SimbodyContact::WrenchesAt(const std::vector<
   try {
     for (std::size_t i = 0; i < motion.size(); ++i) {
       s.bodies[i].setQToFitTransform(
-          s.state, SimTK::Transform(ToSimbody(motion[i].rotation), ToSimbody(motion[i].position)));
+          s.state, SimTK::Transform(RotationOf(motion[i].rotation), ToSimbody(motion[i].position)));
     }
     s.system.realize(s.state, SimTK::Stage::Position);
     for (std::size_t i = 0; i < motion.size(); ++i) {

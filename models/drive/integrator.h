@@ -55,17 +55,19 @@ class DriveIntegrator {
         actuation_(command, run, Value(shift_), shift_moves),
         controller_(command, run.gains, dynamics, history) {}
 
-  /// Calls sink(stop, DriveSample) at every stop. Errors: the motion is not finite or absurd, too stiff, or
-  /// reverses without end.
+  /// Calls sink(stop, DriveSample) at every stop from `first` up to, but not at, `end`, beginning at `first`
+  /// with the initial state. @pre first is 0 if the controller is sampled: it has a memory.
+  /// Errors: the motion is not finite or absurd, too stiff, or reverses without end.
   template <class Sink>
-  Status Run(Sink&& sink) {
+  Status Run(std::size_t first, std::size_t end, Sink&& sink) {
+    time_ = T(run_.stops[first]);
     q_ = dynamics_[kInitialPosition];
     v_ = dynamics_[kInitialSpeed];
     play_ = q_;
     const bool sampled = command_.sampled();
-    held_.piece = actuation_.PieceAt(0);
+    held_.piece = actuation_.PieceAt(run_.stops[first]);
     int tick = 0;
-    for (std::size_t stop = 0; stop < run_.stops.size();) {
+    for (std::size_t stop = first; stop < end;) {
       double target = run_.stops[stop];
       enum { kPrediction, kKink, kTick } what = kPrediction;
       const int next = held_.piece + 1;
@@ -80,15 +82,19 @@ class DriveIntegrator {
         target = std::min(tick * period, target);
       }
       const bool moves = what == kKink && actuation_.shift_moves();
-      T end(target);
-      if (moves) end += Tangent(shift_);
-      SINEW_TRY(Advance(end, moves));
+      T instant(target);
+      if (moves) instant += Tangent(shift_);
+      SINEW_TRY(Advance(instant, moves));
       if (what == kKink) held_.piece = next;
       if (what == kTick) controller_.Tick(tick++, Value(time_), q_, v_, actuation_, held_);
       if (what == kPrediction) sink(stop++, Sample());
     }
     return {};
   }
+
+  /// The state of the joint at the last stop of Run.
+  [[nodiscard]] const T& position() const { return q_; }
+  [[nodiscard]] const T& speed() const { return v_; }
 
  private:
   static constexpr bool kDifferentiates = !std::is_same_v<T, double>;

@@ -1,8 +1,9 @@
 #include "models/multibody/marker_fit.h"
 
-#include <Eigen/Cholesky>
 #include <algorithm>
 #include <cmath>
+
+#include "base/decompositions.h"
 
 namespace sinew {
 namespace {
@@ -135,7 +136,7 @@ MarkerFit::Solution MarkerFit::Solve(const Vector& start, double accuracy, int m
   solution.cost = at.residuals.squaredNorm();
   double damping = 0;
   for (int iteration = 0; iteration < max_iterations; ++iteration) {
-    const Matrix hessian = at.jacobian.transpose() * at.jacobian;
+    const Matrix hessian = Gram(at.jacobian);
     const Vector gradient = at.jacobian.transpose() * at.residuals;
     const Vector step = DampedStep(hessian, gradient, Blocked(solution.values, gradient), damping);
     const Vector trial = WithStep(solution.values, step);

@@ -63,6 +63,29 @@ int DeclaredProblem::AddSlot(Parameter parameter, bool per_trial) {
   return slot;
 }
 
+int DeclaredProblem::AddTrialSlot(Parameter parameter, std::size_t trial) {
+  const int slot = static_cast<int>(bounded_.size());
+  bounded_.push_back(true);
+  started_.push_back(true);
+  parameter.name += "@" + trials_[trial].name;
+  parameter.trial = trials_[trial].name;
+  parameters_.push_back(std::move(parameter));
+  for (DeclaredTrial& other : trials_) other.parameter_of.push_back(-1);
+  trials_[trial].parameter_of.back() = static_cast<int>(parameters_.size()) - 1;
+  UpdateColumns();
+  return slot;
+}
+
+void DeclaredProblem::SetStart(int index, double start) {
+  Parameter& p = parameters_[static_cast<std::size_t>(index)];
+  p.start = std::clamp(start, p.lower, p.upper);
+}
+
+const std::string& DeclaredProblem::UnitOf(int slot) const {
+  const int index = trials_.front().parameter_of[static_cast<std::size_t>(slot)];
+  return parameters_[static_cast<std::size_t>(index)].unit;
+}
+
 ParameterBuilder DeclaredProblem::parameter(const std::string& name, const std::string& unit) {
   Parameter p;
   p.name = name;
@@ -216,6 +239,7 @@ void DeclaredProblem::UpdateColumns() {
   for (DeclaredTrial& trial : trials_) {
     std::vector<int> columns = trial.parameter_of;
     std::sort(columns.begin(), columns.end());
+    columns.erase(columns.begin(), std::upper_bound(columns.begin(), columns.end(), -1));
     trial.column_of.clear();
     for (const int index : trial.parameter_of) {
       const auto at = std::lower_bound(columns.begin(), columns.end(), index);
@@ -265,6 +289,7 @@ std::vector<Problem::Signal> DeclaredProblem::ResidualCovariates(int b) const {
 Status DeclaredProblem::CheckDeclaration() const {
   if (!complaint_.empty()) return Fail("{}", complaint_);
   for (std::size_t slot = 0; slot < bounded_.size(); ++slot) {
+    if (bounded_[slot] && started_[slot]) continue;
     const int index = trials_.front().parameter_of[slot];
     const std::string& name = parameters_[static_cast<std::size_t>(index)].name;
     if (!bounded_[slot]) return Fail("parameter '{}' has no bounds: expected .bounds(lower, upper)", name);
@@ -283,6 +308,7 @@ Error DeclaredProblem::Failure(const Query& query, const DeclaredTrial& trial,
                                const std::string& what) const {
   std::string with;
   for (const int index : trial.parameter_of) {
+    if (index < 0) continue;
     const Parameter& p = parameters_[static_cast<std::size_t>(index)];
     const double value = query.parameters[index];
     if (p.kind == ParameterKind::kEffect && value == p.null_value) continue;

@@ -22,7 +22,7 @@ namespace sinew {
 /// One trial of a declared problem.
 struct DeclaredTrial {
   std::string name;
-  std::vector<int> parameter_of;     ///< [slots] index into Problem::parameters()
+  std::vector<int> parameter_of;     ///< [slots] index into Problem::parameters(); -1: of another trial alone
   std::vector<int> column_of;        ///< [slots] column of every block of this trial
   std::vector<SampledInput> inputs;  ///< by InputHandle
   std::vector<double> conditions;    ///< by ConditionHandle
@@ -46,6 +46,9 @@ class DeclaredProblem : public Problem {
 
   /// The first thing that is wrong with the declaration. OdeProblem adds checks of its own.
   [[nodiscard]] virtual Status CheckDeclaration() const;
+
+  /// What is to be done once when everything is declared. Default: nothing. BindModel calls it.
+  virtual Status Prepare() { return {}; }
 
  protected:
   /// Derivatives are computed for so many parameters at once.
@@ -83,6 +86,10 @@ class DeclaredProblem : public Problem {
   Parameter& ParameterOf(int slot, std::size_t trial) {
     return parameters_[static_cast<std::size_t>(trials_[trial].parameter_of[static_cast<std::size_t>(slot)])];
   }
+  /// A value of one trial, NAME@TRIAL, with its bounds and start. @return its slot
+  int AddTrialSlot(Parameter parameter, std::size_t trial);
+  void SetStart(int index, double start);
+  [[nodiscard]] const std::string& UnitOf(int slot) const;
   void MarkBounded(int slot) { bounded_[static_cast<std::size_t>(slot)] = true; }
   void MarkStarted(int slot) { started_[static_cast<std::size_t>(slot)] = true; }
   /// Keeps what is wrong with the declaration, if it is the first thing.
@@ -134,7 +141,8 @@ Status DeclaredProblem::PredictTrials(const Query& query, Prediction& prediction
     if (!Wants(query, trial)) continue;
     const std::size_t slots = trial.parameter_of.size();
     plain.resize(slots);
-    for (std::size_t s = 0; s < slots; ++s) plain[s] = query.parameters[trial.parameter_of[s]];
+    for (std::size_t s = 0; s < slots; ++s)
+      plain[s] = trial.parameter_of[s] < 0 ? 0 : query.parameters[trial.parameter_of[s]];
     for (const int b : trial.blocks) {
       if (query.blocks[static_cast<std::size_t>(b)])
         prediction.values(b).setConstant(std::numeric_limits<double>::quiet_NaN());
@@ -146,7 +154,8 @@ Status DeclaredProblem::PredictTrials(const Query& query, Prediction& prediction
     SINEW_TRY(Finite(query, trial, prediction));
     std::vector<int> wanted;
     for (std::size_t s = 0; s < slots; ++s) {
-      if (query.Differentiates(trial.parameter_of[s])) wanted.push_back(static_cast<int>(s));
+      if (trial.parameter_of[s] >= 0 && query.Differentiates(trial.parameter_of[s]))
+        wanted.push_back(static_cast<int>(s));
     }
     for (std::size_t first = 0; first < wanted.size(); first += kLanes) {
       const std::size_t count = std::min<std::size_t>(kLanes, wanted.size() - first);

@@ -7,7 +7,6 @@
 #include "models/drive/uses.h"
 
 namespace sinew {
-
 struct DriveProblem::Scratch final : Problem::Workspace {
   std::vector<std::pair<int, int>> lanes;  // slot, column
   std::vector<double> plain;
@@ -17,6 +16,10 @@ struct DriveProblem::Scratch final : Problem::Workspace {
 };
 
 DriveProblem::DriveProblem(DriveData data) : data_(std::move(data)) {
+  for (std::size_t r = 0; r < data_.runs.size(); ++r) {
+    const DriveRun& run = data_.runs[r];
+    segments_.push_back({r, 0, run.stops.size(), run.initial_position, run.initial_speed, 0});
+  }
   ListParameters();
 }
 
@@ -26,35 +29,48 @@ void DriveProblem::ListParameters() {
   for (std::size_t term = 0; term < list_.ports.front().terms.size(); ++term)
     data_.joint.knots[term] = list_.ports.front().terms[term].knots;
   const DriveScales& s = data_.scales;
-  for (const DriveRun& run : data_.runs) {
-    Parameter p;
-    p.kind = ParameterKind::kNuisance;
-    p.trial = run.trial;
-    p.source = "state at the first time that is predicted";
-    p.name = "initial_position@" + run.trial;
-    p.unit = data_.traits.rotary ? "rad" : "m";
-    p.meaning = "position at the begin of the trial";
-    p.start = run.initial_position;
-    p.lower = p.start - s.position;
-    p.upper = p.start + s.position;
-    list_.parameters.push_back(p);
-    p.name = "initial_speed@" + run.trial;
-    p.unit += "/s";
-    p.meaning = "speed at the begin of the trial";
-    p.start = run.initial_speed;
-    p.lower = p.start - 3 * s.speed;
-    p.upper = p.start + 3 * s.speed;
-    list_.parameters.push_back(p);
+  first_segment_.assign(data_.runs.size() + 1, segments_.size());
+  for (std::size_t g = segments_.size(); g-- > 0;) first_segment_[segments_[g].run] = g;
+  for (std::size_t r = 0; r < data_.runs.size(); ++r) {
+    const DriveRun& run = data_.runs[r];
+    for (std::size_t g = first_segment_[r]; g < first_segment_[r + 1]; ++g) {
+      Segment& segment = segments_[g];
+      const bool begins = segment.first == 0;
+      const std::string name = begins ? "initial" : fmt::format("segment_{}", g - first_segment_[r] + 1);
+      const std::string where = begins ? "at the begin of the trial"
+                                       : fmt::format("at t = {:.6g} s", run.begin + run.stops[segment.first]);
+      segment.state = static_cast<int>(list_.parameters.size());
+      Parameter p;
+      p.kind = ParameterKind::kNuisance;
+      p.trial = run.trial;
+      p.source = begins ? "state at the first time that is predicted" : "state where a new trajectory begins";
+      p.name = name + "_position@" + run.trial;
+      p.unit = data_.traits.rotary ? "rad" : "m";
+      p.meaning = "position " + where;
+      p.start = segment.position;
+      p.lower = p.start - s.position;
+      p.upper = p.start + s.position;
+      list_.parameters.push_back(p);
+      p.name = name + "_speed@" + run.trial;
+      p.unit += "/s";
+      p.meaning = "speed " + where;
+      p.start = segment.speed;
+      p.lower = p.start - 3 * s.speed;
+      p.upper = p.start + 3 * s.speed;
+      list_.parameters.push_back(p);
+    }
   }
-  blocks_of_run_.resize(data_.runs.size());
+  blocks_of_run_.assign(data_.runs.size(), {});
   for (std::size_t b = 0; b < data_.layout.size(); ++b) {
     const auto run = static_cast<std::size_t>(data_.blocks[b].run);
     blocks_of_run_[run].push_back(static_cast<int>(b));
     auto& columns = data_.layout[b].columns;
     columns.clear();
     for (std::size_t i = 0; i < shared_; ++i) columns.push_back(static_cast<int>(i));
-    columns.push_back(static_cast<int>(shared_ + 2 * run));
-    columns.push_back(static_cast<int>(shared_ + 2 * run + 1));
+    for (std::size_t g = first_segment_[run]; g < first_segment_[run + 1]; ++g) {
+      columns.push_back(segments_[g].state);
+      columns.push_back(segments_[g].state + 1);
+    }
   }
   if (data_.command.sampled() && list_.index[kSensingDelay] >= 0) {
     const double longest = list_.parameters[static_cast<std::size_t>(list_.index[kSensingDelay])].upper;
@@ -69,27 +85,22 @@ Result<std::unique_ptr<DriveProblem>> DriveProblem::Make(const Dataset& data, co
   std::unique_ptr<DriveProblem> problem(new DriveProblem(std::move(prepared)));
   SINEW_TRY(CheckParameterList(problem->list_));
   SINEW_TRY(CheckLayout(problem->layout(), static_cast<int>(problem->parameters().size())));
-  if (!settings.step) SINEW_TRY(problem->ChooseStep());
+  const bool chosen = settings.step.has_value();
+  if (!chosen) SINEW_TRY(problem->ChooseStep(kStepError * problem->data_.scales.position, 5));
+  SINEW_TRY(problem->PlanTrajectories(!chosen));
   return problem;
 }
 
-Status DriveProblem::ChooseStep() {
-  constexpr double kEnough = 1e-4;  // of the spread of the positions
-  constexpr int kMaxHalvings = 5;
+Status DriveProblem::ChooseStep(double enough, int max_halvings) {
   const Vector rest = RestPoint(*this);
   const auto workspace = NewWorkspace();
   std::vector<bool> wanted(data_.layout.size(), false);
-  double spread = 0;
-  for (std::size_t b = 0; b < wanted.size(); ++b) {
-    if (data_.blocks[b].channel != 0) continue;
-    wanted[b] = true;
-    spread = std::max(spread, data_.scales.position);
-  }
+  for (std::size_t b = 0; b < wanted.size(); ++b) wanted[b] = data_.blocks[b].channel == 0;
   Prediction coarse(data_.layout);
   Prediction fine(data_.layout);
   // Starts may be so bad that there is no motion to compare; then the longest step stays.
   if (!Predict({rest, wanted, false, nullptr}, *workspace, coarse)) return {};
-  for (int halving = 0; halving < kMaxHalvings; ++halving) {
+  for (int halving = 0; halving < max_halvings; ++halving) {
     data_.command.step *= 0.5;
     if (!Predict({rest, wanted, false, nullptr}, *workspace, fine)) break;
     double moved = 0;
@@ -98,7 +109,7 @@ Status DriveProblem::ChooseStep() {
       const int block = static_cast<int>(b);
       moved = std::max(moved, (fine.values(block) - coarse.values(block)).cwiseAbs().maxCoeff());
     }
-    if (moved <= kEnough * spread) {
+    if (moved <= enough) {
       data_.command.step *= 2;
       break;
     }
@@ -117,60 +128,55 @@ std::unique_ptr<Problem::Workspace> DriveProblem::NewWorkspace() const {
   return scratch;
 }
 
-int DriveProblem::IndexOf(int slot, std::size_t run) const {
-  if (slot == kInitialPosition) return static_cast<int>(shared_ + 2 * run);
-  if (slot == kInitialSpeed) return static_cast<int>(shared_ + 2 * run + 1);
+int DriveProblem::IndexOf(int slot, const Segment& segment) const {
+  if (slot == kInitialPosition) return segment.state;
+  if (slot == kInitialSpeed) return segment.state + 1;
   return list_.index[static_cast<std::size_t>(slot)];
 }
 
 Status DriveProblem::Predict(const Query& query, Workspace& workspace, Prediction& prediction) const {
   auto& scratch = static_cast<Scratch&>(workspace);
-  for (std::size_t run = 0; run < data_.runs.size(); ++run) {
-    const auto& blocks = blocks_of_run_[run];
+  for (const Segment& segment : segments_) {
+    const auto& blocks = blocks_of_run_[segment.run];
     const bool wanted = std::any_of(blocks.begin(), blocks.end(),
                                     [&](int b) { return query.blocks[static_cast<std::size_t>(b)]; });
-    if (wanted) SINEW_TRY(PredictRun(run, query, scratch, prediction));
+    if (wanted) SINEW_TRY(PredictSegment(segment, query, scratch, prediction));
   }
   return {};
 }
 
-Status DriveProblem::PredictRun(std::size_t run, const Query& query, Scratch& scratch,
-                                Prediction& prediction) const {
-  auto& lanes = scratch.lanes;
-  lanes.clear();
-  for (int slot = 0; slot < kDriveSlots; ++slot) {
-    const int index = IndexOf(slot, run);
-    if (index < 0 || !query.Differentiates(index)) continue;
-    const int own = index - static_cast<int>(shared_ + 2 * run);
-    lanes.emplace_back(slot, own < 0 ? index : static_cast<int>(shared_) + own);
-  }
-  if (lanes.empty()) return Pass<double>(run, query, 0, 0, scratch, scratch.plain, prediction);
+template <class F>
+Status DriveProblem::InPasses(Scratch& scratch, F&& pass) {
+  const auto& lanes = scratch.lanes;
+  if (lanes.empty()) return pass(double(), 0, 0, scratch.plain);
   for (std::size_t first = 0; first < lanes.size();) {
     const std::size_t left = lanes.size() - first;
     const std::size_t count = std::min<std::size_t>(left, 16);
     if (left <= 4) {
-      SINEW_TRY(Pass<Dual<4>>(run, query, first, count, scratch, scratch.dual4, prediction));
+      SINEW_TRY(pass(Dual<4>(), first, count, scratch.dual4));
     } else if (left <= 8) {
-      SINEW_TRY(Pass<Dual<8>>(run, query, first, count, scratch, scratch.dual8, prediction));
+      SINEW_TRY(pass(Dual<8>(), first, count, scratch.dual8));
     } else {
-      SINEW_TRY(Pass<Dual<16>>(run, query, first, count, scratch, scratch.dual16, prediction));
+      SINEW_TRY(pass(Dual<16>(), first, count, scratch.dual16));
     }
     first += count;
   }
   return {};
 }
 
-template <class T>
-Status DriveProblem::Pass(std::size_t run_index, const Query& query, std::size_t first_lane,
-                          std::size_t lanes, Scratch& scratch, std::vector<T>& history,
-                          Prediction& prediction) const {
-  const DriveRun& run = data_.runs[run_index];
+template <class T, class Sink>
+Status DriveProblem::Integrate(const Stretch& stretch, const Vector& parameters, std::size_t first_lane,
+                               std::size_t lanes, Scratch& scratch, std::vector<T>& history,
+                               Sink&& sink) const {
+  const DriveRun& run = data_.runs[stretch.run];
   DriveNumbers numbers;
   std::array<T, kDriveSlots> variables;
   for (int slot = 0; slot < kDriveSlots; ++slot) {
     const auto at = static_cast<std::size_t>(slot);
-    const int index = IndexOf(slot, run_index);
-    numbers[at] = index < 0 ? list_.resting[at] : query.parameters[index];
+    const int index = list_.index[at];
+    numbers[at] = index < 0 ? list_.resting[at] : parameters[index];
+    if (slot == kInitialPosition) numbers[at] = stretch.position;
+    if (slot == kInitialSpeed) numbers[at] = stretch.speed;
     variables[at] = T(numbers[at]);
   }
   std::array<bool, kDriveSlots> differentiated{};
@@ -190,27 +196,84 @@ Status DriveProblem::Pass(std::size_t run_index, const Query& query, std::size_t
   const DriveDynamics<double> plain(data_.joint, numbers, uses, frictional);
   const double rate = FastestRate(numbers, data_.joint, data_.command, run);
   DriveIntegrator<T> integrator(data_.command, run, dynamics, plain, rate, shift_moves, history);
-  bool finite = true;
-  SINEW_TRY(integrator.Run([&](std::size_t stop, const DriveSample<T>& sample) {
-    const std::array<const T*, 4> channels{&sample.position, &sample.speed, &sample.torque, &sample.current};
-    for (const int block : blocks_of_run_[run_index]) {
-      const auto b = static_cast<std::size_t>(block);
-      const int row = data_.blocks[b].rows[stop];
-      if (!query.blocks[b] || row < 0) continue;
-      const T& value = *channels[static_cast<std::size_t>(data_.blocks[b].channel)];
-      prediction.values(block)[row] = Value(value);
-      finite = finite && std::isfinite(Value(value));
-      if constexpr (!std::is_same_v<T, double>) {
-        auto derivatives = prediction.derivatives(block);
-        for (std::size_t i = 0; i < lanes; ++i) {
-          derivatives(row, scratch.lanes[first_lane + i].second) = value.d[i];
-          finite = finite && std::isfinite(value.d[i]);
+  return integrator.Run(stretch.first, stretch.end, [&](std::size_t stop, const DriveSample<T>& sample) {
+    sink(stop, sample, integrator.position(), integrator.speed());
+  });
+}
+
+Status DriveProblem::IntegrateLanes(const Stretch& stretch, const Vector& parameters,
+                                    const std::vector<std::pair<int, int>>& lanes, Workspace& workspace,
+                                    const LaneSink& sink) const {
+  auto& scratch = static_cast<Scratch&>(workspace);
+  scratch.lanes = lanes;
+  return InPasses(scratch, [&](auto type, std::size_t first, std::size_t count, auto& history) -> Status {
+    using T = decltype(type);
+    return Integrate<T>(
+        stretch, parameters, first, count, scratch, history,
+        [&](std::size_t stop, const DriveSample<T>& sample, const T& position, const T& speed) {
+          const std::array<const T*, 6> values{&speed,        &position,      &sample.position,
+                                               &sample.speed, &sample.torque, &sample.current};
+          for (int channel = -2; channel < 4; ++channel) {
+            const T& value = *values[static_cast<std::size_t>(channel + 2)];
+            const double* slopes = nullptr;
+            if constexpr (!std::is_same_v<T, double>) slopes = value.d.data();
+            sink(stop, channel, Value(value), slopes, first, count);
+          }
+        });
+  });
+}
+
+Status DriveProblem::PredictSegment(const Segment& segment, const Query& query, Scratch& scratch,
+                                    Prediction& prediction) const {
+  // Columns of the states of the other segments of this run, which this one does not depend on.
+  const std::size_t first_state =
+      shared_ + 2 * (static_cast<std::size_t>(&segment - segments_.data()) - first_segment_[segment.run]);
+  const std::size_t columns = shared_ + 2 * (first_segment_[segment.run + 1] - first_segment_[segment.run]);
+  auto& lanes = scratch.lanes;
+  lanes.clear();
+  for (int slot = 0; slot < kDriveSlots; ++slot) {
+    const int index = IndexOf(slot, segment);
+    if (index < 0 || !query.Differentiates(index)) continue;
+    const int own = index - segment.state;
+    lanes.emplace_back(slot, own < 0 ? index : static_cast<int>(first_state) + own);
+  }
+  const Stretch stretch{segment.run, segment.first, segment.end, query.parameters[segment.state],
+                        query.parameters[segment.state + 1]};
+  return InPasses(
+      scratch, [&](auto type, std::size_t first_lane, std::size_t count, auto& history) -> Status {
+        using T = decltype(type);
+        bool finite = true;
+        SINEW_TRY(Integrate<T>(stretch, query.parameters, first_lane, count, scratch, history,
+                               [&](std::size_t stop, const DriveSample<T>& sample, const T&, const T&) {
+                                 const std::array<const T*, 4> channels{&sample.position, &sample.speed,
+                                                                        &sample.torque, &sample.current};
+                                 for (const int block : blocks_of_run_[segment.run]) {
+                                   const auto b = static_cast<std::size_t>(block);
+                                   const int row = data_.blocks[b].rows[stop];
+                                   if (!query.blocks[b] || row < 0) continue;
+                                   const T& value =
+                                       *channels[static_cast<std::size_t>(data_.blocks[b].channel)];
+                                   prediction.values(block)[row] = Value(value);
+                                   finite = finite && std::isfinite(Value(value));
+                                   auto derivatives = prediction.derivatives(block);
+                                   if (query.derivatives && first_lane == 0) {
+                                     for (std::size_t c = shared_; c < columns; ++c)
+                                       derivatives(row, static_cast<Eigen::Index>(c)) = 0;
+                                   }
+                                   if constexpr (!std::is_same_v<T, double>) {
+                                     for (std::size_t i = 0; i < count; ++i) {
+                                       derivatives(row, scratch.lanes[first_lane + i].second) = value.d[i];
+                                       finite = finite && std::isfinite(value.d[i]);
+                                     }
+                                   }
+                                 }
+                               }));
+        if (!finite) {
+          return Fail("trial '{}': the prediction or its sensitivity is not finite",
+                      data_.runs[segment.run].trial);
         }
-      }
-    }
-  }));
-  if (!finite) return Fail("trial '{}': the prediction or its sensitivity is not finite", run.trial);
-  return {};
+        return {};
+      });
 }
 
 std::string DriveProblem::objective() const {

@@ -3,12 +3,15 @@
 #pragma once
 
 #include <array>
+#include <functional>
 #include <memory>
+#include <optional>
 #include <string>
 #include <vector>
 
 #include "datasets/dataset.h"
 #include "identify/problem.h"
+#include "identify/shooting/trajectory_plan.h"
 #include "problems/drive/data/data.h"
 
 namespace sinew {
@@ -37,23 +40,70 @@ class DriveProblem final : public Problem {
   /// position, velocity (measured, or a smoothed difference) and command.
   [[nodiscard]] std::vector<Signal> ResidualCovariates(int block) const override;
 
+  /// Multiple shooting, where small differences grow; else nothing.
+  [[nodiscard]] std::optional<Vector> ImprovedStart(const std::vector<int>& free,
+                                                    const std::vector<bool>& compared,
+                                                    const Vector& parameters) const override;
+  [[nodiscard]] std::vector<Warning> WarningsAt(const Vector& parameters) const override;
+
   [[nodiscard]] const DriveData& data() const { return data_; }
 
  private:
+  friend class DriveWindows;
+  static constexpr double kStepError = 1e-4;  ///< of the spread of the positions
   struct Scratch;
+  /// A stretch of a trial that is predicted as one trajectory, from a state of its own.
+  struct Segment {
+    std::size_t run = 0;
+    std::size_t first = 0;  ///< stop where it begins
+    std::size_t end = 0;    ///< stop after its last
+    double position = 0;    ///< start of its state
+    double speed = 0;
+    int state = 0;  ///< index of its first parameter, the position; the speed follows
+  };
+  /// Stops from `first` to before `end`, from a state; the state is that of variables 0 and 1 of `lanes`.
+  struct Stretch {
+    std::size_t run = 0;
+    std::size_t first = 0;
+    std::size_t end = 0;
+    double position = 0;
+    double speed = 0;
+  };
   explicit DriveProblem(DriveData data);
   void ListParameters();
-  Status ChooseStep();
-  [[nodiscard]] int IndexOf(int slot, std::size_t run) const;
-  Status PredictRun(std::size_t run, const Query& query, Scratch& scratch, Prediction& prediction) const;
-  template <class T>
-  Status Pass(std::size_t run, const Query& query, std::size_t first_lane, std::size_t lanes,
-              Scratch& scratch, std::vector<T>& history, Prediction& prediction) const;
+  /// Halves the step until halving it again moves no predicted position by more than `enough`.
+  Status ChooseStep(double enough, int max_halvings);
+  /// Finds out whether small differences grow over a trial; if so, finds starts by multiple shooting and cuts
+  /// the trials into trajectories (shooting::MakePlan).
+  Status PlanTrajectories(bool choose_step);
+  /// @param free the base parameters that the plan has found
+  void TakeOver(const shooting::Plan& plan, const std::vector<int>& free);
+  [[nodiscard]] int IndexOf(int slot, const Segment& segment) const;
+  Status PredictSegment(const Segment& segment, const Query& query, Scratch& scratch,
+                        Prediction& prediction) const;
+  /// Integrates with the derivatives of `lanes` (slot and column) from `first_lane` on, at most `lanes`.
+  template <class T, class Sink>
+  Status Integrate(const Stretch& stretch, const Vector& parameters, std::size_t first_lane,
+                   std::size_t lanes, Scratch& scratch, std::vector<T>& history, Sink&& sink) const;
+  /// What a sink gets of one stop: a channel (or -1 position, -2 speed, of the joint itself), its value, and
+  /// the slopes of lanes first .. first + count - 1.
+  using LaneSink = std::function<void(std::size_t stop, int channel, double value, const double* slopes,
+                                      std::size_t first, std::size_t count)>;
+  /// All lanes, in as many passes as it takes.
+  Status IntegrateLanes(const Stretch& stretch, const Vector& parameters,
+                        const std::vector<std::pair<int, int>>& lanes, Workspace& workspace,
+                        const LaneSink& sink) const;
+  /// Calls pass(T(), first lane, lanes, history) with dual numbers of the right width for all lanes.
+  template <class F>
+  static Status InPasses(Scratch& scratch, F&& pass);
 
   DriveData data_;
   DriveParameterList list_;
   std::size_t shared_ = 0;  ///< parameters before the nuisance values
   std::vector<std::vector<int>> blocks_of_run_;
+  std::vector<Segment> segments_;           ///< in the order of the runs, then of time
+  std::vector<std::size_t> first_segment_;  ///< [runs + 1] of each run
+  std::vector<shooting::Arc> arcs_;  ///< [segments] with their windows; empty: nowhere does anything grow
   std::size_t history_ = 1;
 };
 

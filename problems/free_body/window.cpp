@@ -1,8 +1,9 @@
 #include "problems/free_body/window.h"
 
-#include <Eigen/QR>
 #include <algorithm>
 #include <cmath>
+
+#include "base/decompositions.h"
 
 namespace sinew {
 namespace {
@@ -143,7 +144,7 @@ void WindowFit::FactoriseStates() {
   }
   Eigen::ColPivHouseholderQR<Matrix> qr(unit);
   qr.setThreshold(kRank);
-  basis_ = qr.householderQ() * Matrix::Identity(unit.rows(), qr.rank());
+  basis_ = OrthonormalBasis(qr);
 }
 
 template <class T>
@@ -183,7 +184,7 @@ Status WindowFit::Differentiate(const FreeBodyNumbers& numbers, const std::vecto
   }
   FactoriseStates();
   derivatives.array().colwise() *= weight_.array();
-  derivatives -= basis_ * (basis_.transpose() * derivatives);
+  derivatives -= ProjectionOnto(basis_, derivatives);
   derivatives.array().colwise() /= weight_.array();
   return {};
 }

@@ -17,14 +17,17 @@
 #include <cmath>
 #include <functional>
 #include <limits>
+#include <optional>
 #include <string>
 #include <utility>
 #include <vector>
 
 #include "base/dual_math.h"
 #include "base/text.h"
+#include "identify/shooting/trajectory_plan.h"
 #include "problems/declaration/declared_problem.h"
 #include "problems/ode/ode_integrator.h"
+#include "problems/ode/ode_windows.h"
 
 namespace sinew {
 
@@ -46,7 +49,7 @@ class OdeProblem : public DeclaredProblem {
   using State = std::array<T, static_cast<std::size_t>(N)>;
 
   Status Predict(const Query& query, Workspace& /*workspace*/, Prediction& prediction) const final {
-    std::vector<OdeStep> steps;  // of the trial that is predicted
+    std::vector<std::vector<OdeStep>> steps;  // of the trajectories of the trial that is predicted
     return PredictTrials(query, prediction, [&](std::size_t trial, const auto& values, const auto& set) {
       return Run(trial, query.blocks, values, steps, set);
     });
@@ -60,6 +63,96 @@ class OdeProblem : public DeclaredProblem {
     }
     for (std::size_t t = 0; t < trials().size(); ++t) SINEW_TRY(CheckInputs(t));
     return {};
+  }
+
+  /// Finds out whether small differences grow over a trial (shooting::MakePlan). If so: starts by multiple
+  /// shooting, trials cut into trajectories that can be predicted, and finer steps. BindModel calls it.
+  Status Prepare() final {
+    if (N == 0 || layout().empty()) return {};
+    std::vector<bool> compared;
+    for (const Block& block : layout()) compared.push_back(block.role != BlockRole::kPredicted);
+    std::vector<bool> train;
+    for (const DeclaredTrial& trial : trials()) {
+      if (trial.blocks.empty()) return {};
+      train.push_back(layout()[static_cast<std::size_t>(trial.blocks.front())].role == BlockRole::kTrain);
+    }
+    std::vector<int> free;
+    for (std::size_t i = 0; i < parameters().size(); ++i) {
+      const Parameter& p = parameters()[i];
+      const bool state = std::any_of(start_.begin(), start_.end(), [&](const Start& start) {
+        return start.slot >= 0 && !p.trial.empty() && p.name.rfind(NameOf(start.slot), 0) == 0;
+      });
+      const bool fitted = p.kind == ParameterKind::kBase || p.kind == ParameterKind::kNuisance;
+      if (fitted && !state) free.push_back(static_cast<int>(i));
+    }
+    shooting::PlanOptions how;
+    how.max_growth = kMaxGrowth;
+    const Vector rest = RestPoint(*this);
+    typical_ = TypicalStates(compared, rest);
+    const double accuracy = accuracy_.relative;
+    auto plan = shooting::MakePlan(Windows(*this, compared, typical_), train, parameters(), free, rest, how);
+    if (!plan.needed) return {};
+    accuracy_.relative = std::min(accuracy, kFine);
+    if (!shooting::Refine(Windows(*this, compared, typical_), train, parameters(), free, plan)) {
+      accuracy_.relative = accuracy;
+      return {};
+    }
+    TakeOver(plan, free);
+    return {};
+  }
+
+  [[nodiscard]] std::optional<Vector> ImprovedStart(const std::vector<int>& free,
+                                                    const std::vector<bool>& compared,
+                                                    const Vector& parameters) const final {
+    std::vector<shooting::Arc> arcs;
+    std::vector<const Trajectory*> of;
+    std::size_t a = 0;
+    for (std::size_t t = 0; t < stretches_.size(); ++t) {
+      const auto& blocks = trials()[t].blocks;
+      const bool wanted = std::any_of(blocks.begin(), blocks.end(),
+                                      [&](int b) { return compared[static_cast<std::size_t>(b)]; });
+      for (const Trajectory& trajectory : stretches_[t].trajectories) {
+        if (a >= arcs_.size()) return {};
+        const shooting::Arc& arc = arcs_[a++];
+        if (!wanted) continue;
+        arcs.push_back(arc);
+        of.push_back(&trajectory);
+      }
+    }
+    if (arcs.empty()) return {};
+    std::vector<int> shared;
+    for (const int index : free) {
+      if (!IsState(index)) shared.push_back(index);
+    }
+    const auto solved =
+        shooting::Solve(Windows(*this, compared, typical_), arcs, this->parameters(), shared, parameters);
+    if (!solved) return {};
+    Vector improved = solved->parameters;
+    for (std::size_t k = 0; k < arcs.size(); ++k) {
+      for (std::size_t i = 0; i < start_.size(); ++i) {
+        const int slot = of[k]->slot[i];
+        if (slot < 0) continue;
+        const int index = trials()[arcs[k].trial].parameter_of[static_cast<std::size_t>(slot)];
+        improved[index] = solved->states[k](static_cast<Eigen::Index>(i), 0);
+      }
+    }
+    for (const int index : free) {
+      const Parameter& p = this->parameters()[static_cast<std::size_t>(index)];
+      improved[index] = std::clamp(improved[index], p.lower, p.upper);
+    }
+    return improved;
+  }
+
+  [[nodiscard]] std::vector<Warning> WarningsAt(const Vector& /*parameters*/) const override {
+    std::vector<Warning> warnings;
+    for (std::size_t t = 0; t < stretches_.size(); ++t) {
+      std::vector<double> times;
+      for (const Trajectory& trajectory : stretches_[t].trajectories) {
+        if (trajectory.first > 0) times.push_back(stretches_[t].stops[trajectory.first]);
+      }
+      if (!times.empty()) warnings.push_back(shooting::CutWarning(trials()[t].name, times));
+    }
+    return warnings;
   }
 
   /// Steps of the integrator may change by a bit of the parameters, predictions then by a bit of the
@@ -139,24 +232,39 @@ class OdeProblem : public DeclaredProblem {
     int slot = -1;
     bool known = false;
     double value = 0;
+    int observation = -1;  ///< that measures the state itself
   };
   struct Sample {
     int block = 0;
     Eigen::Index row = 0;
   };
-  /// A part of a trial that is integrated in one go, from a state of its own.
-  struct Window {
-    double begin = 0;
+  /// What is integrated in one go, from a state of its own.
+  struct Trajectory {
+    std::size_t first = 0;                                ///< stop where it begins
+    std::size_t end = 0;                                  ///< stop after its last
+    std::array<int, static_cast<std::size_t>(N)> slot{};  ///< of its initial state; -1: start_ knows it
+  };
+  /// A trial from its first to its last prediction.
+  struct Stretch {
     std::vector<double> stops;                 ///< where something is predicted, and kinks of inputs
     std::vector<std::vector<Sample>> samples;  ///< [stops] what is predicted there
+    std::vector<Trajectory> trajectories;      ///< one, unless small differences grow too much
   };
+  template <class, int>
+  friend class OdeWindows;
+  using Windows = OdeWindows<OdeProblem, N>;
+  using LaneNumber = Lanes;
+  static constexpr std::size_t kLaneCount = DeclaredProblem::kLanes;
+  /// Of one trajectory: times kFine, what the integrator's errors become.
+  static constexpr double kMaxGrowth = 1e6;
+  static constexpr double kFine = 1e-11;  // accuracy where small differences grow
 
   static constexpr std::size_t Index(int state) { return static_cast<std::size_t>(state); }
 
   void Plan() {
-    windows_.assign(trials().size(), Window());
+    stretches_.assign(trials().size(), Stretch());
     for (std::size_t t = 0; t < trials().size(); ++t) {
-      Window& window = windows_[t];
+      Stretch& stretch = stretches_[t];
       std::vector<std::pair<double, Sample>> samples;
       for (const int b : trials()[t].blocks) {
         const auto& time = layout()[static_cast<std::size_t>(b)].prediction_time;
@@ -172,20 +280,148 @@ class OdeProblem : public DeclaredProblem {
       const auto predicted = [](const auto& sample) { return sample.second.block >= 0; };
       const auto first = std::find_if(samples.begin(), samples.end(), predicted);
       const auto last = std::find_if(samples.rbegin(), samples.rend(), predicted).base();
-      window.begin = first->first;
       for (auto at = first; at != last; ++at) {
-        if (window.stops.empty() || at->first > window.stops.back()) {
-          window.stops.push_back(at->first);
-          window.samples.emplace_back();
+        if (stretch.stops.empty() || at->first > stretch.stops.back()) {
+          stretch.stops.push_back(at->first);
+          stretch.samples.emplace_back();
         }
-        if (at->second.block >= 0) window.samples.back().push_back(at->second);
+        if (at->second.block >= 0) stretch.samples.back().push_back(at->second);
       }
     }
+  }
+
+  [[nodiscard]] bool IsState(int index) const {
+    return std::binary_search(state_parameters_.begin(), state_parameters_.end(), index);
+  }
+
+  [[nodiscard]] std::string NameOf(int slot) const {
+    const std::string& name =
+        parameters()[static_cast<std::size_t>(trials().front().parameter_of[static_cast<std::size_t>(slot)])]
+            .name;
+    return name.substr(0, name.find('@') + 1);
+  }
+
+  /// The value of a state at a stop, on a straight line through the samples about it; NaN if the trial does
+  /// not measure it. At the begin the start of its initial value.
+  [[nodiscard]] double MeasuredState(std::size_t trial, std::size_t stop, int state) const {
+    constexpr int kAbout = 2;  // samples on each side
+    const Start& start = start_[Index(state)];
+    if (stop == 0) {
+      if (start.known) return start.value;
+      const int index = trials()[trial].parameter_of[static_cast<std::size_t>(start.slot)];
+      return parameters()[static_cast<std::size_t>(index)].start;
+    }
+    for (const int b : trials()[trial].blocks) {
+      if (start.observation < 0 || ObservationOf(b) != start.observation) continue;
+      const Block& block = layout()[static_cast<std::size_t>(b)];
+      const double t = stretches_[trial].stops[stop];
+      const auto time = [&](int i) {
+        return block.prediction_time[static_cast<std::size_t>(block.sample[static_cast<std::size_t>(i)])];
+      };
+      int after = 0;
+      while (after < block.samples() && time(after) < t) ++after;
+      const int first = std::max(0, std::min(after - kAbout, block.samples() - 2 * kAbout - 1));
+      const int last = std::min(block.samples() - 1, first + 2 * kAbout);
+      double mean_time = 0;
+      double mean = 0;
+      for (int i = first; i <= last; ++i) {
+        mean_time += (time(i) - t) / (last - first + 1);
+        mean += block.measured[static_cast<std::size_t>(i)] / (last - first + 1);
+      }
+      double up = 0;
+      double down = 0;
+      for (int i = first; i <= last; ++i) {
+        up += (time(i) - t - mean_time) * (block.measured[static_cast<std::size_t>(i)] - mean);
+        down += (time(i) - t - mean_time) * (time(i) - t - mean_time);
+      }
+      return down > 0 ? mean - mean_time * up / down : mean;
+    }
+    return std::numeric_limits<double>::quiet_NaN();
+  }
+
+  /// Standard deviations of the states: as measured, else along the states that follow the model.
+  [[nodiscard]] Vector TypicalStates(const std::vector<bool>& compared, const Vector& rest) const {
+    Vector typical = Vector::Ones(N);
+    for (int i = 0; i < N; ++i) {
+      const Start& start = start_[Index(i)];
+      if (start.slot >= 0) {
+        const int index = trials().front().parameter_of[static_cast<std::size_t>(start.slot)];
+        const Parameter& p = parameters()[static_cast<std::size_t>(index)];
+        typical[i] = 0.25 * (p.upper - p.lower);
+      } else if (start.value != 0) {
+        typical[i] = std::abs(start.value);
+      }
+    }
+    const Windows windows(*this, compared, typical);
+    std::vector<shooting::Arc> arcs;
+    for (std::size_t t = 0; t < stretches_.size(); ++t) {
+      const auto stops = windows.ComparedStops(t);
+      arcs.push_back({t, {0}, stretches_[t].stops.size()});
+      for (std::size_t i = 4 * N; i + 4 * N < stops.size(); i += 4 * N)
+        arcs.back().begins.push_back(stops[i]);
+    }
+    const auto tracked = shooting::TrackedStates(windows, arcs, rest);
+    if (!tracked) return typical;
+    for (int i = 0; i < N; ++i) {
+      double squares = 0;
+      double count = 0;
+      for (const Matrix& states : *tracked) {
+        squares += (states.row(i).array() - states.row(i).mean()).square().sum();
+        count += static_cast<double>(states.cols());
+      }
+      if (squares > 0 && std::isfinite(squares)) typical[i] = std::sqrt(squares / count);
+    }
+    return typical;
+  }
+
+  void TakeOver(const shooting::Plan& plan, const std::vector<int>& free) {
+    for (const int index : free) SetStart(index, plan.parameters[index]);
+    std::vector<int> count(trials().size(), 0);
+    for (Stretch& stretch : stretches_) stretch.trajectories.clear();
+    for (std::size_t a = 0; a < plan.arcs.size(); ++a) {
+      const shooting::Arc& arc = plan.arcs[a];
+      Trajectory trajectory{arc.begins.front(), arc.end, {}};
+      const int number = ++count[arc.trial];
+      for (std::size_t i = 0; i < start_.size(); ++i) {
+        const double value = plan.states[a](static_cast<Eigen::Index>(i), 0);
+        const double reach = 3 * typical_[static_cast<Eigen::Index>(i)];
+        trajectory.slot[i] = start_[i].slot;
+        if (number > 1) {
+          Parameter p;
+          const std::string state =
+              start_[i].slot < 0 ? fmt::format("state_{}", i) : NameOf(start_[i].slot).substr(8);
+          p.name = fmt::format("trajectory_{}_{}", number,
+                               start_[i].slot < 0 ? state : state.substr(0, state.size() - 1));
+          p.unit = start_[i].slot < 0 ? "1" : UnitOf(start_[i].slot);
+          p.meaning = fmt::format("state where a new trajectory begins, at t = {:.6g} s",
+                                  stretches_[arc.trial].stops[trajectory.first]);
+          p.kind = ParameterKind::kNuisance;
+          p.start = value;
+          p.lower = value - reach;
+          p.upper = value + reach;
+          trajectory.slot[i] = AddTrialSlot(std::move(p), arc.trial);
+        } else if (start_[i].slot >= 0) {
+          SetStart(trials()[arc.trial].parameter_of[static_cast<std::size_t>(start_[i].slot)], value);
+        }
+      }
+      stretches_[arc.trial].trajectories.push_back(trajectory);
+    }
+    arcs_ = plan.arcs;
+    for (std::size_t t = 0; t < trials().size(); ++t) {
+      for (const Trajectory& trajectory : stretches_[t].trajectories) {
+        for (const int slot : trajectory.slot) {
+          if (slot >= 0)
+            state_parameters_.push_back(trials()[t].parameter_of[static_cast<std::size_t>(slot)]);
+        }
+      }
+    }
+    std::sort(state_parameters_.begin(), state_parameters_.end());
   }
 
   /// The initial value of a state that is measured.
   void StartFrom(int index, const std::string& channel, int observation) {
     Start& start = start_[Index(index)];
+    start.observation = observation;
     double least = INFINITY;
     double most = -INFINITY;
     double begin = 0;  // of the first trial that measures it, for those that do not
@@ -220,49 +456,106 @@ class OdeProblem : public DeclaredProblem {
 
   /// An input that ends before what is predicted would go on as a constant; one sample is let pass.
   [[nodiscard]] Status CheckInputs(std::size_t t) const {
-    const Window& window = windows_[t];
-    if (window.stops.empty()) return {};
+    const Stretch& stretch = stretches_[t];
+    if (stretch.stops.empty()) return {};
     for (const SampledInput& in : trials()[t].inputs) {
       const double sample = (in.time.back() - in.time.front()) / static_cast<double>(in.time.size());
-      if (in.time.front() > window.begin + sample || in.time.back() < window.stops.back() - sample) {
+      if (in.time.front() > stretch.stops.front() + sample ||
+          in.time.back() < stretch.stops.back() - sample) {
         return Fail("trial '{}': an input is known from t = {:.6g} to {:.6g} s, expected {:.6g} to {:.6g} s",
-                    trials()[t].name, in.time.front(), in.time.back(), window.begin, window.stops.back());
+                    trials()[t].name, in.time.front(), in.time.back(), stretch.stops.front(),
+                    stretch.stops.back());
       }
     }
     return {};
   }
 
-  template <class T, class Set>
-  Status Run(std::size_t t, const std::vector<bool>& wanted, const Values<T>& values,
-             std::vector<OdeStep>& steps, const Set& set) const {
-    const Window& window = windows_[t];
-    State<T> state;
-    for (std::size_t i = 0; i < state.size(); ++i) {
-      state[i] = start_[i].known ? T(start_[i].value) : values[ParameterHandle{start_[i].slot}];
-    }
-    const auto rate = [&](double time, const State<T>& x, State<T>& dx) {
+  template <class T>
+  [[nodiscard]] auto RateOf(const Values<T>& values) const {
+    return [this, &values](double time, const State<T>& x, State<T>& dx) {
       dx.fill(T(std::numeric_limits<double>::quiet_NaN()));  // what is not set is found
       static_cast<const Derived&>(*this).derivative(values, time, x, dx);
     };
-    const auto sink = [&](int stop, const State<T>& x) {
-      for (const Sample& sample : window.samples[static_cast<std::size_t>(stop)]) {
-        if (!wanted[static_cast<std::size_t>(sample.block)]) continue;
-        const Output& output = outputs_[static_cast<std::size_t>(ObservationOf(sample.block))];
-        set(sample.block, sample.row, output.At(values, window.stops[static_cast<std::size_t>(stop)], x));
+  }
+
+  template <class T>
+  [[nodiscard]] T OutputAt(int block, const Values<T>& values, double t, const State<T>& x) const {
+    return outputs_[static_cast<std::size_t>(ObservationOf(block))].At(values, t, x);
+  }
+
+  /// True if a derivative is wanted that a trajectory has: one of its own state, or of what all have.
+  [[nodiscard]] bool Moves(std::size_t t, const Trajectory& trajectory, const Values<Lanes>& values) const {
+    for (std::size_t s = 0; s < trials()[t].parameter_of.size(); ++s) {
+      const int slot = static_cast<int>(s);
+      const Lanes& value = values[ParameterHandle{slot}];
+      if (std::all_of(value.d.begin(), value.d.end(), [](double d) { return d == 0; })) continue;
+      const bool own =
+          std::find(trajectory.slot.begin(), trajectory.slot.end(), slot) != trajectory.slot.end();
+      if (own || !IsState(trials()[t].parameter_of[s])) return true;
+    }
+    return false;
+  }
+
+  template <class T, class Set>
+  Status Run(std::size_t t, const std::vector<bool>& wanted, const Values<T>& values,
+             std::vector<std::vector<OdeStep>>& steps, const Set& set) const {
+    const Stretch& stretch = stretches_[t];
+    const auto run = [&](const Trajectory& trajectory, const std::vector<double>& stops,
+                         std::vector<OdeStep>& own_steps) -> Status {
+      const auto sink = [&](int at, const State<T>& x) {
+        const std::size_t stop = trajectory.first + static_cast<std::size_t>(at);
+        for (const Sample& sample : stretch.samples[stop]) {
+          if (!wanted[static_cast<std::size_t>(sample.block)]) continue;
+          set(sample.block, sample.row, OutputAt(sample.block, values, stretch.stops[stop], x));
+        }
+      };
+      State<T> state;
+      for (std::size_t i = 0; i < state.size(); ++i) {
+        state[i] = trajectory.slot[i] < 0 ? T(start_[i].value) : values[ParameterHandle{trajectory.slot[i]}];
+      }
+      const auto rate = RateOf(values);
+      if constexpr (std::is_same_v<T, double>) {
+        return IntegrateOde(rate, stops.front(), stops, state, accuracy_, own_steps, sink);
+      } else {
+        RepeatOde(rate, stops.front(), stops, state, own_steps, sink);
+        return {};
       }
     };
-    if constexpr (std::is_same_v<T, double>) {
-      return IntegrateOde(rate, window.begin, window.stops, state, accuracy_, steps, sink);
-    } else {
-      RepeatOde(rate, window.begin, window.stops, state, steps, sink);
-      return {};
+    if (stretch.stops.empty()) return {};
+    if (stretch.trajectories.size() <= 1) {
+      steps.resize(1);
+      Trajectory whole{0, stretch.stops.size(), {}};
+      for (std::size_t i = 0; i < start_.size(); ++i) whole.slot[i] = start_[i].known ? -1 : start_[i].slot;
+      return run(whole, stretch.stops, steps.front());
     }
+    if constexpr (std::is_same_v<T, double>) steps.assign(stretch.trajectories.size(), {});
+    for (std::size_t k = 0; k < stretch.trajectories.size(); ++k) {
+      const Trajectory& trajectory = stretch.trajectories[k];
+      if constexpr (!std::is_same_v<T, double>) {
+        if (!Moves(t, trajectory, values)) {
+          for (std::size_t stop = trajectory.first; stop < trajectory.end; ++stop) {
+            for (const Sample& sample : stretch.samples[stop]) {
+              if (wanted[static_cast<std::size_t>(sample.block)]) set(sample.block, sample.row, T(0));
+            }
+          }
+          continue;
+        }
+      }
+      SINEW_TRY(run(trajectory,
+                    {stretch.stops.begin() + static_cast<std::ptrdiff_t>(trajectory.first),
+                     stretch.stops.begin() + static_cast<std::ptrdiff_t>(trajectory.end)},
+                    steps[k]));
+    }
+    return {};
   }
 
   std::array<Start, static_cast<std::size_t>(N)> start_{};
   OdeAccuracy<static_cast<std::size_t>(N)> accuracy_;
-  std::vector<Output> outputs_;  // [observations]
-  std::vector<Window> windows_;  // [trials]
+  std::vector<Output> outputs_;        // [observations]
+  std::vector<Stretch> stretches_;     // [trials]
+  std::vector<shooting::Arc> arcs_;    // of all trajectories, with their windows; empty: nothing grows
+  std::vector<int> state_parameters_;  // indices of all initial states, if anything grows; increasing
+  Vector typical_;
 };
 
 }  // namespace sinew

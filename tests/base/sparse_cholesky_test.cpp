@@ -2,8 +2,7 @@
 
 #include <gtest/gtest.h>
 
-#include <Eigen/Cholesky>
-
+#include "base/decompositions.h"
 #include "base/random.h"
 
 namespace sinew {

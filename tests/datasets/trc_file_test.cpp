@@ -10,7 +10,7 @@ namespace {
 using testing::ElementsAre;
 using testing::StartsWith;
 
-constexpr double kRounding = 1e-12;  // s and m; decimal fractions in binary
+constexpr double kDecimalRounding = 1e-12;  // s and m; decimal fractions in binary
 
 std::string Trc(const std::string& frames, const std::string& units = "mm", int count = 2) {
   return "PathFileType\t4\t(X/Y/Z)\twalk.trc\n"
@@ -31,8 +31,8 @@ TEST(TrcFile, PositionsAreInMetres) {
   EXPECT_EQ(trc->markers[1].name, "L Heel");
   ASSERT_EQ(trc->markers[0].position.rows(), 2);
   ASSERT_EQ(trc->markers[0].position.cols(), 3);
-  EXPECT_NEAR(trc->markers[0].position(0, 2), 3, kRounding);
-  EXPECT_NEAR(trc->markers[1].position(1, 0), 0.01, kRounding);
+  EXPECT_NEAR(trc->markers[0].position(0, 2), 3, kDecimalRounding);
+  EXPECT_NEAR(trc->markers[1].position(1, 0), 0.01, kDecimalRounding);
   EXPECT_THAT(trc->lines, ElementsAre(7, 8));
 }
 
@@ -40,7 +40,7 @@ TEST(TrcFile, UnitsAreConverted) {
   for (const auto& [unit, metres] : {std::pair("m", 7.0), std::pair("cm", 0.07), std::pair("mm", 0.007)}) {
     const auto trc = ParseTrc(Trc("1\t0.0\t7\t8\t9\t10\t11\t12\n", unit, 1), "x.trc");
     ASSERT_TRUE(trc) << ErrorOf(trc);
-    EXPECT_NEAR(trc->markers[0].position(0, 0), metres, kRounding) << unit;
+    EXPECT_NEAR(trc->markers[0].position(0, 0), metres, kDecimalRounding) << unit;
   }
 }
 
@@ -60,7 +60,7 @@ TEST(TrcFile, RoundedTimesAreRebuiltFromDataRateAndFrameNumbers) {
       "x.trc");
   ASSERT_TRUE(trc) << ErrorOf(trc);
   const double expected[] = {30 / 60.0, 31 / 60.0, 32 / 60.0, 35 / 60.0};
-  for (int i = 0; i < 4; ++i) EXPECT_NEAR(trc->time[i], expected[i], kRounding) << i;
+  for (int i = 0; i < 4; ++i) EXPECT_NEAR(trc->time[i], expected[i], kDecimalRounding) << i;
   EXPECT_THAT(trc->notes,
               ElementsAre("x.trc: times are rounded to 0.001 s; they were rebuilt at 60 Hz from 0.5 s"));
 }

@@ -6,7 +6,7 @@
 namespace sinew {
 namespace {
 
-constexpr double kRounding = 1e-15;  // a handful of multiplications, relative
+constexpr double kFactorRounding = 1e-15;  // a handful of multiplications, relative
 
 struct Case {
   const char* written;
@@ -57,7 +57,7 @@ TEST(Units, KnownUnitsBecomeSi) {
     const auto conversion = ToSi(expected.written);
     ASSERT_TRUE(conversion) << expected.written << ": " << ErrorOf(conversion);
     EXPECT_EQ(conversion->si_unit, expected.si) << expected.written;
-    EXPECT_NEAR(conversion->factor / expected.factor, 1, kRounding) << expected.written;
+    EXPECT_NEAR(conversion->factor / expected.factor, 1, kFactorRounding) << expected.written;
   }
 }
 

@@ -20,8 +20,8 @@ using toy::MakeParameter;
 using toy::ToyProblem;
 using toy::Values;
 
-constexpr int kSamples = 101;
-constexpr double kDuration = 2;
+constexpr int kTrialSamples = 101;
+constexpr double kTrialDuration = 2;
 
 // A toy with signals and a port of its own.
 class SignalProblem final : public Problem {
@@ -58,12 +58,12 @@ double SpeedAt(const Block& block, double t) {
 std::unique_ptr<SignalProblem> ThreeTrials() {
   Layout layout;
   for (const std::string trial : {"one", "two", "check"}) {
-    Block block = MakeBlock(trial, "y", kSamples, kDuration,
+    Block block = MakeBlock(trial, "y", kTrialSamples, kTrialDuration,
                             trial == "check" ? BlockRole::kValidate : BlockRole::kTrain);
     block.unit = "rad";
     block.sample.clear();
     block.measured.clear();
-    for (int i = 10; i < kSamples - 10; ++i) {
+    for (int i = 10; i < kTrialSamples - 10; ++i) {
       if (i % 5 == 0) continue;
       block.sample.push_back(i);
       block.measured.push_back(0);
@@ -92,8 +92,8 @@ std::unique_ptr<SignalProblem> ThreeTrials() {
   });
 }
 
-Prediction PredictAt(const Problem& problem, const Vector& p,
-                     const std::vector<bool>* differentiate = nullptr) {
+Prediction PredictTrialsAt(const Problem& problem, const Vector& p,
+                           const std::vector<bool>* differentiate = nullptr) {
   Prediction prediction(problem.layout());
   const auto workspace = problem.NewWorkspace();
   EXPECT_TRUE(problem.Predict({p, {true, true, true}, true, differentiate}, *workspace, prediction));
@@ -151,7 +151,7 @@ TEST(SensorTrials, EachFittedTrialHasItsOwnEffects) {
 
 TEST(SensorTrials, AnEffectOfOneTrialChangesNoOther) {
   const SensorEffects problem(ThreeTrials());
-  const Prediction at_rest = PredictAt(problem, RestPoint(problem));
+  const Prediction at_rest = PredictTrialsAt(problem, RestPoint(problem));
   for (const auto& [kind, value] : {std::pair<std::string, double>{"offset", 0.3},
                                     {"drift", 0.2},
                                     {"gain", 1.4},
@@ -160,8 +160,8 @@ TEST(SensorTrials, AnEffectOfOneTrialChangesNoOther) {
     one[IndexOf(problem, "y." + kind + "@one")] = value;
     Vector shared = RestPoint(problem);
     shared[IndexOf(problem, "y." + kind)] = value;
-    const Prediction alone = PredictAt(problem, one);
-    const Prediction all = PredictAt(problem, shared);
+    const Prediction alone = PredictTrialsAt(problem, one);
+    const Prediction all = PredictTrialsAt(problem, shared);
     EXPECT_EQ(Vector(alone.values(0)), Vector(all.values(0))) << kind;
     EXPECT_NE(Vector(alone.values(0)), Vector(at_rest.values(0))) << kind;
     EXPECT_EQ(Vector(alone.values(1)), Vector(at_rest.values(1))) << kind;
@@ -206,9 +206,9 @@ TEST(SensorTrials, ATermIsTheSameCurveOfItsSignalInEveryTrial) {
   const SensorEffects problem(ThreeTrials());
   const DiscrepancyTerm& term = problem.ports()[1].terms[1];
   Vector p = RestPoint(problem);
-  const Prediction plain = PredictAt(problem, p);
+  const Prediction plain = PredictTrialsAt(problem, p);
   for (std::size_t k = 0; k < term.knots.size(); ++k) p[term.parameters[k]] = 0.1 * term.knots[k];
-  const Prediction observed = PredictAt(problem, p);
+  const Prediction observed = PredictTrialsAt(problem, p);
   for (int b = 0; b < 3; ++b) {
     const Block& block = problem.layout()[static_cast<std::size_t>(b)];
     const Vector added = observed.values(b) - plain.values(b);
@@ -218,7 +218,7 @@ TEST(SensorTrials, ATermIsTheSameCurveOfItsSignalInEveryTrial) {
       EXPECT_NEAR(added[at], 0.1 * speed, i == 3 ? kTolerance : kRounding) << block.trial << " " << at;
     }
     EXPECT_NEAR(added[0], added[11], kRounding) << "constant before the first sample";
-    EXPECT_NEAR(added[kSamples - 1], added[89], kRounding) << "constant beyond the last sample";
+    EXPECT_NEAR(added[kTrialSamples - 1], added[89], kRounding) << "constant beyond the last sample";
     EXPECT_NEAR(added[50], 0.5 * (added[49] + added[51]), kRounding) << "straight between samples";
   }
 }
@@ -228,9 +228,9 @@ TEST(SensorTrials, ATermOfTheReadingItselfFollowsThePrediction) {
   const SensorEffects problem(ThreeTrials());
   const DiscrepancyTerm& term = problem.ports()[1].terms[2];
   Vector p = RestPoint(problem);
-  const Prediction plain = PredictAt(problem, p);  // of amplitude 1, well inside the measured 2
+  const Prediction plain = PredictTrialsAt(problem, p);  // of amplitude 1, well inside the measured 2
   for (std::size_t k = 0; k < term.knots.size(); ++k) p[term.parameters[k]] = 0.1 * term.knots[k];
-  const Prediction observed = PredictAt(problem, p);
+  const Prediction observed = PredictTrialsAt(problem, p);
   for (int b = 0; b < 3; ++b) {
     EXPECT_LT((observed.values(b) - 1.1 * plain.values(b)).cwiseAbs().maxCoeff(), kRounding);
     EXPECT_LT(
@@ -249,12 +249,12 @@ TEST(SensorTrials, JacobianAgreesWithDifferencesForAllEffectsAtOnce) {
   Random random(3);
   for (int round = 0; round < 10; ++round) {
     const Vector p = PointInside(problem, random);
-    const Prediction at = PredictAt(problem, p);
+    const Prediction at = PredictTrialsAt(problem, p);
     for (int k = 0; k < count; ++k) {
       const std::string& name = problem.parameters()[static_cast<std::size_t>(k)].name;
       if (name == "y.saturation" || name == "y.quantisation") continue;  // at their null, a bound
-      const Prediction right = PredictAt(problem, p + kStep * Vector::Unit(count, k));
-      const Prediction left = PredictAt(problem, p - kStep * Vector::Unit(count, k));
+      const Prediction right = PredictTrialsAt(problem, p + kStep * Vector::Unit(count, k));
+      const Prediction left = PredictTrialsAt(problem, p - kStep * Vector::Unit(count, k));
       for (int b = 0; b < 3; ++b) {
         const Vector difference = (right.values(b) - left.values(b)) / (2 * kStep);
         const Eigen::Index column = ColumnOf(problem, b, k);
@@ -280,7 +280,7 @@ TEST(SensorTrials, ColumnsAreTheSameWhicheverAreWanted) {
     if (round % 4 == 0) p = RestPoint(problem);
     if (round % 3 == 0) p[IndexOf(problem, "y.saturation")] = 0.6;
     if (round % 5 == 0) p[IndexOf(problem, "y.quantisation")] = 0.1;
-    const Prediction full = PredictAt(problem, p);
+    const Prediction full = PredictTrialsAt(problem, p);
     std::vector<bool> wanted(problem.parameters().size());
     for (std::size_t i = 0; i < wanted.size(); ++i) wanted[i] = random.Index(round % 2 == 0 ? 2 : 20) == 0;
     Prediction some(problem.layout());
@@ -297,7 +297,7 @@ TEST(SensorTrials, ColumnsAreTheSameWhicheverAreWanted) {
         if (wanted[static_cast<std::size_t>(columns[c])]) {
           EXPECT_EQ(column, Vector(full.derivatives(b).col(at)));
         } else {
-          EXPECT_EQ(column, Vector::Constant(kSamples, kUntouched).eval());
+          EXPECT_EQ(column, Vector::Constant(kTrialSamples, kUntouched).eval());
         }
       }
     }

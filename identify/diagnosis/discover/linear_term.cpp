@@ -133,7 +133,7 @@ Result<LinearTerm> FitLinearTerm(const Problem& problem, const Refit& refit, con
   if (!(left.norm() > 1e-6 * columns.norm())) return Fail("{}: these data do not show it", candidate.effect);
 
   LinearTerm answer;
-  const Eigen::SelfAdjointEigenSolver<Matrix> eigen(Matrix(left.transpose() * left));
+  const Eigen::SelfAdjointEigenSolver<Matrix> eigen(Gram(left));
   const Vector gram = eigen.eigenvalues();
   // The sign is negative because the residual is predicted minus measured.
   const Vector pull = -(left.transpose() * taken.TakenFrom(residual).col(0));

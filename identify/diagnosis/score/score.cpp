@@ -73,7 +73,7 @@ double Drop(const ScoreTable& table, const std::vector<int>& which) {
     for (Eigen::Index j = 0; j < n; ++j)
       gram(i, j) = table.correlation(which[static_cast<std::size_t>(i)], which[static_cast<std::size_t>(j)]);
   }
-  return t.dot(gram.completeOrthogonalDecomposition().solve(t));
+  return t.dot(MinimumNormSolution(gram, t));
 }
 
 class TableMaker {
@@ -182,7 +182,7 @@ class TableMaker {
     Matrix basis(columns_.rows(), static_cast<Eigen::Index>(score.columns.size()));
     for (std::size_t k = 0; k < score.columns.size(); ++k)
       basis.col(static_cast<Eigen::Index>(k)) = columns_.col(score.columns[k]);
-    const Eigen::SelfAdjointEigenSolver<Matrix> eigen(Matrix(basis.transpose() * basis));
+    const Eigen::SelfAdjointEigenSolver<Matrix> eigen(Gram(basis));
     const auto last = eigen.eigenvalues().size() - 1;
     for (Eigen::Index i = 0; i <= std::min<Eigen::Index>(last, kUnknownDirections - 1); ++i) {
       const double value = eigen.eigenvalues()[last - i];
@@ -202,7 +202,7 @@ class TableMaker {
     for (std::size_t i = 0; i < made_.size(); ++i)
       table_.directions.col(static_cast<Eigen::Index>(i)) = made_[i];
     table_.t = -(table_.directions.transpose() * residual_.col(0));
-    table_.correlation = table_.directions.transpose() * table_.directions;
+    table_.correlation = Gram(table_.directions);
     for (Score& score : table_.scores) {
       score.statistic = Drop(table_, score.directions);
       score.p_value =

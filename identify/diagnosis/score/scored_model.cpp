@@ -49,7 +49,7 @@ Matrix LeadingDirections(const Design& design) {
     const double left = columns.col(k).norm();
     columns.col(k) *= left > 1e-3 * before[k] ? 1 / left : 0;
   }
-  const Eigen::SelfAdjointEigenSolver<Matrix> eigen(Matrix(columns.transpose() * columns));
+  const Eigen::SelfAdjointEigenSolver<Matrix> eigen(Gram(columns));
   const auto last = eigen.eigenvalues().size() - 1;
   const Eigen::Index most = std::min(kMaxDirections, columns.rows() / kRowsPerDirection);
   Eigen::Index count = 0;

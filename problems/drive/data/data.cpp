@@ -104,6 +104,8 @@ Result<DriveData> PrepareDriveData(const Dataset& data, const DriveSettings& set
     SINEW_TRY(AddBlocks(*trials[r], fit, static_cast<int>(r), motions[r], margin, out));
   }
 
+  for (DriveMotion& motion : motions) motion.run = nullptr;
+  out.motions = std::move(motions);
   SINEW_TRY(WeighBlocks(fit, out));
   return out;
 }

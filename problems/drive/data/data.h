@@ -8,6 +8,7 @@
 #include "identify/layout.h"
 #include "models/drive/dynamics.h"
 #include "models/drive/run.h"
+#include "problems/drive/data/starts.h"
 #include "problems/drive/effects.h"
 #include "problems/drive/settings.h"
 
@@ -28,9 +29,10 @@ struct DriveData {
   DriveJoint joint;
   DriveCommand command;
   std::vector<DriveRun> runs;
-  Layout layout;                   ///< without columns
-  std::vector<DriveBlock> blocks;  ///< as in the layout
-  bool known_noise = false;        ///< weights are 1 / sigma
+  std::vector<DriveMotion> motions;  ///< [runs] as measured, without their runs
+  Layout layout;                     ///< without columns
+  std::vector<DriveBlock> blocks;    ///< as in the layout
+  bool known_noise = false;          ///< weights are 1 / sigma
   std::vector<std::string> notes;
 };
 

@@ -78,7 +78,8 @@ std::optional<Vector> Solve(const Matrix& columns, const Vector& right) {
   if (columns.rows() < 2 * columns.cols()) return {};
   const Vector scale = columns.colwise().norm();
   if (!(scale.minCoeff() > 0)) return {};
-  const Eigen::ColPivHouseholderQR<Matrix> qr(columns * scale.cwiseInverse().asDiagonal());
+  const Matrix unit = columns * scale.cwiseInverse().asDiagonal();
+  const Eigen::ColPivHouseholderQR<Matrix> qr(unit);
   if (qr.rank() < columns.cols()) return {};
   const Vector x = qr.solve(right).cwiseQuotient(scale);
   if (!x.allFinite()) return {};

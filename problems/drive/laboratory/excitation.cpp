@@ -36,11 +36,8 @@ struct Span {
   double from, to;
 };
 
-Result<DriveTrial> DrawSines(const DriveTruth& nominal, Span frequencies, Span swing, double duration,
-                             double rate, Random& random) {
-  DriveTrial trial;
-  trial.rate = rate;
-  trial.initial_position = random.Uniform(-0.3, 0.3);
+// Six sines, faded in and out, not scaled yet.
+std::vector<double> DrawShape(Span frequencies, double duration, double rate, Random& random) {
   std::vector<double> shape(Samples(duration, rate), 0.0);
   for (int s = 0; s < kSines; ++s) {
     const double frequency = frequencies.from * std::pow(frequencies.to / frequencies.from, random.Uniform());
@@ -55,6 +52,15 @@ Result<DriveTrial> DrawSines(const DriveTruth& nominal, Span frequencies, Span s
     const double edge = static_cast<double>(std::min(k, shape.size() - 1 - k)) / rate;
     if (edge < kFade) shape[k] *= 0.5 - 0.5 * std::cos(kPi * edge / kFade);
   }
+  return shape;
+}
+
+Result<DriveTrial> DrawSines(const DriveTruth& nominal, Span frequencies, Span swing, double duration,
+                             double rate, Random& random) {
+  DriveTrial trial;
+  trial.rate = rate;
+  trial.initial_position = random.Uniform(-0.3, 0.3);
+  const std::vector<double> shape = DrawShape(frequencies, duration, rate, random);
   SINEW_TRY(ScaleToSwing(nominal, random.Uniform(swing.from, swing.to), shape, trial));
   return trial;
 }
@@ -109,6 +115,18 @@ class Moves {
 
 Result<DriveTrial> DrawMultiSine(const DriveTruth& nominal, double duration, double rate, Random& random) {
   return DrawSines(nominal, {kSlowest, kFastest}, {0.6, 1.4}, duration, rate, random);
+}
+
+DriveTrial DrawOverTheTop(const DriveTruth& nominal, double duration, double rate, Random& random) {
+  DriveTrial trial;
+  trial.rate = rate;
+  trial.initial_position = random.Uniform(-0.3, 0.3);
+  trial.command = DrawShape({kSlowest, kFastest}, duration, rate, random);
+  double largest = 0;
+  for (const double value : trial.command) largest = std::max(largest, std::abs(value));
+  const double scale = random.Uniform(2, 4) * nominal[kGravityTorque] / largest;
+  for (double& value : trial.command) value *= scale;
+  return trial;
 }
 
 DriveTrial DrawTrapezoid(const DriveTruth& nominal, double duration, double rate, Random& random) {

@@ -12,6 +12,10 @@ namespace sinew {
 /// 0.3 rad from rest.
 Result<DriveTrial> DrawMultiSine(const DriveTruth& nominal, double duration, double rate, Random& random);
 
+/// The same six sines, scaled so that the largest torque is a drawn multiple, 2 to 4, of the gravity torque
+/// of `nominal`: the joint turns over, and its motion passes the upright, near which small differences grow.
+DriveTrial DrawOverTheTop(const DriveTruth& nominal, double duration, double rate, Random& random);
+
 /// Moves between drawn angles within +-1.2 rad with trapezoidal speed and short rests, followed by a position
 /// controller that is tuned for the joint of `nominal`.
 DriveTrial DrawTrapezoid(const DriveTruth& nominal, double duration, double rate, Random& random);

@@ -62,6 +62,8 @@ inline constexpr double kDriveLead = 0.3;
 /// [s] A step that is far finer than anything that happens, and one for signatures.
 inline constexpr double kFineStep = 2e-4;
 inline constexpr double kSignatureStep = 1e-3;
+/// [s] Where small differences grow: for both, or they would belong to different motions.
+inline constexpr double kOverTheTopStep = 1e-5;
 
 /// What the instruments would show without noise, before the position reading is clipped or rounded.
 struct DriveRecord {

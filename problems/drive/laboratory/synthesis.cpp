@@ -35,7 +35,9 @@ constexpr Setting kSettings[] = {
     {"speed", 0, 1, 0, 1, "1: the speed is recorded too"},
     {"speed_noise", 0.02, 0.02, 0, 10, "standard deviation of the speed's noise [rad/s], white"},
     {"known_noise", 1, 1, 0, 1, "0: the data do not state the noise level"},
-    {"excitation", 0, 0, 0, 1, "0: sum of sines; 1: trapezoidal moves in closed loop, torque recorded"},
+    {"excitation", 0, 0, 0, 2,
+     "0: sum of sines; 1: trapezoidal moves in closed loop, torque recorded; 2: sum of sines with peaks of 2 "
+     "to 4 times the gravity torque, which turn the joint over"},
     {"mafo", 0, 1, 0, 1, "1: the five trials of the motorised ankle-foot orthosis"},
     {"hidden", 0, 0, 0, 1,
      "1, with mafo: command_delay 0.18 s and coulomb_torque 1.5 N m are hidden in the truth"},
@@ -115,7 +117,7 @@ Channel NewChannel(const std::string& unit, ChannelKind kind, const Vector& valu
 
 Result<Trial> RecordTrial(const DrivePlan& plan, std::size_t index) {
   const DriveTrial& trial = plan.trials[index];
-  SINEW_ASSIGN(DriveRecord record, SimulateDrive(plan.truth, trial, kFineStep));
+  SINEW_ASSIGN(DriveRecord record, SimulateDrive(plan.truth, trial, plan.step));
   const Eigen::Index count = record.position.size();
   record.position += DrawPositionNoise(plan, index, count);
   ReadPosition(plan.truth, record.position);
@@ -184,6 +186,11 @@ Result<DrivePlan> PlanDrive(const SynthesisRequest& request) {
     const DriveTruth nominal = WithoutEffects(plan.truth);
     for (std::size_t i = 0; i < count; ++i) {
       Random random(Random::StreamSeed(request.seed, i));
+      if (values.at("excitation") == 2) {
+        plan.trials.push_back(DrawOverTheTop(nominal, values.at("duration"), values.at("rate"), random));
+        plan.step = kOverTheTopStep;
+        continue;
+      }
       if (is("excitation")) {
         plan.trials.push_back(DrawTrapezoid(nominal, values.at("duration"), values.at("rate"), random));
         continue;

@@ -69,7 +69,7 @@ class Band {
               block.WeightOf(static_cast<std::size_t>(i)) / correlated *
               derivatives(block.sample[static_cast<std::size_t>(i)], columns[c]);
       }
-      const Matrix product = rows.transpose() * rows;
+      const Matrix product = Gram(rows);
       for (std::size_t c = 0; c < variables.size(); ++c) {
         for (std::size_t r = 0; r < variables.size(); ++r)
           normal(variables[r], variables[c]) +=

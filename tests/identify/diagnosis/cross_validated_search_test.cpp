@@ -3,12 +3,12 @@
 
 #include <gtest/gtest.h>
 
-#include <Eigen/Cholesky>
 #include <algorithm>
 #include <cmath>
 #include <memory>
 #include <string>
 
+#include "base/decompositions.h"
 #include "tests/identify/diagnosis/linear_laws.h"
 
 namespace sinew::diagnosis {

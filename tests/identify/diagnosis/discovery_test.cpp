@@ -21,10 +21,10 @@ constexpr double kNoise = 0.1;
 constexpr double kPValue = 0.001;  // given as the result of the selection
 
 /// A diagnosis after a selection that found no cause, and what is then discovered.
-class Case {
+class DiscoveryCase {
  public:
   /// @param unknown effects of the candidates that the selection would leave as significant, in this order
-  Case(const LinearLaws& laws, const std::vector<std::string>& unknown, bool line_left = false)
+  DiscoveryCase(const LinearLaws& laws, const std::vector<std::string>& unknown, bool line_left = false)
       : problem(laws), state(laws, options) {
     const FitSetup setup = MakeFitSetup(laws, {}).value();
     state.candidates = ListCandidates(laws, setup);
@@ -91,7 +91,7 @@ LinearLaws::Truth Ramp(double slope) {
 }
 
 /// Expects one curve, `truth` at its knots, and that held-out trials have an error of `before` without it.
-void ExpectCurve(const Case& one, const std::string& signal, ShapeKind shape,
+void ExpectCurve(const DiscoveryCase& one, const std::string& signal, ShapeKind shape,
                  const std::function<double(double)>& truth, double before) {
   ASSERT_EQ(one.found.unknown_terms.size(), 1U);
   const UnknownFinding& found = one.found.unknown_terms[0];
@@ -121,7 +121,7 @@ void ExpectCurve(const Case& one, const std::string& signal, ShapeKind shape,
 // about 1000 * 0.05^2 * 3.37 / 0.01 = 840: one linear step is enough.
 TEST(Discovery, FindsAHiddenCurveToFirstOrder) {
   const LinearLaws problem(Parabola(0.05), 3);
-  const Case one(problem, {"y(u)"});
+  const DiscoveryCase one(problem, {"y(u)"});
   ExpectCurve(
       one, "u", ShapeKind::kQuadraticEven, [](double u) { return 0.05 * u * u; },
       std::sqrt(kNoise * kNoise + 0.05 * 0.05 * 3.370));
@@ -136,7 +136,7 @@ TEST(Discovery, FindsAHiddenCurveToFirstOrder) {
 // fitted with all other parameters.
 TEST(Discovery, RefitsALargeHiddenCurve) {
   const LinearLaws problem(Ramp(0.1), 3);
-  const Case one(problem, {"y(time)"});
+  const DiscoveryCase one(problem, {"y(time)"});
   ExpectCurve(
       one, "time", ShapeKind::kLinear, [](double t) { return 0.1 * t; },
       std::sqrt(kNoise * kNoise + 0.1 * 0.1 * 100 / 3));
@@ -173,7 +173,7 @@ TEST(Discovery, CurveThatMakesHeldOutTrialsWorseIsLeftOut) {
     LinearLaws::Truth truth = Parabola(size);
     truth.held_out_share = -1;
     const LinearLaws problem(truth, 3);
-    const Case one(problem, {"y(u)"});
+    const DiscoveryCase one(problem, {"y(u)"});
     EXPECT_TRUE(one.found.unknown_terms.empty()) << size;
     EXPECT_TRUE(one.state.added.empty()) << size;
     EXPECT_TRUE(one.PointIsThatOfTheBaseModel()) << size;
@@ -184,7 +184,7 @@ TEST(Discovery, FindsADriftOfAParameter) {
   LinearLaws::Truth truth = Nothing();
   truth.gain_change = 0.2;
   const LinearLaws problem(truth, 3);
-  const Case one(problem, {"gain(time)"});
+  const DiscoveryCase one(problem, {"gain(time)"});
   ASSERT_EQ(one.found.unknown_terms.size(), 1U);
   const UnknownFinding& found = one.found.unknown_terms[0];
   EXPECT_EQ(found.kind, UnknownKind::kDrift);
@@ -215,7 +215,7 @@ TEST(Discovery, FindsALineInTheSpectrum) {
   truth.hum = 0.2;
   truth.hum_frequency = kHum;
   const LinearLaws problem(truth, 3);
-  const Case one(problem, {}, true);
+  const DiscoveryCase one(problem, {}, true);
   ASSERT_EQ(one.found.unknown_terms.size(), 1U);
   const UnknownFinding& found = one.found.unknown_terms[0];
   EXPECT_EQ(found.kind, UnknownKind::kPeriodic);
@@ -248,7 +248,7 @@ TEST(Discovery, LineThatTheSelectionDidNotLeaveIsNotAdded) {
   truth.hum = 0.2;
   truth.hum_frequency = kHum;
   const LinearLaws problem(truth, 3);
-  const Case one(problem, {}, false);
+  const DiscoveryCase one(problem, {}, false);
   EXPECT_TRUE(one.found.unknown_terms.empty());
 }
 
@@ -269,7 +269,7 @@ TEST(Discovery, ReportsThreeTermsAtMostAndAddsTheFirst) {
   LinearLaws::Truth truth = Parabola(0.05);
   truth.gain_change = 0.2;
   const LinearLaws problem(truth, 3, 4, 0);
-  const Case one(problem, {"gain(time)", "y(u)", "rate(time)", "y(time)"});
+  const DiscoveryCase one(problem, {"gain(time)", "y(u)", "rate(time)", "y(time)"});
   ASSERT_EQ(one.found.unknown_terms.size(), 3U);
   EXPECT_EQ(one.found.unknown_terms[0].name, "gain(time)");
   EXPECT_EQ(one.found.unknown_terms[1].name, "y(u)");

@@ -3,18 +3,17 @@
 
 #include <gtest/gtest.h>
 
-#include <Eigen/Cholesky>
-#include <Eigen/LU>
 #include <cmath>
 #include <cstdio>
 
+#include "base/decompositions.h"
 #include "identify/statistics/distributions.h"
 #include "tests/identify/diagnosis/linear_laws.h"
 
 namespace sinew::diagnosis {
 namespace {
 
-constexpr double kNoise = 0.1;
+constexpr double kTrialNoise = 0.1;
 
 /// A fitted base model; owns what the refit refers to.
 struct Fitted {
@@ -88,14 +87,14 @@ TEST(Jackknife, AgreesWithTheCovarianceOfALinearModel) {
   constexpr int kCases = 100;
   constexpr int kTrials = 10;
   LinearLaws::Truth truth;
-  truth.noise = kNoise;
+  truth.noise = kTrialNoise;
   Vector sum = Vector::Zero(2);
   for (std::uint64_t seed = 1; seed <= kCases; ++seed) {
     const LinearLaws problem(truth, seed, kTrials, 0, 60);
     const Fitted fitted(problem);
     Matrix normal = Matrix::Zero(2, 2);
     for (const Trial& trial : TrialsOf(problem, fitted)) normal += trial.design.transpose() * trial.design;
-    const Matrix analytic = normal.inverse() * kNoise * kNoise;
+    const Matrix analytic = normal.ldlt().solve(Matrix::Identity(2, 2)) * kTrialNoise * kTrialNoise;
     const auto covariance = JackknifeCovariance(problem, fitted.model);
     ASSERT_TRUE(covariance) << covariance.error().message;
     sum += (covariance->diagonal() / Widening(kTrials)).cwiseQuotient(analytic.diagonal());
@@ -132,8 +131,9 @@ TEST(Jackknife, CoversTheTruthUnderMisfit) {
     // The interval under the assumption of independent errors.
     Matrix normal = Matrix::Zero(2, 2);
     for (const Trial& trial : TrialsOf(problem, fitted)) normal += trial.design.transpose() * trial.design;
+    const Matrix inverse = normal.ldlt().solve(Matrix::Identity(2, 2));
     const double variance = 2 * fitted.model.cost / (6 * 60 - 2);
-    claimed += std::abs(off[0]) < 1.96 * std::sqrt(variance * normal.inverse()(0, 0)) ? 1 : 0;
+    claimed += std::abs(off[0]) < 1.96 * std::sqrt(variance * inverse(0, 0)) ? 1 : 0;
   }
   std::printf("within 95 %%: jackknife %d, independent errors %d of %d\n", within, claimed, kCases);
   EXPECT_GE(within, 87);  // 95 expected, deviation 2.2; t is not exact for trials that do not weigh the same

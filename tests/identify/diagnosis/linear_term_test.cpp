@@ -15,7 +15,7 @@
 namespace sinew::diagnosis {
 namespace {
 
-constexpr double kNoise = 0.1;
+constexpr double kTermNoise = 0.1;
 
 double SumOfSquares(const std::vector<Vector>& blocks) {
   double sum = 0;
@@ -40,7 +40,7 @@ Result<LinearTerm> Examined(const LinearLaws& problem, const std::string& effect
   if (!base.usable()) return Fail("{}", base.failure);
   noise::NoiseModel noise;
   noise.channels.emplace_back();
-  noise.channels[0].deviation = kNoise * std::sqrt(1 - correlation * correlation);
+  noise.channels[0].deviation = kTermNoise * std::sqrt(1 - correlation * correlation);
   if (correlation > 0) noise.channels[0].coefficients = {correlation};
   for (const Block& block : problem.layout()) {
     if (block.role == BlockRole::kTrain) noise.channel_of.push_back(0);
@@ -52,7 +52,7 @@ Result<LinearTerm> Examined(const LinearLaws& problem, const std::string& effect
 LinearLaws::Truth Growing(double correlation) {
   LinearLaws::Truth truth;
   truth.correlation = correlation;
-  truth.noise = kNoise;
+  truth.noise = kTermNoise;
   truth.gain_change = 0.2;
   return truth;
 }
@@ -151,7 +151,7 @@ TEST(Drift, TimeRunsFromMinusOneToOneInEveryTrial) {
 // A curve whose values at the knots are drawn from a normal distribution, as shrinkage assumes.
 LinearLaws DrawnCurve(double deviation, std::uint64_t seed, int train, int samples) {
   LinearLaws::Truth truth;
-  truth.noise = kNoise;
+  truth.noise = kTermNoise;
   truth.knots = 24;
   Random random(Random::StreamSeed(seed, 99));
   for (int k = 0; k < truth.knots; ++k)
@@ -205,7 +205,7 @@ TEST(Curve, IsZeroForDataWithoutACurve) {
   for (std::uint64_t seed = 1; seed <= kCases; ++seed) {
     const auto curve = Examined(DrawnCurve(0, seed, 4, 80), "y(u)");
     ASSERT_TRUE(curve) << curve.error().message;
-    flat += curve->values.cwiseAbs().maxCoeff() < 0.3 * kNoise ? 1 : 0;
+    flat += curve->values.cwiseAbs().maxCoeff() < 0.3 * kTermNoise ? 1 : 0;
   }
   EXPECT_GE(flat, 90);
 }

@@ -12,11 +12,11 @@
 namespace sinew::diagnosis {
 namespace {
 
-constexpr double kNoise = 0.1;
+constexpr double kChannelNoise = 0.1;
 
 LinearLaws::Truth Rounded(double step) {
   LinearLaws::Truth truth;
-  truth.noise = kNoise;
+  truth.noise = kChannelNoise;
   truth.reading_step = step;
   return truth;
 }
@@ -72,7 +72,7 @@ TEST(Quantisation, NamesTheEffectTheStepAndItsShare) {
   EXPECT_NEAR(rounding.statistic, 1000 * (0.3 * 0.3 / 12) / variance, 1e-9 * rounding.statistic);
   // The residual's variance is that of the noise and of rounding; a mean square of 1000 has the deviation
   // 4.5 %.
-  EXPECT_NEAR(variance / (kNoise * kNoise + 0.3 * 0.3 / 12), 1, 0.14);
+  EXPECT_NEAR(variance / (kChannelNoise * kChannelNoise + 0.3 * 0.3 / 12), 1, 0.14);
 }
 
 TEST(Quantisation, ContinuousReadingsHaveNone) {

@@ -3,10 +3,10 @@
 
 #include <gtest/gtest.h>
 
-#include <Eigen/Cholesky>
 #include <cmath>
 #include <vector>
 
+#include "base/decompositions.h"
 #include "base/random.h"
 #include "identify/noise/autoregression.h"
 #include "tests/identify/support/function_problem.h"

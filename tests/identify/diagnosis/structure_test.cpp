@@ -18,7 +18,7 @@ namespace sinew::diagnosis {
 namespace {
 
 // Sums of at most a few hundred numbers of order 1 to 100.
-constexpr double kRounding = 1e-10;
+constexpr double kStructureRounding = 1e-10;
 
 noise::NoiseBlock Residual(const std::string& channel, const std::vector<double>& values) {
   noise::NoiseBlock block;
@@ -36,10 +36,10 @@ TEST(ResidualTests, AlternatingSignsMatchAHandCalculation) {
   ASSERT_EQ(tests.size(), 2U);
   EXPECT_EQ(tests[0].name, "Ljung-Box");
   EXPECT_EQ(tests[0].channel, "y");
-  EXPECT_NEAR(tests[0].statistic, 292.5, kRounding);
+  EXPECT_NEAR(tests[0].statistic, 292.5, kStructureRounding);
   EXPECT_LT(tests[0].p_value, 1e-40);
   EXPECT_EQ(tests[1].name, "runs");
-  EXPECT_NEAR(tests[1].statistic, 11 / std::sqrt(288.0 * 264 / (576 * 23)), kRounding);
+  EXPECT_NEAR(tests[1].statistic, 11 / std::sqrt(288.0 * 264 / (576 * 23)), kStructureRounding);
   // Of both sides, to the digits that a script printed.
   EXPECT_NEAR(tests[1].p_value, 4.397362e-6, 1e-12);
 }
@@ -49,21 +49,21 @@ TEST(ResidualTests, AlternatingSignsMatchAHandCalculation) {
 // freedom).
 TEST(ResidualTests, LjungBoxOfAShortSequenceMatchesAScript) {
   const auto tests = TestResiduals({Residual("y", {2, -1, 3, 0, -2, 1, 1, -4})});
-  EXPECT_NEAR(tests[0].statistic, 10.951793062904, kRounding);
+  EXPECT_NEAR(tests[0].statistic, 10.951793062904, kStructureRounding);
   EXPECT_NEAR(tests[0].p_value, 0.9474630, 1e-6);
 }
 
 // Lag 1 has the products 1 and 1 of squares 4, none across the border: Q = 4 * 6 * 0.5^2 / 3 = 2.
 TEST(ResidualTests, LjungBoxDoesNotCorrelateAcrossBlocks) {
   const auto tests = TestResiduals({Residual("y", {1, 1}), Residual("y", {-1, -1})});
-  EXPECT_NEAR(tests[0].statistic, 2, kRounding);
+  EXPECT_NEAR(tests[0].statistic, 2, kStructureRounding);
 }
 
 // Two runs of 3 expected with a variance of 8 * 4 / (16 * 3), and two of 2 with a variance of 0: (4 - 5) /
 // sqrt(2 / 3).
 TEST(ResidualTests, RunsAreCountedWithinBlocks) {
   const auto tests = TestResiduals({Residual("y", {3, 1, -1, -5}), Residual("y", {-1, 1})});
-  EXPECT_NEAR(tests[1].statistic, -std::sqrt(1.5), kRounding);
+  EXPECT_NEAR(tests[1].statistic, -std::sqrt(1.5), kStructureRounding);
   // The probability of 1.224745 standard deviations, from a script.
   EXPECT_NEAR(tests[1].p_value, 0.2206714, 1e-7);
 }
@@ -85,7 +85,7 @@ TEST(ResidualTests, EveryChannelIsTestedByItselfInTheOrderOfTheBlocks) {
   const auto tests = TestResiduals({Residual("z", {1, 1}), Residual("a", {0, 0}), Residual("z", {-1, -1})});
   ASSERT_EQ(tests.size(), 4U);
   EXPECT_EQ(tests[0].channel, "z");
-  EXPECT_NEAR(tests[0].statistic, 2, kRounding);
+  EXPECT_NEAR(tests[0].statistic, 2, kStructureRounding);
   EXPECT_EQ(tests[2].channel, "a");
   EXPECT_EQ(tests[2].statistic, 0);
 }
@@ -146,7 +146,7 @@ std::vector<Structure> StructureOf(const Measured& problem) {
   return found ? *found : std::vector<Structure>{};
 }
 
-constexpr int kSamples = 320;
+constexpr int kStructureSamples = 320;
 constexpr double kScatter = 1.75;  // variance of what no signal explains
 
 int LevelOf(int i) {
@@ -157,14 +157,14 @@ int LevelOf(int i) {
 /// eight. Variances: (64 - 1) / 12 = 5.25 and 1.75.
 std::vector<double> LinearInLevel(double size = 1) {
   std::vector<double> values;
-  for (int i = 0; i < kSamples; ++i)
+  for (int i = 0; i < kStructureSamples; ++i)
     values.push_back(size * (LevelOf(i) - 3.5) + std::sqrt(kScatter) * (i / 8 % 2 == 0 ? 1 : -1));
   return values;
 }
 
 Problem::Signal Levels() {
   Problem::Signal signal{"level", "m", {}};
-  for (int i = 0; i < kSamples; ++i) signal.values.push_back(LevelOf(i));
+  for (int i = 0; i < kStructureSamples; ++i) signal.values.push_back(LevelOf(i));
   return signal;
 }
 
@@ -181,16 +181,16 @@ TEST(Structure, ExplainedShareMatchesAHandCalculation) {
   EXPECT_EQ(found[0].channel, "y");
   EXPECT_EQ(found[0].signal, "level");
   EXPECT_EQ(found[0].unit, "m");
-  EXPECT_NEAR(found[0].explained_fraction, kShare, kRounding);
+  EXPECT_NEAR(found[0].explained_fraction, kShare, kStructureRounding);
   ASSERT_EQ(found[0].knots.size(), 8U);
   ASSERT_EQ(found[0].curve.size(), 8U);
   for (int k = 0; k < 8; ++k) {
     const auto at = static_cast<std::size_t>(k);
-    EXPECT_NEAR(found[0].knots[at], k, kRounding);
-    EXPECT_NEAR(found[0].curve[at], (k - 3.5) / 1.001, kRounding) << "measured minus predicted";
+    EXPECT_NEAR(found[0].knots[at], k, kStructureRounding);
+    EXPECT_NEAR(found[0].curve[at], (k - 3.5) / 1.001, kStructureRounding) << "measured minus predicted";
   }
   EXPECT_EQ(found[0].shape.kind, ShapeKind::kLinear);
-  EXPECT_NEAR(found[0].shape.explained, 1, kRounding);
+  EXPECT_NEAR(found[0].shape.explained, 1, kStructureRounding);
 }
 
 // Both halves of one trial have every level equally often.
@@ -199,7 +199,7 @@ TEST(Structure, HalvesOfASingleTrialAreLeftOutInTurn) {
   problem.AddTrial(LinearInLevel(), {Levels()});
   const auto found = StructureOf(problem);
   ASSERT_EQ(found.size(), 1U);
-  EXPECT_NEAR(found[0].explained_fraction, kShare, kRounding);
+  EXPECT_NEAR(found[0].explained_fraction, kShare, kStructureRounding);
 }
 
 // The curve of either trial is wrong by twice its size in the other: the share is negative.
@@ -214,23 +214,23 @@ TEST(Structure, DependenceThatAnotherTrialContradictsIsLeftOut) {
 // 0.001 / 4 of their diagonal: 4 (1 - (0.00025 / 1.00025)^2) of 7.
 TEST(Structure, SignalsAreOrderedByWhatTheyExplain) {
   Problem::Signal half{"half", "1", {}};
-  for (int i = 0; i < kSamples; ++i) half.values.push_back(LevelOf(i) < 4 ? 0 : 7);
+  for (int i = 0; i < kStructureSamples; ++i) half.values.push_back(LevelOf(i) < 4 ? 0 : 7);
   Measured problem;
   problem.AddTrial(LinearInLevel(), {half, Levels()});
   problem.AddTrial(LinearInLevel(), {half, Levels()});
   const auto found = StructureOf(problem);
   ASSERT_EQ(found.size(), 2U);
   EXPECT_EQ(found[0].signal, "level");
-  EXPECT_NEAR(found[0].explained_fraction, kShare, kRounding);
+  EXPECT_NEAR(found[0].explained_fraction, kShare, kStructureRounding);
   EXPECT_EQ(found[1].signal, "half");
-  EXPECT_NEAR(found[1].explained_fraction, 4 * (1 - std::pow(0.00025 / 1.00025, 2)) / 7, kRounding);
+  EXPECT_NEAR(found[1].explained_fraction, 4 * (1 - std::pow(0.00025 / 1.00025, 2)) / 7, kStructureRounding);
 }
 
 // Half of the samples of every level and of either sign of the scatter.
 TEST(Structure, SamplesWithoutASignalAreLeftOut) {
   Problem::Signal partly = Levels();
   std::vector<double> residual = LinearInLevel();
-  for (int i = 0; i < kSamples; ++i) {
+  for (int i = 0; i < kStructureSamples; ++i) {
     if (i / 16 % 2 == 0) continue;
     partly.values[static_cast<std::size_t>(i)] = kNaN;
     residual[static_cast<std::size_t>(i)] = 1000;
@@ -242,7 +242,7 @@ TEST(Structure, SamplesWithoutASignalAreLeftOut) {
   const auto level = std::find_if(found.begin(), found.end(),
                                   [](const Structure& structure) { return structure.signal == "level"; });
   ASSERT_NE(level, found.end());
-  EXPECT_NEAR(level->explained_fraction, kShare, kRounding);
+  EXPECT_NEAR(level->explained_fraction, kShare, kStructureRounding);
 }
 
 TEST(Structure, HeldOutTrialsAreNotExamined) {
@@ -252,13 +252,13 @@ TEST(Structure, HeldOutTrialsAreNotExamined) {
   problem.AddTrial(LinearInLevel(-50), {Levels()}, BlockRole::kValidate);
   const auto found = StructureOf(problem);
   ASSERT_EQ(found.size(), 1U);
-  EXPECT_NEAR(found[0].explained_fraction, kShare, kRounding);
+  EXPECT_NEAR(found[0].explained_fraction, kShare, kStructureRounding);
 }
 
 // A line in time, -1 to 1 of every trial, has the variance 1 / 3 and is a sum of the basis functions.
 TEST(Structure, ErrorThatGrowsInEveryTrialIsOneOfTime) {
   std::vector<double> residual;
-  for (int i = 0; i < kSamples; ++i) residual.push_back(2.0 * i / (kSamples - 1) - 1);
+  for (int i = 0; i < kStructureSamples; ++i) residual.push_back(2.0 * i / (kStructureSamples - 1) - 1);
   Measured problem;
   problem.AddTrial(residual, {});
   problem.AddTrial(residual, {});
@@ -269,7 +269,7 @@ TEST(Structure, ErrorThatGrowsInEveryTrialIsOneOfTime) {
   // The ridge adds 0.1 % of the mean diagonal: errors of a few times that, squared.
   EXPECT_GT(found[0].explained_fraction, 1 - 1e-4);
   EXPECT_EQ(found[0].shape.kind, ShapeKind::kLinear);
-  EXPECT_EQ(found[0].knots.back(), kSamples - 1);
+  EXPECT_EQ(found[0].knots.back(), kStructureSamples - 1);
 }
 
 // A curve of 8 values needs four samples per value, 32 in all trials together.

@@ -15,11 +15,11 @@ namespace {
 using Json = nlohmann::json;
 using testing::IsEmpty;
 
-const Provenance kProvenance{"joint", "data.h5", "0123456789abcdef", "a joint", "", false};
+const Provenance kDiagnosisJsonProvenance{"joint", "data.h5", "0123456789abcdef", "a joint", "", false};
 
 class DiagnosisJsonTest : public testing::Test {
  protected:
-  [[nodiscard]] Json Parse(const Provenance& provenance = kProvenance) const {
+  [[nodiscard]] Json Parse(const Provenance& provenance = kDiagnosisJsonProvenance) const {
     DiagnosisOptions options;
     options.seed = 42;
     return Json::parse(files::DiagnosisJson(diagnosis_, provenance, options), nullptr, false);
@@ -173,7 +173,7 @@ TEST_F(DiagnosisJsonTest, AnEmptyDiagnosisHasEveryField) {
 }
 
 TEST_F(DiagnosisJsonTest, NamesThatAreNotUnicodeStillGiveJson) {
-  Provenance provenance = kProvenance;
+  Provenance provenance = kDiagnosisJsonProvenance;
   provenance.data_file = "caf\xe9.h5";
   EXPECT_EQ(Parse(provenance)["data"], "caf\xef\xbf\xbd.h5");  // the replacement character
 }

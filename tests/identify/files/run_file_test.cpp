@@ -18,11 +18,12 @@ namespace {
 using testing::ElementsAre;
 using testing::HasSubstr;
 
-const Provenance kProvenance{"line", "data.h5", "0123456789abcdef", "a line", "line: {}\n", true};
+const Provenance kRunProvenance{"line", "data.h5", "0123456789abcdef", "a line", "line: {}\n", true};
 
 class RunFileTest : public testing::Test {
  protected:
-  RunFileTest() : line_(toy::IdentifyLine(problem_)), tree_(RunTree(problem_, line_, kProvenance).value()) {}
+  RunFileTest()
+      : line_(toy::IdentifyLine(problem_)), tree_(RunTree(problem_, line_, kRunProvenance).value()) {}
 
   Result<RecordedRun> Reread(const Hdf5Node& tree) const {
     EXPECT_EQ(ErrorOf(WriteHdf5(file_.path(), tree)), "");
@@ -65,7 +66,7 @@ TEST_F(RunFileTest, EverySeedSurvives) {
   for (const std::uint64_t seed : {std::uint64_t{0}, (std::uint64_t{1} << 53) + 1, ~std::uint64_t{0}}) {
     Identification line = line_;
     line.solver_options.seed = seed;
-    const auto read = Reread(RunTree(problem_, line, kProvenance).value());
+    const auto read = Reread(RunTree(problem_, line, kRunProvenance).value());
     ASSERT_TRUE(read) << read.error().message;
     EXPECT_EQ(read->seed, seed);
   }
@@ -74,7 +75,7 @@ TEST_F(RunFileTest, EverySeedSurvives) {
 TEST_F(RunFileTest, AFailedEvaluationSurvives) {
   Identification line = line_;
   line.trace.push_back({1.5, std::numeric_limits<double>::infinity(), toy::Values({0.25, 0.75})});
-  const auto read = Reread(RunTree(problem_, line, kProvenance).value());
+  const auto read = Reread(RunTree(problem_, line, kRunProvenance).value());
   ASSERT_TRUE(read) << read.error().message;
   EXPECT_TRUE(std::isinf(read->trace.back().cost));
 }
@@ -109,14 +110,14 @@ TEST_F(RunFileTest, ParametersAndUncertaintyHaveTheirNames) {
   EXPECT_EQ(tree_.Find("uncertainty/std_error")->array()->values[1],
             line_.uncertainty.parameters[1].std_error);
   EXPECT_EQ(tree_.Find("run")->Number("finished", -1), 1);
-  EXPECT_EQ(*tree_.Find("run/config")->text(), kProvenance.config);
+  EXPECT_EQ(*tree_.Find("run/config")->text(), kRunProvenance.config);
 }
 
 TEST_F(RunFileTest, ARunningSearchIsUnfinishedAndHasItsTrace) {
   const FitSetup setup = MakeFitSetup(problem_, {}).value();
   const LeastSquares least_squares(problem_, setup);
   Evaluator evaluator(least_squares, {});
-  const auto at_once = Reread(UnfinishedRunTree(least_squares, {}, kProvenance, evaluator));
+  const auto at_once = Reread(UnfinishedRunTree(least_squares, {}, kRunProvenance, evaluator));
   ASSERT_TRUE(at_once) << at_once.error().message;
   EXPECT_TRUE(at_once->trace.empty());
   EXPECT_EQ(at_once->values[1].second, 0) << "nothing was evaluated: the start";
@@ -124,7 +125,7 @@ TEST_F(RunFileTest, ARunningSearchIsUnfinishedAndHasItsTrace) {
   double cost = 0;
   evaluator.Cost(least_squares.Variables(toy::Values({1, 3})), cost);
   evaluator.Cost(least_squares.Variables(toy::Values({2, 3})), cost);
-  const auto read = Reread(UnfinishedRunTree(least_squares, {}, kProvenance, evaluator));
+  const auto read = Reread(UnfinishedRunTree(least_squares, {}, kRunProvenance, evaluator));
   ASSERT_TRUE(read) << read.error().message;
   EXPECT_FALSE(read->finished);
   ASSERT_EQ(read->trace.size(), 2U);
@@ -137,7 +138,7 @@ TEST_F(RunFileTest, ARunWithoutAnAnswerHasItsReason) {
       {toy::MakeParameter("a", 0, 1, 0.5)}, {toy::MakeBlock("t", "y", 3, 1)},
       [](const Block&, double, const Vector&, Vector*) -> Result<double> { return Fail("no way"); });
   const Identification none = toy::IdentifyLine(hopeless);
-  const Hdf5Node tree = RunTree(hopeless, none, kProvenance).value();
+  const Hdf5Node tree = RunTree(hopeless, none, kRunProvenance).value();
   EXPECT_EQ(tree.Find("run")->Number("usable", -1), 0);
   EXPECT_EQ(tree.Find("run")->Text("stop_reason"), "no_prediction");
   EXPECT_EQ(tree.Find("parameters"), nullptr);
@@ -161,7 +162,7 @@ TEST_F(RunFileTest, ParametersThatOtherDataMayLackAreMarked) {
         return p.sum() * t;
       });
   const auto fit = Identify(problem, MakeFitSetup(problem, {}).value(), {}).value();
-  const Hdf5Node tree = RunTree(problem, fit, kProvenance).value();
+  const Hdf5Node tree = RunTree(problem, fit, kRunProvenance).value();
   EXPECT_EQ(tree.Find("parameters/prior_mean")->array()->values[2], 0.25);
   EXPECT_EQ(tree.Find("parameters/prior_deviation")->array()->values[2], 0.5);
   EXPECT_TRUE(std::isnan(tree.Find("parameters/prior_deviation")->array()->values[1]));
@@ -174,7 +175,7 @@ TEST_F(RunFileTest, NothingFreeCanBeWrittenAndRead) {
   FitRequest request;
   request.fix = {{"offset", 1}, {"slope", 3}};
   const auto fixed = Identify(problem_, MakeFitSetup(problem_, request).value(), {}).value();
-  const auto read = Reread(RunTree(problem_, fixed, kProvenance).value());
+  const auto read = Reread(RunTree(problem_, fixed, kRunProvenance).value());
   ASSERT_TRUE(read) << read.error().message;
   EXPECT_TRUE(read->variables.empty());
   ASSERT_EQ(read->trace.size(), 1U);

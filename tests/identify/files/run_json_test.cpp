@@ -14,11 +14,11 @@ namespace {
 
 using Json = nlohmann::json;
 
-const Provenance kProvenance{"line", "data.h5", "0123456789abcdef", "a line", "", false};
+const Provenance kRunJsonProvenance{"line", "data.h5", "0123456789abcdef", "a line", "", false};
 
 class RunJsonTest : public testing::Test {
  protected:
-  [[nodiscard]] Json Parse(const Provenance& provenance = kProvenance) const {
+  [[nodiscard]] Json Parse(const Provenance& provenance = kRunJsonProvenance) const {
     return Json::parse(RunJson(problem_, line_, provenance), nullptr, false);
   }
   const toy::ToyProblem problem_ = toy::LineProblem();
@@ -111,7 +111,7 @@ TEST_F(RunJsonTest, WhatIsNotFiniteIsNull) {
 
 // File names are bytes; a name in Latin-1 must not end the program.
 TEST_F(RunJsonTest, NamesThatAreNotUnicodeStillGiveJson) {
-  Provenance provenance = kProvenance;
+  Provenance provenance = kRunJsonProvenance;
   provenance.data_file = "caf\xe9.h5";
   const Json json = Parse(provenance);
   ASSERT_TRUE(json.is_object());

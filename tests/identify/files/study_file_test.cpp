@@ -16,7 +16,7 @@ namespace {
 using testing::ElementsAre;
 using testing::HasSubstr;
 
-const Provenance kProvenance{"line", "data.h5", "0123456789abcdef", "a line", "line: {}\n", true};
+const Provenance kStudyProvenance{"line", "data.h5", "0123456789abcdef", "a line", "line: {}\n", true};
 
 class SolverStudy : public testing::Test {
  protected:
@@ -111,8 +111,8 @@ TEST(SolverSummaries, AreMediansOverTheRunsThatHaveTheNumber) {
 
 TEST_F(SolverStudy, FileAndJsonHoldTheSameNumbers) {
   const Study study = Compared({"lm"}, 2);
-  const Hdf5Node tree = files::StudyTree(problem_, study, kProvenance);
-  const auto json = nlohmann::json::parse(files::StudyJson(problem_, study, kProvenance));
+  const Hdf5Node tree = files::StudyTree(problem_, study, kStudyProvenance);
+  const auto json = nlohmann::json::parse(files::StudyJson(problem_, study, kStudyProvenance));
   EXPECT_EQ(json["schema"], "sinew.study/1");
   EXPECT_EQ(tree.Find("study")->Text("sinew_schema"), "study/1");
   EXPECT_EQ(json["best_cost"].get<double>(), tree.Find("study")->Number("best_cost", 0));

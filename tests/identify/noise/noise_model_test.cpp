@@ -2,12 +2,11 @@
 
 #include <gtest/gtest.h>
 
-#include <Eigen/Cholesky>
-#include <Eigen/QR>
 #include <cmath>
 #include <cstdio>
 #include <vector>
 
+#include "base/decompositions.h"
 #include "tests/identify/noise/noise_cases.h"
 
 namespace sinew::noise {
@@ -28,7 +27,7 @@ NoiseModel Estimated(const std::vector<NoiseBlock>& blocks, const NoiseModelOpti
 std::vector<NoiseBlock> WithoutRegressors(std::vector<NoiseBlock> blocks) {
   const Matrix design = StackedRegressors(blocks);
   Vector residual = StackedResiduals(blocks);
-  residual -= design * design.householderQr().solve(residual);
+  residual -= design * design.colPivHouseholderQr().solve(residual);
   Eigen::Index first = 0;
   for (NoiseBlock& block : blocks) {
     block.residual = residual.segment(first, block.residual.size());
@@ -72,7 +71,8 @@ double DenseDeviance(const std::vector<NoiseBlock>& blocks, const NoiseModel& mo
   }
   const Eigen::LLT<Matrix> root(covariance);
   const Matrix gram = x.transpose() * root.solve(x);
-  const Vector fitted = gram.ldlt().solve(x.transpose() * root.solve(r));
+  const Vector right = x.transpose() * root.solve(r);
+  const Vector fitted = gram.ldlt().solve(right);
   const Vector left = r - x * fitted;
   return 2 * Matrix(root.matrixL()).diagonal().array().log().sum() + left.dot(root.solve(left)) +
          2 * Matrix(gram.llt().matrixL()).diagonal().array().log().sum();
@@ -210,7 +210,8 @@ TEST(NoiseModel, ScoresKeepTheirVarianceUnderOtherNoise) {
     for (int b = 0; b < 4; ++b) whitening.Apply(b, all.middleRows(b * kSamples, kSamples));
     const Matrix base = all.leftCols(design.cols());
     Matrix rest = all.rightCols(kColumns + 1);
-    rest -= base * base.householderQr().solve(rest);
+    const Eigen::ColPivHouseholderQR<Matrix> qr(base);
+    for (int k = 0; k < rest.cols(); ++k) rest.col(k) -= base * qr.solve(Vector(rest.col(k)));
     for (int k = 0; k < kColumns; ++k) {
       sum += std::pow(rest.col(k).dot(rest.col(kColumns)) / rest.col(k).norm(), 2);
     }

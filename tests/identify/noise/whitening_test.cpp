@@ -1,9 +1,9 @@
 #include <gtest/gtest.h>
 
-#include <Eigen/Cholesky>
 #include <cmath>
 #include <vector>
 
+#include "base/decompositions.h"
 #include "identify/noise/autoregression.h"
 #include "identify/noise/noise_model.h"
 

@@ -7,6 +7,7 @@
 #include "base/random.h"
 #include "identify/uncertainty/uncertainty.h"
 #include "tests/identify/support/toy_problem.h"
+#include "tests/identify/uncertainty/curves.h"
 
 namespace sinew {
 namespace {
@@ -16,11 +17,6 @@ using toy::MakeParameter;
 using toy::ToyFit;
 using toy::ToyProblem;
 using toy::Values;
-
-Result<double> Line(const Block& /*block*/, double t, const Vector& p, Vector* gradient) {
-  if (gradient != nullptr) *gradient << 1, t;
-  return p[0] + p[1] * t;
-}
 
 std::vector<Parameter> LineParameters() {
   return {MakeParameter("offset", -100, 100, 0), MakeParameter("slope", -100, 100, 1)};

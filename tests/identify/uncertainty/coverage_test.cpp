@@ -8,6 +8,7 @@
 #include "identify/statistics/distributions.h"
 #include "identify/uncertainty/uncertainty.h"
 #include "tests/identify/support/toy_problem.h"
+#include "tests/identify/uncertainty/curves.h"
 
 namespace sinew {
 namespace {
@@ -18,10 +19,10 @@ using toy::ToyFit;
 using toy::ToyProblem;
 using toy::Values;
 
-constexpr int kSeeds = 400;
+constexpr int kCoverageSeeds = 400;
 // Four standard deviations of a binomial share: chance of failure below 1e-4 per figure, were seeds not
 // fixed.
-const double kBinomial = 4 * std::sqrt(0.95 * 0.05 / kSeeds);
+const double kBinomial = 4 * std::sqrt(0.95 * 0.05 / kCoverageSeeds);
 
 struct Coverage {
   double reported = 0;  ///< share of seeds with the truth inside ci95, worst parameter
@@ -32,7 +33,7 @@ Coverage Measure(const toy::Formula& formula, const Vector& truth, double sigma,
                  int samples) {
   std::vector<double> reported(2, 0);
   std::vector<double> plain(2, 0);
-  for (int seed = 0; seed < kSeeds; ++seed) {
+  for (int seed = 0; seed < kCoverageSeeds; ++seed) {
     ToyProblem problem({MakeParameter("a", -50, 50, truth[0]), MakeParameter("b", -50, 50, truth[1])},
                        {MakeBlock("one", "height", samples, 2)}, formula);
     Random random(Random::StreamSeed(2024, static_cast<std::uint64_t>(seed)));
@@ -50,22 +51,13 @@ Coverage Measure(const toy::Formula& formula, const Vector& truth, double sigma,
     for (int i = 0; i < 2; ++i) {
       const auto at = static_cast<std::size_t>(i);
       const ParameterVerdict& verdict = answer->parameters[at];
-      reported[at] += (verdict.ci95_lower <= truth[i] && truth[i] <= verdict.ci95_upper) ? 1.0 / kSeeds : 0;
-      plain[at] += std::abs(answer->minimum[i] - truth[i]) <= q * verdict.std_error ? 1.0 / kSeeds : 0;
+      reported[at] +=
+          (verdict.ci95_lower <= truth[i] && truth[i] <= verdict.ci95_upper) ? 1.0 / kCoverageSeeds : 0;
+      plain[at] +=
+          std::abs(answer->minimum[i] - truth[i]) <= q * verdict.std_error ? 1.0 / kCoverageSeeds : 0;
     }
   }
   return {std::min(reported[0], reported[1]), std::min(plain[0], plain[1])};
-}
-
-Result<double> Line(const Block& /*block*/, double t, const Vector& p, Vector* gradient) {
-  if (gradient != nullptr) *gradient << 1, t;
-  return p[0] + p[1] * t;
-}
-
-Result<double> Decay(const Block& /*block*/, double t, const Vector& p, Vector* gradient) {
-  const double shape = std::exp(-p[1] * t);
-  if (gradient != nullptr) *gradient << shape, -p[0] * t * shape;
-  return p[0] * shape;
 }
 
 TEST(Coverage, OfALineInWhiteNoise) {

@@ -8,6 +8,7 @@
 #include "identify/statistics/distributions.h"
 #include "identify/uncertainty/uncertainty.h"
 #include "tests/identify/support/toy_problem.h"
+#include "tests/identify/uncertainty/curves.h"
 
 namespace sinew {
 namespace {
@@ -21,13 +22,7 @@ using toy::Values;
 // kEndTolerance and kRefitTolerance of the profile, and the step of the grid that it is compared with.
 constexpr double kProfileEnd = 5e-3;
 
-/// height = amplitude exp(-rate t), measured for less than one time constant.
-Result<double> Decay(const Block& /*block*/, double t, const Vector& p, Vector* gradient) {
-  const double shape = std::exp(-p[1] * t);
-  if (gradient != nullptr) *gradient << shape, -p[0] * t * shape;
-  return p[0] * shape;
-}
-
+/// Measured for less than one time constant.
 ToyProblem DecayProblem(double sigma) {
   ToyProblem problem({MakeParameter("amplitude", 0, 50, 3), MakeParameter("rate", 0, 20, 1)},
                      {MakeBlock("one", "height", 25, 2)}, Decay);

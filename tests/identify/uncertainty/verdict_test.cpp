@@ -8,6 +8,7 @@
 #include "identify/statistics/distributions.h"
 #include "identify/uncertainty/uncertainty.h"
 #include "tests/identify/support/toy_problem.h"
+#include "tests/identify/uncertainty/curves.h"
 
 namespace sinew {
 namespace {
@@ -23,17 +24,9 @@ using toy::Values;
 // Everything that is linear is found up to rounding, through a condition of at most 1e4.
 constexpr double kLinearAlgebra = 1e-9;
 // The profile's own tolerance: kEndTolerance of the half-width.
-constexpr double kProfileEnd = 3e-3;
+constexpr double kVerdictProfileEnd = 3e-3;
 
 /// y = offset + slope t, and a third parameter that does nothing.
-Result<double> Line(const Block& /*block*/, double t, const Vector& p, Vector* gradient) {
-  if (gradient != nullptr) {
-    (*gradient)[0] = 1;
-    (*gradient)[1] = t;
-  }
-  return p[0] + p[1] * t;
-}
-
 ToyProblem LineProblem(std::vector<Parameter> extra = {}, double sigma = 0.1, int samples = 40) {
   std::vector<Parameter> parameters = {MakeParameter("offset", -10, 10, 0), MakeParameter("slope", 0, 20, 1)};
   parameters.insert(parameters.end(), extra.begin(), extra.end());
@@ -82,8 +75,8 @@ TEST(Uncertainty, LinearRegressionMatchesItsClosedForm) {
     EXPECT_NEAR(verdict.std_error, error, kLinearAlgebra);
     const double half = t * std::max(error, verdict.std_error_robust);
     EXPECT_EQ(verdict.interval, IntervalKind::kProfile);
-    EXPECT_NEAR(verdict.ci95_lower, best[i] - half, kProfileEnd * half);
-    EXPECT_NEAR(verdict.ci95_upper, best[i] + half, kProfileEnd * half);
+    EXPECT_NEAR(verdict.ci95_lower, best[i] - half, kVerdictProfileEnd * half);
+    EXPECT_NEAR(verdict.ci95_upper, best[i] + half, kVerdictProfileEnd * half);
     EXPECT_EQ(verdict.verdict, Verdict::kIdentifiable) << ToString(verdict.reason.kind);
     EXPECT_EQ(verdict.remedy.kind, RemedyKind::kNone);
     for (int j = 0; j < 2; ++j) {

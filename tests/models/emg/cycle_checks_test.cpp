@@ -17,7 +17,7 @@ using testing::ElementsAre;
 using testing::HasSubstr;
 using testing::IsEmpty;
 
-constexpr double kRate = 200;
+constexpr double kAngleRate = 200;
 
 // Ten cycles of 1 s from 0.5 s on.
 std::vector<MovementCycle> Cycles() {
@@ -33,8 +33,8 @@ struct Signal {
 
 Signal Bursts() {
   Signal signal;
-  for (int k = 0; k <= 11 * kRate; ++k) {
-    const double t = k / kRate;
+  for (int k = 0; k <= 11 * kAngleRate; ++k) {
+    const double t = k / kAngleRate;
     signal.time.push_back(t);
     signal.values.push_back(0.05 + (0.5 + 0.04 * std::floor(t)) * std::pow(std::sin(kPi * t), 4));
   }
@@ -110,9 +110,9 @@ TEST(CycleChecksTest, AClippedEnvelopeIsFound) {
 
 TEST(CycleChecksTest, CyclesWithGapsAreLeftOut) {
   Signal signal = Bursts();
-  signal.values[static_cast<std::size_t>(3.0 * kRate)] = NAN;  // in the cycle from 2.5 s
-  signal.values[static_cast<std::size_t>(6.5 * kRate)] = NAN;  // an end of two cycles
-  signal.values[10] = NAN;                                     // before the first one
+  signal.values[static_cast<std::size_t>(3.0 * kAngleRate)] = NAN;  // in the cycle from 2.5 s
+  signal.values[static_cast<std::size_t>(6.5 * kAngleRate)] = NAN;  // an end of two cycles
+  signal.values[10] = NAN;                                          // before the first one
   const MuscleCheck check = Check(signal);
   EXPECT_THAT(LeftOut(check), ElementsAre(2, 5, 6));
   for (const MuscleCycleFault& fault : check.faults) EXPECT_EQ(fault.fault, MuscleFault::kGap);

@@ -11,7 +11,7 @@
 namespace sinew {
 namespace {
 
-constexpr double kRate = 2048;
+constexpr double kEmgRate = 2048;
 constexpr double kMeanOfRectified = 0.79788456080286536;  // of a normal variable, sqrt(2 / pi)
 
 // Noise of standard deviation sigma(t) on an offset.
@@ -20,12 +20,12 @@ std::vector<double> Raw(double seconds, const Sigma& sigma, double offset = 0.2)
   std::mt19937 random(3);
   std::normal_distribution<double> normal;
   std::vector<double> raw;
-  for (int k = 0; k < seconds * kRate; ++k) raw.push_back(offset + sigma(k / kRate) * normal(random));
+  for (int k = 0; k < seconds * kEmgRate; ++k) raw.push_back(offset + sigma(k / kEmgRate) * normal(random));
   return raw;
 }
 
 std::string ErrorOf(const std::vector<double>& raw, const EnvelopeSettings& settings,
-                    double rate_Hz = kRate) {
+                    double rate_Hz = kEmgRate) {
   const auto made = ComputeEnvelope(raw, rate_Hz, settings);
   return made ? "" : made.error().message;
 }
@@ -34,11 +34,11 @@ std::string ErrorOf(const std::vector<double>& raw, const EnvelopeSettings& sett
 // mean of absolute values has a standard deviation of 0.6 / sqrt(150) = 5 % of sigma; 5 of these.
 TEST(EnvelopeTest, FollowsTheAmplitudeAndNotTheOffset) {
   const auto sigma = [](double t) { return 1e-3 * (1 + 0.8 * std::sin(2 * kPi * 0.5 * t)); };
-  const Envelope envelope = *ComputeEnvelope(Raw(10, sigma), kRate, {});
-  ASSERT_EQ(envelope.values.size(), static_cast<std::size_t>(10 * kRate));
+  const Envelope envelope = *ComputeEnvelope(Raw(10, sigma), kEmgRate, {});
+  ASSERT_EQ(envelope.values.size(), static_cast<std::size_t>(10 * kEmgRate));
   // Near its ends the filter hangs on the first and the last sample, which are chance.
   for (std::size_t k = 400; k + 400 < envelope.values.size(); ++k) {
-    const double expected = kMeanOfRectified * sigma(static_cast<double>(k) / kRate);
+    const double expected = kMeanOfRectified * sigma(static_cast<double>(k) / kEmgRate);
     EXPECT_NEAR(envelope.values[k], expected, 0.25 * expected + 2e-5) << k;
   }
   EXPECT_EQ(envelope.values[envelope.maximum_at], envelope.maximum);
@@ -50,15 +50,15 @@ TEST(EnvelopeTest, ScalesWithTheSignal) {
   const auto raw = Raw(2, [](double) { return 1.0; });
   auto small = raw;
   for (double& value : small) value /= 1024;
-  const Envelope one = *ComputeEnvelope(raw, kRate, {});
-  const Envelope other = *ComputeEnvelope(small, kRate, {});
+  const Envelope one = *ComputeEnvelope(raw, kEmgRate, {});
+  const Envelope other = *ComputeEnvelope(small, kEmgRate, {});
   for (std::size_t k = 0; k < one.values.size(); ++k) EXPECT_EQ(one.values[k], 1024 * other.values[k]);
 }
 
 // After a burst the low-pass swings below zero.
 TEST(EnvelopeTest, CutsAndCountsTheUndershoot) {
   const Envelope envelope =
-      *ComputeEnvelope(Raw(4, [](double t) { return t > 1.5 && t < 2.5 ? 1.0 : 1e-6; }), kRate, {});
+      *ComputeEnvelope(Raw(4, [](double t) { return t > 1.5 && t < 2.5 ? 1.0 : 1e-6; }), kEmgRate, {});
   EXPECT_GT(envelope.undershoot, 100U);
   EXPECT_LT(envelope.deepest, 0);
   EXPECT_GT(envelope.deepest, -0.1 * envelope.maximum);
@@ -71,8 +71,8 @@ TEST(EnvelopeTest, BridgesShortGapsWithoutADip) {
   auto gaps = raw;
   std::fill_n(gaps.begin() + 4000, 90, NAN);  // 44 ms
   gaps[100] = gaps[101] = gaps.front() = gaps.back() = NAN;
-  const Envelope whole = *ComputeEnvelope(raw, kRate, {});
-  const Envelope bridged = *ComputeEnvelope(gaps, kRate, {});
+  const Envelope whole = *ComputeEnvelope(raw, kEmgRate, {});
+  const Envelope bridged = *ComputeEnvelope(gaps, kEmgRate, {});
   EXPECT_EQ(TotalSamples(bridged.faults.gaps), 94U);
   for (std::size_t k = 400; k + 400 < raw.size(); ++k)
     EXPECT_NEAR(bridged.values[k], whole.values[k], 0.15) << k;
@@ -84,7 +84,7 @@ TEST(EnvelopeTest, BridgesShortGapsWithoutADip) {
 }
 
 TEST(EnvelopeTest, AZeroSignalHasNone) {
-  const Envelope envelope = *ComputeEnvelope(std::vector<double>(4000, 0.1234), kRate, {});
+  const Envelope envelope = *ComputeEnvelope(std::vector<double>(4000, 0.1234), kEmgRate, {});
   EXPECT_EQ(envelope.maximum, 0);
   EXPECT_EQ(envelope.values, std::vector<double>(4000, 0));
 }

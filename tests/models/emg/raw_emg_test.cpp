@@ -9,7 +9,7 @@
 namespace sinew {
 namespace {
 
-constexpr double kRate = 2048;
+constexpr double kRawRate = 2048;
 
 std::vector<double> Noise(std::size_t samples, double step = 0) {
   std::mt19937 random(1);
@@ -24,7 +24,7 @@ std::vector<double> Noise(std::size_t samples, double step = 0) {
 
 TEST(RawEmgTest, NoiseHasNoFault) {
   for (const double step : {0.0, 1.0 / 4096, 1.0 / 16, 1.0 / 2}) {
-    const RawEmgFaults faults = FindRawEmgFaults(Noise(200000, step), kRate);
+    const RawEmgFaults faults = FindRawEmgFaults(Noise(200000, step), kRawRate);
     EXPECT_FALSE(faults.silent);
     EXPECT_TRUE(faults.gaps.empty() && faults.clipped.empty() && faults.frozen.empty()) << step;
   }
@@ -37,7 +37,7 @@ TEST(RawEmgTest, FindsClippingAtBothEnds) {
   raw[99] = raw[105] = 0;
   for (int k = 0; k < 4; ++k) raw[300 + k] = -0.2;
   raw[299] = raw[304] = 0;
-  const RawEmgFaults faults = FindRawEmgFaults(raw, kRate);
+  const RawEmgFaults faults = FindRawEmgFaults(raw, kRawRate);
   const auto has = [&](std::size_t first, std::size_t count) {
     return std::any_of(faults.clipped.begin(), faults.clipped.end(),
                        [&](const SampleRun& run) { return run.first == first && run.count == count; });
@@ -52,7 +52,7 @@ TEST(RawEmgTest, FindsGapsAndFrozenSamples) {
   for (int k = 0; k < 10; ++k) raw[500 + k] = NAN;
   raw[700] = NAN;
   std::fill_n(raw.begin() + 1000, 60, 0.0);
-  const RawEmgFaults faults = FindRawEmgFaults(raw, kRate);
+  const RawEmgFaults faults = FindRawEmgFaults(raw, kRawRate);
   ASSERT_EQ(faults.gaps.size(), 2U);
   EXPECT_EQ(TotalSamples(faults.gaps), 11U);
   EXPECT_EQ(LongestRun(faults.gaps).first, 500U);
@@ -63,9 +63,9 @@ TEST(RawEmgTest, FindsGapsAndFrozenSamples) {
 }
 
 TEST(RawEmgTest, FindsALooseElectrode) {
-  EXPECT_TRUE(FindRawEmgFaults(std::vector<double>(100, 0.3), kRate).silent);
-  EXPECT_TRUE(FindRawEmgFaults(std::vector<double>(100, NAN), kRate).silent);
-  EXPECT_TRUE(FindRawEmgFaults({}, kRate).silent);
+  EXPECT_TRUE(FindRawEmgFaults(std::vector<double>(100, 0.3), kRawRate).silent);
+  EXPECT_TRUE(FindRawEmgFaults(std::vector<double>(100, NAN), kRawRate).silent);
+  EXPECT_TRUE(FindRawEmgFaults({}, kRawRate).silent);
 }
 
 }  // namespace

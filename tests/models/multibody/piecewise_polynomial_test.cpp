@@ -10,7 +10,8 @@ namespace {
 
 using testing::HasSubstr;
 
-constexpr double kRounding = 1e-12;   // values of order one through a well-conditioned tridiagonal system
+constexpr double kPolynomialRounding =
+    1e-12;                            // values of order one through a well-conditioned tridiagonal system
 constexpr double kDifference = 1e-7;  // central differences with h = 1e-5: h^2 f''' plus eps / h
 constexpr double kStep = 1e-5;
 
@@ -37,19 +38,19 @@ TEST(SimmSpline, ReproducesACubic) {
     for (const double at : x) y.push_back(Cubic(at));
     const auto spline = *PiecewisePolynomial::SimmSpline(x, y);
     for (double at = x.front(); at <= x.back(); at += 0.013)
-      EXPECT_NEAR(spline.At(at).value, Cubic(at), kRounding);
+      EXPECT_NEAR(spline.At(at).value, Cubic(at), kPolynomialRounding);
   }
 }
 
 TEST(SimmSpline, IsTheParabolaThroughThreePoints) {
   const auto spline = *PiecewisePolynomial::SimmSpline({0, 1, 3}, {1, 2, 10});
-  for (const double x : {0.3, 0.9, 1.7, 2.8}) EXPECT_NEAR(spline.At(x).value, 1 + x * x, kRounding);
+  for (const double x : {0.3, 0.9, 1.7, 2.8}) EXPECT_NEAR(spline.At(x).value, 1 + x * x, kPolynomialRounding);
 }
 
 TEST(SimmSpline, PassesThroughItsPointsSmoothly) {
   const auto spline = *PiecewisePolynomial::SimmSpline(kX, kY);
   constexpr double kNear = 1e-9;
-  for (std::size_t i = 0; i < kX.size(); ++i) EXPECT_NEAR(spline.At(kX[i]).value, kY[i], kRounding);
+  for (std::size_t i = 0; i < kX.size(); ++i) EXPECT_NEAR(spline.At(kX[i]).value, kY[i], kPolynomialRounding);
   for (std::size_t i = 1; i + 1 < kX.size(); ++i) {
     const auto left = spline.At(kX[i] - kNear);
     const auto right = spline.At(kX[i]);
@@ -65,7 +66,7 @@ TEST(SimmSpline, ContinuesAsAStraightLine) {
               1e-10);  // slope 1e-12 before the end
   EXPECT_EQ(spline.At(5).second, 0);
   const double start_slope = spline.At(kX.front()).first;
-  EXPECT_NEAR(spline.At(-4).value, kY.front() + start_slope * (-4 - kX.front()), kRounding);
+  EXPECT_NEAR(spline.At(-4).value, kY.front() + start_slope * (-4 - kX.front()), kPolynomialRounding);
   EXPECT_EQ(spline.At(-4).second, 0);
 }
 
@@ -83,10 +84,10 @@ TEST(PiecewisePolynomial, DerivativesAgreeWithDifferences) {
 
 TEST(PiecewisePolynomial, LinesInterpolateAndExtrapolate) {
   const auto lines = *PiecewisePolynomial::Lines({0, 1, 3}, {0, 2, 0});
-  EXPECT_NEAR(lines.At(0.5).value, 1, kRounding);
-  EXPECT_NEAR(lines.At(2).value, 1, kRounding);
-  EXPECT_NEAR(lines.At(-1).value, -2, kRounding);
-  EXPECT_NEAR(lines.At(4).value, -1, kRounding);
+  EXPECT_NEAR(lines.At(0.5).value, 1, kPolynomialRounding);
+  EXPECT_NEAR(lines.At(2).value, 1, kPolynomialRounding);
+  EXPECT_NEAR(lines.At(-1).value, -2, kPolynomialRounding);
+  EXPECT_NEAR(lines.At(4).value, -1, kPolynomialRounding);
 }
 
 TEST(PiecewisePolynomial, RecognisesASingleLine) {

@@ -12,6 +12,7 @@
 #include "models/multibody/osim_reader.h"
 #include "problems/contact/effect_load.h"
 #include "problems/contact/pressure.h"
+#include "tests/problems/support/force_channels.h"
 #include "tests/problems/support/jacobian_check.h"
 #include "tests/problems/support/stepping_data.h"
 
@@ -19,8 +20,6 @@ namespace sinew {
 namespace {
 
 using testing::Contains;
-
-enum Channel { kFx, kFy, kFz, kCopX, kCopZ, kMomentY };
 
 std::unique_ptr<ContactProblem> Exact(const std::string& what = "", const std::string& by = "") {
   return MakeContact(ExactData(), SettingsText(ExactData(), what, by)).value();
@@ -319,7 +318,7 @@ TEST(ContactEffects, AFullEdgeIsARegionOfTheSettings) {
   double added = 0;
   for (const Stance& stance : problem->data().stances) {
     const auto force = expected.values(stance.blocks[kFy]);
-    for (const Channel channel : {kFx, kFy, kFz, kCopX, kCopZ, kMomentY}) {
+    for (const ForceChannel channel : {kFx, kFy, kFz, kCopX, kCopZ, kPlateMomentY}) {
       const auto a = expected.values(stance.blocks[channel]);
       const auto b = found.values(stance.blocks[channel]);
       // Without pressure the centre of pressure rests under the deepest spring, which may be one of the

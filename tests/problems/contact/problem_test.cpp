@@ -9,6 +9,7 @@
 #include "models/contact/simbody_contact.h"
 #include "models/multibody/multibody_model.h"
 #include "models/multibody/osim_reader.h"
+#include "tests/problems/support/force_channels.h"
 #include "tests/problems/support/jacobian_check.h"
 #include "tests/problems/support/stepping_data.h"
 
@@ -16,9 +17,6 @@ namespace sinew {
 namespace {
 
 using testing::ElementsAre;
-
-// Order of the channels of a plate.
-enum Channel { kFx, kFy, kFz, kCopX, kCopZ, kMomentY };
 
 // Of the base parameters.
 std::vector<std::string> Names(const std::vector<Parameter>& parameters) {
@@ -57,12 +55,12 @@ TEST(ContactProblem, NormalForcesDoNotDependOnFriction) {
   parameters.segment<3>(2) << 3, 7, 11;
   const Prediction after = PredictEverything(*problem, parameters);
   for (const Stance& stance : problem->data().stances) {
-    for (const Channel channel : {kFy, kCopX, kCopZ}) {
+    for (const ForceChannel channel : {kFy, kCopX, kCopZ}) {
       const int block = stance.blocks[channel];
       EXPECT_THAT(BaseColumns(*problem, block), ElementsAre(0, 1));
       EXPECT_EQ(Vector(after.values(block)), Vector(before.values(block)));
     }
-    for (const Channel channel : {kFx, kFz, kMomentY}) {
+    for (const ForceChannel channel : {kFx, kFz, kPlateMomentY}) {
       EXPECT_GT((after.values(stance.blocks[channel]) - before.values(stance.blocks[channel])).norm(), 0);
     }
   }
@@ -121,7 +119,7 @@ TEST(ContactProblem, EveryChannelIsThatOfSimbodyOnTheSameStates) {
     ASSERT_TRUE(wrenches) << wrenches.error().message;
     const Vec3 force = wrenches->front().force;
     const Vec3 moment = wrenches->front().moment;
-    const auto predicted = [&](Channel channel) {
+    const auto predicted = [&](ForceChannel channel) {
       return prediction.values(stance.blocks[channel])[static_cast<Eigen::Index>(i)];
     };
     if (force.y() == 0) {
@@ -135,7 +133,7 @@ TEST(ContactProblem, EveryChannelIsThatOfSimbodyOnTheSameStates) {
     const double cop_z = -moment.x() / force.y();
     const double free_moment = moment.y() - (cop_z * force.x() - cop_x * force.z());
     worst = std::max({worst, std::abs(predicted(kCopX) - cop_x), std::abs(predicted(kCopZ) - cop_z),
-                      std::abs(predicted(kMomentY) - free_moment) / force.norm()});
+                      std::abs(predicted(kPlateMomentY) - free_moment) / force.norm()});
   }
   std::printf("worst relative difference %.2e over %d instants\n", worst, pressing);
   EXPECT_GT(pressing, 20);
@@ -147,7 +145,7 @@ TEST(ContactProblem, WithoutPressureTheCentreOfPressureRestsAndNothingDependsOnA
   const auto problem = MakeContact(ExactData(), high).value();
   const Prediction prediction = PredictEverything(*problem, TruthOf(*problem));
   const Stance& stance = problem->data().stances.front();
-  for (const Channel channel : {kFx, kFy, kFz, kMomentY}) {
+  for (const ForceChannel channel : {kFx, kFy, kFz, kPlateMomentY}) {
     EXPECT_EQ(prediction.values(stance.blocks[channel]).norm(), 0);
     EXPECT_EQ(prediction.derivatives(stance.blocks[channel]).norm(), 0);
   }

@@ -2,9 +2,9 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
-#include <Eigen/Cholesky>
 #include <cmath>
 
+#include "base/decompositions.h"
 #include "base/yaml_reader.h"
 #include "datasets/dataset_hash.h"
 #include "problems/drive/laboratory/excitation.h"

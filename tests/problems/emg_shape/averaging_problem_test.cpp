@@ -8,7 +8,7 @@
 namespace sinew {
 namespace {
 
-std::unique_ptr<AveragingProblem> Bound(const Dataset& data) {
+std::unique_ptr<AveragingProblem> BoundAveraging(const Dataset& data) {
   auto problem = AveragingProblem::Make(data, EmgSettings(", model: averaging"));
   EXPECT_TRUE(problem) << problem.error().message;
   return problem ? std::move(*problem) : nullptr;
@@ -16,7 +16,7 @@ std::unique_ptr<AveragingProblem> Bound(const Dataset& data) {
 
 // `simulate` at the starts is the thesis's averaging, sample by sample.
 TEST(AveragingProblem, RestsAtTheThesissModel) {
-  const auto problem = Bound(EmgStudy());
+  const auto problem = BoundAveraging(EmgStudy());
   Prediction prediction(problem->layout());
   const auto workspace = problem->NewWorkspace();
   const std::vector<bool> all(problem->layout().size(), true);
@@ -34,13 +34,13 @@ TEST(AveragingProblem, RestsAtTheThesissModel) {
 }
 
 TEST(AveragingProblem, DerivativesAgreeWithDifferences) {
-  const auto problem = Bound(EmgStudy());
+  const auto problem = BoundAveraging(EmgStudy());
   Random random(4);
   ExpectJacobianAgrees(*problem, random);
 }
 
 TEST(AveragingProblem, OneSpeedHasNoSlope) {
-  const auto problem = Bound(EmgStudy({{"speeds", 1}}));
+  const auto problem = BoundAveraging(EmgStudy({{"speeds", 1}}));
   EXPECT_EQ(problem->parameters().size(), 2U);
   EXPECT_FALSE(FindParameter(problem->parameters(), "lat_gas_r.factor_slope"));
 }

@@ -41,7 +41,7 @@ nms:
       upper: 2.5
 )";
 
-Result<std::unique_ptr<NmsProblem>> Bind(const Dataset& data, const std::string& text = kYaml) {
+Result<std::unique_ptr<NmsProblem>> BindNms(const Dataset& data, const std::string& text = kYaml) {
   SINEW_ASSIGN(const YamlReader yaml, YamlReader::Parse(text, "nms.yaml"));
   SINEW_ASSIGN(const YamlReader section, yaml.At("nms"));
   SINEW_ASSIGN(NmsSettings settings, ReadNmsSettings(section, data.files));
@@ -69,7 +69,7 @@ TEST_F(NmsProblemTest, JacobianAgreesWithDifferences) {
                                   std::string("as_ceinms: ") + as_ceinms + "\n  tendon: " + tendon);
       if (std::string(as_ceinms) == "false")
         text = Replaced(text, "lower: -0.95, upper: -0.05", "lower: 0.005, upper: 0.1");
-      const auto problem = Bind(data, text);
+      const auto problem = BindNms(data, text);
       ASSERT_TRUE(problem) << problem.error().message;
       Random random(2);
       const JacobianCheck check = CheckJacobian(**problem, RandomInside(**problem, 0.3, random));
@@ -84,9 +84,9 @@ TEST_F(NmsProblemTest, JacobianAgreesWithDifferences) {
 // 2.5e-6 after 510,000 evaluations, and predicts the third trial to 0.08 and 0.04 N m.
 TEST_F(NmsProblemTest, CalibratesWhatCeinmsMade) {
   const Dataset data = CeinmsExample("start.xml");
-  const auto problem = Bind(data);
+  const auto problem = BindNms(data);
   ASSERT_TRUE(problem) << problem.error().message;
-  const auto truth = Bind(CeinmsExample("true.xml"));
+  const auto truth = BindNms(CeinmsExample("true.xml"));
   ASSERT_TRUE(truth) << truth.error().message;
   const auto setup = MakeFitSetup(**problem, {});
   ASSERT_TRUE(setup) << setup.error().message;
@@ -129,7 +129,7 @@ TEST_F(NmsProblemTest, WrongDataGetOneSentence) {
   const auto failure = [](const std::function<void(Dataset&)>& spoil) {
     Dataset data = CeinmsExample("true.xml");
     spoil(data);
-    const auto problem = Bind(data);
+    const auto problem = BindNms(data);
     return problem ? std::string() : problem.error().message;
   };
   using testing::HasSubstr;
@@ -157,7 +157,7 @@ TEST_F(NmsProblemTest, WrongDataGetOneSentence) {
   EXPECT_THAT(failure([](Dataset& d) { d.files.clear(); }), HasSubstr("holds no file 'subject.xml'"));
   Dataset loud = CeinmsExample("true.xml");
   loud.trials["trial1"].grids["excitations"].channels["soleus_r"].values[7] = 1.4;
-  const auto problem = Bind(loud);
+  const auto problem = BindNms(loud);
   ASSERT_TRUE(problem);
   EXPECT_THAT((*problem)->data().notes, testing::ElementsAre(HasSubstr("outside of 0..1")));
 }
@@ -165,7 +165,7 @@ TEST_F(NmsProblemTest, WrongDataGetOneSentence) {
 TEST_F(NmsProblemTest, WrongSettingsGetOneSentenceWithItsLine) {
   const Dataset data = CeinmsExample("true.xml");
   const auto failure = [&](const std::string& from, const std::string& to) {
-    const auto problem = Bind(data, Replaced(kYaml, from, to));
+    const auto problem = BindNms(data, Replaced(kYaml, from, to));
     return problem ? std::string() : problem.error().message;
   };
   using testing::HasSubstr;
@@ -188,7 +188,7 @@ TEST_F(NmsProblemTest, WrongSettingsGetOneSentenceWithItsLine) {
 TEST_F(NmsProblemTest, FibresStayInTheirRange) {
   const Dataset data = CeinmsExample("start.xml");
   const auto fit = [&](const std::string& range, const char* solver) {
-    const auto problem = Bind(data, Replaced(kYaml, "  joints:", range + "  joints:"));
+    const auto problem = BindNms(data, Replaced(kYaml, "  joints:", range + "  joints:"));
     EXPECT_TRUE(problem) << problem.error().message;
     const FitSetup setup = *MakeFitSetup(**problem, {});
     const LeastSquares squares(**problem, setup);
@@ -233,7 +233,7 @@ TEST_F(NmsProblemTest, DerivativesOfFibreLengthsAgreeWithDifferences) {
     std::string text = Replaced(kYaml, "as_ceinms: true",
                                 std::string("fibre_range: {}\n  as_ceinms: false\n  tendon: ") + tendon);
     text = Replaced(text, "lower: -0.95, upper: -0.05", "lower: 0.005, upper: 0.1");
-    const auto problem = Bind(data, text);
+    const auto problem = BindNms(data, text);
     ASSERT_TRUE(problem) << problem.error().message;
     ASSERT_EQ((*problem)->layout().size(), 3 * 2 + 2 * 11);
     Random random(2);
@@ -245,7 +245,7 @@ TEST_F(NmsProblemTest, DerivativesOfFibreLengthsAgreeWithDifferences) {
 
 TEST_F(NmsProblemTest, StepsFreeWhatTheyNameOfTheMusclesOfTheirJoints) {
   const Dataset data = CeinmsExample("true.xml");
-  const auto problem = Bind(data, Replaced(kYaml, "  parameters:", R"(  steps:
+  const auto problem = BindNms(data, Replaced(kYaml, "  parameters:", R"(  steps:
     - {joints: [ankle_angle_r], parameters: [shape, strength]}
     - {parameters: [tendon_slack_length]}
   parameters:)"));
@@ -266,7 +266,7 @@ TEST_F(NmsProblemTest, StepsFreeWhatTheyNameOfTheMusclesOfTheirJoints) {
 
 // Parameters of the subject, through its own names and back.
 TEST_F(NmsProblemTest, SubjectAtTheStartIsTheSubject) {
-  const auto problem = Bind(CeinmsExample("true.xml"));
+  const auto problem = BindNms(CeinmsExample("true.xml"));
   ASSERT_TRUE(problem);
   const auto setup = MakeFitSetup(**problem, {});
   const Subject subject = (*problem)->SubjectAt(setup->rest);

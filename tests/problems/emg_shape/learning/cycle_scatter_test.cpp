@@ -9,9 +9,9 @@
 namespace sinew {
 namespace {
 
-constexpr double kFloor = 0.02;
-constexpr double kNoise = 0.08;  // of the EMG
-constexpr int kPerCycle = 40;
+constexpr double kScatterFloor = 0.02;
+constexpr double kScatterNoise = 0.08;  // of the EMG
+constexpr int kScatterPerCycle = 40;
 
 // How the cycles of a recording scatter.
 struct Truth {
@@ -21,7 +21,7 @@ struct Truth {
   int cycles = 40;
 };
 
-double Bell(double away, double width) {
+double BellCurve(double away, double width) {
   return std::exp(-0.5 * away * away / (width * width));
 }
 
@@ -30,7 +30,7 @@ CycleSamples Draw(const Truth& truth, Random& random) {
   CycleSamples samples;
   Vector mean(100);
   for (int i = 0; i < 100; ++i)
-    mean[i] = kFloor + 0.5 * Bell(0.01 * i - 0.3, 0.07) + 0.1 * Bell(0.01 * i - 0.75, 0.06);
+    mean[i] = kScatterFloor + 0.5 * BellCurve(0.01 * i - 0.3, 0.07) + 0.1 * BellCurve(0.01 * i - 0.75, 0.06);
   samples.pattern = FindBursts(mean);
   EXPECT_EQ(samples.pattern.count(), 2);
   for (int k = 0; k < truth.cycles; ++k) {
@@ -44,12 +44,12 @@ CycleSamples Draw(const Truth& truth, Random& random) {
       gain[1] = gain[0];
       timing[1] = timing[0];
     }
-    for (int i = 0; i < kPerCycle; ++i) {
-      const double phase = static_cast<double>(i) / kPerCycle;
-      const double emg = kFloor + gain[0] * 0.5 * Bell(phase - 0.3 + timing[0], 0.07) +
-                         gain[1] * 0.1 * Bell(phase - 0.75 + timing[1], 0.06);
+    for (int i = 0; i < kScatterPerCycle; ++i) {
+      const double phase = static_cast<double>(i) / kScatterPerCycle;
+      const double emg = kScatterFloor + gain[0] * 0.5 * BellCurve(phase - 0.3 + timing[0], 0.07) +
+                         gain[1] * 0.1 * BellCurve(phase - 0.75 + timing[1], 0.06);
       samples.phase.push_back(phase);
-      samples.values.push_back(emg * (1 + kNoise * random.Normal()));
+      samples.values.push_back(emg * (1 + kScatterNoise * random.Normal()));
       samples.burst.push_back(samples.pattern.BurstAt(k, phase));
     }
   }
@@ -81,8 +81,8 @@ TEST(CycleScatter, BurstsOfACycleVaryTogetherOrNot) {
 TEST(CycleScatter, NoiseIsWhatGainsAndTimingsDoNotExplain) {
   Random random(2);
   const CycleScatter scatter = Estimate({Draw({}, random), Draw({}, random)});
-  EXPECT_NEAR(scatter.modulated.growth, kNoise, 0.15 * kNoise);
-  EXPECT_LT(scatter.modulated.quiet, 0.5 * kNoise * kFloor);
+  EXPECT_NEAR(scatter.modulated.growth, kScatterNoise, 0.15 * kScatterNoise);
+  EXPECT_LT(scatter.modulated.quiet, 0.5 * kScatterNoise * kScatterFloor);
 }
 
 TEST(CycleScatter, ARecordingOfAnotherKindIsToldByItsOwn) {

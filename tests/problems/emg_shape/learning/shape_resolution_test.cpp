@@ -9,7 +9,7 @@
 namespace sinew {
 namespace {
 
-constexpr int kPerCycle = 30;
+constexpr int kSamplesPerCycle = 30;
 
 // A burst of this width [cycle] a cycle, whose size and errors scatter.
 RecordedTrial Record(double width, int cycles, Random& random) {
@@ -17,8 +17,8 @@ RecordedTrial Record(double width, int cycles, Random& random) {
   recording.trial.role = BlockRole::kTrain;
   for (int k = 0; k < cycles; ++k) {
     const double gain = std::exp(0.2 * random.Normal());
-    for (int i = 0; i < kPerCycle; ++i) {
-      const double phase = (i + 0.5 * (k % 2)) / kPerCycle;
+    for (int i = 0; i < kSamplesPerCycle; ++i) {
+      const double phase = (i + 0.5 * (k % 2)) / kSamplesPerCycle;
       const double away = (phase - 0.4) / width;
       recording.trial.cycle.push_back(k);
       recording.trial.phase.push_back(phase);

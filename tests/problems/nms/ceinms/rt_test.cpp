@@ -11,6 +11,7 @@
 #include "problems/nms/ceinms/rt_emg.h"
 #include "problems/nms/ceinms/rt_execution.h"
 #include "problems/nms/ceinms/rt_files.h"
+#include "tests/problems/nms/ceinms/replaced.h"
 
 namespace sinew {
 namespace {
@@ -49,12 +50,6 @@ const std::string kEmg = R"(<executionEMG><ip>1</ip><port>2</port>
 std::string Execution(const std::string& tendon, const std::string& activation = "exponential") {
   return "<execution>\n<NMSmodel><type><realTime><openLoop/></realTime></type><tendon>\n<" + tendon +
          "/></tendon>\n<activation><" + activation + "/></activation></NMSmodel></execution>";
-}
-
-std::string Replaced(std::string text, const std::string& from, const std::string& to) {
-  const auto at = text.find(from);
-  EXPECT_NE(at, std::string::npos) << from;
-  return text.replace(at, from.size(), to);
 }
 
 SubjectMuscle Muscle(const std::string& name, double strength) {

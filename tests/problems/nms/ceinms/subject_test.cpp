@@ -6,6 +6,7 @@
 #include <cmath>
 
 #include "base/random.h"
+#include "tests/problems/nms/ceinms/replaced.h"
 
 namespace sinew {
 namespace {
@@ -33,12 +34,6 @@ std::string Ceinms() {
 <dofSet><dof><name>ankle</name><mtuNameSet>soleus tibialis</mtuNameSet></dof></dofSet>
 </subject>
 )";
-}
-
-std::string Replaced(std::string text, const std::string& from, const std::string& to) {
-  const auto at = text.find(from);
-  EXPECT_NE(at, std::string::npos) << from;
-  return text.replace(at, from.size(), to);
 }
 
 std::string Realtime() {

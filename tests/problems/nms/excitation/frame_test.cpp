@@ -3,10 +3,10 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
-#include <Eigen/Cholesky>
 #include <cmath>
 #include <limits>
 
+#include "base/decompositions.h"
 #include "base/random.h"
 
 namespace sinew {
@@ -78,7 +78,8 @@ double BruteForce(const Matrix& h, const Vector& g, double gamma, const Vector& 
     if (!possible) continue;
     if (!free.empty()) {
       const Vector right = -(slope + h * x)(free);
-      const Vector at = h(free, free).ldlt().solve(right);
+      const Matrix curvature = h(free, free);
+      const Vector at = curvature.ldlt().solve(right);
       x(free) = at;
     }
     if (x.minCoeff() >= 0 && x.maxCoeff() <= 1) best = std::min(best, value(x));

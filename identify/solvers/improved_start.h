@@ -1,0 +1,17 @@
+// Where a local fit begins when the problem knows better than its starts: multiple shooting.
+#pragma once
+
+#include <optional>
+
+#include "identify/least_squares.h"
+
+namespace sinew::solvers {
+
+/// Problem::ImprovedStart for the free parameters and training blocks of a fit. @param parameters [P] within
+/// the fit's bounds @return [P] within them; nothing if the problem has none
+[[nodiscard]] std::optional<Vector> ImprovedStart(const LeastSquares& fit, const Vector& parameters);
+
+/// The start of a fit, or the problem's improved one if its cost is lower [n].
+[[nodiscard]] Vector BestStart(const LeastSquares& fit);
+
+}  // namespace sinew::solvers
