@@ -5,6 +5,7 @@
 #include <limits>
 #include <utility>
 
+#include "base/median.h"
 #include "base/text.h"
 
 namespace sinew::shooting {
@@ -19,6 +20,9 @@ constexpr double kMinGrowth = 10;  // of a trajectory
 /// and so many times that of windows that are not joined, which is noise.
 constexpr double kLost = 0.03;
 constexpr double kFarAbove = 2;
+/// Noise of this share of what a typical change does, in half of the training trials: states are not known
+/// from the measurement, and nor is how small differences grow along them.
+constexpr double kTooNoisy = 0.1;
 
 // 1 for the identity.
 double Size(const Matrix& m) {
@@ -44,6 +48,7 @@ Arc ShortestWindows(const Model& model, std::size_t trial) {
 // What is found of an arc.
 struct Found {
   std::vector<bool> lost;  // [arcs] the trajectory does not stay near the measurement
+  double noise = 0;        // upper median of what windows that are not joined leave of the training trials
 };
 
 Status Shoot(const Model& model, const std::vector<bool>& train, const std::vector<Parameter>& all,
@@ -66,7 +71,10 @@ Status Shoot(const Model& model, const std::vector<bool>& train, const std::vect
       found.lost[of[k]] = solution.misfit[k] > std::max(kLost, kFarAbove * solution.free_misfit[k]);
     }
     plan.parameters = solution.parameters;
-    if (training) plan.residual_rms = solution.residual_rms;
+    if (training) {
+      plan.residual_rms = solution.residual_rms;
+      found.noise = UpperMedian(solution.free_misfit);
+    }
   }
   return {};
 }
@@ -116,6 +124,8 @@ Status Complete(const Model& model, const std::vector<bool>& train, const std::v
     bool cut = false;
     SINEW_TRY(Cut(model, std::vector<double>(plan.arcs.size(), options.max_growth), plan, cut));
     if (cut || round == 0) SINEW_TRY(Shoot(model, train, all, free, plan, found));
+    plan.needed = found.noise < kTooNoisy;
+    if (!plan.needed) return {};
   }
   for (double shorter = 0.01 * options.max_growth; shorter >= kMinGrowth; shorter *= 0.1) {
     std::vector<double> limit;

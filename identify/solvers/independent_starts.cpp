@@ -33,6 +33,8 @@ constexpr double kMayBeSame = 1.05;
 constexpr double kLeastGain = 1e-3;
 // Residuals of a ten millionth of what was measured: no instrument has less noise.
 constexpr double kExactShare = 1e-14;
+// White noise that is left, and is more than this share of what was measured: no minimum stands out of it.
+constexpr double kNothingExplained = 0.9;
 
 // Cost of predicting the mean of every training block: the size of what is to be explained.
 double SizeOfSignals(const LeastSquares& fit) {
@@ -66,7 +68,8 @@ class Searching {
         options_(options),
         local_(options.cost_tolerance, kFirstDamping),
         sampler_(evaluator.fit()),
-        exact_(kExactShare * SizeOfSignals(evaluator.fit())) {}
+        size_of_signals_(SizeOfSignals(evaluator.fit())),
+        exact_(kExactShare * size_of_signals_) {}
 
   Search Run(const Vector& start) {
     std::vector<Stage> first = Polish(Sample(start, 0, true), kEvaluationsPerSearch);
@@ -77,7 +80,8 @@ class Searching {
       if (CountWithin(first, kMayBeSame * end.cost) > 1) end = Finish(std::move(end));
       const bool same_again = CountWithin(first, (1 + kSameMinimum) * end.cost) >= kAgreeing;
       *std::min_element(first.begin(), first.end(), IsBetter) = end;
-      if (same_again && IsNoise()) return End(std::move(first), "local searches");
+      const bool nothing_explained = end.cost > kNothingExplained * size_of_signals_;
+      if ((same_again || nothing_explained) && IsNoise()) return End(std::move(first), "local searches");
       const double reached = end.cost;
       if (!Done()) end = Hop(std::move(end), 0);
       // Where structure is left, local searches that agree may all have missed a lower minimum near by.
@@ -210,6 +214,7 @@ class Searching {
   const SolverOptions& options_;
   LevenbergMarquardt local_;
   StartSampler sampler_;
+  double size_of_signals_;
   double exact_;
   std::vector<Stage> ends_;
   Search search_;

@@ -93,13 +93,13 @@ std::vector<Sentence> Undetermined(const FitSetup& setup, const std::vector<Para
 // ": walk36 16.5, walk45 23.4": each of several held-out trials; empty where there is one, or too many to
 // list.
 std::string EachHeldOut(const std::vector<FitQuality>& quality, const std::string& channel) {
-  constexpr std::size_t kMaxListed = 6;
+  constexpr std::size_t kMaxHeldOutTrials = 6;
   std::vector<std::string> trials;
   for (const FitQuality& one : quality) {
     if (one.role == BlockRole::kValidate && one.channel == channel)
       trials.push_back(fmt::format("{} {}", one.trial, Readable(one.rmse, 2)));
   }
-  return trials.size() < 2 || trials.size() > kMaxListed ? "" : ": " + Join(trials, ", ");
+  return trials.size() < 2 || trials.size() > kMaxHeldOutTrials ? "" : ": " + Join(trials, ", ");
 }
 
 std::vector<Sentence> Predictions(const std::vector<FitQuality>& pooled,

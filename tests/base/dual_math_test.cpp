@@ -7,14 +7,14 @@
 namespace sinew {
 namespace {
 
-using D = Dual<2>;
+using Dual2 = Dual<2>;
 
 // A function of two numbers against differences of its values.
 template <class F>
 void ExpectDerivatives(const F& f, double x, double y) {
   constexpr double kStep = 6e-6;       // cbrt of rounding
   constexpr double kTolerance = 1e-9;  // of central differences of values of about 1
-  const D got = f(D::Variable(x, 0), D::Variable(y, 1));
+  const Dual2 got = f(Dual2::Variable(x, 0), Dual2::Variable(y, 1));
   EXPECT_EQ(got.value, f(x, y));
   EXPECT_NEAR(got.d[0], (f(x + kStep, y) - f(x - kStep, y)) / (2 * kStep), kTolerance);
   EXPECT_NEAR(got.d[1], (f(x, y + kStep) - f(x, y - kStep)) / (2 * kStep), kTolerance);
@@ -32,15 +32,15 @@ TEST(DualMath, FormulasOfPlainNumbersWorkForDualNumbers) {
 }
 
 TEST(DualMath, HypotIsTheLengthOfBothSides) {
-  const D got = hypot(D::Variable(3, 0), D::Variable(4, 1));
+  const Dual2 got = hypot(Dual2::Variable(3, 0), Dual2::Variable(4, 1));
   EXPECT_DOUBLE_EQ(got.value, 5);
   EXPECT_DOUBLE_EQ(got.d[0], 0.6);
   EXPECT_DOUBLE_EQ(got.d[1], 0.8);
 }
 
 TEST(DualMath, SlopesThatAreInfiniteAreSetToZero) {
-  EXPECT_EQ(sqrt(D::Variable(0, 0)).d[0], 0);
-  EXPECT_EQ(pow(D::Variable(0, 0), D::Variable(2, 1)).d[1], 0);
+  EXPECT_EQ(sqrt(Dual2::Variable(0, 0)).d[0], 0);
+  EXPECT_EQ(pow(Dual2::Variable(0, 0), Dual2::Variable(2, 1)).d[1], 0);
 }
 
 }  // namespace

@@ -152,7 +152,7 @@ TEST(Discovery, RefitsALargeHiddenCurve) {
 // cancel. What the data determine is the curve for a given gain.
 TEST(Discovery, StandardErrorsOfALargeCurveAreThoseForGivenBaseParameters) {
   const LinearLaws problem(Parabola(0.5), 3);
-  const Case one(problem, {"y(u)"});
+  const DiscoveryCase one(problem, {"y(u)"});
   ASSERT_EQ(one.found.unknown_terms.size(), 1U);
   const UnknownFinding& found = one.found.unknown_terms[0];
   EXPECT_EQ(found.shape.kind, ShapeKind::kQuadraticEven) << ToString(found.shape.kind);

@@ -12,17 +12,18 @@
 namespace sinew {
 namespace {
 
-constexpr int kSamples = 200;
+constexpr int kRecordSamples = 200;
 
 // y = sin(w t) with noise: as a function of w the cost has a local minimum about every pi / 10.
 void MakeSine(FunctionProblem& problem, double noise, double start) {
   problem.Add("w", 0, 20, start);
   Random random(7);
   std::vector<double> measured;
-  for (int i = 0; i < kSamples; ++i) measured.push_back(std::sin(9.3 * 0.05 * i) + noise * random.Normal());
+  for (int i = 0; i < kRecordSamples; ++i)
+    measured.push_back(std::sin(9.3 * 0.05 * i) + noise * random.Normal());
   problem.AddBlock("t", measured, {0},
                    [](const Vector& p, Eigen::Ref<Vector> values, Matrix* derivatives) -> Status {
-                     for (int i = 0; i < kSamples; ++i) {
+                     for (int i = 0; i < kRecordSamples; ++i) {
                        const double t = 0.05 * i;
                        values[i] = std::sin(p[0] * t);
                        if (derivatives != nullptr) (*derivatives)(i, 0) = t * std::cos(p[0] * t);
@@ -55,11 +56,12 @@ TEST(IndependentStarts, OneMinimumAndWhiteNoiseTakeFourLocalSearches) {
   FunctionProblem problem;
   Random random(3);
   std::vector<double> measured;
-  for (int i = 0; i < kSamples; ++i) measured.push_back(2 * std::exp(-0.01 * i) + 0.1 * random.Normal());
+  for (int i = 0; i < kRecordSamples; ++i)
+    measured.push_back(2 * std::exp(-0.01 * i) + 0.1 * random.Normal());
   problem.Add("a", 0, 10, 5).Add("b", 0, 0.1, 0.05);
   problem.AddBlock("t", measured, {0, 1},
                    [](const Vector& p, Eigen::Ref<Vector> values, Matrix* derivatives) -> Status {
-                     for (int i = 0; i < kSamples; ++i) {
+                     for (int i = 0; i < kRecordSamples; ++i) {
                        const double decay = std::exp(-p[1] * i);
                        values[i] = p[0] * decay;
                        if (derivatives != nullptr) derivatives->row(i) << decay, -i * p[0] * decay;
@@ -109,7 +111,9 @@ TEST(IndependentStarts, ABudgetIsKept) {
     const SolverResult result = Solve(fit.least_squares, evaluator);
     EXPECT_LE(evaluator.evaluations(), budget);
     EXPECT_TRUE(result.stop.usable());
-    if (evaluator.evaluations() == budget) EXPECT_EQ(result.stop.kind, Termination::kMaxEvaluations);
+    if (evaluator.evaluations() == budget) {
+      EXPECT_EQ(result.stop.kind, Termination::kMaxEvaluations);
+    }
   }
 }
 

@@ -25,13 +25,13 @@ TEST(ChiSquared, TailsMatchTables) {
 }
 
 TEST(ChiSquared, TailsMatchClosedForms) {
-  constexpr double kRounding = 2e-13;
+  constexpr double kBoostRounding = 2e-13;
   for (const double x : {0.01, 0.5, 1.9, 2.1, 7.0, 40.0, 600.0}) {
     // Even degrees: exp(-x/2) times the beginning of its inverse's series.
-    EXPECT_NEAR(ChiSquaredUpperTail(x, 2) / std::exp(-x / 2), 1, kRounding) << x;
+    EXPECT_NEAR(ChiSquaredUpperTail(x, 2) / std::exp(-x / 2), 1, kBoostRounding) << x;
     const double six = std::exp(-x / 2) * (1 + x / 2 + x * x / 8);
-    EXPECT_NEAR(ChiSquaredUpperTail(x, 6) / six, 1, kRounding) << x;
-    EXPECT_NEAR(ChiSquaredUpperTail(x, 1) / std::erfc(std::sqrt(x / 2)), 1, kRounding) << x;
+    EXPECT_NEAR(ChiSquaredUpperTail(x, 6) / six, 1, kBoostRounding) << x;
+    EXPECT_NEAR(ChiSquaredUpperTail(x, 1) / std::erfc(std::sqrt(x / 2)), 1, kBoostRounding) << x;
   }
 }
 

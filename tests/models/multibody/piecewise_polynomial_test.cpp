@@ -49,13 +49,13 @@ TEST(SimmSpline, IsTheParabolaThroughThreePoints) {
 
 TEST(SimmSpline, PassesThroughItsPointsSmoothly) {
   const auto spline = *PiecewisePolynomial::SimmSpline(kX, kY);
-  constexpr double kNear = 1e-9;
+  constexpr double kPolynomialError = 1e-9;
   for (std::size_t i = 0; i < kX.size(); ++i) EXPECT_NEAR(spline.At(kX[i]).value, kY[i], kPolynomialRounding);
   for (std::size_t i = 1; i + 1 < kX.size(); ++i) {
-    const auto left = spline.At(kX[i] - kNear);
+    const auto left = spline.At(kX[i] - kPolynomialError);
     const auto right = spline.At(kX[i]);
-    EXPECT_NEAR(left.first, right.first, 1e-6);    // kNear times a second derivative below 1e3
-    EXPECT_NEAR(left.second, right.second, 1e-5);  // kNear times a third derivative below 1e4
+    EXPECT_NEAR(left.first, right.first, 1e-6);    // kPolynomialError times a second derivative below 1e3
+    EXPECT_NEAR(left.second, right.second, 1e-5);  // kPolynomialError times a third derivative below 1e4
   }
 }
 
