@@ -35,6 +35,10 @@ constexpr double kLeastGain = 1e-3;
 constexpr double kExactShare = 1e-14;
 // White noise that is left, and is more than this share of what was measured: no minimum stands out of it.
 constexpr double kNothingExplained = 0.9;
+// Where only white noise is left by the search from the given start, and searches from random ones end so
+// many times higher, random starts lose their way (a trajectory over which small differences grow), and the
+// given one came from the measurement.
+constexpr double kFarWorse = 100;
 
 // Cost of predicting the mean of every training block: the size of what is to be explained.
 double SizeOfSignals(const LeastSquares& fit) {
@@ -51,14 +55,24 @@ double SizeOfSignals(const LeastSquares& fit) {
   return cost;
 }
 
-// Mean squared difference of successive residuals over twice their variance: 1 for white noise, less where
-// errors last (von Neumann 1941). Its standard deviation is 1 / sqrt(n).
+// Neither successive residuals nor sums over stretches of 4, 16, ... residuals tell of an error that lasts.
+// Of white noise the mean squared difference of successive values is twice their variance (von Neumann 1941),
+// with a standard deviation of 1 / sqrt(n) of the ratio, and squared sums over m values are as large as m
+// squared values, with one of sqrt(2 m / n) (variance ratio; Lo and MacKinlay 1988).
 bool AreWhite(const Eigen::Ref<const Vector>& residuals) {
   const Eigen::Index n = residuals.size();
   if (n < 10) return true;
   const double differences = (residuals.tail(n - 1) - residuals.head(n - 1)).squaredNorm() / (2.0 * (n - 1));
   const double variance = residuals.squaredNorm() / static_cast<double>(n);
-  return differences > (1 - 3 / std::sqrt(static_cast<double>(n))) * variance;
+  if (!(differences > (1 - 3 / std::sqrt(static_cast<double>(n))) * variance)) return false;
+  for (Eigen::Index m = 4; 8 * m <= n; m *= 4) {
+    const Eigen::Index sums = n / m;
+    double ratio = 0;
+    for (Eigen::Index k = 0; k < sums; ++k) ratio += std::pow(residuals.segment(k * m, m).sum(), 2);
+    ratio /= static_cast<double>(sums * m) * variance;
+    if (ratio > 1 + 3 * std::sqrt(2.0 / static_cast<double>(sums))) return false;
+  }
+  return true;
 }
 
 class Searching {
@@ -75,13 +89,15 @@ class Searching {
     std::vector<Stage> first = Polish(Sample(start, 0, true), kEvaluationsPerSearch);
     const Stage* best = Best(first);
     if (best != nullptr && !Done()) {
+      const bool start_stands_out = best == &first.front() && CountWithin(first, kFarWorse * best->cost) == 1;
       // Searches that end close to each other may have run out of evaluations on the way to one minimum.
       Stage end = *best;
       if (CountWithin(first, kMayBeSame * end.cost) > 1) end = Finish(std::move(end));
       const bool same_again = CountWithin(first, (1 + kSameMinimum) * end.cost) >= kAgreeing;
       *std::min_element(first.begin(), first.end(), IsBetter) = end;
       const bool nothing_explained = end.cost > kNothingExplained * size_of_signals_;
-      if ((same_again || nothing_explained) && IsNoise()) return End(std::move(first), "local searches");
+      if ((same_again || nothing_explained || start_stands_out) && IsNoise())
+        return End(std::move(first), "local searches");
       const double reached = end.cost;
       if (!Done()) end = Hop(std::move(end), 0);
       // Where structure is left, local searches that agree may all have missed a lower minimum near by.

@@ -76,6 +76,27 @@ TEST(IndependentStarts, OneMinimumAndWhiteNoiseTakeFourLocalSearches) {
   EXPECT_EQ(solvers::AgreementOf(result.stages).agreeing, 4);
 }
 
+TEST(IndependentStarts, AStartThatLeavesOnlyNoiseAmongHopelessOnesIsEnough) {
+  FunctionProblem problem;
+  MakeSine(problem, 0.01, 9.25);
+  const Fit fit(problem);
+  Evaluator evaluator(fit.least_squares, {});
+  const SolverResult result = Solve(fit.least_squares, evaluator);
+  EXPECT_NEAR(fit.least_squares.Parameters(result.x)[0], 9.3, 0.001);
+  EXPECT_EQ(result.stages.size(), 4U) << result.stop.test;
+  EXPECT_LT(evaluator.evaluations(), 250);
+}
+
+TEST(IndependentStarts, NoiseThatHidesEverythingIsNotSearchedFurther) {
+  FunctionProblem problem;
+  MakeSine(problem, 30, 4.0);
+  const Fit fit(problem);
+  Evaluator evaluator(fit.least_squares, {});
+  const SolverResult result = Solve(fit.least_squares, evaluator);
+  EXPECT_EQ(result.stages.size(), 4U) << result.stop.test;
+  EXPECT_LT(evaluator.evaluations(), 250);
+}
+
 TEST(IndependentStarts, ExactDataEndAtOnce) {
   FunctionProblem problem;
   MakeSine(problem, 0, 9.2);
