@@ -14,6 +14,8 @@ const char* ToString(WarningKind kind) {
       return "search_unfinished";
     case WarningKind::kBetterFit:
       return "better_fit";
+    case WarningKind::kBetterPointTaken:
+      return "better_point_taken";
     case WarningKind::kDependentResiduals:
       return "dependent_residuals";
     case WarningKind::kActiveConstraint:

@@ -14,6 +14,7 @@ enum class WarningKind {
   kNotAMinimum,         ///< a local search lowered the cost: numbers {from, to}
   kSearchUnfinished,    ///< that local search did not converge: intervals are rough
   kBetterFit,           ///< the cost fell below the minimum on the way to an interval: numbers {from, to}
+  kBetterPointTaken,    ///< such a point, or one of that local search, became the answer: numbers {from, to}
   kDependentResiduals,  ///< numbers {largest widening of an interval, lag-one correlation of each channel};
                         ///< names are the channels
   kActiveConstraint,    ///< names {constraint}

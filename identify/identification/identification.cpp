@@ -8,6 +8,33 @@
 #include "identify/solvers/improved_start.h"
 
 namespace sinew {
+namespace {
+
+// A point that lowers the cost is taken for the answer, and the next look at intervals may find another.
+constexpr int kMaxImprovements = 5;
+
+// What the data determine; a better point that is met on the way becomes the answer, and everything is done
+// again from there, while the budget lasts.
+Status AnalyseAndImprove(const LeastSquares& least_squares, const UncertaintyOptions& how,
+                         const IdentificationOptions& options, Evaluator& evaluator, Identification& out) {
+  const double found = out.result.cost;
+  for (int improvements = 0;; ++improvements) {
+    SINEW_ASSIGN(out.uncertainty, AnalyseUncertainty(least_squares, out.result.x, how));
+    const Vector& better = out.uncertainty.better_point;
+    if (better.size() == 0 || !out.result.stop.converged() || improvements == kMaxImprovements) break;
+    SINEW_ASSIGN(const auto local, MakeSolver("lm", options.solver_options));
+    const SolverResult improved = local->Solve(evaluator, better);
+    if (!(improved.cost < out.result.cost)) break;
+    out.result.x = improved.x;
+    out.result.cost = improved.cost;
+    if (evaluator.MustStop()) out.result.stop = improved.stop;
+  }
+  if (out.result.cost < found)
+    out.warnings.push_back({WarningKind::kBetterPointTaken, {}, {found, out.result.cost}, {}});
+  return {};
+}
+
+}  // namespace
 
 Result<Identification> Identify(const Problem& problem, FitSetup setup, IdentificationOptions options) {
   if (options.solver.empty()) options.solver = problem.default_solver();
@@ -24,6 +51,13 @@ Result<Identification> Identify(const Problem& problem, FitSetup setup, Identifi
   Evaluator evaluator(least_squares, std::move(options.evaluator));
   out.result = solver->Solve(evaluator, solvers::BestStart(least_squares));
   out.seconds = evaluator.seconds();
+  if (out.result.stop.usable() && !out.setup.free.empty()) {
+    UncertaintyOptions how;
+    how.threads = options.solver_options.threads;
+    how.interrupt = interrupt;
+    how.profile = options.profiles;
+    SINEW_TRY(AnalyseAndImprove(least_squares, how, options, evaluator, out));
+  }
   out.trace = evaluator.trace();
   out.failures = evaluator.failures();
   if (!out.result.stop.usable()) return out;
@@ -38,14 +72,7 @@ Result<Identification> Identify(const Problem& problem, FitSetup setup, Identifi
   if (!out.result.stop.converged())
     out.warnings.push_back({WarningKind::kNotConverged, {}, {}, out.result.stop.test});
   SINEW_ASSIGN(out.prediction, PredictAll(problem, out.parameters));
-  if (!out.setup.free.empty()) {
-    UncertaintyOptions how;
-    how.threads = options.solver_options.threads;
-    how.interrupt = interrupt;
-    how.profile = options.profiles;
-    SINEW_ASSIGN(out.uncertainty, AnalyseUncertainty(least_squares, out.result.x, how));
-    for (const Warning& note : out.uncertainty.notes) out.warnings.push_back(note);
-  }
+  for (const Warning& note : out.uncertainty.notes) out.warnings.push_back(note);
   for (const Concentration& found : FindConcentrations(problem.layout(), out.prediction.values))
     out.warnings.push_back(ToWarning(found));
   for (Warning& warning : problem.WarningsAt(out.parameters)) out.warnings.push_back(std::move(warning));

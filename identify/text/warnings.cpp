@@ -60,6 +60,11 @@ std::string Text(const Warning& w, const std::vector<std::vector<std::string>>& 
           "again "
           "with more starts or a global solver",
           w.numbers[0], w.numbers[1]);
+    case WarningKind::kBetterPointTaken:
+      return fmt::format(
+          "the search ended at a cost of {:.6g}; {:.6g} was found while intervals were computed, and is the "
+          "answer: there may be lower minima",
+          w.numbers[0], w.numbers[1]);
     case WarningKind::kDependentResiduals:
       return DependentResiduals(w);
     case WarningKind::kActiveConstraint:

@@ -72,6 +72,7 @@ class EndSearch {
   }
 
   [[nodiscard]] double lowest() const { return lowest_; }
+  [[nodiscard]] const Vector& lowest_x() const { return lowest_x_; }
 
  private:
   [[nodiscard]] double At(double distance) const {
@@ -92,7 +93,10 @@ class EndSearch {
     const solvers::LocalFit::Outcome outcome =
         fit_.Minimize(start, request_.variable, {kRefitTolerance * request_.rise, 0},
                       std::min(kMaxRefitEvaluations, last_ - fit_.evaluations()));
-    lowest_ = std::min(lowest_, outcome.cost);
+    if (outcome.cost < lowest_) {
+      lowest_ = outcome.cost;
+      lowest_x_ = outcome.x;
+    }
     const double rise = (outcome.cost - cost_) / request_.rise;
     return {distance, std::isfinite(rise) ? std::sqrt(std::max(rise, 0.0)) : kInfinity, outcome.x,
             outcome.converged};
@@ -138,6 +142,7 @@ class EndSearch {
   double inner_weight_ = 1;
   double outer_weight_ = 1;
   double lowest_;
+  Vector lowest_x_;
 };
 
 }  // namespace
@@ -150,6 +155,7 @@ std::vector<Profile> ProfileIntervals(const LeastSquares& problem, const Vector&
   if (ends == 0) return profiles;
   const long part = std::max(1L, options.max_evaluations / static_cast<long>(ends));
   std::vector<double> lowest(ends);
+  std::vector<Vector> lowest_x(ends);
   std::vector<long> used(ends);
   const auto executor = MakeExecutor(options.threads);
   std::vector<std::optional<solvers::LocalFit>> fits(executor->workers());
@@ -160,11 +166,14 @@ std::vector<Profile> ProfileIntervals(const LeastSquares& problem, const Vector&
     EndSearch search(fit, minimum, cost, requests[i / 2], i % 2 == 0 ? -1 : 1, part, options.interrupt);
     (i % 2 == 0 ? profiles[i / 2].lower : profiles[i / 2].upper) = search.Run();
     lowest[i] = search.lowest();
+    lowest_x[i] = search.lowest_x();
     used[i] = fit.evaluations() - before;
   });
   for (std::size_t i = 0; i < ends; ++i) evaluations += used[i];
   for (std::size_t i = 0; i < requests.size(); ++i) {
-    profiles[i].lowest_cost = std::min(lowest[2 * i], lowest[2 * i + 1]);
+    const std::size_t end = lowest[2 * i] <= lowest[2 * i + 1] ? 2 * i : 2 * i + 1;
+    profiles[i].lowest_cost = lowest[end];
+    profiles[i].lowest_x = std::move(lowest_x[end]);
   }
   return profiles;
 }

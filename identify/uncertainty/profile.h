@@ -46,6 +46,7 @@ struct Profile {
   ProfileEnd lower;
   ProfileEnd upper;
   double lowest_cost = 0;  ///< on the way; below that of the minimum if the fit was not at its best
+  Vector lowest_x;         ///< [n] where; empty if that is the minimum
 };
 
 struct ProfileOptions {

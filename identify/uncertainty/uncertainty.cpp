@@ -113,6 +113,7 @@ Status Analysis::FindMinimum(const Vector& x) {
   if (cost - cost_ >
       std::max(kNotedGain * cost_ / problem_.residuals(), kNoDependence * kNoDependence * signal)) {
     answer_.notes.push_back({WarningKind::kNotAMinimum, {}, {cost, cost_}, {}});
+    answer_.better_point = outcome.x;
   }
   if (!outcome.converged) answer_.notes.push_back({WarningKind::kSearchUnfinished, {}, {}, {}});
   return {};
@@ -241,10 +242,14 @@ void Analysis::Profiles() {
                        {options_.threads, options_.max_profile_evaluations, penalty_, options_.interrupt},
                        answer_.evaluations);
   double lowest = cost_;
+  const Vector* lowest_x = nullptr;
   for (std::size_t i = 0; i < profiles.size(); ++i) {
     const Profile& profile = profiles[i];
     Finding& finding = findings_[finding_of[i]];
-    lowest = std::min(lowest, profile.lowest_cost);
+    if (profile.lowest_cost < lowest) {
+      lowest = profile.lowest_cost;
+      lowest_x = &profile.lowest_x;
+    }
     finding.no_profile =
         profile.lower.failure == ProfileFailure::kNone ? profile.upper.failure : profile.lower.failure;
     if (finding.no_profile != ProfileFailure::kNone) continue;
@@ -253,6 +258,7 @@ void Analysis::Profiles() {
   }
   if (cost_ - lowest > kNotedGain * cost_ / problem_.residuals()) {
     answer_.notes.push_back({WarningKind::kBetterFit, {}, {cost_, lowest}, {}});
+    answer_.better_point = *lowest_x;
   }
 }
 

@@ -61,7 +61,10 @@ struct Uncertainty {
   double degrees_of_freedom = 0;                 ///< of the estimated noise; infinite if all levels are known
   Vector minimum;              ///< [P] parameters at the minimum that the intervals are about
   std::vector<Warning> notes;  ///< what limits the intervals
-  long evaluations = 0;        ///< of the local search and the profiles
+  /// [n, within 0..1] A point of lower cost than the solution that was met by the local search or on the way
+  /// to an interval, the lowest one; empty if there was none. A note tells of it, too.
+  Vector better_point;
+  long evaluations = 0;  ///< of the local search and the profiles
 };
 
 struct UncertaintyOptions {

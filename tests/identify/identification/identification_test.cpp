@@ -3,7 +3,11 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include <cmath>
+#include <vector>
+
 #include "tests/identify/support/error_of.h"
+#include "tests/identify/support/function_problem.h"
 #include "tests/identify/support/line_fit.h"
 
 namespace sinew {
@@ -54,6 +58,54 @@ TEST(Identification, AnUnfinishedSearchIsAWarning) {
   ASSERT_FALSE(line.warnings.empty());
   EXPECT_EQ(line.warnings.front().kind, WarningKind::kNotConverged);
   EXPECT_EQ(line.warnings.front().message, line.result.stop.test);
+}
+
+// A point on a spiral: its distance from the origin has a minimum of 0.5 at a = 0.3, and one of 0 at a =
+// 0.59, beyond a hill of 0.52; with 20 further residuals of size 1.
+void MakeSpiral(FunctionProblem& problem) {
+  problem.Add("a", 0, 1, 0.25);
+  std::vector<double> measured{0, 0};
+  for (int i = 0; i < 20; ++i) measured.push_back(i % 2 == 0 ? 1 : -1);
+  problem.AddBlock("t", measured, {0},
+                   [](const Vector& p, Eigen::Ref<Vector> values, Matrix* derivatives) -> Status {
+                     const double d = p[0] - 0.3;
+                     const double radius = 0.5 + 37 * d * d * (0.15 - d);
+                     const double slope = 37 * d * (0.3 - 3 * d);
+                     const double angle = 15 * d;
+                     values.setZero();
+                     values[0] = radius * std::cos(angle);
+                     values[1] = radius * std::sin(angle);
+                     if (derivatives != nullptr) {
+                       derivatives->setZero();
+                       (*derivatives)(0, 0) = slope * std::cos(angle) - 15 * values[1];
+                       (*derivatives)(1, 0) = slope * std::sin(angle) + 15 * values[0];
+                     }
+                     return {};
+                   });
+}
+
+TEST(Identification, ABetterPointMetOnTheWayToAnIntervalBecomesTheAnswer) {
+  FunctionProblem problem;
+  MakeSpiral(problem);
+  IdentificationOptions options;
+  options.solver = "ceres";
+  options.profiles = false;
+  const auto linear = Identify(problem, MakeFitSetup(problem, {}).value(), options);
+  ASSERT_TRUE(linear) << linear.error().message;
+  EXPECT_NEAR(linear->parameters[0], 0.3, 1e-4) << "linear intervals do not leave the minimum";
+  EXPECT_TRUE(linear->warnings.empty());
+
+  options.profiles = true;
+  const auto found = Identify(problem, MakeFitSetup(problem, {}).value(), options);
+  ASSERT_TRUE(found) << found.error().message;
+  EXPECT_NEAR(found->result.cost, 10, 1e-9);
+  EXPECT_NEAR(found->parameters[0], 0.6, 1e-3);
+  ASSERT_EQ(found->uncertainty.parameters.size(), 1U);
+  EXPECT_EQ(found->uncertainty.parameters[0].value, found->parameters[0]) << "done again from there";
+  ASSERT_EQ(found->warnings.size(), 1U);
+  EXPECT_EQ(found->warnings[0].kind, WarningKind::kBetterPointTaken);
+  EXPECT_NEAR(found->warnings[0].numbers[0], 10.125, 1e-6);
+  EXPECT_EQ(found->warnings[0].numbers[1], found->result.cost);
 }
 
 TEST(Identification, FailedEvaluationsAreAWarningWithTheFirstReason) {

@@ -131,6 +131,7 @@ Lines EveryWarning() {
                 {WarningKind::kNotAMinimum, {}, {12.5, 12.25}, {}},
                 {WarningKind::kSearchUnfinished, {}, {}, {}},
                 {WarningKind::kBetterFit, {}, {12.5, 12.25}, {}},
+                {WarningKind::kBetterPointTaken, {}, {12.5, 12.25}, {}},
                 {WarningKind::kDependentResiduals, {"force_y", "angle"}, {3.14, 0.93, 0.2}, {}},
                 {WarningKind::kActiveConstraint, {"not_too_steep"}, {}, {}},
                 {WarningKind::kHeldFromSteps, {"a"}, {}, {}},
