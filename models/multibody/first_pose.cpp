@@ -1,0 +1,192 @@
+#include "models/multibody/first_pose.h"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+
+#include "base/constants.h"
+
+namespace sinew {
+namespace {
+
+constexpr double kCoarse = 1e-3;  // a start's search ends here unless its minimum may be the lowest
+constexpr int kCoarseIterations = 60;
+
+bool IsFreeAngle(const MultibodyModel& model, int coordinate) {
+  const OsimCoordinate& properties = model.coordinate(coordinate);
+  return properties.motion == MotionType::kRotational && !properties.locked && !model.IsDependent(coordinate);
+}
+
+// The model's default pose, and the same turned by quarter turns about each angle between ground and the
+// first bodies.
+std::vector<Vector> Headings(const MultibodyModel& model) {
+  std::vector<Vector> starts{model.default_values()};
+  for (int i = 0; i < static_cast<int>(model.coordinate_names().size()); ++i) {
+    const OsimCoordinate& coordinate = model.coordinate(i);
+    if (!IsFreeAngle(model, i) || !model.IsGroundCoordinate(i)) continue;
+    for (const double turn : {kPi / 2, kPi, -kPi / 2}) {
+      Vector start = model.default_values();
+      start[i] += turn;
+      if (coordinate.clamped && (start[i] < coordinate.lower || start[i] > coordinate.upper)) continue;
+      starts.push_back(std::move(start));
+    }
+  }
+  return starts;
+}
+
+// Uniform in the range of an angle, of which at most one turn about the default counts.
+double DrawAngle(const MultibodyModel& model, int coordinate, Random& random) {
+  const OsimCoordinate& properties = model.coordinate(coordinate);
+  const double middle = model.default_values()[coordinate];
+  if (!properties.clamped) return random.Uniform(middle - kPi, middle + kPi);
+  const double lower = std::max(properties.lower, middle - 2 * kPi);
+  return random.Uniform(lower, std::min(properties.upper, middle + 2 * kPi));
+}
+
+// The starts' minima of one frame, each polished only if it may be the lowest.
+class Minima {
+ public:
+  Minima(MarkerFit& fit, const MultibodyModel& model, const IkOptions& options)
+      : fit_(fit), model_(model), options_(options) {
+    full_.accuracy = options.accuracy;
+    full_.max_iterations = options.max_iterations;
+  }
+
+  void Try(const Vector& start) {
+    MarkerFit::Search coarse;
+    coarse.accuracy = kCoarse;
+    coarse.max_iterations = std::min(kCoarseIterations, options_.max_iterations);
+    coarse.known = &known_;
+    ++starts_;
+    MarkerFit::Solution found = fit_.Solve(start, coarse);
+    if (found.joined >= 0) {
+      ++hits_[static_cast<std::size_t>(found.joined)];
+      return;
+    }
+    // What the coarse accuracy leaves open is far below this share of the cost, or of a perfect fit.
+    constexpr double kMayFall = 2;
+    constexpr double kPerfect = 1e-5;  // [m2]
+    if (found.cost < kMayFall * lowest_ + kPerfect)
+      found = WithoutWholeTurns(fit_.Solve(found.values, full_));
+    Add(std::move(found));
+  }
+
+  void Add(MarkerFit::Solution found) {
+    lowest_ = std::min(lowest_, found.cost);
+    known_.push_back(found.values);
+    hits_.push_back(1);
+    found_.push_back(std::move(found));
+  }
+
+  [[nodiscard]] int starts() const { return starts_; }
+  [[nodiscard]] int agreeing() const {
+    int sum = 0;
+    for (std::size_t i = 0; i < found_.size(); ++i) sum += IsLowest(i) ? hits_[i] : 0;
+    return sum;
+  }
+
+  // Of equal minima the one nearest to the default pose.
+  [[nodiscard]] const MarkerFit::Solution& Lowest() const {
+    std::size_t best = found_.size();
+    double nearest = std::numeric_limits<double>::infinity();
+    for (std::size_t i = 0; i < found_.size(); ++i) {
+      const double distance = (found_[i].values - model_.default_values()).norm();
+      if (!IsLowest(i) || (best < found_.size() && distance >= nearest)) continue;
+      nearest = distance;
+      best = i;
+    }
+    return found_[best];
+  }
+
+ private:
+  [[nodiscard]] bool IsLowest(std::size_t i) const { return !IsLower(lowest_, found_[i].cost, options_); }
+
+  // Angles without a range brought to within half a turn of the default, where that changes nothing.
+  MarkerFit::Solution WithoutWholeTurns(MarkerFit::Solution solution) {
+    Vector wrapped = solution.values;
+    for (const int i : fit_.free_coordinates()) {
+      if (!IsFreeAngle(model_, i) || model_.coordinate(i).clamped) continue;
+      const double middle = model_.default_values()[i];
+      wrapped[i] = middle + std::remainder(wrapped[i] - middle, 2 * kPi);
+    }
+    if (wrapped == solution.values) return solution;
+    MarkerFit::Solution again = fit_.Solve(wrapped, full_);
+    return IsLower(solution.cost, again.cost, options_) ? solution : again;
+  }
+
+  MarkerFit& fit_;
+  const MultibodyModel& model_;
+  const IkOptions& options_;
+  MarkerFit::Search full_;
+  std::vector<MarkerFit::Solution> found_;
+  std::vector<Vector> known_;
+  std::vector<int> hits_;
+  double lowest_ = std::numeric_limits<double>::infinity();
+  int starts_ = 0;
+};
+
+// Free angles that this frame's markers or a goal determine; the others stay where they are.
+std::vector<int> AnglesToDraw(MarkerFit& fit, const MultibodyModel& model, const Vector& pose,
+                              Random& random) {
+  constexpr int kPoses = 3;  // at special poses an angle may move no marker, at random ones it does
+  std::vector<Vector> poses(kPoses, pose);
+  for (Vector& drawn : poses) {
+    for (const int i : fit.free_coordinates())
+      if (IsFreeAngle(model, i)) drawn[i] = DrawAngle(model, i, random);
+  }
+  const std::vector<bool> determined = fit.Determined(poses);
+  std::vector<int> angles;
+  for (std::size_t i = 0; i < determined.size(); ++i) {
+    const int coordinate = fit.free_coordinates()[i];
+    if (determined[i] && IsFreeAngle(model, coordinate)) angles.push_back(coordinate);
+  }
+  return angles;
+}
+
+}  // namespace
+
+bool IsLower(double cost, double than, const IkOptions& options) {
+  constexpr double kRelative = 1e-6;
+  return cost < (1 - kRelative) * than - options.accuracy * options.accuracy;
+}
+
+FirstPose FindFirstPose(MarkerFit& fit, const MultibodyModel& model, const IkOptions& options,
+                        Random& random) {
+  constexpr int kLeastRandom = 8;
+  constexpr int kMostRandom = 40;
+  constexpr int kEnoughAgree = 3;
+  Minima minima(fit, model, options);
+  for (const Vector& start : Headings(model)) minima.Try(start);
+  const std::vector<int> angles = AnglesToDraw(fit, model, model.default_values(), random);
+  for (int i = 0; i < kMostRandom && (i < kLeastRandom || minima.agreeing() < kEnoughAgree); ++i) {
+    Vector start = model.default_values();
+    for (const int angle : angles) start[angle] = DrawAngle(model, angle, random);
+    minima.Try(start);
+  }
+  const MarkerFit::Solution lower = FindLowerPose(fit, model, options, minima.Lowest(), random);
+  const bool escaped = IsLower(lower.cost, minima.Lowest().cost, options);
+  return {lower, minima.starts(), escaped ? 0 : minima.agreeing()};
+}
+
+MarkerFit::Solution FindLowerPose(MarkerFit& fit, const MultibodyModel& model, const IkOptions& options,
+                                  const MarkerFit::Solution& pose, Random& random) {
+  constexpr int kMostRounds = 10;
+  const std::vector<int> angles = AnglesToDraw(fit, model, pose.values, random);
+  Minima minima(fit, model, options);
+  minima.Add(pose);
+  for (int round = 0; round < kMostRounds; ++round) {
+    const double before = minima.Lowest().cost;
+    for (std::size_t i = 0; i < angles.size(); ++i) {
+      for (const std::size_t count : {1, 3}) {
+        Vector start = minima.Lowest().values;
+        for (std::size_t j = i; j < std::min(i + count, angles.size()); ++j)
+          start[angles[j]] = DrawAngle(model, angles[j], random);
+        minima.Try(start);
+      }
+    }
+    if (!IsLower(minima.Lowest().cost, before, options)) break;
+  }
+  return IsLower(minima.Lowest().cost, pose.cost, options) ? minima.Lowest() : pose;
+}
+
+}  // namespace sinew

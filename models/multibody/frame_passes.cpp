@@ -1,0 +1,147 @@
+#include "models/multibody/frame_passes.h"
+
+#include <algorithm>
+
+#include "models/multibody/first_pose.h"
+
+namespace sinew {
+namespace {
+
+class Passes {
+ public:
+  Passes(MarkerFit& fit, const MultibodyModel& model, const MarkerTrajectories& markers,
+         const IkOptions& options)
+      : fit_(fit), model_(model), markers_(markers), options_(options), random_(options.seed) {
+    double most = 0;
+    for (std::size_t i = 0; i < markers.positions.size(); ++i) {
+      const double weight = fit.PresentWeight(markers.positions[i]);
+      if (weight <= 0) continue;
+      if (weight > most) anchor_ = solved_.size();
+      most = std::max(most, weight);
+      solved_.push_back(i);
+    }
+    poses_.resize(solved_.size());
+    redone_.assign(solved_.size(), false);
+    from_previous_.assign(solved_.size(), false);
+    from_next_.assign(solved_.size(), false);
+  }
+
+  FramePoses Run() {
+    FramePoses result;
+    result.of_frame.resize(markers_.times.size());
+    ReportProgress(markers_.times.size() - solved_.size());
+    if (solved_.empty()) return result;
+    SetFrame(anchor_);
+    const FirstPose first = FindFirstPose(fit_, model_, options_, random_);
+    poses_[anchor_] = first.solution;
+    ReportProgress(1);
+    for (std::size_t i = anchor_ + 1; i < solved_.size(); ++i) FollowNeighbour(i, i - 1);
+    for (std::size_t i = anchor_; i-- > 0;) FollowNeighbour(i, i + 1);
+    // What was reached in one direction is now tried in the other.
+    for (std::size_t i = 0; i < anchor_; ++i) from_previous_[i + 1] = true;
+    for (std::size_t i = anchor_; i + 1 < solved_.size(); ++i) from_next_[i] = true;
+    Settle();
+    for (const bool last : {false, true}) {
+      if (Escape(last ? solved_.size() - 1 : Worst())) Settle();
+    }
+    result.starts = first.starts;
+    result.agreeing_starts = first.agreeing;
+    for (std::size_t i = 0; i < solved_.size(); ++i) {
+      if (redone_[i]) result.redone.push_back(static_cast<int>(solved_[i]));
+      result.of_frame[solved_[i]] = std::move(poses_[i]);
+    }
+    return result;
+  }
+
+ private:
+  void SetFrame(std::size_t i) { fit_.SetFrame(markers_.positions[solved_[i]]); }
+
+  void ReportProgress(std::size_t frames) {
+    for (std::size_t i = 0; i < frames; ++i) {
+      ++done_;
+      if (options_.progress) options_.progress(done_, static_cast<int>(markers_.times.size()));
+    }
+  }
+
+  [[nodiscard]] MarkerFit::Search FullSearch() const {
+    MarkerFit::Search search;
+    search.accuracy = options_.accuracy;
+    search.max_iterations = options_.max_iterations;
+    return search;
+  }
+
+  void FollowNeighbour(std::size_t i, std::size_t neighbour) {
+    SetFrame(i);
+    poses_[i] = fit_.Solve(poses_[neighbour].values, FullSearch());
+    ReportProgress(1);
+  }
+
+  // A search that comes near the pose that the frame has would end there, and stops.
+  void TryFrom(std::size_t i, std::size_t neighbour) {
+    const std::vector<Vector> known{poses_[i].values};
+    MarkerFit::Search search = FullSearch();
+    search.known = &known;
+    SetFrame(i);
+    const MarkerFit::Solution found = fit_.Solve(poses_[neighbour].values, search);
+    if (found.joined < 0) Replace(i, found);
+  }
+
+  bool Replace(std::size_t i, const MarkerFit::Solution& found) {
+    if (!IsLower(found.cost, poses_[i].cost, options_)) return false;
+    poses_[i] = found;
+    redone_[i] = true;
+    if (i > 0) from_next_[i - 1] = true;
+    if (i + 1 < solved_.size()) from_previous_[i + 1] = true;
+    return true;
+  }
+
+  // Ends because every replacement lowers a cost by a share of it.
+  void Settle() {
+    for (bool again = true; again;) {
+      for (std::size_t i = solved_.size(); i-- > 0;) {
+        if (!from_next_[i]) continue;
+        from_next_[i] = false;
+        TryFrom(i, i + 1);
+      }
+      for (std::size_t i = 0; i < solved_.size(); ++i) {
+        if (!from_previous_[i]) continue;
+        from_previous_[i] = false;
+        TryFrom(i, i - 1);
+      }
+      again = std::find(from_next_.begin(), from_next_.end(), true) != from_next_.end();
+    }
+  }
+
+  [[nodiscard]] std::size_t Worst() const {
+    const auto worst = std::max_element(poses_.begin(), poses_.end(),
+                                        [](const auto& a, const auto& b) { return a.cost < b.cost; });
+    return static_cast<std::size_t>(worst - poses_.begin());
+  }
+
+  bool Escape(std::size_t i) {
+    SetFrame(i);
+    return Replace(i, FindLowerPose(fit_, model_, options_, poses_[i], random_));
+  }
+
+  MarkerFit& fit_;
+  const MultibodyModel& model_;
+  const MarkerTrajectories& markers_;
+  const IkOptions& options_;
+  Random random_;
+  std::vector<std::size_t> solved_;  // frames with markers; all other indices count these
+  std::size_t anchor_ = 0;
+  std::vector<MarkerFit::Solution> poses_;
+  std::vector<bool> redone_;
+  std::vector<bool> from_previous_;  // whether the frame is still to be tried from that neighbour
+  std::vector<bool> from_next_;
+  int done_ = 0;
+};
+
+}  // namespace
+
+FramePoses SolveFrames(MarkerFit& fit, const MultibodyModel& model, const MarkerTrajectories& markers,
+                       const IkOptions& options) {
+  return Passes(fit, model, markers, options).Run();
+}
+
+}  // namespace sinew
