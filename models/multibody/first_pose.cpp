@@ -5,17 +5,13 @@
 #include <limits>
 
 #include "base/constants.h"
+#include "models/multibody/equal_poses.h"
 
 namespace sinew {
 namespace {
 
 constexpr double kCoarse = 1e-3;  // a start's search ends here unless its minimum may be the lowest
 constexpr int kCoarseIterations = 60;
-
-bool IsFreeAngle(const MultibodyModel& model, int coordinate) {
-  const OsimCoordinate& properties = model.coordinate(coordinate);
-  return properties.motion == MotionType::kRotational && !properties.locked && !model.IsDependent(coordinate);
-}
 
 // The model's default pose, and the same turned by quarter turns about each angle between ground and the
 // first bodies.
@@ -34,13 +30,12 @@ std::vector<Vector> Headings(const MultibodyModel& model) {
   return starts;
 }
 
-// Uniform in the range of an angle, of which at most one turn about the default counts.
+// Uniform within half a turn of what is expected, and within the range of a clamped angle.
 double DrawAngle(const MultibodyModel& model, int coordinate, Random& random) {
   const OsimCoordinate& properties = model.coordinate(coordinate);
-  const double middle = model.default_values()[coordinate];
+  const double middle = ExpectedAngle(model, coordinate);
   if (!properties.clamped) return random.Uniform(middle - kPi, middle + kPi);
-  const double lower = std::max(properties.lower, middle - 2 * kPi);
-  return random.Uniform(lower, std::min(properties.upper, middle + 2 * kPi));
+  return random.Uniform(std::max(properties.lower, middle - kPi), std::min(properties.upper, middle + kPi));
 }
 
 // The starts' minima of one frame, each polished only if it may be the lowest.
@@ -58,7 +53,7 @@ class Minima {
     coarse.max_iterations = std::min(kCoarseIterations, options_.max_iterations);
     coarse.known = &known_;
     ++starts_;
-    MarkerFit::Solution found = fit_.Solve(start, coarse);
+    MarkerFit::Solution found = SolveAcrossEnds(fit_, model_, start, coarse);
     if (found.joined >= 0) {
       ++hits_[static_cast<std::size_t>(found.joined)];
       return;
@@ -67,7 +62,8 @@ class Minima {
     constexpr double kMayFall = 2;
     constexpr double kPerfect = 1e-5;  // [m2]
     if (found.cost < kMayFall * lowest_ + kPerfect)
-      found = WithoutWholeTurns(fit_.Solve(found.values, full_));
+
+      found = Canonical(fit_, model_, options_, fit_.Solve(found.values, full_));
     Add(std::move(found));
   }
 
@@ -85,12 +81,12 @@ class Minima {
     return sum;
   }
 
-  // Of equal minima the one nearest to the default pose.
+  // Of equal minima the one whose angles are nearest to what is expected.
   [[nodiscard]] const MarkerFit::Solution& Lowest() const {
     std::size_t best = found_.size();
     double nearest = std::numeric_limits<double>::infinity();
     for (std::size_t i = 0; i < found_.size(); ++i) {
-      const double distance = (found_[i].values - model_.default_values()).norm();
+      const double distance = Oddity(model_, found_[i].values);
       if (!IsLowest(i) || (best < found_.size() && distance >= nearest)) continue;
       nearest = distance;
       best = i;
@@ -100,19 +96,6 @@ class Minima {
 
  private:
   [[nodiscard]] bool IsLowest(std::size_t i) const { return !IsLower(lowest_, found_[i].cost, options_); }
-
-  // Angles without a range brought to within half a turn of the default, where that changes nothing.
-  MarkerFit::Solution WithoutWholeTurns(MarkerFit::Solution solution) {
-    Vector wrapped = solution.values;
-    for (const int i : fit_.free_coordinates()) {
-      if (!IsFreeAngle(model_, i) || model_.coordinate(i).clamped) continue;
-      const double middle = model_.default_values()[i];
-      wrapped[i] = middle + std::remainder(wrapped[i] - middle, 2 * kPi);
-    }
-    if (wrapped == solution.values) return solution;
-    MarkerFit::Solution again = fit_.Solve(wrapped, full_);
-    return IsLower(solution.cost, again.cost, options_) ? solution : again;
-  }
 
   MarkerFit& fit_;
   const MultibodyModel& model_;
@@ -144,11 +127,6 @@ std::vector<int> AnglesToDraw(MarkerFit& fit, const MultibodyModel& model, const
 }
 
 }  // namespace
-
-bool IsLower(double cost, double than, const IkOptions& options) {
-  constexpr double kRelative = 1e-6;
-  return cost < (1 - kRelative) * than - options.accuracy * options.accuracy;
-}
 
 FirstPose FindFirstPose(MarkerFit& fit, const MultibodyModel& model, const IkOptions& options,
                         Random& random) {

@@ -14,9 +14,6 @@ struct FirstPose {
   int agreeing = 0;  ///< starts that end at the lowest cost
 };
 
-/// Lower by more than the solver's accuracy leaves open.
-bool IsLower(double cost, double than, const IkOptions& options);
-
 /// Of the frame that `fit` is set to. Starts: the default pose; the same turned by quarter turns about each
 /// angle between ground and the first bodies, so that a person may face any way; then poses whose angles are
 /// random within their ranges, at least 8, until three end at the lowest cost or 40 are done; at last the

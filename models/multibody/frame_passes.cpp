@@ -2,6 +2,7 @@
 
 #include <algorithm>
 
+#include "models/multibody/equal_poses.h"
 #include "models/multibody/first_pose.h"
 
 namespace sinew {
@@ -44,6 +45,8 @@ class Passes {
     for (const bool last : {false, true}) {
       if (Escape(last ? solved_.size() - 1 : Worst())) Settle();
     }
+    for (std::size_t i = anchor_ + 1; i < solved_.size(); ++i) Continue(i, i - 1);
+    for (std::size_t i = anchor_; i-- > 0;) Continue(i, i + 1);
     result.starts = first.starts;
     result.agreeing_starts = first.agreeing;
     for (std::size_t i = 0; i < solved_.size(); ++i) {
@@ -72,7 +75,7 @@ class Passes {
 
   void FollowNeighbour(std::size_t i, std::size_t neighbour) {
     SetFrame(i);
-    poses_[i] = fit_.Solve(poses_[neighbour].values, FullSearch());
+    poses_[i] = SolveAcrossEnds(fit_, model_, poses_[neighbour].values, FullSearch());
     ReportProgress(1);
   }
 
@@ -82,7 +85,7 @@ class Passes {
     MarkerFit::Search search = FullSearch();
     search.known = &known;
     SetFrame(i);
-    const MarkerFit::Solution found = fit_.Solve(poses_[neighbour].values, search);
+    const MarkerFit::Solution found = SolveAcrossEnds(fit_, model_, poses_[neighbour].values, search);
     if (found.joined < 0) Replace(i, found);
   }
 
@@ -110,6 +113,18 @@ class Passes {
       }
       again = std::find(from_next_.begin(), from_next_.end(), true) != from_next_.end();
     }
+  }
+
+  // A frame that was redone from its other side may describe the same placement by other angles.
+  void Continue(std::size_t i, std::size_t neighbour) {
+    constexpr double kJump = 1.5;  // [rad]; the angles of another description differ by half a turn or more
+    const Vector& from = poses_[neighbour].values;
+    const bool jumps = std::any_of(
+        fit_.free_coordinates().begin(), fit_.free_coordinates().end(),
+        [&](int c) { return IsFreeAngle(model_, c) && std::abs(poses_[i].values[c] - from[c]) > kJump; });
+    if (!jumps) return;
+    SetFrame(i);
+    poses_[i] = Continued(fit_, model_, options_, std::move(poses_[i]), from);
   }
 
   [[nodiscard]] std::size_t Worst() const {
