@@ -61,9 +61,8 @@ class Minima {
     // What the coarse accuracy leaves open is far below this share of the cost, or of a perfect fit.
     constexpr double kMayFall = 2;
     constexpr double kPerfect = 1e-5;  // [m2]
-    if (found.cost < kMayFall * lowest_ + kPerfect)
-
-      found = Canonical(fit_, model_, options_, fit_.Solve(found.values, full_));
+    if (found.cost < kMayFall * lowest_ + kPerfect) found = fit_.Solve(found.values, full_);
+    if (!IsLower(lowest_, found.cost, options_)) found = Canonical(fit_, model_, options_, std::move(found));
     Add(std::move(found));
   }
 

@@ -8,6 +8,8 @@
 namespace sinew {
 namespace {
 
+constexpr std::size_t kBlock = 40;  // frames of which the worst one is searched again
+
 class Passes {
  public:
   Passes(MarkerFit& fit, const MultibodyModel& model, const MarkerTrajectories& markers,
@@ -42,8 +44,10 @@ class Passes {
     for (std::size_t i = 0; i < anchor_; ++i) from_previous_[i + 1] = true;
     for (std::size_t i = anchor_; i + 1 < solved_.size(); ++i) from_next_[i] = true;
     Settle();
-    for (const bool last : {false, true}) {
-      if (Escape(last ? solved_.size() - 1 : Worst())) Settle();
+    // A wrong minimum that was entered on the way may hold to the end.
+    if (Escape(solved_.size() - 1)) Settle();
+    for (std::size_t from = 0; from < solved_.size(); from += kBlock) {
+      if (Escape(Worst(from, std::min(from + kBlock, solved_.size())))) Settle();
     }
     for (std::size_t i = anchor_ + 1; i < solved_.size(); ++i) Continue(i, i - 1);
     for (std::size_t i = anchor_; i-- > 0;) Continue(i, i + 1);
@@ -127,10 +131,10 @@ class Passes {
     poses_[i] = Continued(fit_, model_, options_, std::move(poses_[i]), from);
   }
 
-  [[nodiscard]] std::size_t Worst() const {
-    const auto worst = std::max_element(poses_.begin(), poses_.end(),
-                                        [](const auto& a, const auto& b) { return a.cost < b.cost; });
-    return static_cast<std::size_t>(worst - poses_.begin());
+  [[nodiscard]] std::size_t Worst(std::size_t from, std::size_t to) const {
+    std::size_t worst = from;
+    for (std::size_t i = from; i < to; ++i) worst = poses_[i].cost > poses_[worst].cost ? i : worst;
+    return worst;
   }
 
   bool Escape(std::size_t i) {
