@@ -70,6 +70,7 @@ KinematicsFit FitOf(const std::string& trial, const IkResult& result) {
   fit.rms_m = std::sqrt(squares / std::max(1, seen));
   fit.unmatched = result.unmatched;
   fit.undetermined = result.undetermined;
+  fit.undetermined_in = result.undetermined_in;
   fit.unconverged = result.unconverged.size();
   fit.starts = result.starts;
   fit.agreeing_starts = result.agreeing_starts;

@@ -4,6 +4,7 @@
 #include <cstdint>
 #include <functional>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include "base/error.h"
@@ -24,10 +25,12 @@ struct KinematicsFit {
   double worst_time = 0;                  ///< [s]
   std::vector<std::string> unmatched;     ///< measured markers that the model lacks
   std::vector<std::string> undetermined;  ///< free coordinates that no marker moves
-  std::size_t unconverged = 0;            ///< frames whose search did not converge
-  int starts = 0;                         ///< of the frame with which the search begins
-  int agreeing_starts = 0;  ///< those that end at its lowest cost; 0: it was found from their best one
-  std::size_t redone = 0;   ///< frames that got a lower minimum than their first one
+  /// Free coordinates that no marker moves in that many frames, but in others.
+  std::vector<std::pair<std::string, int>> undetermined_in;
+  std::size_t unconverged = 0;  ///< frames whose search did not converge
+  int starts = 0;               ///< of the frame with which the search begins
+  int agreeing_starts = 0;      ///< those that end at its lowest cost; 0: it was found from their best one
+  std::size_t redone = 0;       ///< frames that got a lower minimum than their first one
 };
 
 /// Adds (or replaces) the grid `coordinates` [rad or m] of every trial that has a grid `markers`, in which a

@@ -21,6 +21,12 @@ struct KinematicsWords {
   WorkOptions work;
 };
 
+nlohmann::ordered_json InFrames(const std::vector<std::pair<std::string, int>>& coordinates) {
+  nlohmann::ordered_json json = nlohmann::ordered_json::array();
+  for (const auto& [name, frames] : coordinates) json.push_back({{"coordinate", name}, {"frames", frames}});
+  return json;
+}
+
 std::string DescribeSearch(const KinematicsFit& fit) {
   std::string text =
       fit.agreeing_starts > 0
@@ -44,28 +50,38 @@ std::string Describe(const KinematicsFit& fit) {
   if (!fit.undetermined.empty())
     text +=
         "\n  free, but no marker moves with them; they keep their defaults: " + Join(fit.undetermined, ", ");
+  for (const auto& [name, frames] : fit.undetermined_in)
+    text += fmt::format(
+        "\n  no marker moves with {} in {} frames; it stays near its neighbours' values there", name, frames);
   if (fit.unconverged > 0) text += fmt::format("\n  {} frames did not converge", fit.unconverged);
   return text + "\n";
 }
 
+nlohmann::ordered_json FitsJson(const std::vector<KinematicsFit>& fits) {
+  nlohmann::ordered_json json = nlohmann::ordered_json::array();
+  for (const KinematicsFit& fit : fits) {
+    json.push_back({{"trial", fit.trial},
+                    {"frames", fit.frames},
+                    {"markers", fit.markers},
+                    {"rms_m", fit.rms_m},
+                    {"max_m", fit.max_m},
+                    {"worst_marker", fit.worst_marker},
+                    {"worst_frame", fit.worst_frame},
+                    {"worst_time_s", fit.worst_time},
+                    {"unmatched", fit.unmatched},
+                    {"undetermined", fit.undetermined},
+                    {"undetermined_in", InFrames(fit.undetermined_in)},
+                    {"unconverged_frames", fit.unconverged},
+                    {"starts", fit.starts},
+                    {"agreeing_starts", fit.agreeing_starts},
+                    {"redone_frames", fit.redone}});
+  }
+  return json;
+}
+
 nlohmann::ordered_json ToJson(const Dataset& data, const std::vector<KinematicsFit>& fits) {
   nlohmann::ordered_json json = DatasetJson(data);
-  for (const KinematicsFit& fit : fits) {
-    json["marker_fit"].push_back({{"trial", fit.trial},
-                                  {"frames", fit.frames},
-                                  {"markers", fit.markers},
-                                  {"rms_m", fit.rms_m},
-                                  {"max_m", fit.max_m},
-                                  {"worst_marker", fit.worst_marker},
-                                  {"worst_frame", fit.worst_frame},
-                                  {"worst_time_s", fit.worst_time},
-                                  {"unmatched", fit.unmatched},
-                                  {"undetermined", fit.undetermined},
-                                  {"unconverged_frames", fit.unconverged},
-                                  {"starts", fit.starts},
-                                  {"agreeing_starts", fit.agreeing_starts},
-                                  {"redone_frames", fit.redone}});
-  }
+  json["marker_fit"] = FitsJson(fits);
   return json;
 }
 
@@ -94,6 +110,7 @@ Result<int> Kinematics(const KinematicsWords& words) {
   line.Clear();
   if (!fits) return Fail("{}: {}", words.path, fits.error().message);
   if (fits->empty()) return Fail("{}: no trial has a grid 'markers'", words.path);
+  data.files["kinematics.json"] = FitsJson(*fits).dump(2);
   SINEW_TRY(WriteDataset(words.path, data));
   std::string report;
   for (const KinematicsFit& fit : *fits) report += Describe(fit);

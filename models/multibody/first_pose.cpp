@@ -42,26 +42,20 @@ double DrawAngle(const MultibodyModel& model, int coordinate, Random& random) {
 class Minima {
  public:
   Minima(MarkerFit& fit, const MultibodyModel& model, const IkOptions& options)
-      : fit_(fit), model_(model), options_(options) {
-    full_.accuracy = options.accuracy;
-    full_.max_iterations = options.max_iterations;
-  }
+      : fit_(fit), model_(model), options_(options) {}
 
   void Try(const Vector& start) {
-    MarkerFit::Search coarse;
-    coarse.accuracy = kCoarse;
-    coarse.max_iterations = std::min(kCoarseIterations, options_.max_iterations);
-    coarse.known = &known_;
     ++starts_;
-    MarkerFit::Solution found = SolveAcrossEnds(fit_, model_, start, coarse);
+    MarkerFit::Solution found = SolveAcrossEnds(fit_, model_, start, SearchTo(kCoarse, kCoarseIterations));
+    // What the coarse accuracy leaves open is far below this share of the cost, or of a perfect fit.
+    constexpr double kMayFall = 2;
+    constexpr double kPerfect = 1e-5;  // [m2]
+    if (found.joined < 0 && found.cost < kMayFall * lowest_ + kPerfect)
+      found = fit_.Solve(found.values, SearchTo(options_.accuracy, options_.max_iterations));
     if (found.joined >= 0) {
       ++hits_[static_cast<std::size_t>(found.joined)];
       return;
     }
-    // What the coarse accuracy leaves open is far below this share of the cost, or of a perfect fit.
-    constexpr double kMayFall = 2;
-    constexpr double kPerfect = 1e-5;  // [m2]
-    if (found.cost < kMayFall * lowest_ + kPerfect) found = fit_.Solve(found.values, full_);
     if (!IsLower(lowest_, found.cost, options_)) found = Canonical(fit_, model_, options_, std::move(found));
     Add(std::move(found));
   }
@@ -94,12 +88,18 @@ class Minima {
   }
 
  private:
+  [[nodiscard]] MarkerFit::Search SearchTo(double accuracy, int iterations) const {
+    MarkerFit::Search search;
+    search.accuracy = accuracy;
+    search.max_iterations = std::min(iterations, options_.max_iterations);
+    search.known = &known_;
+    return search;
+  }
   [[nodiscard]] bool IsLowest(std::size_t i) const { return !IsLower(lowest_, found_[i].cost, options_); }
 
   MarkerFit& fit_;
   const MultibodyModel& model_;
   const IkOptions& options_;
-  MarkerFit::Search full_;
   std::vector<MarkerFit::Solution> found_;
   std::vector<Vector> known_;
   std::vector<int> hits_;
@@ -148,15 +148,18 @@ FirstPose FindFirstPose(MarkerFit& fit, const MultibodyModel& model, const IkOpt
 MarkerFit::Solution FindLowerPose(MarkerFit& fit, const MultibodyModel& model, const IkOptions& options,
                                   const MarkerFit::Solution& pose, Random& random) {
   constexpr int kMostRounds = 10;
+  constexpr std::size_t kLeastTries = 24;  // of a round, where there are few angles
   const std::vector<int> angles = AnglesToDraw(fit, model, pose.values, random);
   Minima minima(fit, model, options);
   minima.Add(pose);
   for (int round = 0; round < kMostRounds; ++round) {
     const double before = minima.Lowest().cost;
-    for (std::size_t i = 0; i < angles.size(); ++i) {
+    const std::size_t sweeps = angles.empty() ? 0 : 1 + kLeastTries / (2 * angles.size() + 1);
+    for (std::size_t i = 0; i < sweeps * angles.size(); ++i) {
+      const std::size_t first = i % angles.size();
       for (const std::size_t count : {1, 3}) {
         Vector start = minima.Lowest().values;
-        for (std::size_t j = i; j < std::min(i + count, angles.size()); ++j)
+        for (std::size_t j = first; j < std::min(first + count, angles.size()); ++j)
           start[angles[j]] = DrawAngle(model, angles[j], random);
         minima.Try(start);
       }

@@ -100,13 +100,23 @@ void Store(MarkerFit& fit, const MultibodyModel& model, const MarkerTrajectories
   result.marker_rms_m.setConstant(frames, kNan);
   result.marker_max_m.setConstant(frames, kNan);
   result.worst_marker.resize(markers.times.size());
+  std::vector<int> without(fit.free_coordinates().size(), 0);  // frames in which nothing moves it
+  int solved = 0;
   for (std::size_t frame = 0; frame < poses.of_frame.size(); ++frame) {
     const auto& pose = poses.of_frame[frame];
     if (!pose) continue;
     fit.SetFrame(markers.positions[frame]);
     result.coordinates.row(static_cast<Eigen::Index>(frame)) = pose->values;
     StoreFrame(fit, model, fit.Distances(pose->values), frame, result);
+    const std::vector<bool> determined = fit.Determined({pose->values});
+    for (std::size_t i = 0; i < without.size(); ++i) without[i] += determined[i] ? 0 : 1;
+    ++solved;
     if (!pose->converged) result.unconverged.push_back(static_cast<int>(frame));
+  }
+  for (std::size_t i = 0; i < without.size(); ++i) {
+    const std::string& name = model.coordinate(fit.free_coordinates()[i]).name;
+    if (without[i] == solved) result.undetermined.push_back(name);
+    if (without[i] > 0 && without[i] < solved) result.undetermined_in.emplace_back(name, without[i]);
   }
   result.starts = poses.starts;
   result.agreeing_starts = poses.agreeing_starts;
@@ -127,10 +137,6 @@ Result<IkResult> SolveInverseKinematics(const MultibodyModel& model, const Marke
     result.times = markers.times;
     result.coordinate_names = model.coordinate_names();
     Store(fit, model, markers, SolveFrames(fit, model, markers, options), result);
-    for (std::size_t i = 0; i < fit.free_coordinates().size(); ++i) {
-      if (!fit.ever_determined()[i])
-        result.undetermined.push_back(model.coordinate(fit.free_coordinates()[i]).name);
-    }
   } catch (const std::exception& problem) {
     return Fail("inverse kinematics of model '{}' failed: {}", model.name(), problem.what());
   }

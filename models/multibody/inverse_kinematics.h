@@ -4,6 +4,7 @@
 #include <cstdint>
 #include <functional>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include "models/multibody/ik_setup.h"
@@ -37,10 +38,13 @@ struct IkResult {
   std::vector<std::string> tracked;       ///< markers with a positive weight in model and measurement
   std::vector<std::string> unmatched;     ///< measured markers that the model lacks
   std::vector<std::string> undetermined;  ///< free coordinates that no tracked marker or task ever moves
-  std::vector<int> unconverged;           ///< frames that stopped at max_iterations
-  int starts = 0;                         ///< of the frame with which the search begins
-  int agreeing_starts = 0;                ///< those that end at its lowest cost
-  std::vector<int> redone;                ///< frames whose first minimum was not the lowest one found
+  /// Free coordinates that no marker or task moves in some frames only, where they stay near the neighbours'
+  /// values, with the number of those frames.
+  std::vector<std::pair<std::string, int>> undetermined_in;
+  std::vector<int> unconverged;  ///< frames that stopped at max_iterations
+  int starts = 0;                ///< of the frame with which the search begins
+  int agreeing_starts = 0;       ///< those that end at its lowest cost
+  std::vector<int> redone;       ///< frames whose first minimum was not the lowest one found
 };
 
 /// Minimises in each frame `sum w_i |m_i(q) - o_i|^2 / sum w_i + sum w_c (q_c - target_c)^2` over the free

@@ -45,7 +45,6 @@ MarkerFit::MarkerFit(const MultibodyModel& model, std::vector<TrackedMarker> mar
   for (int i = 0; i < static_cast<int>(model.coordinate_names().size()); ++i) {
     if (!model.coordinate(i).locked && !model.IsDependent(i)) free_.push_back(i);
   }
-  ever_determined_.assign(free_.size(), false);
 }
 
 bool MarkerFit::SetFrame(const std::vector<Vec3>& observed) {
@@ -111,7 +110,6 @@ MarkerFit::Linearization MarkerFit::Linearize(const Vector& values) {
   at.jacobian.resize(all.rows(), static_cast<Eigen::Index>(free_.size()));
   for (std::size_t i = 0; i < free_.size(); ++i) {
     at.jacobian.col(static_cast<Eigen::Index>(i)) = all.col(free_[i]);
-    if (all.col(free_[i]).norm() > kMovesNothing) ever_determined_[i] = true;
   }
   return at;
 }

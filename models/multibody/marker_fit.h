@@ -62,8 +62,6 @@ class MarkerFit {
 
   /// Coordinates that are neither locked nor dependent by a coupler.
   [[nodiscard]] const std::vector<int>& free_coordinates() const { return free_; }
-  /// Per free coordinate: whether it has moved a marker that was present, or has a goal.
-  [[nodiscard]] const std::vector<bool>& ever_determined() const { return ever_determined_; }
 
  private:
   struct Linearization {
@@ -84,7 +82,6 @@ class MarkerFit {
   std::vector<TrackedMarker> markers_;
   std::vector<CoordinateGoal> goals_;
   std::vector<int> free_;
-  std::vector<bool> ever_determined_;
 
   // Of the present frame.
   std::vector<std::size_t> seen_;  // markers, as in the model
