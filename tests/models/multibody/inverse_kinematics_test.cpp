@@ -421,7 +421,7 @@ double WeightedCost(const MultibodyModel& model, const IkSetup& setup, const Mar
   return sum;
 }
 
-constexpr double kRounding = 1e-12;  // relative, of a sum of 31 squares
+constexpr double kCostRounding = 1e-12;  // relative, of a sum of 31 squares
 
 TEST_F(GaitSubject, FitsNoWorseThanOpenSim) {
   const MultibodyModel model = BuildModel(ReadText(kGaitModel));
@@ -435,7 +435,7 @@ TEST_F(GaitSubject, FitsNoWorseThanOpenSim) {
     }
     const Vector ours = result.coordinates.row(static_cast<Eigen::Index>(frame));
     EXPECT_LE(WeightedCost(model, setup_, markers_, ours, frame),
-              WeightedCost(model, setup_, markers_, theirs, frame) * (1 + kRounding))
+              WeightedCost(model, setup_, markers_, theirs, frame) * (1 + kCostRounding))
         << "frame " << frame;
   }
 }
@@ -465,7 +465,7 @@ TEST(GaitWalk3d, FitsNoWorseThanThePublishedCoordinates) {
       theirs[*model.CoordinateIndex(name.substr(name.rfind('/') + 1))] = row[column];
     }
     EXPECT_LE(WeightedCost(model, setup, markers, ours, frame),
-              WeightedCost(model, setup, markers, theirs, frame) * (1 + kRounding))
+              WeightedCost(model, setup, markers, theirs, frame) * (1 + kCostRounding))
         << "frame " << frame;
     ++compared;
   }
