@@ -88,13 +88,14 @@ Matrix KinematicState::MarkerJacobian(const std::vector<std::size_t>& markers) c
   Eigen::Index row = 0;
   for (const std::size_t marker : markers) {
     const SimbodyModel::Marker& m = model_.markers[marker];
-    SimTK::MobilizedBody body = model_.matter.getMobilizedBody(m.body);
-    const SimTK::Vec3 position = body.findStationLocationInGround(state_, m.location);
-    for (; !body.isGround(); body = body.getParentMobilizedBody()) {
-      const SimTK::Vec3 arm = position - body.getBodyOriginLocation(state_);
-      for (const int column : coordinates_of_body_[body.getMobilizedBodyIndex()]) {
+    // By reference: copies of Simbody's handles count their uses, which threads must not do at once.
+    const SimTK::MobilizedBody* body = &model_.matter.getMobilizedBody(m.body);
+    const SimTK::Vec3 position = body->findStationLocationInGround(state_, m.location);
+    for (; !body->isGround(); body = &body->getParentMobilizedBody()) {
+      const SimTK::Vec3 arm = position - body->getBodyOriginLocation(state_);
+      for (const int column : coordinates_of_body_[body->getMobilizedBodyIndex()]) {
         const SimTK::MobilizerQIndex q = model_.coordinates[static_cast<std::size_t>(column)].q;
-        const SimTK::SpatialVec by_speed = body.getHCol(state_, SimTK::MobilizerUIndex(q));
+        const SimTK::SpatialVec by_speed = body->getHCol(state_, SimTK::MobilizerUIndex(q));
         jacobian.block<3, 1>(row, column) = FromSimbody(by_speed[1] + by_speed[0] % arm);
       }
     }
