@@ -49,8 +49,8 @@ class Passes {
     for (std::size_t from = 0; from < solved_.size(); from += kBlock) {
       if (Escape(Worst(from, std::min(from + kBlock, solved_.size())))) Settle();
     }
-    for (std::size_t i = anchor_ + 1; i < solved_.size(); ++i) Continue(i, i - 1);
-    for (std::size_t i = anchor_; i-- > 0;) Continue(i, i + 1);
+    MakeContinuous();
+    if (EscapeAtJumps()) MakeContinuous();
     result.starts = first.starts;
     result.agreeing_starts = first.agreeing;
     for (std::size_t i = 0; i < solved_.size(); ++i) {
@@ -119,16 +119,43 @@ class Passes {
     }
   }
 
+  [[nodiscard]] bool Jumps(std::size_t i, std::size_t neighbour, double limit) const {
+    const auto& free = fit_.free_coordinates();
+    return std::any_of(free.begin(), free.end(), [&](int c) {
+      return IsFreeAngle(model_, c) && std::abs(poses_[i].values[c] - poses_[neighbour].values[c]) > limit;
+    });
+  }
+
   // A frame that was redone from its other side may describe the same placement by other angles.
   void Continue(std::size_t i, std::size_t neighbour) {
     constexpr double kJump = 1.5;  // [rad]; the angles of another description differ by half a turn or more
-    const Vector& from = poses_[neighbour].values;
-    const bool jumps = std::any_of(
-        fit_.free_coordinates().begin(), fit_.free_coordinates().end(),
-        [&](int c) { return IsFreeAngle(model_, c) && std::abs(poses_[i].values[c] - from[c]) > kJump; });
-    if (!jumps) return;
+    if (!Jumps(i, neighbour, kJump)) return;
     SetFrame(i);
-    poses_[i] = Continued(fit_, model_, options_, std::move(poses_[i]), from);
+    poses_[i] = Continued(fit_, model_, options_, std::move(poses_[i]), poses_[neighbour].values);
+  }
+
+  void MakeContinuous() {
+    for (std::size_t i = anchor_ + 1; i < solved_.size(); ++i) Continue(i, i - 1);
+    for (std::size_t i = anchor_; i-- > 0;) Continue(i, i + 1);
+  }
+
+  // A few frames between markers that were swapped and markers that were lost are reached from neither side,
+  // and are not the worst of their block. The pose jumps where they begin.
+  bool EscapeAtJumps() {
+    constexpr double kJump = 0.5;  // [rad]; 50 rad/s at 100 Hz
+    std::vector<std::size_t> beside;
+    for (std::size_t i = 1; i < solved_.size(); ++i) {
+      if (!Jumps(i, i - 1, kJump)) continue;
+      if (beside.empty() || beside.back() != i - 1) beside.push_back(i - 1);
+      beside.push_back(i);
+    }
+    bool any = false;
+    for (const std::size_t i : beside) {
+      if (!Escape(i)) continue;
+      Settle();
+      any = true;
+    }
+    return any;
   }
 
   [[nodiscard]] std::size_t Worst(std::size_t from, std::size_t to) const {

@@ -18,9 +18,10 @@ struct FramePoses {
 };
 
 /// Begins at the first frame in which the markers present weigh most (with all markers present: the first).
-/// After the passes the last frame (where a wrong minimum that was entered on the way may still hold) and of
-/// every 40 frames the one of the largest cost are searched by FindLowerPose; a lower pose goes on to the
-/// neighbours. At last the angles are made continuous where one placement has several sets of them.
+/// After the passes the last frame (where a wrong minimum that was entered on the way may still hold), of
+/// every 40 frames the one of the largest cost, and the frames on both sides of a jump of the pose are
+/// searched by FindLowerPose; a lower pose goes on to the neighbours. At last the angles are made continuous
+/// where one placement has several sets of them.
 FramePoses SolveFrames(MarkerFit& fit, const MultibodyModel& model, const MarkerTrajectories& markers,
                        const IkOptions& options);
 
