@@ -140,18 +140,25 @@ FirstPose FindFirstPose(MarkerFit& fit, const MultibodyModel& model, const IkOpt
     for (const int angle : angles) start[angle] = DrawAngle(model, angle, random);
     minima.Try(start);
   }
-  const MarkerFit::Solution lower = FindLowerPose(fit, model, options, minima.Lowest(), random);
+  const MarkerFit::Solution lower = FindLowerPose(fit, model, options, minima.Lowest(), {}, random);
   const bool escaped = IsLower(lower.cost, minima.Lowest().cost, options);
   return {lower, minima.starts(), escaped ? 0 : minima.agreeing()};
 }
 
 MarkerFit::Solution FindLowerPose(MarkerFit& fit, const MultibodyModel& model, const IkOptions& options,
-                                  const MarkerFit::Solution& pose, Random& random) {
+                                  const MarkerFit::Solution& pose, const std::vector<Vector>& others,
+                                  Random& random) {
   constexpr int kMostRounds = 10;
   constexpr std::size_t kLeastTries = 24;  // of a round, where there are few angles
   const std::vector<int> angles = AnglesToDraw(fit, model, pose.values, random);
   Minima minima(fit, model, options);
   minima.Add(pose);
+  for (const Vector& other : others) {
+    Vector start = minima.Lowest().values;
+    for (const int angle : angles)
+      if (!model.IsGroundCoordinate(angle)) start[angle] = other[angle];
+    minima.Try(start);
+  }
   for (int round = 0; round < kMostRounds; ++round) {
     const double before = minima.Lowest().cost;
     const std::size_t sweeps = angles.empty() ? 0 : 1 + kLeastTries / (2 * angles.size() + 1);

@@ -25,8 +25,10 @@ FirstPose FindFirstPose(MarkerFit& fit, const MultibodyModel& model, const IkOpt
 /// Draws the angles of a pose anew within their ranges, one by one and with the two that follow (the limbs'
 /// wrong minima do not depend on each other, so that this finds what random whole poses of many coordinates
 /// hardly meet), and starts from there; a lower minimum is tried in the same way, until none is found.
+/// @param others  poses of other frames, whose angles within the body are tried first
 /// @return the pose itself if there is none
 MarkerFit::Solution FindLowerPose(MarkerFit& fit, const MultibodyModel& model, const IkOptions& options,
-                                  const MarkerFit::Solution& pose, Random& random);
+                                  const MarkerFit::Solution& pose, const std::vector<Vector>& others,
+                                  Random& random);
 
 }  // namespace sinew

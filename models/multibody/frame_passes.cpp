@@ -164,9 +164,24 @@ class Passes {
     return worst;
   }
 
+  // Of each of up to eight parts of the recording the pose of the lowest cost: what a person's limbs did at
+  // another time is a likelier start than random angles.
+  [[nodiscard]] std::vector<Vector> GoodPoses() const {
+    constexpr std::size_t kMostParts = 8;
+    const std::size_t size = std::max(kBlock, (solved_.size() + kMostParts - 1) / kMostParts);
+    std::vector<Vector> good;
+    for (std::size_t from = 0; from < solved_.size(); from += size) {
+      std::size_t best = from;
+      for (std::size_t i = from; i < std::min(from + size, solved_.size()); ++i)
+        if (poses_[i].cost < poses_[best].cost) best = i;
+      good.push_back(poses_[best].values);
+    }
+    return good;
+  }
+
   bool Escape(std::size_t i) {
     SetFrame(i);
-    return Replace(i, FindLowerPose(fit_, model_, options_, poses_[i], random_));
+    return Replace(i, FindLowerPose(fit_, model_, options_, poses_[i], GoodPoses(), random_));
   }
 
   MarkerFit& fit_;
