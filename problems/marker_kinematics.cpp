@@ -60,19 +60,28 @@ KinematicsFit FitOf(const std::string& trial, const IkResult& result) {
   for (Eigen::Index i = 0; i < result.marker_rms_m.size(); ++i) {
     if (!std::isfinite(result.marker_rms_m[i])) continue;
     squares += result.marker_rms_m[i] * result.marker_rms_m[i];
-    fit.max_m = std::max(fit.max_m, result.marker_max_m[i]);
     ++seen;
+    if (result.marker_max_m[i] < fit.max_m) continue;
+    fit.max_m = result.marker_max_m[i];
+    fit.worst_frame = static_cast<std::size_t>(i);
+    fit.worst_marker = result.worst_marker[fit.worst_frame];
+    fit.worst_time = result.times[fit.worst_frame];
   }
   fit.rms_m = std::sqrt(squares / std::max(1, seen));
   fit.unmatched = result.unmatched;
   fit.undetermined = result.undetermined;
+  fit.undetermined_in = result.undetermined_in;
   fit.unconverged = result.unconverged.size();
+  fit.starts = result.starts;
+  fit.agreeing_starts = result.agreeing_starts;
+  fit.redone = result.redone.size();
   return fit;
 }
 
 }  // namespace
 
 Result<std::vector<KinematicsFit>> AddCoordinates(const MultibodyModel& model, const IkSetup* setup,
+                                                  std::uint64_t seed,
                                                   const std::function<void(int done, int all)>& progress,
                                                   Dataset& data) {
   std::vector<std::pair<std::string, Trial*>> trials;
@@ -87,6 +96,7 @@ Result<std::vector<KinematicsFit>> AddCoordinates(const MultibodyModel& model, c
   std::mutex mutex;
   int done = 0;
   IkOptions options;
+  options.seed = seed;
   options.progress = [&](int /*of_trial*/, int /*all*/) {
     const std::lock_guard lock(mutex);
     ++done;

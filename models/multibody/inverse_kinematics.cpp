@@ -4,8 +4,7 @@
 #include <cmath>
 #include <limits>
 
-#include "base/constants.h"
-#include "models/multibody/marker_fit.h"
+#include "models/multibody/frame_passes.h"
 #include "models/multibody/name_lists.h"
 
 namespace sinew {
@@ -82,95 +81,46 @@ Result<std::vector<CoordinateGoal>> ReadGoals(const MultibodyModel& model, const
   return goals;
 }
 
-// The model's default pose, and the same turned by quarter turns about each angle between ground and the
-// first bodies.
-std::vector<Vector> Starts(const MultibodyModel& model) {
-  std::vector<Vector> starts{model.default_values()};
-  for (int i = 0; i < static_cast<int>(model.coordinate_names().size()); ++i) {
-    const OsimCoordinate& coordinate = model.coordinate(i);
-    const bool turns =
-        coordinate.motion == MotionType::kRotational && !coordinate.locked && !model.IsDependent(i);
-    if (!turns || !model.IsGroundCoordinate(i)) continue;
-    for (const double turn : {kPi / 2, kPi, -kPi / 2}) {
-      Vector start = model.default_values();
-      start[i] += turn;
-      if (coordinate.clamped && (start[i] < coordinate.lower || start[i] > coordinate.upper)) continue;
-      starts.push_back(std::move(start));
-    }
-  }
-  return starts;
-}
-
-// Equal up to what the solver's accuracy leaves open.
-bool IsAsGood(const MarkerFit::Solution& solution, double cost, const IkOptions& options) {
-  constexpr double kMargin = 1.01;
-  return solution.cost <= kMargin * cost + options.accuracy * options.accuracy;
-}
-
-// Angles without a range brought to within half a turn of the default, where that changes nothing.
-MarkerFit::Solution WithoutWholeTurns(MarkerFit& fit, const MultibodyModel& model, const IkOptions& options,
-                                      const MarkerFit::Solution& solution) {
-  Vector wrapped = solution.values;
-  for (const int i : fit.free_coordinates()) {
-    const OsimCoordinate& coordinate = model.coordinate(i);
-    if (coordinate.motion != MotionType::kRotational || coordinate.clamped) continue;
-    wrapped[i] = model.default_values()[i] + std::remainder(wrapped[i] - model.default_values()[i], 2 * kPi);
-  }
-  if (wrapped == solution.values) return solution;
-  const MarkerFit::Solution again = fit.Solve(wrapped, options.accuracy, options.max_iterations);
-  return IsAsGood(again, solution.cost, options) ? again : solution;
-}
-
-// Of the minima that the starts lead to, the lowest; of equal ones (angles that describe one pose in two
-// ways) the one nearest to the default pose.
-MarkerFit::Solution SolveFirstFrame(MarkerFit& fit, const MultibodyModel& model, const IkOptions& options) {
-  std::vector<MarkerFit::Solution> found;
-  double lowest = std::numeric_limits<double>::infinity();
-  for (const Vector& start : Starts(model)) {
-    const MarkerFit::Solution solution = fit.Solve(start, options.accuracy, options.max_iterations);
-    found.push_back(WithoutWholeTurns(fit, model, options, solution));
-    lowest = std::min(lowest, found.back().cost);
-  }
-  MarkerFit::Solution best = found.front();
-  double nearest = std::numeric_limits<double>::infinity();
-  for (MarkerFit::Solution& solution : found) {
-    const double distance = (solution.values - model.default_values()).norm();
-    if (!IsAsGood(solution, lowest, options) || distance >= nearest) continue;
-    nearest = distance;
-    best = std::move(solution);
-  }
-  return best;
-}
-
-void Store(const MarkerFit::Solution& solution, const std::vector<double>& distances, Eigen::Index frame,
-           IkResult& result) {
-  result.coordinates.row(frame) = solution.values;
+void StoreFrame(const MarkerFit& fit, const MultibodyModel& model, const std::vector<double>& distances,
+                std::size_t frame, IkResult& result) {
   double sum = 0;
   for (const double distance : distances) sum += distance * distance;
-  result.marker_rms_m[frame] = std::sqrt(sum / static_cast<double>(distances.size()));
-  result.marker_max_m[frame] = *std::max_element(distances.begin(), distances.end());
+  const auto worst = std::max_element(distances.begin(), distances.end());
+  const auto row = static_cast<Eigen::Index>(frame);
+  result.marker_rms_m[row] = std::sqrt(sum / static_cast<double>(distances.size()));
+  result.marker_max_m[row] = *worst;
+  result.worst_marker[frame] =
+      model.marker_names()[fit.present()[static_cast<std::size_t>(worst - distances.begin())]];
 }
 
-void SolveFrames(MarkerFit& fit, const MultibodyModel& model, const MarkerTrajectories& markers,
-                 const IkOptions& options, IkResult& result) {
-  const int frames = static_cast<int>(markers.times.size());
+void Store(MarkerFit& fit, const MultibodyModel& model, const MarkerTrajectories& markers, FramePoses poses,
+           IkResult& result) {
+  const auto frames = static_cast<Eigen::Index>(markers.times.size());
   result.coordinates.setConstant(frames, model.default_values().size(), kNan);
   result.marker_rms_m.setConstant(frames, kNan);
   result.marker_max_m.setConstant(frames, kNan);
-  bool is_first = true;
-  Vector previous;
-  for (int frame = 0; frame < frames; ++frame) {
-    if (fit.SetFrame(markers.positions[static_cast<std::size_t>(frame)])) {
-      const MarkerFit::Solution solution =
-          is_first ? SolveFirstFrame(fit, model, options)
-                   : fit.Solve(previous, options.accuracy, options.max_iterations);
-      if (!solution.converged) result.unconverged.push_back(frame);
-      Store(solution, fit.Distances(solution.values), frame, result);
-      previous = solution.values;
-      is_first = false;
-    }
-    if (options.progress) options.progress(frame + 1, frames);
+  result.worst_marker.resize(markers.times.size());
+  std::vector<int> without(fit.free_coordinates().size(), 0);  // frames in which nothing moves it
+  int solved = 0;
+  for (std::size_t frame = 0; frame < poses.of_frame.size(); ++frame) {
+    const auto& pose = poses.of_frame[frame];
+    if (!pose) continue;
+    fit.SetFrame(markers.positions[frame]);
+    result.coordinates.row(static_cast<Eigen::Index>(frame)) = pose->values;
+    StoreFrame(fit, model, fit.Distances(pose->values), frame, result);
+    const std::vector<bool> determined = fit.Determined({pose->values});
+    for (std::size_t i = 0; i < without.size(); ++i) without[i] += determined[i] ? 0 : 1;
+    ++solved;
+    if (!pose->converged) result.unconverged.push_back(static_cast<int>(frame));
   }
+  for (std::size_t i = 0; i < without.size(); ++i) {
+    const std::string& name = model.coordinate(fit.free_coordinates()[i]).name;
+    if (without[i] == solved) result.undetermined.push_back(name);
+    if (without[i] > 0 && without[i] < solved) result.undetermined_in.emplace_back(name, without[i]);
+  }
+  result.starts = poses.starts;
+  result.agreeing_starts = poses.agreeing_starts;
+  result.redone = std::move(poses.redone);
 }
 
 }  // namespace
@@ -186,11 +136,7 @@ Result<IkResult> SolveInverseKinematics(const MultibodyModel& model, const Marke
     if (fit.free_coordinates().empty()) return Fail("model '{}' has no free coordinate", model.name());
     result.times = markers.times;
     result.coordinate_names = model.coordinate_names();
-    SolveFrames(fit, model, markers, options, result);
-    for (std::size_t i = 0; i < fit.free_coordinates().size(); ++i) {
-      if (!fit.ever_determined()[i])
-        result.undetermined.push_back(model.coordinate(fit.free_coordinates()[i]).name);
-    }
+    Store(fit, model, markers, SolveFrames(fit, model, markers, options), result);
   } catch (const std::exception& problem) {
     return Fail("inverse kinematics of model '{}' failed: {}", model.name(), problem.what());
   }

@@ -32,6 +32,9 @@ KinematicState::KinematicState(const SimbodyModel& model)
     const SimTK::QIndex first = model_.matter.getMobilizedBody(coordinate.body).getFirstQIndex(state_);
     q_index_.emplace_back(first + coordinate.q);
   }
+  coordinates_of_body_.resize(static_cast<std::size_t>(model_.matter.getNumBodies()));
+  for (std::size_t i = 0; i < model_.coordinates.size(); ++i)
+    coordinates_of_body_[model_.coordinates[i].body].push_back(static_cast<int>(i));
 }
 
 void KinematicState::SetValues(const Vector& values) {
@@ -78,20 +81,25 @@ Vec3 KinematicState::MarkerPosition(std::size_t marker) const {
   return FromSimbody(model_.matter.getMobilizedBody(m.body).findStationLocationInGround(state_, m.location));
 }
 
+// A joint's speed moves what hangs on it as a rigid body, by Simbody's H at the origin of the joint's body.
 Matrix KinematicState::MarkerJacobian(const std::vector<std::size_t>& markers) const {
-  SimTK::Array_<SimTK::MobilizedBodyIndex> bodies;
-  SimTK::Array_<SimTK::Vec3> stations;
+  Matrix jacobian =
+      Matrix::Zero(static_cast<Eigen::Index>(3 * markers.size()), static_cast<Eigen::Index>(q_index_.size()));
+  Eigen::Index row = 0;
   for (const std::size_t marker : markers) {
-    bodies.push_back(model_.markers[marker].body);
-    stations.push_back(model_.markers[marker].location);
-  }
-  SimTK::Matrix by_speed;
-  model_.matter.calcStationJacobian(state_, bodies, stations, by_speed);
-  Matrix jacobian(by_speed.nrow(), static_cast<Eigen::Index>(q_index_.size()));
-  for (Eigen::Index column = 0; column < jacobian.cols(); ++column) {
-    const int u = q_index_[static_cast<std::size_t>(column)];
-    for (Eigen::Index row = 0; row < jacobian.rows(); ++row)
-      jacobian(row, column) = by_speed(static_cast<int>(row), u);
+    const SimbodyModel::Marker& m = model_.markers[marker];
+    // By reference: copies of Simbody's handles count their uses, which threads must not do at once.
+    const SimTK::MobilizedBody* body = &model_.matter.getMobilizedBody(m.body);
+    const SimTK::Vec3 position = body->findStationLocationInGround(state_, m.location);
+    for (; !body->isGround(); body = &body->getParentMobilizedBody()) {
+      const SimTK::Vec3 arm = position - body->getBodyOriginLocation(state_);
+      for (const int column : coordinates_of_body_[body->getMobilizedBodyIndex()]) {
+        const SimTK::MobilizerQIndex q = model_.coordinates[static_cast<std::size_t>(column)].q;
+        const SimTK::SpatialVec by_speed = body->getHCol(state_, SimTK::MobilizerUIndex(q));
+        jacobian.block<3, 1>(row, column) = FromSimbody(by_speed[1] + by_speed[0] % arm);
+      }
+    }
+    row += 3;
   }
   return jacobian;
 }

@@ -42,7 +42,8 @@ class KinematicState {
  private:
   const SimbodyModel& model_;
   SimTK::State state_;
-  std::vector<SimTK::QIndex> q_index_;  // of each coordinate; u and udot have the same
+  std::vector<SimTK::QIndex> q_index_;                 // of each coordinate; u and udot have the same
+  std::vector<std::vector<int>> coordinates_of_body_;  // by MobilizedBodyIndex
 };
 
 }  // namespace sinew

@@ -3,10 +3,14 @@
 #include <algorithm>
 #include <cmath>
 
+#include "base/constants.h"
 #include "base/decompositions.h"
 
 namespace sinew {
 namespace {
+
+// A column this small [m per rad, or 1] against the weighted markers is rounding: the coordinate moves none.
+constexpr double kMovesNothing = 1e-10;
 
 double Limited(const OsimCoordinate& coordinate, double value) {
   return coordinate.clamped ? std::clamp(value, coordinate.lower, coordinate.upper) : value;
@@ -41,7 +45,6 @@ MarkerFit::MarkerFit(const MultibodyModel& model, std::vector<TrackedMarker> mar
   for (int i = 0; i < static_cast<int>(model.coordinate_names().size()); ++i) {
     if (!model.coordinate(i).locked && !model.IsDependent(i)) free_.push_back(i);
   }
-  ever_determined_.assign(free_.size(), false);
 }
 
 bool MarkerFit::SetFrame(const std::vector<Vec3>& observed) {
@@ -59,6 +62,13 @@ bool MarkerFit::SetFrame(const std::vector<Vec3>& observed) {
   }
   for (double& root : root_weights_) root /= std::sqrt(total);
   return !seen_.empty();
+}
+
+double MarkerFit::PresentWeight(const std::vector<Vec3>& observed) const {
+  double total = 0;
+  for (const TrackedMarker& marker : markers_)
+    total += observed[marker.in_data].allFinite() ? marker.weight : 0;
+  return total;
 }
 
 void MarkerFit::Place(const Vector& values) {
@@ -100,7 +110,6 @@ MarkerFit::Linearization MarkerFit::Linearize(const Vector& values) {
   at.jacobian.resize(all.rows(), static_cast<Eigen::Index>(free_.size()));
   for (std::size_t i = 0; i < free_.size(); ++i) {
     at.jacobian.col(static_cast<Eigen::Index>(i)) = all.col(free_[i]);
-    if (all.col(free_[i]).squaredNorm() > 0) ever_determined_[i] = true;
   }
   return at;
 }
@@ -127,25 +136,57 @@ std::vector<bool> MarkerFit::Blocked(const Vector& values, const Vector& gradien
   return blocked;
 }
 
-MarkerFit::Solution MarkerFit::Solve(const Vector& start, double accuracy, int max_iterations) {
+// Angles without a range are compared up to whole turns.
+bool MarkerFit::IsNear(const Vector& values, const Vector& other, double radius) const {
+  return std::all_of(free_.begin(), free_.end(), [&](int i) {
+    const OsimCoordinate& coordinate = model_.coordinate(i);
+    const bool turns = coordinate.motion == MotionType::kRotational && !coordinate.clamped;
+    const double difference = values[i] - other[i];
+    return std::abs(turns ? std::remainder(difference, 2 * kPi) : difference) <= radius;
+  });
+}
+
+int MarkerFit::Joined(const Vector& values, const Search& search) const {
+  if (search.known == nullptr) return -1;
+  const auto found = std::find_if(search.known->begin(), search.known->end(), [&](const Vector& minimum) {
+    return IsNear(values, minimum, search.radius);
+  });
+  return found == search.known->end() ? -1 : static_cast<int>(found - search.known->begin());
+}
+
+std::vector<bool> MarkerFit::Determined(const std::vector<Vector>& poses) {
+  std::vector<bool> determined(free_.size(), false);
+  for (const Vector& pose : poses) {
+    const Matrix jacobian = Linearize(pose).jacobian;
+    for (std::size_t i = 0; i < free_.size(); ++i)
+      if (jacobian.col(static_cast<Eigen::Index>(i)).norm() > kMovesNothing) determined[i] = true;
+  }
+  return determined;
+}
+
+MarkerFit::Solution MarkerFit::Solve(const Vector& start, const Search& search) {
   constexpr double kSmallestDamping = 1e-12;
   constexpr double kFirstDamping = 1e-4;  // when the plain step fails
   Solution solution;
   solution.values = WithStep(start, Vector::Zero(static_cast<Eigen::Index>(free_.size())));
+  solution.joined = Joined(solution.values, search);
+  if (solution.joined >= 0) return solution;
   Linearization at = Linearize(solution.values);
   solution.cost = at.residuals.squaredNorm();
   double damping = 0;
-  for (int iteration = 0; iteration < max_iterations; ++iteration) {
+  for (int iteration = 0; iteration < search.max_iterations; ++iteration) {
     const Matrix hessian = Gram(at.jacobian);
     const Vector gradient = at.jacobian.transpose() * at.residuals;
     const Vector step = DampedStep(hessian, gradient, Blocked(solution.values, gradient), damping);
     const Vector trial = WithStep(solution.values, step);
-    const bool is_small = (trial - solution.values).cwiseAbs().maxCoeff() <= accuracy;
+    const bool is_small = (trial - solution.values).cwiseAbs().maxCoeff() <= search.accuracy;
     const double cost = Residuals(trial).squaredNorm();
     if (cost <= solution.cost) {
       solution.values = trial;
       solution.cost = cost;
       damping = damping < kSmallestDamping ? 0 : damping / 10;
+      solution.joined = Joined(solution.values, search);
+      if (solution.joined >= 0) break;
       if (!is_small) at = Linearize(solution.values);
     } else {
       damping = std::max(10 * damping, kFirstDamping);

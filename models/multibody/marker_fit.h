@@ -29,6 +29,14 @@ class MarkerFit {
     Vector values;  ///< all coordinates
     double cost = 0;
     bool converged = false;
+    int joined = -1;  ///< index of the known minimum that stopped the search; -1: none did
+  };
+  struct Search {
+    double accuracy = 1e-9;  ///< stops when no coordinate would move by more than this [rad or m]
+    int max_iterations = 200;
+    /// Minima that need not be found again: within `radius` [rad or m] of one the search stops.
+    const std::vector<Vector>* known = nullptr;
+    double radius = 1e-2;
   };
 
   MarkerFit(const MultibodyModel& model, std::vector<TrackedMarker> markers,
@@ -38,16 +46,22 @@ class MarkerFit {
   /// @return whether any tracked marker is present.
   bool SetFrame(const std::vector<Vec3>& observed);
 
-  /// Minimises from `start` (all coordinates); stops when no coordinate would move by more than `accuracy`.
-  Solution Solve(const Vector& start, double accuracy, int max_iterations);
+  /// Sum of the weights of the tracked markers that are present in a frame.
+  [[nodiscard]] double PresentWeight(const std::vector<Vec3>& observed) const;
+
+  /// Minimises from `start` (all coordinates).
+  Solution Solve(const Vector& start, const Search& search);
+
+  /// Per free coordinate: whether it moves a marker of this frame at one of `poses`, or has a goal.
+  std::vector<bool> Determined(const std::vector<Vector>& poses);
 
   /// Distances [m] of the markers present, unweighted.
   std::vector<double> Distances(const Vector& values);
+  /// Those markers, as in the model.
+  [[nodiscard]] const std::vector<std::size_t>& present() const { return seen_; }
 
   /// Coordinates that are neither locked nor dependent by a coupler.
   [[nodiscard]] const std::vector<int>& free_coordinates() const { return free_; }
-  /// Per free coordinate: whether it has moved a marker that was present, or has a goal.
-  [[nodiscard]] const std::vector<bool>& ever_determined() const { return ever_determined_; }
 
  private:
   struct Linearization {
@@ -56,6 +70,8 @@ class MarkerFit {
   };
 
   void Place(const Vector& values);
+  [[nodiscard]] bool IsNear(const Vector& values, const Vector& other, double radius) const;
+  [[nodiscard]] int Joined(const Vector& values, const Search& search) const;
   [[nodiscard]] Vector Residuals(const Vector& values);
   [[nodiscard]] Linearization Linearize(const Vector& values);
   [[nodiscard]] Vector WithStep(const Vector& values, const Vector& step) const;
@@ -66,7 +82,6 @@ class MarkerFit {
   std::vector<TrackedMarker> markers_;
   std::vector<CoordinateGoal> goals_;
   std::vector<int> free_;
-  std::vector<bool> ever_determined_;
 
   // Of the present frame.
   std::vector<std::size_t> seen_;  // markers, as in the model

@@ -8,6 +8,8 @@ import pty
 import subprocess
 import unittest
 
+import h5py
+
 from laboratory_files import mot
 from program import PROGRAM, ProgramTest
 
@@ -74,6 +76,13 @@ class Json(ProgramTest):
             self.assertGreater(fit["rms_m"], 0)
             self.assertLess(fit["rms_m"], fit["max_m"])
             self.assertEqual((fit["unmatched"], fit["unconverged_frames"]), ([], 0))
+            self.assertEqual((fit["undetermined"], fit["undetermined_in"]), ([], []))
+            self.assertTrue(fit["worst_marker"])
+            self.assertLess(fit["worst_frame"], fit["frames"])
+            self.assertGreater(fit["agreeing_starts"], 0)
+            self.assertLessEqual(fit["agreeing_starts"], fit["starts"])
+        with h5py.File(self.path("stances.h5")) as file:
+            self.assertEqual(json.loads(file["files/kinematics.json"].asstr()[()]), fits)
 
     def test_of_a_simulation(self):
         self.stances()

@@ -50,7 +50,9 @@ class MeasuredGait(ProgramTest):
     def test_from_markers_to_a_stiffness(self):
         self.import_gait("--external-loads", LOADS)
         said = self.succeeds("data", "kinematics", "gait.h5", "--weights", WEIGHTS, "--quiet")
-        self.assertRegex(said, r"walk: 151 frames, 31 markers: \d+\.\d mm RMS, \d+ mm at most\n"
+        self.assertRegex(said, r"walk: 151 frames, 31 markers: \d+\.\d mm RMS, \d+ mm at most "
+                               r"\(R\.Acromium at [\d.]+ s, frame \d+\)\n"
+                               r"  \d+ of \d+ starts end at the lowest cost\n"
                                r"  not in the model, left out: L\.Bicep, ")
         reference = np.genfromtxt(REFERENCE, skip_header=REFERENCE.read_text().split("endheader")[0].count("\n") + 1,
                                   names=True, deletechars="")

@@ -223,6 +223,144 @@ TEST(InverseKinematics, RejectsBadInput) {
               HasSubstr("takes its values from a file"));
 }
 
+// An arm in the plane whose wrist says almost everything: with the elbow on the other side of the line from
+// shoulder to wrist the wrist fits as well, and only the light marker at the elbow tells.
+const std::string kArm = R"(<?xml version="1.0"?>
+<OpenSimDocument Version="40000">
+<Model name="arm">
+  <BodySet><objects>
+    <Body name="upper"><mass>2</mass><inertia>0.01 0.01 0.01 0 0 0</inertia></Body>
+    <Body name="lower"><mass>1</mass><inertia>0.01 0.01 0.01 0 0 0</inertia></Body>
+  </objects></BodySet>
+  <JointSet><objects>
+    <PinJoint name="shoulder_joint"><socket_parent_frame>/ground</socket_parent_frame>
+      <socket_child_frame>/bodyset/upper</socket_child_frame>
+      <coordinates><Coordinate name="shoulder"/></coordinates></PinJoint>
+    <PinJoint name="elbow_joint"><socket_parent_frame>end</socket_parent_frame>
+      <socket_child_frame>/bodyset/lower</socket_child_frame>
+      <coordinates><Coordinate name="elbow"/></coordinates>
+      <frames><PhysicalOffsetFrame name="end"><socket_parent>/bodyset/upper</socket_parent>
+        <translation>0.3 0 0</translation></PhysicalOffsetFrame></frames></PinJoint>
+  </objects></JointSet>
+  <MarkerSet><objects>
+    <Marker name="ELBOW"><socket_parent_frame>/bodyset/upper</socket_parent_frame><location>0.3 0 0</location></Marker>
+    <Marker name="WRIST"><socket_parent_frame>/bodyset/lower</socket_parent_frame><location>0.25 0 0</location></Marker>
+  </objects></MarkerSet>
+</Model></OpenSimDocument>)";
+
+IkSetup LightElbow() {
+  IkSetup setup;
+  setup.markers = {{"ELBOW", true, 1e-4}, {"WRIST", true, 1.0}};
+  return setup;
+}
+
+std::vector<Vector> ArmMotion(const std::vector<double>& elbow) {
+  std::vector<Vector> motion;
+  for (std::size_t i = 0; i < elbow.size(); ++i)
+    motion.emplace_back(Vector{{0.3 + 0.01 * static_cast<double>(i), elbow[i]}});
+  return motion;
+}
+
+// Straightens the arm and bends it the other way: a search that starts from the frame before stays on the
+// first side, to the end.
+TEST(InverseKinematics, LeavesAWrongMinimumThatHoldsToTheEnd) {
+  const MultibodyModel model = BuildModel(kArm);
+  std::vector<double> elbow;
+  for (int i = 0; i < 30; ++i) elbow.push_back(1.45 - 0.1 * i);
+  const auto motion = ArmMotion(elbow);
+  const IkSetup setup = LightElbow();
+  const auto result = *SolveInverseKinematics(model, Measure(model, motion), &setup);
+  EXPECT_GE(result.redone.size(), 10U);  // the frame before led these astray
+  EXPECT_LT(WorstError(result, motion), kRecovery);
+}
+
+// There and back: both ends are right, and neither a pass forward nor one backward enters the spell between.
+TEST(InverseKinematics, LeavesAWrongMinimumBetweenRightEnds) {
+  const MultibodyModel model = BuildModel(kArm);
+  std::vector<double> elbow;
+  for (int i = 0; i < 60; ++i) elbow.push_back(std::abs(0.1 * i - 2.95) - 1.5);
+  const auto motion = ArmMotion(elbow);
+  const IkSetup setup = LightElbow();
+  const auto result = *SolveInverseKinematics(model, Measure(model, motion), &setup);
+  EXPECT_GE(result.redone.size(), 20U);
+  EXPECT_LT(WorstError(result, motion), kRecovery);
+}
+
+// The defaults are the first pose that is tried.
+TEST(InverseKinematics, DoesNotDependOnTheFirstPose) {
+  const auto reference = BuildModel(kLeg);
+  auto markers = Measure(reference, LegMotion(reference, 10));
+  Random noise(3);
+  for (auto& frame : markers.positions) {
+    for (Vec3& position : frame) position += 0.005 * Vec3(noise.Normal(), noise.Normal(), noise.Normal());
+  }
+  const auto first = *SolveInverseKinematics(reference, markers);
+  for (std::uint64_t seed = 1; seed <= 5; ++seed) {
+    Random random(seed);
+    std::string text = kLeg;
+    for (const char* name : {"rx", "ry", "rz", "tx", "ty", "tz", "hip_x", "hip_y", "hip_z"}) {
+      const std::string plain = "<Coordinate name=\"" + std::string(name) + "\"/>";
+      const std::string drawn = "<Coordinate name=\"" + std::string(name) +
+                                "\"><range>-3.2 3.2</range><default_value>" +
+                                std::to_string(random.Uniform(-3, 3)) + "</default_value></Coordinate>";
+      text = Replaced(text, plain, drawn);
+    }
+    IkOptions options;
+    options.seed = seed;
+    const auto result = *SolveInverseKinematics(BuildModel(text), markers, nullptr, options);
+    EXPECT_LT((result.coordinates - first.coordinates).cwiseAbs().maxCoeff(), 1e-6) << "seed " << seed;
+  }
+}
+
+// Turning round and round: the angle goes on beyond a turn.
+TEST(InverseKinematics, AnglesGoOnOverWholeTurns) {
+  const MultibodyModel model = BuildModel(kArm);
+  std::vector<Vector> motion;
+  for (int i = 0; i < 40; ++i) motion.emplace_back(Vector{{0.4 * i, 1.0}});
+  const auto result = *SolveInverseKinematics(model, Measure(model, motion));
+  EXPECT_LT(WorstError(result, motion), kRecovery);
+}
+
+// A heading clamped to one turn, crossed: the other end of the range is the same pose.
+TEST(InverseKinematics, CrossesTheEndsOfAFullTurn) {
+  const std::string text =
+      Replaced(kArm, "<Coordinate name=\"shoulder\"/>",
+               "<Coordinate name=\"shoulder\"><range>-3.14159266 3.14159266</range><clamped>true</clamped>"
+               "</Coordinate>");
+  const MultibodyModel model = BuildModel(text);
+  std::vector<Vector> motion;
+  for (int i = 0; i < 20; ++i) motion.emplace_back(Vector{{std::remainder(2.6 + 0.1 * i, 2 * M_PI), 1.0}});
+  const auto result = *SolveInverseKinematics(model, Measure(model, motion));
+  EXPECT_LT(WorstError(result, motion), kRecovery);
+}
+
+TEST(InverseKinematics, NamesTheWorstMarker) {
+  const MultibodyModel model = BuildModel(kLeg);
+  auto markers = Measure(model, LegMotion(model, 4));
+  markers.positions[2][4] += Vec3(0.2, 0, 0);  // THI2
+  const auto result = *SolveInverseKinematics(model, markers);
+  EXPECT_EQ(result.worst_marker[2], "THI2");
+  Eigen::Index worst = 0;
+  result.marker_max_m.maxCoeff(&worst);
+  EXPECT_EQ(worst, 2);
+}
+
+TEST(InverseKinematics, SaysWhatNoMarkerDetermines) {
+  const MultibodyModel model = BuildModel(kLeg);
+  const auto motion = LegMotion(model, 12);
+  auto markers = Measure(model, motion);
+  for (std::size_t frame = 5; frame < 9; ++frame) {
+    for (const std::size_t marker : {6, 7, 8})
+      markers.positions[frame][marker] = kNotSeen;  // PAT, SHA1, HEEL
+  }
+  const auto result = *SolveInverseKinematics(model, markers);
+  EXPECT_THAT(result.undetermined, ElementsAre("mtp"));
+  EXPECT_EQ(result.coordinates(0, *model.CoordinateIndex("mtp")), 0.2);  // its default
+  ASSERT_EQ(result.undetermined_in.size(), 1U);
+  EXPECT_EQ(result.undetermined_in[0], std::make_pair(std::string("knee"), 4));
+  EXPECT_LT((result.coordinates.row(10).transpose() - motion[10]).cwiseAbs().maxCoeff(), kRecovery);
+}
+
 // OpenSim's own answer, in degrees and metres as its file gives it.
 class GaitSubject : public testing::Test {
  protected:
@@ -267,24 +405,27 @@ TEST_F(GaitSubject, AgreesWithOpenSim) {
   }
 }
 
+double WeightedCost(const MultibodyModel& model, const IkSetup& setup, const MarkerTrajectories& markers,
+                    const Vector& values, std::size_t frame) {
+  const auto positions = *model.MarkerPositions(values);
+  const auto index = [](const std::vector<std::string>& names, const std::string& name) {
+    return static_cast<std::size_t>(std::find(names.begin(), names.end(), name) - names.begin());
+  };
+  double sum = 0;
+  for (const IkSetup::MarkerTask& task : setup.markers) {
+    const std::size_t in_data = index(markers.names, task.name);
+    const std::size_t in_model = index(model.marker_names(), task.name);
+    if (!task.apply || in_data == markers.names.size() || in_model == model.marker_names().size()) continue;
+    sum += task.weight * (positions[in_model] - markers.positions[frame][in_data]).squaredNorm();
+  }
+  return sum;
+}
+
+constexpr double kCostRounding = 1e-12;  // relative, of a sum of 31 squares
+
 TEST_F(GaitSubject, FitsNoWorseThanOpenSim) {
   const MultibodyModel model = BuildModel(ReadText(kGaitModel));
   const auto result = *SolveInverseKinematics(model, markers_, &setup_);
-  const auto cost = [&](const Vector& values, std::size_t frame) {
-    const auto positions = *model.MarkerPositions(values);
-    double sum = 0;
-    for (const IkSetup::MarkerTask& task : setup_.markers) {
-      const auto in_data = std::find(markers_.names.begin(), markers_.names.end(), task.name);
-      if (!task.apply || in_data == markers_.names.end()) continue;
-      const auto in_model = std::find(model.marker_names().begin(), model.marker_names().end(), task.name);
-      const Vec3& measured =
-          markers_.positions[frame][static_cast<std::size_t>(in_data - markers_.names.begin())];
-      const auto index = static_cast<std::size_t>(in_model - model.marker_names().begin());
-      sum += task.weight * (positions[index] - measured).squaredNorm();
-    }
-    return sum;
-  };
-  constexpr double kRounding = 1e-12;  // relative, of a sum of 31 squares
   for (std::size_t frame = 0; frame < opensim_.rows.size(); ++frame) {
     Vector theirs(10);
     for (std::size_t column = 1; column < opensim_.names.size(); ++column) {
@@ -293,8 +434,42 @@ TEST_F(GaitSubject, FitsNoWorseThanOpenSim) {
       theirs[*model.CoordinateIndex(name)] = model.IsRotational(name) ? value * M_PI / 180 : value;
     }
     const Vector ours = result.coordinates.row(static_cast<Eigen::Index>(frame));
-    EXPECT_LE(cost(ours, frame), cost(theirs, frame) * (1 + kRounding)) << "frame " << frame;
+    EXPECT_LE(WeightedCost(model, setup_, markers_, ours, frame),
+              WeightedCost(model, setup_, markers_, theirs, frame) * (1 + kCostRounding))
+        << "frame " << frame;
   }
+}
+
+// Coordinates that AddBiomechanics fitted and residual reduction adjusted, without the toes.
+TEST(GaitWalk3d, FitsNoWorseThanThePublishedCoordinates) {
+  const std::string folder = kSharedData + "/gait_walk3d/";
+  const std::string text = ReadText(folder + "subject_walk_scaled.osim");
+  if (text.empty()) GTEST_SKIP() << "no shared data at " << kSharedData;
+  const MultibodyModel model = BuildModel(text);
+  const MarkerTrajectories markers = ReadTrc(folder + "markers_walk.trc");
+  const IkSetup setup = *ReadIkSetup(ReadText(folder + "ik_tasks_walk.xml"), "setup");
+  const Motion published = ReadMot(folder + "coordinates.sto");
+  const auto result = *SolveInverseKinematics(model, markers, &setup);
+  EXPECT_THAT(result.undetermined, IsEmpty());
+  int compared = 0;
+  for (const std::vector<double>& row : published.rows) {
+    const auto same = [&](double time) { return std::abs(time - row[0]) < 1e-6; };
+    const auto found = std::find_if(markers.times.begin(), markers.times.end(), same);
+    if (found == markers.times.end()) continue;
+    const auto frame = static_cast<std::size_t>(found - markers.times.begin());
+    const Vector ours = result.coordinates.row(static_cast<Eigen::Index>(frame));
+    Vector theirs = ours;  // where they have none: the toes
+    for (std::size_t column = 1; column < published.names.size(); ++column) {
+      std::string name = published.names[column];  // such as /jointset/hip_r/hip_flexion_r/value
+      name = name.substr(0, name.rfind('/'));
+      theirs[*model.CoordinateIndex(name.substr(name.rfind('/') + 1))] = row[column];
+    }
+    EXPECT_LE(WeightedCost(model, setup, markers, ours, frame),
+              WeightedCost(model, setup, markers, theirs, frame) * (1 + kCostRounding))
+        << "frame " << frame;
+    ++compared;
+  }
+  EXPECT_EQ(compared, 135);
 }
 
 }  // namespace

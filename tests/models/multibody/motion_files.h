@@ -39,7 +39,7 @@ inline MarkerTrajectories ReadTrc(const std::string& path) {
   return markers;
 }
 
-/// A .mot: names after `endheader`, numbers as in the file.
+/// A .mot or .sto: names after `endheader`, numbers as in the file.
 struct Motion {
   std::vector<std::string> names;
   std::vector<std::vector<double>> rows;
