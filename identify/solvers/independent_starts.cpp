@@ -37,7 +37,10 @@ constexpr double kExactShare = 1e-14;
 constexpr double kNothingExplained = 0.9;
 // Where only white noise is left by the search from the given start, and searches from random ones end so
 // many times higher, random starts lose their way (a trajectory over which small differences grow), and the
-// given one came from the measurement.
+// given one came from the measurement. Where it leaves this share of what was measured, and all of the others
+// more than that one, this is so whatever is left.
+constexpr double kNearlyAllExplained = 1e-4;
+constexpr double kLost = 0.1;
 constexpr double kFarWorse = 100;
 
 // Cost of predicting the mean of every training block: the size of what is to be explained.
@@ -89,14 +92,17 @@ class Searching {
     std::vector<Stage> first = Polish(Sample(start, 0, true), kEvaluationsPerSearch);
     const Stage* best = Best(first);
     if (best != nullptr && !Done()) {
-      const bool start_stands_out = best == &first.front() && CountWithin(first, kFarWorse * best->cost) == 1;
+      const bool start_is_best = best == &first.front();
+      const bool start_stands_out = start_is_best && CountWithin(first, kFarWorse * best->cost) == 1;
+      const bool others_are_lost = start_is_best && best->cost < kNearlyAllExplained * size_of_signals_ &&
+                                   CountWithin(first, kLost * size_of_signals_) == 1;
       // Searches that end close to each other may have run out of evaluations on the way to one minimum.
       Stage end = *best;
       if (CountWithin(first, kMayBeSame * end.cost) > 1) end = Finish(std::move(end));
       const bool same_again = CountWithin(first, (1 + kSameMinimum) * end.cost) >= kAgreeing;
       *std::min_element(first.begin(), first.end(), IsBetter) = end;
       const bool nothing_explained = end.cost > kNothingExplained * size_of_signals_;
-      if ((same_again || nothing_explained || start_stands_out) && IsNoise())
+      if (others_are_lost || ((same_again || nothing_explained || start_stands_out) && IsNoise()))
         return End(std::move(first), "local searches");
       const double reached = end.cost;
       if (!Done()) end = Hop(std::move(end), 0);
