@@ -30,6 +30,9 @@ constexpr long kEvaluationsAtEnd = 500;
 // The last search; valleys along which the cost hardly changes could take for ever.
 constexpr long kEvaluationsOfAnswer = 5000;
 constexpr double kMayBeSame = 1.05;
+// Relative difference of costs that is no reason to leave the end of the search from the given start: what
+// the data do not determine then keeps the value that it was given.
+constexpr double kTie = 1e-8;
 constexpr double kLeastGain = 1e-3;
 // Residuals of a ten millionth of what was measured: no instrument has less noise.
 constexpr double kExactShare = 1e-14;
@@ -99,6 +102,7 @@ class Searching {
       // Searches that end close to each other may have run out of evaluations on the way to one minimum.
       Stage end = *best;
       if (CountWithin(first, kMayBeSame * end.cost) > 1) end = Finish(std::move(end));
+      given_ = first.front();
       const bool same_again = CountWithin(first, (1 + kSameMinimum) * end.cost) >= kAgreeing;
       *std::min_element(first.begin(), first.end(), IsBetter) = end;
       const bool nothing_explained = end.cost > kNothingExplained * size_of_signals_;
@@ -215,6 +219,8 @@ class Searching {
         if (best != ends.end() && last.cost <= best->cost) *best = std::move(last);
       }
     }
+    if (evaluator_.has_best() && given_.x.size() > 0 && given_.cost <= (1 + kTie) * evaluator_.best().cost)
+      search_.answer = {0, given_.cost, given_.x};
     std::stable_sort(ends.begin(), ends.end(), IsBetter);
     const Agreement agreement = AgreementOf(ends);
     search_.stages = std::move(ends);
@@ -239,6 +245,7 @@ class Searching {
   double size_of_signals_;
   double exact_;
   std::vector<Stage> ends_;
+  Stage given_;  // where the search from the given start ended
   Search search_;
 };
 

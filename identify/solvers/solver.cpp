@@ -120,6 +120,7 @@ bool Solver::CanBegin(const Evaluator& evaluator, const Vector& start) const {
 
 SolverResult Solver::Solve(Evaluator& evaluator, const Vector& start) const {
   SolverResult result;
+  TraceEntry answer;
   double cost = kInfinity;
   if (!IsEvaluated(evaluator, start)) evaluator.Cost(start, cost);
 
@@ -131,6 +132,7 @@ SolverResult Solver::Solve(Evaluator& evaluator, const Vector& start) const {
     result.stop = std::move(search.stop);
     result.iterations = search.iterations;
     result.stages = std::move(search.stages);
+    answer = std::move(search.answer);
   }
   if (evaluator.stop_cause() != Evaluator::StopCause::kNone) result.stop = StopFrom(evaluator);
 
@@ -140,8 +142,9 @@ SolverResult Solver::Solve(Evaluator& evaluator, const Vector& start) const {
     result.cost = kInfinity;
     return result;
   }
-  result.x = evaluator.best().x;
-  result.cost = evaluator.best().cost;
+  if (answer.x.size() == 0) answer = evaluator.best();
+  result.x = answer.x;
+  result.cost = answer.cost;
   return result;
 }
 

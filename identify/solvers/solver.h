@@ -78,6 +78,9 @@ struct Search {
   Stop stop;
   int iterations = 0;
   std::vector<Stage> stages;
+  /// An evaluated point that is the answer although the evaluator's best is lower by less than matters; no x:
+  /// that one is.
+  TraceEntry answer = {};
 };
 
 /// Template method: Solve evaluates the start and handles the cases common to all solvers (no free parameter,

@@ -97,6 +97,29 @@ TEST(IndependentStarts, NoiseThatHidesEverythingIsNotSearchedFurther) {
   EXPECT_LT(evaluator.evaluations(), 250);
 }
 
+TEST(IndependentStarts, WhatIsNotDeterminedKeepsItsGivenValue) {
+  FunctionProblem problem;
+  problem.Add("b", 0, 1, 0.375);
+  Random random(5);
+  std::vector<double> measured;
+  for (int i = 0; i < kRecordSamples; ++i) measured.push_back(3 + 0.1 * random.Normal());
+  problem.Add("a", 0, 10, 5);
+  problem.AddBlock("t", measured, {0, 1},
+                   [](const Vector& p, Eigen::Ref<Vector> values, Matrix* derivatives) -> Status {
+                     values.setConstant(p[1]);
+                     if (derivatives != nullptr) {
+                       derivatives->col(0).setZero();
+                       derivatives->col(1).setOnes();
+                     }
+                     return {};
+                   });
+  const Fit fit(problem);
+  Evaluator evaluator(fit.least_squares, {});
+  const SolverResult result = Solve(fit.least_squares, evaluator);
+  EXPECT_NEAR(fit.least_squares.Parameters(result.x)[1], 3, 0.03);
+  EXPECT_EQ(fit.least_squares.Parameters(result.x)[0], 0.375);
+}
+
 TEST(IndependentStarts, ExactDataEndAtOnce) {
   FunctionProblem problem;
   MakeSine(problem, 0, 9.2);
