@@ -56,6 +56,12 @@ Status LocalFit::CostAndDerivatives(const Vector& x, double& cost) {
   return {};
 }
 
+Result<double> LocalFit::ModelAt(const Vector& x) {
+  double cost = 0;
+  SINEW_TRY(CostAndDerivatives(x, cost));
+  return cost;
+}
+
 LocalFit::Outcome LocalFit::Minimize(const Vector& start, int held, Tolerance tolerance,
                                      long max_evaluations) {
   Outcome outcome;

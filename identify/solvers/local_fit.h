@@ -36,6 +36,12 @@ class LocalFit {
   /// with or without Jacobian
   Outcome Minimize(const Vector& start, int held, Tolerance tolerance, long max_evaluations);
 
+  /// Cost at x [n, in 0..1], penalties included, and its Gauss-Newton model there: model(). One evaluation.
+  /// Errors: no prediction at x, or a derivative that is not finite.
+  Result<double> ModelAt(const Vector& x);
+  /// Of the last point with derivatives; the next call that evaluates overwrites it.
+  [[nodiscard]] const BoxQuadraticModel& model() const { return equations_; }
+
   [[nodiscard]] const LeastSquares& least_squares() const { return least_squares_; }
   [[nodiscard]] long evaluations() const { return evaluations_; }
   [[nodiscard]] double penalty() const { return penalty_; }

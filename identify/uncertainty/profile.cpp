@@ -9,6 +9,7 @@
 #include "base/constants.h"
 #include "identify/execution/executor.h"
 #include "identify/solvers/local_fit.h"
+#include "identify/uncertainty/profile_end.h"
 
 namespace sinew::uncertainty {
 namespace {
@@ -29,6 +30,11 @@ struct Point {
   bool converged = true;
 };
 
+double EndTolerance(const LeastSquares& problem, double cost, const ProfileRequest& request) {
+  // Half of an error of the rise is that of the end.
+  return std::max(kEndTolerance, problem.problem().cost_noise_level() * cost / request.rise / 2);
+}
+
 /// The search for one end.
 class EndSearch {
  public:
@@ -41,11 +47,9 @@ class EndSearch {
         sign_(sign),
         last_(fit.evaluations() + max_evaluations),
         interrupt_(interrupt),
-        // Half of an error of the rise is that of the end.
-        end_tolerance_(std::max(kEndTolerance,
-                                fit.least_squares().problem().cost_noise_level() * cost / request.rise / 2)),
+        end_tolerance_(EndTolerance(fit.least_squares(), cost, request)),
         inner_{0, 0, minimum, true},
-        lowest_(cost) {}
+        lowest_{cost, {}} {}
 
   ProfileEnd Run() {
     const double here = minimum_[request_.variable];
@@ -71,8 +75,7 @@ class EndSearch {
     return Failure(ProfileFailure::kRoughCost);
   }
 
-  [[nodiscard]] double lowest() const { return lowest_; }
-  [[nodiscard]] const Vector& lowest_x() const { return lowest_x_; }
+  [[nodiscard]] const LowestCost& lowest() const { return lowest_; }
 
  private:
   [[nodiscard]] double At(double distance) const {
@@ -93,10 +96,7 @@ class EndSearch {
     const solvers::LocalFit::Outcome outcome =
         fit_.Minimize(start, request_.variable, {kRefitTolerance * request_.rise, 0},
                       std::min(kMaxRefitEvaluations, last_ - fit_.evaluations()));
-    if (outcome.cost < lowest_) {
-      lowest_ = outcome.cost;
-      lowest_x_ = outcome.x;
-    }
+    if (outcome.cost < lowest_.cost) lowest_ = {outcome.cost, outcome.x};
     const double rise = (outcome.cost - cost_) / request_.rise;
     return {distance, std::isfinite(rise) ? std::sqrt(std::max(rise, 0.0)) : kInfinity, outcome.x,
             outcome.converged};
@@ -141,8 +141,7 @@ class EndSearch {
   int last_was_inside_ = -1;
   double inner_weight_ = 1;
   double outer_weight_ = 1;
-  double lowest_;
-  Vector lowest_x_;
+  LowestCost lowest_;
 };
 
 }  // namespace
@@ -153,9 +152,10 @@ std::vector<Profile> ProfileIntervals(const LeastSquares& problem, const Vector&
   const std::size_t ends = 2 * requests.size();
   std::vector<Profile> profiles(requests.size());
   if (ends == 0) return profiles;
-  const long part = std::max(1L, options.max_evaluations / static_cast<long>(ends));
-  std::vector<double> lowest(ends);
-  std::vector<Vector> lowest_x(ends);
+  solvers::LocalFit at_minimum(problem, options.penalty);
+  const bool has_model = static_cast<bool>(at_minimum.ModelAt(minimum));
+  evaluations += at_minimum.evaluations();
+  std::vector<LowestCost> lowest(ends, LowestCost{cost, {}});
   std::vector<long> used(ends);
   const auto executor = MakeExecutor(options.threads);
   std::vector<std::optional<solvers::LocalFit>> fits(executor->workers());
@@ -163,17 +163,30 @@ std::vector<Profile> ProfileIntervals(const LeastSquares& problem, const Vector&
     if (!fits[worker]) fits[worker].emplace(problem, options.penalty);
     solvers::LocalFit& fit = *fits[worker];
     const long before = fit.evaluations();
-    EndSearch search(fit, minimum, cost, requests[i / 2], i % 2 == 0 ? -1 : 1, part, options.interrupt);
-    (i % 2 == 0 ? profiles[i / 2].lower : profiles[i / 2].upper) = search.Run();
-    lowest[i] = search.lowest();
-    lowest_x[i] = search.lowest_x();
+    const ProfileRequest& request = requests[i / 2];
+    const double sign = i % 2 == 0 ? -1 : 1;
+    ProfileEnd& end = i % 2 == 0 ? profiles[i / 2].lower : profiles[i / 2].upper;
+    const bool stopped = options.interrupt != nullptr && options.interrupt->load(std::memory_order_relaxed);
+    std::optional<ProfileEnd> found;
+    if (has_model && !stopped) {
+      found = FindEnd(fit,
+                      {minimum, cost, at_minimum.model(), request, sign, EndTolerance(problem, cost, request),
+                       options.max_evaluations, options.interrupt},
+                      lowest[i]);
+    }
+    if (found) {
+      end = *found;
+    } else {
+      const long left = options.max_evaluations - (fit.evaluations() - before);
+      EndSearch search(fit, minimum, cost, request, sign, left, options.interrupt);
+      end = search.Run();
+      if (search.lowest().cost < lowest[i].cost) lowest[i] = search.lowest();
+    }
     used[i] = fit.evaluations() - before;
   });
   for (std::size_t i = 0; i < ends; ++i) evaluations += used[i];
   for (std::size_t i = 0; i < requests.size(); ++i) {
-    const std::size_t end = lowest[2 * i] <= lowest[2 * i + 1] ? 2 * i : 2 * i + 1;
-    profiles[i].lowest_cost = lowest[end];
-    profiles[i].lowest_x = std::move(lowest_x[end]);
+    profiles[i].lowest = lowest[2 * i].cost <= lowest[2 * i + 1].cost ? lowest[2 * i] : lowest[2 * i + 1];
   }
   return profiles;
 }

@@ -42,24 +42,30 @@ struct ProfileRequest {
   Vector tangent;   ///< [n] how all variables move per unit of this one, to first order
 };
 
+/// The lowest cost that was met, and where.
+struct LowestCost {
+  double cost = 0;
+  Vector x;  ///< [n] empty: none below the minimum's
+};
+
 struct Profile {
   ProfileEnd lower;
   ProfileEnd upper;
-  double lowest_cost = 0;  ///< on the way; below that of the minimum if the fit was not at its best
-  Vector lowest_x;         ///< [n] where; empty if that is the minimum
+  LowestCost lowest;  ///< below the minimum's if the fit was not at its best
 };
 
 struct ProfileOptions {
   int threads = 1;
-  long max_evaluations = 2000;                   ///< for all ends together; each has an equal part
+  long max_evaluations = 200;                    ///< for each end
   double penalty = 0;                            ///< that of solvers::LocalFit
   const std::atomic<bool>* interrupt = nullptr;  ///< ends every search that still runs
 };
 
-/// Both ends of every request, by the roots of sqrt(rise so far / rise) = 1, which is linear for a linear
-/// model: bracket, then Illinois steps (Dowell, Jarratt 1971). Every point refits all other variables,
-/// nuisance included. A point without a prediction counts as an infinite rise; if the end then lies at such
-/// a place, that is its failure. The answer does not depend on the number of threads.
+/// Both ends of every request: by Gauss-Newton models (profile_end.h), and where these do not converge by the
+/// roots of sqrt(rise so far / rise) = 1, which is linear for a linear model: bracket, then Illinois steps
+/// (Dowell, Jarratt 1971), every point with all other variables refitted, nuisance included. A point without
+/// a prediction counts as an infinite rise; if the end then lies at such a place, that is its failure. The
+/// answer does not depend on the number of threads.
 /// @param minimum [n] @param cost there (of solvers::LocalFit) @param evaluations is added to.
 [[nodiscard]] std::vector<Profile> ProfileIntervals(const LeastSquares& problem, const Vector& minimum,
                                                     double cost, const std::vector<ProfileRequest>& requests,

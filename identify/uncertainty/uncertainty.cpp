@@ -4,6 +4,7 @@
 #include <cmath>
 #include <iterator>
 #include <limits>
+#include <numeric>
 #include <optional>
 #include <utility>
 
@@ -17,6 +18,7 @@
 #include "identify/uncertainty/interval.h"
 #include "identify/uncertainty/linearization.h"
 #include "identify/uncertainty/profile.h"
+#include "identify/uncertainty/profile_end.h"
 #include "identify/uncertainty/remedy.h"
 
 namespace sinew::uncertainty {
@@ -29,6 +31,9 @@ constexpr long kPolishEvaluations = 100;
 constexpr double kPolishTolerance = 1e-12;
 // A gain of the local search that is worth a note, on the same scale: a tenth of a standard error is 0.01.
 constexpr double kNotedGain = 0.01;
+// The same for a point that a profile meets, after which everything is done again: a quarter of a standard
+// error.
+constexpr double kBetterGain = 0.0625;
 // Ratio of robust to plain error from which there is a note.
 constexpr double kNotedRatio = 1.5;
 
@@ -60,7 +65,9 @@ class Analysis {
   void FindErrors();
   void FindCovariance();
   void FindIntervals();
+  void ReleaseBounds();
   void Profiles();
+  [[nodiscard]] ProfileRequest RequestOf(const Finding& finding, const Matrix& normal) const;
   [[nodiscard]] Vector Tangent(const Matrix& normal, int variable) const;
   void Describe(const Vector& x);
   void AddNotes();
@@ -225,6 +232,33 @@ Vector Analysis::Tangent(const Matrix& normal, int variable) const {
   return tangent;
 }
 
+ProfileRequest Analysis::RequestOf(const Finding& finding, const Matrix& normal) const {
+  const double half_width = quantile_ * finding.widest;
+  return {finding.variable, 0.5 * half_width * half_width / finding.normal, half_width,
+          Tangent(normal, finding.variable)};
+}
+
+// Errors hold what is on a bound there. An interval must not: what lies on a bound is not known, and leaves
+// it as soon as the others, moved with the parameter, let the cost fall inward.
+void Analysis::ReleaseBounds() {
+  const auto on_bound = [&](int v) { return OnBound(v); };
+  std::vector<int> all(static_cast<std::size_t>(problem_.variables()));
+  std::iota(all.begin(), all.end(), 0);
+  if (std::none_of(all.begin(), all.end(), on_bound)) return;
+  const solvers::BoxQuadraticModel model{at_.jacobian.transpose() * at_.jacobian, at_.gradient};
+  for (Finding& finding : findings_) {
+    if (finding.kind == IntervalKind::kNone || !(finding.widest > 0)) continue;
+    const ProfileRequest request = RequestOf(finding, model.normal);
+    const double x = at_.x[finding.variable];
+    // Never inside of the interval with bounds held: rounding apart, the model cannot end there.
+    const auto end = [&](double sign) {
+      const auto distance = LinearEnd({at_.x, at_.cost, model, request, sign, 0, 0});
+      return x + sign * std::max(distance.value_or(0), request.step);
+    };
+    finding.interval = MakeInterval(problem_, at_.x, finding.variable, end(-1), end(1));
+  }
+}
+
 void Analysis::Profiles() {
   const Matrix normal = Gram(at_.jacobian);
   std::vector<ProfileRequest> requests;
@@ -232,33 +266,32 @@ void Analysis::Profiles() {
   for (std::size_t f = 0; f < findings_.size(); ++f) {
     const Finding& finding = findings_[f];
     if (finding.kind == IntervalKind::kNone || !(finding.widest > 0)) continue;
-    const double rise = 0.5 * std::pow(quantile_ * finding.widest, 2) / finding.normal;
-    requests.push_back(
-        {finding.variable, rise, quantile_ * finding.widest, Tangent(normal, finding.variable)});
+    requests.push_back(RequestOf(finding, normal));
     finding_of.push_back(f);
   }
   const std::vector<Profile> profiles =
       ProfileIntervals(problem_, at_.x, cost_, requests,
                        {options_.threads, options_.max_profile_evaluations, penalty_, options_.interrupt},
                        answer_.evaluations);
-  double lowest = cost_;
-  const Vector* lowest_x = nullptr;
+  LowestCost lowest{cost_, {}};
+  bool better = false;
   for (std::size_t i = 0; i < profiles.size(); ++i) {
     const Profile& profile = profiles[i];
     Finding& finding = findings_[finding_of[i]];
-    if (profile.lowest_cost < lowest) {
-      lowest = profile.lowest_cost;
-      lowest_x = &profile.lowest_x;
-    }
+    if (profile.lowest.cost < lowest.cost) lowest = profile.lowest;
+    // The rise that one standard error makes.
+    const double unit = requests[i].rise / (quantile_ * quantile_);
+    better = better || cost_ - profile.lowest.cost > kBetterGain * unit;
     finding.no_profile =
         profile.lower.failure == ProfileFailure::kNone ? profile.upper.failure : profile.lower.failure;
     if (finding.no_profile != ProfileFailure::kNone) continue;
     finding.kind = IntervalKind::kProfile;
     finding.interval = MakeInterval(problem_, at_.x, finding.variable, profile.lower.x, profile.upper.x);
   }
-  if (cost_ - lowest > kNotedGain * cost_ / problem_.residuals()) {
-    answer_.notes.push_back({WarningKind::kBetterFit, {}, {cost_, lowest}, {}});
-    answer_.better_point = *lowest_x;
+  if (better) {
+    answer_.notes.push_back({WarningKind::kBetterFit, {}, {cost_, lowest.cost}, {}});
+    // A penalty allows a search to end slightly beyond a constraint, where no answer may be.
+    if (problem_.constraints() == 0) answer_.better_point = std::move(lowest.x);
   }
 }
 
@@ -268,6 +301,7 @@ void Analysis::FindIntervals() {
     finding.kind = finite ? IntervalKind::kLinear : IntervalKind::kNone;
     finding.interval = LinearInterval(problem_, at_.x, finding.variable, quantile_ * finding.widest);
   }
+  ReleaseBounds();
   if (options_.profile) Profiles();
 }
 

@@ -70,7 +70,7 @@ struct Uncertainty {
 struct UncertaintyOptions {
   bool profile = true;
   int threads = 1;
-  long max_profile_evaluations = 2000;           ///< then the remaining intervals are linear (and marked)
+  long max_profile_evaluations = 200;            ///< of one end; then its interval is linear (and marked)
   const std::atomic<bool>* interrupt = nullptr;  ///< the remaining intervals are linear (and marked)
 };
 
@@ -82,7 +82,9 @@ struct UncertaintyOptions {
 /// F(1, m - p); scaling it by the variance that the estimate really has keeps it right for other weights and
 /// for correlated residuals, which otherwise cover 40 % instead of 95 % at a correlation of 0.8 (Kent 1982;
 /// Chandler, Bate 2007). A parameter on a bound keeps its plain variance: the misfit that a bound causes
-/// looks like correlated noise, and is none. Errors: no prediction at x, wrong size of x, nothing fitted.
+/// looks like correlated noise, and is none. All ends are searched with every other value free in its whole
+/// range, also those that are on a bound at the minimum. Errors: no
+/// prediction at x, wrong size of x, nothing fitted.
 Result<Uncertainty> AnalyseUncertainty(const LeastSquares& problem, const Vector& x,
                                        const UncertaintyOptions& options);
 

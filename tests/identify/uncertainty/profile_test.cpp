@@ -98,7 +98,7 @@ TEST(Profile, FallsBackToTheLinearIntervalWhenTheBudgetIsGone) {
   const ToyProblem problem = DecayProblem(0.3);
   const ToyFit fit(problem);
   UncertaintyOptions options;
-  options.max_profile_evaluations = 4;
+  options.max_profile_evaluations = 1;
   const Result<Uncertainty> answer = AnalyseUncertainty(fit.view, fit.view.Start(), options);
   ASSERT_TRUE(answer);
   const ParameterVerdict& rate = answer->parameters[1];
