@@ -147,9 +147,10 @@ def ceinms(name, seed, folder, sinew, options):
         sets = [word for key, value in truth.items() for word in ("--set", f"{key}={value:.17g}")]
         try:
             sinew("simulate", "nms", "--data", project, *sets, "--out", simulated)
-            break
         except RuntimeError:
             continue
+        if simulated.exists():
+            break
     else:
         return None
     case.write_bytes(project.read_bytes())
