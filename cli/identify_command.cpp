@@ -83,10 +83,28 @@ Result<std::vector<TraceEntry>> Recorded(const IdentifyWords& words, const std::
   return recorded->trace;
 }
 
+// The cost and what it is, then the problem's own figures of merit.
+std::vector<std::string> Figures(const Problem& problem, const Identification& identification) {
+  if (!identification.result.stop.usable()) return {};
+  std::vector<std::string> lines{
+      fmt::format("cost {}: {}", Readable(identification.result.cost, 4), problem.objective())};
+  for (const FigureOfMerit& figure : identification.figures)
+    lines.push_back(fmt::format("{} {}: {}", figure.name, Readable(figure.value, 4), figure.meaning));
+  return lines;
+}
+
 std::string Headline(const Identification& identification) {
   const SolverResult& result = identification.result;
-  return fmt::format("{}  {} evaluations  {}   {}: {}", identification.solver, identification.trace.size(),
-                     Duration(identification.seconds),
+  double solving = identification.seconds;
+  double intervals = identification.interval_seconds;
+  std::size_t evaluations = identification.trace.size();
+  for (const FinishedStep& step : identification.steps) {
+    solving += step.seconds;
+    intervals += step.interval_seconds;
+    evaluations += step.evaluations;
+  }
+  return fmt::format("{}  {} evaluations  {} and {} for intervals   {}: {}", identification.solver,
+                     evaluations, Duration(solving), Duration(intervals),
                      result.stop.converged() ? "converged" : "NOT converged", result.stop.test);
 }
 
@@ -94,6 +112,8 @@ void PrintFindings(const IdentifyWords& words, const Binding& binding, const Ide
   std::printf("identify %s on %s (%s)\n", words.binding.problem.c_str(), words.binding.data.c_str(),
               binding.DescribeData().c_str());
   std::fputs(Wrapped(Headline(identification), 2).c_str(), stdout);
+  for (const std::string& line : Figures(binding.problem(), identification))
+    std::fputs(Wrapped(line, 2).c_str(), stdout);
   for (const text::Sentence& finding : text::Findings(identification))
     std::fputs(Wrapped(finding.text, 2).c_str(), stdout);
   for (const std::string& warning : text::Warnings(identification))

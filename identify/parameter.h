@@ -32,7 +32,8 @@ struct Parameter {
   double upper = 1;     ///< finite, > lower
   double start = 0;     ///< within the bounds; stated by the problem, never the middle by default
   Scale scale = Scale::kLinear;
-  std::string source;  ///< author, year, equation
+  std::string source;                  ///< author, year, equation
+  std::vector<std::string> shared_by;  ///< of what it is a property, if of several: the muscles of a group
   std::optional<GaussianPrior> prior;
 
   ParameterKind kind = ParameterKind::kBase;

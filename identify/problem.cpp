@@ -46,6 +46,14 @@ std::optional<Vector> Problem::ImprovedStart(const std::vector<int>& /*free*/,
   return {};
 }
 
+std::vector<DerivedQuantity> Problem::DerivedQuantities() const {
+  return {};
+}
+
+std::vector<FigureOfMerit> Problem::FiguresOfMerit(const std::vector<Vector>& /*predicted*/) const {
+  return {};
+}
+
 Status Problem::WriteDetails(const Vector& /*parameters*/, Hdf5Node& /*details*/) const {
   return {};
 }

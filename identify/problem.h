@@ -10,6 +10,7 @@
 #include "base/error.h"
 #include "base/hdf5_tree.h"
 #include "base/linear_algebra.h"
+#include "identify/derived_quantity.h"
 #include "identify/effect.h"
 #include "identify/fit_step.h"
 #include "identify/layout.h"
@@ -143,6 +144,13 @@ class Problem {
   /// kOther, one sentence in `message`; `names` and `numbers`, of equal length or empty, state its facts for
   /// scripts. Default: none.
   [[nodiscard]] virtual std::vector<Warning> WarningsAt(const Vector& parameters) const;
+
+  /// Functions of the parameters that are reported with the fit, see DerivedQuantity. Default: none.
+  [[nodiscard]] virtual std::vector<DerivedQuantity> DerivedQuantities() const;
+
+  /// Figures of merit beside the cost. @param predicted [layout size][predictions of the block] Default:
+  /// none.
+  [[nodiscard]] virtual std::vector<FigureOfMerit> FiguresOfMerit(const std::vector<Vector>& predicted) const;
 
   /// A signal that the residual of a block may depend on, besides time: a measured channel or an input of its
   /// trial, at the block's samples.

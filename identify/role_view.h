@@ -29,6 +29,13 @@ class RoleView final : public Problem {
   [[nodiscard]] std::vector<Warning> WarningsAt(const Vector& parameters) const override {
     return inner_.WarningsAt(parameters);
   }
+  [[nodiscard]] std::vector<DerivedQuantity> DerivedQuantities() const override {
+    return inner_.DerivedQuantities();
+  }
+  [[nodiscard]] std::vector<FigureOfMerit> FiguresOfMerit(
+      const std::vector<Vector>& predicted) const override {
+    return inner_.FiguresOfMerit(predicted);
+  }
   [[nodiscard]] std::vector<Signal> ResidualCovariates(int block) const override {
     return inner_.ResidualCovariates(block);
   }

@@ -87,6 +87,42 @@ void WriteUncertainty(const FitSetup& setup, const Uncertainty& uncertainty, Hdf
   node.At("singular_values").SetVector({s.data(), s.data() + s.size()});
 }
 
+void WriteDerived(const Identification& identification, Hdf5Node& root) {
+  if (!identification.figures.empty()) {
+    Hdf5Node& node = root.At("figures");
+    std::vector<std::string> name, meaning;
+    std::vector<double> value;
+    for (const FigureOfMerit& figure : identification.figures) {
+      name.push_back(figure.name);
+      meaning.push_back(figure.meaning);
+      value.push_back(figure.value);
+    }
+    node.At("name").data = std::move(name);
+    node.At("meaning").data = std::move(meaning);
+    node.At("value").SetVector(std::move(value));
+  }
+  if (identification.derived.empty()) return;
+  Hdf5Node& node = root.At("derived");
+  std::vector<std::string> name, unit, meaning, from;
+  std::vector<double> value, lower, upper;
+  for (const DerivedResult& one : identification.derived) {
+    name.push_back(one.name);
+    unit.push_back(one.unit);
+    meaning.push_back(one.meaning);
+    from.push_back(Join(one.from, ","));
+    value.push_back(one.value);
+    lower.push_back(one.interval ? one.ci95_lower : kNaN);
+    upper.push_back(one.interval ? one.ci95_upper : kNaN);
+  }
+  node.At("name").data = std::move(name);
+  node.At("unit").data = std::move(unit);
+  node.At("meaning").data = std::move(meaning);
+  node.At("from").data = std::move(from);
+  node.At("value").SetVector(std::move(value));
+  node.At("ci95_lower").SetVector(std::move(lower));
+  node.At("ci95_upper").SetVector(std::move(upper));
+}
+
 // A seed has 64 bits, more than a double holds: it is read as the integer that was written.
 std::uint64_t SeedOf(const Hdf5Node& run) {
   const auto seed = run.attributes.find("seed");
@@ -142,6 +178,7 @@ Result<Hdf5Node> RunTree(const Problem& problem, const Identification& identific
   run.attributes["failures"] = static_cast<std::int64_t>(identification.failures);
   run.attributes["iterations"] = std::int64_t{result.iterations};
   run.attributes["seconds"] = identification.seconds;
+  run.attributes["interval_seconds"] = identification.interval_seconds;
   run.attributes["cost"] = result.cost;
   run.attributes["objective"] = problem.objective();
   files::WriteSentences(text::Findings(identification), identification.warnings,
@@ -153,6 +190,7 @@ Result<Hdf5Node> RunTree(const Problem& problem, const Identification& identific
   files::WriteParameters(identification.setup, identification.parameters, root.At("parameters"));
   files::WritePredictions(problem.layout(), identification.prediction, root);
   WriteUncertainty(identification.setup, identification.uncertainty, root.At("uncertainty"));
+  WriteDerived(identification, root);
   SINEW_TRY(problem.WriteDetails(identification.parameters, root.At("details")));
   return root;
 }

@@ -39,8 +39,23 @@ Json FromRun(const Problem& problem, const Identification& identification, const
   json["converged"] = identification.result.stop.converged();
   json["evaluations"] = identification.trace.size();
   json["seconds"] = identification.seconds;
+  json["interval_seconds"] = identification.interval_seconds;
   json["cost"] = Finite(identification.result.cost);
   json["objective"] = problem.objective();
+  json["figures"] = Json::array();
+  for (const FigureOfMerit& figure : identification.figures)
+    json["figures"].push_back(
+        {{"name", figure.name}, {"value", Finite(figure.value)}, {"meaning", figure.meaning}});
+  json["derived"] = Json::array();
+  for (const DerivedResult& one : identification.derived) {
+    json["derived"].push_back(
+        {{"name", one.name},
+         {"value", Finite(one.value)},
+         {"unit", one.unit},
+         {"ci95", one.interval ? Json{Finite(one.ci95_lower), Finite(one.ci95_upper)} : Json(nullptr)},
+         {"from", one.from},
+         {"meaning", one.meaning}});
+  }
   json["parameters"] = Json::array();
   for (const ParameterVerdict& v : identification.uncertainty.parameters) {
     const Parameter& p = identification.setup.parameters[static_cast<std::size_t>(v.parameter)];
@@ -49,6 +64,7 @@ Json FromRun(const Problem& problem, const Identification& identification, const
         {{"name", p.name},
          {"value", Finite(v.value)},
          {"unit", p.unit},
+         {"shared_by", p.shared_by},
          {"lower", p.lower},
          {"upper", p.upper},
          {"std_error", Finite(v.std_error)},

@@ -57,6 +57,7 @@ Result<Identification> Identify(const Problem& problem, FitSetup setup, Identifi
     how.interrupt = interrupt;
     how.profile = options.profiles;
     SINEW_TRY(AnalyseAndImprove(least_squares, how, options, evaluator, out));
+    out.interval_seconds = evaluator.seconds() - out.seconds;
   }
   out.trace = evaluator.trace();
   out.failures = evaluator.failures();
@@ -77,6 +78,8 @@ Result<Identification> Identify(const Problem& problem, FitSetup setup, Identifi
     out.warnings.push_back(ToWarning(found));
   for (Warning& warning : problem.WarningsAt(out.parameters)) out.warnings.push_back(std::move(warning));
   out.pooled_fit = out.prediction.pooled;
+  out.derived = DeriveResults(problem, out.setup, out.parameters, out.uncertainty);
+  out.figures = problem.FiguresOfMerit(out.prediction.values);
   return out;
 }
 

@@ -10,6 +10,7 @@
 #include "identify/execution/evaluator.h"
 #include "identify/fit_quality.h"
 #include "identify/fit_setup.h"
+#include "identify/identification/derived.h"
 #include "identify/solvers/solver.h"
 #include "identify/uncertainty/uncertainty.h"
 #include "identify/warning.h"
@@ -29,6 +30,10 @@ struct FinishedStep {
   FitSetup setup;
   Uncertainty uncertainty;
   std::vector<FitQuality> pooled_fit;
+  std::vector<DerivedResult> derived;
+  std::size_t evaluations = 0;
+  double seconds = 0;           ///< of solving
+  double interval_seconds = 0;  ///< of finding what the data determine, better points included
 };
 
 struct Identification {
@@ -39,10 +44,13 @@ struct Identification {
   std::vector<TraceEntry> trace;
   long failures = 0;
   double seconds = 0;                  ///< of solving
+  double interval_seconds = 0;         ///< of finding what the data determine, better points included
   Vector parameters;                   ///< [P] at the answer
   Uncertainty uncertainty;             ///< empty if nothing was free or the answer is not usable
   FullPrediction prediction;           ///< empty if the answer is not usable
   std::vector<FitQuality> pooled_fit;  ///< per role and quantity, of what the fit, or the last step, compares
+  std::vector<DerivedResult> derived;
+  std::vector<FigureOfMerit> figures;  ///< empty if the answer is not usable
   std::vector<Warning> warnings;
   std::vector<FinishedStep> steps;  ///< the earlier steps of a stepwise fit
 };

@@ -99,13 +99,14 @@ Result<Identification> IdentifyStepwise(const Problem& problem, const FitRequest
     }
     if (usable) TakeOver(found, fit);
     if (usable && !last) {
-      steps.push_back(
-          {step.name, std::move(fit.setup), std::move(fit.uncertainty), std::move(fit.pooled_fit)});
+      steps.push_back({step.name, std::move(fit.setup), std::move(fit.uncertainty), std::move(fit.pooled_fit),
+                       std::move(fit.derived), fit.trace.size(), fit.seconds, fit.interval_seconds});
       continue;
     }
     if (!usable && !last) fit.result.stop.test = step.name + ": " + fit.result.stop.test;
     if (usable) {
       SINEW_ASSIGN(fit.prediction, PredictAll(problem, fit.parameters));
+      fit.figures = problem.FiguresOfMerit(fit.prediction.values);
     }
     fit.steps = std::move(steps);
     fit.warnings = std::move(warnings);

@@ -49,6 +49,14 @@ class SensorEffects final : public Problem {
   [[nodiscard]] std::vector<Warning> WarningsAt(const Vector& parameters) const override {
     return inner_->WarningsAt(parameters.head(inner_parameters_));
   }
+  /// Of the wrapped problem: parameters of sensors come after its own.
+  [[nodiscard]] std::vector<DerivedQuantity> DerivedQuantities() const override {
+    return inner_->DerivedQuantities();
+  }
+  [[nodiscard]] std::vector<FigureOfMerit> FiguresOfMerit(
+      const std::vector<Vector>& predicted) const override {
+    return inner_->FiguresOfMerit(predicted);
+  }
   [[nodiscard]] std::unique_ptr<Workspace> NewWorkspace() const override;
   Status Predict(const Query& query, Workspace& workspace, Prediction& prediction) const override;
   [[nodiscard]] std::string objective() const override { return inner_->objective(); }

@@ -16,16 +16,16 @@ const Parameter& ParameterOf(const FitSetup& setup, const ParameterVerdict& verd
 }
 
 // Digits that tell the ends of an interval apart.
-int DigitsOf(const ParameterVerdict& v) {
+int DigitsOf(double lower, double upper) {
   constexpr int kMaxDigits = 12;
   int digits = 3;
-  if (v.ci95_lower == v.ci95_upper) return digits;
-  while (digits < kMaxDigits && Readable(v.ci95_lower, digits) == Readable(v.ci95_upper, digits)) ++digits;
+  if (lower == upper) return digits;
+  while (digits < kMaxDigits && Readable(lower, digits) == Readable(upper, digits)) ++digits;
   return digits;
 }
 
 Sentence Determined(const Parameter& p, const ParameterVerdict& v) {
-  const int digits = DigitsOf(v);
+  const int digits = DigitsOf(v.ci95_lower, v.ci95_upper);
   const std::string interval =
       fmt::format("{} to {}", Readable(v.ci95_lower, digits), Readable(v.ci95_upper, digits));
   // An unconverged search may stop outside of the interval, which belongs to the minimum near by.
@@ -90,6 +90,40 @@ std::vector<Sentence> Undetermined(const FitSetup& setup, const std::vector<Para
   return sentences;
 }
 
+// Who has each shared parameter: parameters of the same group are told in one sentence.
+std::vector<Sentence> Shared(const FitSetup& setup, const std::vector<ParameterVerdict>& verdicts) {
+  std::vector<std::pair<std::vector<std::string>, std::vector<std::string>>> groups;  // members, parameters
+  for (const ParameterVerdict& v : verdicts) {
+    const Parameter& p = ParameterOf(setup, v);
+    if (p.shared_by.size() < 2) continue;
+    auto same = std::find_if(groups.begin(), groups.end(),
+                             [&](const auto& group) { return group.first == p.shared_by; });
+    if (same == groups.end()) same = groups.insert(groups.end(), {p.shared_by, {}});
+    same->second.push_back(p.name);
+  }
+  std::vector<Sentence> sentences;
+  for (const auto& [members, names] : groups)
+    sentences.push_back(
+        {SentenceKind::kSharedParameter, fmt::format("{}: shared by {}.", And(names), And(members)), names});
+  return sentences;
+}
+
+std::vector<Sentence> Derived(const std::vector<DerivedResult>& results) {
+  std::vector<Sentence> sentences;
+  for (const DerivedResult& one : results) {
+    const int digits = one.interval ? DigitsOf(one.ci95_lower, one.ci95_upper) : 3;
+    const std::string interval = one.interval
+                                     ? fmt::format("95 % interval {} to {}", Readable(one.ci95_lower, digits),
+                                                   Readable(one.ci95_upper, digits))
+                                     : "no interval";
+    sentences.push_back({SentenceKind::kDerived,
+                         fmt::format("{} = {} ({}): derived from {}.", one.name,
+                                     WithUnit(one.value, one.unit, digits), interval, And(one.from)),
+                         {one.name}});
+  }
+  return sentences;
+}
+
 // ": walk36 16.5, walk45 23.4": each of several held-out trials; empty where there is one, or too many to
 // list.
 std::string EachHeldOut(const std::vector<FitQuality>& quality, const std::string& channel) {
@@ -119,8 +153,9 @@ std::vector<Sentence> Predictions(const std::vector<FitQuality>& pooled,
   return sentences;
 }
 
-void Add(const FitSetup& setup, const Uncertainty& uncertainty, const std::vector<FitQuality>& pooled_fit,
-         const std::vector<FitQuality>& quality, const std::string& step, std::vector<Sentence>& findings) {
+void Add(const FitSetup& setup, const Uncertainty& uncertainty, const std::vector<DerivedResult>& derived,
+         const std::vector<FitQuality>& pooled_fit, const std::vector<FitQuality>& quality,
+         const std::string& step, std::vector<Sentence>& findings) {
   const std::size_t first = findings.size();
   for (const ParameterVerdict& v : uncertainty.parameters) {
     const Parameter& p = ParameterOf(setup, v);
@@ -140,6 +175,8 @@ void Add(const FitSetup& setup, const Uncertainty& uncertainty, const std::vecto
     findings.push_back({SentenceKind::kOpenDirection, "Not determined: " + DirectionText(direction) + ".",
                         std::move(names)});
   }
+  for (auto& sentence : Shared(setup, uncertainty.parameters)) findings.push_back(std::move(sentence));
+  for (auto& sentence : Derived(derived)) findings.push_back(std::move(sentence));
   for (auto& sentence : Predictions(pooled_fit, quality)) findings.push_back(std::move(sentence));
   if (step.empty()) return;
   for (std::size_t i = first; i < findings.size(); ++i) {
@@ -153,8 +190,8 @@ void Add(const FitSetup& setup, const Uncertainty& uncertainty, const std::vecto
 std::vector<Sentence> Findings(const Identification& identification) {
   std::vector<Sentence> findings;
   for (const FinishedStep& step : identification.steps)
-    Add(step.setup, step.uncertainty, step.pooled_fit, {}, step.name, findings);
-  Add(identification.setup, identification.uncertainty, identification.pooled_fit,
+    Add(step.setup, step.uncertainty, step.derived, step.pooled_fit, {}, step.name, findings);
+  Add(identification.setup, identification.uncertainty, identification.derived, identification.pooled_fit,
       identification.prediction.quality, "", findings);
   return findings;
 }

@@ -69,6 +69,10 @@ const char* ToString(SentenceKind kind) {
       return "not_identifiable";
     case SentenceKind::kOpenDirection:
       return "open_direction";
+    case SentenceKind::kSharedParameter:
+      return "shared_parameter";
+    case SentenceKind::kDerived:
+      return "derived";
     case SentenceKind::kPrediction:
       return "prediction";
     case SentenceKind::kInconclusive:

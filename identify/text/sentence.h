@@ -15,6 +15,8 @@ enum class SentenceKind {
   kAtBound,          ///< parameter
   kNotIdentifiable,  ///< parameters
   kOpenDirection,    ///< parameters
+  kSharedParameter,  ///< parameters that the same group has in common
+  kDerived,          ///< derived quantity
   kPrediction,       ///< channel
   // Of a diagnosis.
   kInconclusive,     ///< nothing

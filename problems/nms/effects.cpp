@@ -45,6 +45,7 @@ class Builder {
       if (setting.relative) made.meaning += ", as a factor on the subject's";
       if (setting.prior) made.prior = GaussianPrior{start, *setting.prior};
       made.source = name->source;
+      if (setting.muscles.size() > 1) made.shared_by = setting.muscles;
       add_.Add(std::move(made));
     }
   }

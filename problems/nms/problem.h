@@ -39,6 +39,12 @@ class NmsProblem final : public Problem {
   [[nodiscard]] const std::vector<FitStep>& steps() const override { return steps_; }
   /// Muscles whose fibres leave the lengths of active force, in training trials.
   [[nodiscard]] std::vector<Warning> WarningsAt(const Vector& parameters) const override;
+  /// C1 and C2 of the activation filters, one pair per muscle or, where all its muscles have the same, group.
+  [[nodiscard]] std::vector<DerivedQuantity> DerivedQuantities() const override;
+  /// CEINMS's f: the sum over fitted trials and joints of the mean squared error of the moment over its
+  /// variance.
+  [[nodiscard]] std::vector<FigureOfMerit> FiguresOfMerit(
+      const std::vector<Vector>& predicted) const override;
   /// Per trial, under nms/TRIAL: time; MUSCLE/{activation, fibre_length, fibre_velocity, force}; and
   /// subject, the file of the subject with these parameters in it.
   Status WriteDetails(const Vector& parameters, Hdf5Node& details) const override;

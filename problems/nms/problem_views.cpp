@@ -1,5 +1,7 @@
 // What the nms problem reports at given parameters: warnings, details and residual covariates.
 #include <algorithm>
+#include <array>
+#include <cmath>
 #include <limits>
 
 #include "base/text.h"
@@ -60,6 +62,96 @@ std::vector<Warning> NmsProblem::WarningsAt(const Vector& parameters) const {
                    ? "; the moments fit better there than within fibre_range"
                    : "; at lengths without active force the strength is not determined. fibre_range in the "
                      "settings limits them")}};
+}
+
+std::vector<DerivedQuantity> NmsProblem::DerivedQuantities() const {
+  // The numbers that give a muscle's coefficients, and where they come from.
+  struct Filter {
+    std::array<const NmsPlace*, 2> place{};  // of mean and spread; nullptr: the subject's
+    std::array<double, 2> fixed{};           // the subject's where there is no parameter
+    std::vector<std::string> muscles;
+
+    [[nodiscard]] bool Equals(const Filter& other) const {
+      for (std::size_t i = 0; i < place.size(); ++i) {
+        if ((place[i] == nullptr) != (other.place[i] == nullptr)) return false;
+        if (place[i] == nullptr ? fixed[i] != other.fixed[i]
+                                : place[i]->parameter != other.place[i]->parameter ||
+                                      place[i]->factor != other.place[i]->factor)
+          return false;
+      }
+      return true;
+    }
+    [[nodiscard]] double At(std::size_t i, const Vector& parameters) const {
+      return place[i] == nullptr ? fixed[i] : place[i]->factor * parameters[place[i]->parameter];
+    }
+  };
+  static constexpr std::array<MuscleSlot, 2> kSlots{kFilterMean, kFilterSpread};
+  std::vector<Filter> filters;
+  for (std::size_t m = 0; m < data_.muscles.size(); ++m) {
+    Filter filter;
+    for (std::size_t i = 0; i < kSlots.size(); ++i) {
+      filter.fixed[i] = rest_[m][kSlots[i]];
+      for (const NmsPlace& place : list_.places) {
+        if (place.way == NmsPlace::kSets && place.muscle == static_cast<int>(m) && place.slot == kSlots[i])
+          filter.place[i] = &place;
+      }
+    }
+    if (filter.place[0] == nullptr && filter.place[1] == nullptr) continue;
+    auto same =
+        std::find_if(filters.begin(), filters.end(), [&](const Filter& f) { return f.Equals(filter); });
+    if (same == filters.end()) same = filters.insert(filters.end(), filter);
+    same->muscles.push_back(data_.muscles[m]);
+  }
+  std::vector<DerivedQuantity> quantities;
+  for (const Filter& filter : filters) {
+    DerivedQuantity quantity;
+    quantity.unit = "1";
+    std::string owner = filter.muscles.front();
+    for (const NmsPlace* place : filter.place) {
+      if (place == nullptr) continue;
+      quantity.parameters.push_back(place->parameter);
+      const Parameter& p = list_.parameters[static_cast<std::size_t>(place->parameter)];
+      if (filter.muscles.size() > 1 && p.shared_by == filter.muscles)
+        owner = p.name.substr(0, p.name.rfind('.'));
+    }
+    std::sort(quantity.parameters.begin(), quantity.parameters.end());
+    for (const auto& [name, coefficient] :
+         {std::pair{"C1", &SubjectMuscle::c1}, std::pair{"C2", &SubjectMuscle::c2}}) {
+      quantity.name = owner + "." + name;
+      quantity.meaning = "coefficient of the activation filter, as CEINMS has it; C1 and C2 may be exchanged";
+      quantity.value = [this, filter, coefficient = coefficient](const Vector& parameters) {
+        std::array<double, kMuscleSlots> slots{};
+        for (std::size_t i = 0; i < kSlots.size(); ++i) slots[kSlots[i]] = filter.At(i, parameters);
+        SubjectMuscle muscle;
+        StoreSlots(slots, settings_.model.as_ceinms, data_.rate, muscle);
+        return muscle.*coefficient;
+      };
+      quantities.push_back(quantity);
+    }
+  }
+  return quantities;
+}
+
+std::vector<FigureOfMerit> NmsProblem::FiguresOfMerit(const std::vector<Vector>& predicted) const {
+  double sum = 0;
+  for (const NmsTrial& trial : data_.trials) {
+    for (std::size_t j = 0; j < settings_.joints.size(); ++j) {
+      const std::size_t b = static_cast<std::size_t>(trial.first_block) + j;
+      const Block& block = data_.layout[b];
+      const auto samples = static_cast<Eigen::Index>(block.measured.size());
+      if (block.role != BlockRole::kTrain || samples < 2) continue;
+      const Eigen::Map<const Vector> measured(block.measured.data(), samples);
+      const double variance =
+          (measured.array() - measured.mean()).square().sum() / static_cast<double>(samples - 1);
+      double squares = 0;
+      for (Eigen::Index i = 0; i < samples; ++i)
+        squares += std::pow(predicted[b][block.sample[static_cast<std::size_t>(i)]] - measured[i], 2);
+      sum += squares / (static_cast<double>(samples) * variance);
+    }
+  }
+  return {{"CEINMS's f",
+           "sum over fitted trials and joints of the mean squared error of the moment over its variance",
+           sum}};
 }
 
 std::vector<Problem::Signal> NmsProblem::ResidualCovariates(int block) const {
@@ -130,8 +222,13 @@ Status NmsProblem::WriteDetails(const Vector& parameters, Hdf5Node& details) con
       muscle.At("force").SetVector(muscles[m].tendon_force);
     }
   }
-  SINEW_ASSIGN(std::string subject, WriteCeinmsSubject(settings_.subject_text, settings_.subject_file,
-                                                       SubjectAt(parameters).muscles));
+  const std::vector<SubjectMuscle> muscles = SubjectAt(parameters).muscles;
+  SINEW_ASSIGN(
+      std::string subject,
+      settings_.subject_original.empty()
+          ? WriteCeinmsSubject(settings_.subject_text, settings_.subject_file, muscles)
+          : WriteOriginalSubject(settings_.subject_original, OriginalSubjectName(settings_.subject_file),
+                                 settings_.subject, muscles));
   details.At("subject").data = std::move(subject);
   return {};
 }
@@ -139,14 +236,21 @@ Status NmsProblem::WriteDetails(const Vector& parameters, Hdf5Node& details) con
 Subject NmsProblem::SubjectAt(const Vector& parameters) const {
   Subject subject = settings_.subject;
   Slots slots = rest_;
+  std::vector<bool> fitted_filter(slots.size());
   for (const NmsPlace& place : list_.places) {
-    if (place.way == NmsPlace::kSets)
-      slots[static_cast<std::size_t>(place.muscle)][place.slot] = place.factor * parameters[place.parameter];
+    if (place.way != NmsPlace::kSets) continue;
+    const auto m = static_cast<std::size_t>(place.muscle);
+    slots[m][place.slot] = place.factor * parameters[place.parameter];
+    if (place.slot == kFilterMean || place.slot == kFilterSpread) fitted_filter[m] = true;
   }
   for (std::size_t m = 0; m < data_.muscles.size(); ++m) {
     for (SubjectMuscle& muscle : subject.muscles) {
-      if (muscle.name == data_.muscles[m])
-        StoreSlots(slots[m], settings_.model.as_ceinms, data_.rate, muscle);
+      if (muscle.name != data_.muscles[m]) continue;
+      const SubjectMuscle before = muscle;
+      StoreSlots(slots[m], settings_.model.as_ceinms, data_.rate, muscle);
+      if (fitted_filter[m]) continue;
+      muscle.c1 = before.c1;  // exactly, not by way of mean and spread
+      muscle.c2 = before.c2;
     }
   }
   return subject;

@@ -23,6 +23,8 @@ Status ReadSubject(const YamlReader& yaml, const std::map<std::string, std::stri
   settings.subject = std::move(read.subject);
   settings.subject_file = name;
   settings.subject_text = file->second;
+  const auto original = files.find(OriginalSubjectName(name));
+  if (original != files.end()) settings.subject_original = original->second;
   return {};
 }
 

@@ -72,6 +72,8 @@ struct NmsSettings {
   Subject subject;
   std::string subject_file;  ///< its name in the data set
   std::string subject_text;
+  std::string
+      subject_original;  ///< the file that it was imported from, if it differs; see OriginalSubjectName
   MuscleModel model;
   std::vector<std::string> joints;
   std::vector<NmsParameterSetting> parameters;

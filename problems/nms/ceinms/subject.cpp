@@ -229,6 +229,28 @@ Result<CeinmsSubject> ReadCeinmsSubject(std::string_view text, const std::string
   return read;
 }
 
+std::string OriginalSubjectName(const std::string& name) {
+  const auto dot = name.rfind('.');
+  return dot == std::string::npos ? name + ".original" : name.substr(0, dot) + ".original" + name.substr(dot);
+}
+
+Result<std::string> WriteOriginalSubject(std::string_view original, const std::string& file_name,
+                                         const Subject& imported, std::vector<SubjectMuscle> muscles) {
+  constexpr std::string_view kMark = "\xEF\xBB\xBF";
+  const std::string mark(original.substr(0, kMark.size()) == kMark ? kMark : "");
+  original.remove_prefix(mark.size());
+  SINEW_ASSIGN(const CeinmsSubject before, ReadCeinmsSubject(original, file_name));
+  for (SubjectMuscle& muscle : muscles) {
+    const SubjectMuscle* theirs = before.subject.Find(muscle.name);
+    const SubjectMuscle* ours = imported.Find(muscle.name);
+    if (theirs == nullptr || ours == nullptr || muscle.c1 != ours->c1 || muscle.c2 != ours->c2) continue;
+    muscle.c1 = theirs->c1;
+    muscle.c2 = theirs->c2;
+  }
+  SINEW_ASSIGN(const std::string written, WriteCeinmsSubject(original, file_name, muscles));
+  return mark + written;
+}
+
 // The text itself is edited: comments, blanks and what we do not read stay as they are.
 Result<std::string> WriteCeinmsSubject(std::string_view text, const std::string& file_name,
                                        const std::vector<SubjectMuscle>& muscles) {

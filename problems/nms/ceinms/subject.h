@@ -35,4 +35,14 @@ Result<CeinmsSubject> ReadCeinmsSubject(std::string_view text, const std::string
 Result<std::string> WriteCeinmsSubject(std::string_view text, const std::string& file_name,
                                        const std::vector<SubjectMuscle>& muscles);
 
+/// The data set's name for the file that a subject was imported from, byte for byte, where the subject
+/// differs from it: "subject.original.xml" for "subject.xml".
+[[nodiscard]] std::string OriginalSubjectName(const std::string& name);
+
+/// WriteCeinmsSubject into the original file: its byte-order mark stays, and C1 and C2 of muscles that have
+/// those of `imported` still, too.
+/// @param imported the subject as the data set has it
+Result<std::string> WriteOriginalSubject(std::string_view original, const std::string& file_name,
+                                         const Subject& imported, std::vector<SubjectMuscle> muscles);
+
 }  // namespace sinew

@@ -44,6 +44,24 @@ TEST_F(FindingsTest, EveryVerdictHasItsKind) {
   EXPECT_THAT(Facts(), ElementsAre("identifiable a", "weak b", "at_bound c", "not_identifiable d"));
 }
 
+TEST_F(FindingsTest, GroupsAndDerivedQuantitiesAreSaid) {
+  for (const int shared : {0, 2})
+    identification_.setup.parameters[static_cast<std::size_t>(shared)].shared_by = {"soleus",
+                                                                                    "gastrocnemius"};
+  Judge(0, Verdict::kIdentifiable);
+  Judge(1, Verdict::kIdentifiable);
+  Judge(2, Verdict::kIdentifiable);
+  identification_.derived = {{"soleus.C1", "1", "", {"a", "b"}, -0.5123, true, -0.52, -0.5},
+                             {"soleus.C2", "1", "", {"b"}, -0.6, false, 0, 0}};
+  EXPECT_THAT(Facts(), ElementsAre("identifiable a", "identifiable b", "identifiable c",
+                                   "shared_parameter a c", "derived soleus.C1", "derived soleus.C2"));
+  EXPECT_THAT(
+      TextsOf(Found()),
+      testing::IsSupersetOf({"a and c: shared by soleus and gastrocnemius.",
+                             "soleus.C1 = -0.512 (95 % interval -0.520 to -0.500): derived from a and b.",
+                             "soleus.C2 = -0.600 (no interval): derived from b."}));
+}
+
 // An unconverged search: the interval belongs to the minimum near by, and the value does not.
 TEST_F(FindingsTest, AValueOutsideItsIntervalIsNotCalledIdentifiable) {
   Judge(0, Verdict::kIdentifiable);

@@ -9,6 +9,7 @@
 #include <functional>
 
 #include "identify/execution/evaluator.h"
+#include "identify/fit_quality.h"
 #include "identify/fit_setup.h"
 #include "identify/least_squares.h"
 #include "identify/solvers/solver.h"
@@ -262,6 +263,53 @@ TEST_F(NmsProblemTest, StepsFreeWhatTheyNameOfTheMusclesOfTheirJoints) {
                                                    "soleus.strength", "tibialis.strength"));
   EXPECT_EQ(steps[1].blocks.size(), 6U);
   EXPECT_EQ(steps[1].parameters.size(), 11U);
+}
+
+// Mean and distance of the poles are fitted; C1 and C2 are what people know, and groups say whose they are.
+TEST_F(NmsProblemTest, DerivesTheFiltersCoefficients) {
+  const auto problem = BindNms(CeinmsExample("true.xml"));
+  ASSERT_TRUE(problem);
+  const auto setup = MakeFitSetup(**problem, {});
+  const Subject& subject = (*problem)->settings().subject;
+  const auto derived = (*problem)->DerivedQuantities();
+  EXPECT_EQ(derived.size(), 2 * (*problem)->data().muscles.size());
+  for (const DerivedQuantity& quantity : derived) {
+    const auto dot = quantity.name.rfind('.');
+    const SubjectMuscle& muscle = *subject.Find(quantity.name.substr(0, dot));
+    const double expected =
+        quantity.name.substr(dot) == ".C1" ? std::max(muscle.c1, muscle.c2) : std::min(muscle.c1, muscle.c2);
+    EXPECT_NEAR(quantity.value(setup->rest), expected, 1e-12) << quantity.name;
+    EXPECT_EQ(quantity.parameters.size(), 2U);
+  }
+  std::string text = Replaced(kYaml, "filter_mean: {share: single,",
+                              "filter_mean: {groups: {calf: [med_gas_r, lat_gas_r, soleus_r]},");
+  text = Replaced(text, "    filter_spread: {share: single, lower: 0, upper: 0.81}\n", "");
+  const auto grouped = BindNms(CeinmsExample("start.xml"), text);
+  ASSERT_TRUE(grouped) << grouped.error().message;
+  const auto of_group = (*grouped)->DerivedQuantities();
+  ASSERT_EQ(of_group.size(), 2U) << "the three muscles have the same distance at the start";
+  EXPECT_EQ(of_group[0].name, "calf.C1");
+  const auto shared = FindParameter((*grouped)->parameters(), "gastrocnemii.strength");
+  EXPECT_THAT((*grouped)->parameters()[static_cast<std::size_t>(*shared)].shared_by,
+              testing::ElementsAre("med_gas_r", "lat_gas_r"));
+}
+
+TEST_F(NmsProblemTest, CeinmsFIsTwiceTheCostOfItsObjective) {
+  for (const std::string objective : {"thesis", "noise"}) {
+    const auto problem =
+        BindNms(CeinmsExample("start.xml"), Replaced(kYaml, "objective: thesis", "objective: " + objective));
+    ASSERT_TRUE(problem) << problem.error().message;
+    const auto as_ceinms = BindNms(CeinmsExample("start.xml"));
+    const auto setup = MakeFitSetup(**as_ceinms, {});
+    const LeastSquares fit(**as_ceinms, *setup);
+    auto workspace = fit.NewWorkspace();
+    const double cost = *fit.Cost(fit.Start(), workspace);
+    const auto predicted = PredictAll(**problem, setup->rest);
+    ASSERT_TRUE(predicted);
+    const auto figures = (*problem)->FiguresOfMerit(predicted->values);
+    ASSERT_EQ(figures.size(), 1U);
+    EXPECT_NEAR(figures[0].value / (2 * cost), 1, 1e-12) << objective;
+  }
 }
 
 // Parameters of the subject, through its own names and back.
