@@ -1,12 +1,14 @@
 // sinew data muscles: lengths and moment arms of muscles along the joint angles of every trial.
 #include <memory>
 
+#include "base/text.h"
 #include "cli/command_files.h"
 #include "cli/data/data_commands.h"
 #include "cli/data/dataset_json.h"
 #include "cli/terminal.h"
 #include "cli/work_options.h"
 #include "datasets/io/dataset_file.h"
+#include "models/multibody/osim_reader.h"
 #include "problems/nms/muscle/muscle_grids.h"
 
 namespace sinew {
@@ -17,10 +19,20 @@ struct MusclesWords {
   std::string model;
   std::vector<std::string> muscles;
   std::vector<std::string> joints;
+  bool skip_unsupported = false;
   std::string out;
   std::string json;
   WorkOptions work;
 };
+
+// Whether --skip-unsupported would leave out a muscle.
+bool HasUnsupported(const std::string& text, const std::string& name, std::vector<std::string> muscles) {
+  const auto osim = ReadOsim(text, name);
+  const auto all = ListOsimMuscles(text, name);
+  if (!osim || !all) return false;
+  const auto unsupported = ListUnsupportedMuscles(text, name, *osim, muscles.empty() ? *all : muscles);
+  return unsupported && !unsupported->empty();
+}
 
 Result<int> Muscles(const MusclesWords& words) {
   const std::string out = words.out.empty() ? words.path : words.out;
@@ -31,11 +43,17 @@ Result<int> Muscles(const MusclesWords& words) {
   }
   const auto file = data.files.find("model.osim");
   if (file == data.files.end()) return Fail("{}: holds no model.osim: expected --model M.osim", words.path);
-  SINEW_ASSIGN(
-      const MuscleGrids grids,
-      MuscleGrids::Build(file->second, words.model.empty() ? words.path + "/files/model.osim" : words.model,
-                         words.muscles, words.joints, "--joints"));
+  const std::string name = words.model.empty() ? words.path + "/files/model.osim" : words.model;
+  auto built = MuscleGrids::Build(file->second, name,
+                                  {words.muscles, words.joints, words.skip_unsupported, "--joints"});
+  if (!built) {
+    const bool helps = !words.skip_unsupported && HasUnsupported(file->second, name, words.muscles);
+    return Fail("{}{}", built.error().message, helps ? "; --skip-unsupported leaves them out" : "");
+  }
+  const MuscleGrids& grids = *built;
   std::string report;
+  for (const UnsupportedMuscle& one : grids.skipped())
+    report += fmt::format("left out: {}, for {} is not supported\n", one.muscle, one.part);
   bool any = false;
   int done = 0;
   ProgressLine line("muscles", words.work.quiet);
@@ -52,6 +70,12 @@ Result<int> Muscles(const MusclesWords& words) {
     line.Show(++done, static_cast<int>(data.trials.size()));
   }
   line.Clear();
+  if (!grids.over_several_objects().empty()) {
+    report += fmt::format(
+        "{}: where such a path touches two wrap objects at once, OpenSim's own length is too short by up to "
+        "millimetres; a difference to its lengths there is no error (docs/muscle_geometry.md)\n",
+        Join(grids.over_several_objects(), ", "));
+  }
   if (!any) {
     return Fail(
         "{}: no trial holds a coordinate of the model; import joint angles, or run `sinew data "
@@ -77,10 +101,14 @@ void AddMusclesCommand(Command data, const RunAction& run) {
   command.Add("--muscles", words->muscles, "Default: all of the model")
       .Split(',')
       .Shows("soleus_r,med_gas_r");
-  command.Add("--joints", words->joints, "Angles about which moment arms are wanted")
+  command
+      .Add("--joints", words->joints,
+           "Angles about which moment arms are wanted; all: every angle that a muscle moves")
       .Split(',')
       .Required()
       .Shows("ankle_angle_r,knee_angle_r");
+  command.AddFlag("--skip-unsupported", words->skip_unsupported,
+                  "Leave out muscles that wrap over ellipsoids or tori, and list them");
   command.Add("--out", words->out, "Data set to write; default: the same").NotEmpty().Shows("G.h5");
   AddJsonTo(command, words->json);
   words->work.AddQuietTo(command);

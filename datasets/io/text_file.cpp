@@ -11,6 +11,8 @@ bool StartsWith(std::string_view text, std::string_view start) {
   return text.substr(0, start.size()) == start;
 }
 
+constexpr std::string_view kUtf8Mark = "\xEF\xBB\xBF";
+
 thread_local TextFilesRead* innermost = nullptr;
 
 }  // namespace
@@ -44,8 +46,15 @@ Result<std::string> ReadTextFile(const std::string& path) {
   if (StartsWith(text, "\xFF\xFE") || StartsWith(text, "\xFE\xFF")) {
     return Fail("{}: is UTF-16 text, expected UTF-8; save it as plain or UTF-8 text", path);
   }
-  if (StartsWith(text, "\xEF\xBB\xBF")) text.erase(0, 3);
+  if (StartsWith(text, kUtf8Mark)) text.erase(0, kUtf8Mark.size());
   return text;
+}
+
+std::string ByteOrderMarkOf(const std::string& path) {
+  std::ifstream file(path, std::ios::binary);
+  std::string begin(kUtf8Mark.size(), ' ');
+  file.read(begin.data(), static_cast<std::streamsize>(begin.size()));
+  return file && begin == kUtf8Mark ? begin : "";
 }
 
 bool LineReader::Next(std::string_view& line) {

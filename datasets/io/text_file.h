@@ -12,6 +12,9 @@ namespace sinew {
 /// The text of a file without a byte-order mark. Errors: no such file, a folder, not readable, empty, UTF-16.
 Result<std::string> ReadTextFile(const std::string& path);
 
+/// "" or the byte-order mark of UTF-8 that ReadTextFile leaves out, to be written back with the text.
+[[nodiscard]] std::string ByteOrderMarkOf(const std::string& path);
+
 /// The names of the files that this thread asks ReadTextFile for while the object lives: files that name
 /// other files, as a CEINMS setup does, are read in many places, and none of them may be overwritten by what
 /// is made of them.

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <optional>
 #include <set>
 
 #include "base/text.h"
@@ -46,7 +47,26 @@ class MuscleReader {
     return read;
   }
 
+  // The first part of its path that is not supported, if any.
+  Result<std::optional<UnsupportedMuscle>> FindUnsupported(const pugi::xml_node& force) const {
+    const pugi::xml_node path = PathOf(force);
+    const auto made = [&](const pugi::xml_node& part) {
+      return std::optional<UnsupportedMuscle>(
+          {NameOf(force), fmt::format("{} '{}'", part.name(), NameOf(part)), xml_.Line(part)});
+    };
+    for (const pugi::xml_node& point : Members(path.child("PathPointSet"))) {
+      if (!IsSupportedPoint(point.name())) return made(point);
+    }
+    SINEW_ASSIGN(const auto objects, wraps_.UnsupportedObjects(path));
+    if (!objects.empty()) return made(objects.front());
+    return std::optional<UnsupportedMuscle>();
+  }
+
  private:
+  static bool IsSupportedPoint(std::string_view type) {
+    return type == "PathPoint" || type == "ConditionalPathPoint" || type == "MovingPathPoint";
+  }
+
   Result<OsimPathPoint> ReadPoint(const pugi::xml_node& element, const std::string& muscle) const {
     OsimPathPoint point;
     point.name = NameOf(element);
@@ -63,7 +83,7 @@ class MuscleReader {
     SINEW_ASSIGN(point.location, xml_.Vector3(element, "location", Vec3::Zero()));
     if (type == "ConditionalPathPoint") {
       SINEW_ASSIGN(point.condition, ReadCondition(element));
-    } else if (type != "PathPoint") {
+    } else if (!IsSupportedPoint(type)) {
       return xml_.FailAt(element,
                          "muscle '{}' has a {} '{}', which is not supported; supported are PathPoint, "
                          "ConditionalPathPoint, MovingPathPoint",
@@ -152,6 +172,25 @@ Result<std::vector<std::string>> ListOsimMuscles(std::string_view text, const st
   return names;
 }
 
+Result<std::vector<UnsupportedMuscle>> ListUnsupportedMuscles(std::string_view text,
+                                                              const std::string& file_name,
+                                                              const OsimModel& model,
+                                                              const std::vector<std::string>& muscles) {
+  SINEW_ASSIGN(const OsimXml xml, OsimXml::Parse(text, file_name));
+  SINEW_ASSIGN(const pugi::xml_node file, FindModel(xml));
+  const MuscleReader reader(xml, file, model);
+  const std::vector<pugi::xml_node> forces = ForcesWithPath(file);
+  std::vector<UnsupportedMuscle> unsupported;
+  for (const std::string& muscle : muscles) {
+    const auto force = std::find_if(forces.begin(), forces.end(),
+                                    [&](const pugi::xml_node& f) { return NameOf(f) == muscle; });
+    if (force == forces.end()) continue;
+    SINEW_ASSIGN(auto found, reader.FindUnsupported(*force));
+    if (found) unsupported.push_back(std::move(*found));
+  }
+  return unsupported;
+}
+
 Result<std::vector<OsimMusclePath>> ReadOsimMuscles(std::string_view text, const std::string& file_name,
                                                     const OsimModel& model,
                                                     const std::vector<std::string>& muscles) {
@@ -162,6 +201,7 @@ Result<std::vector<OsimMusclePath>> ReadOsimMuscles(std::string_view text, const
   for (const pugi::xml_node& force : forces) names.push_back(NameOf(force));
 
   const MuscleReader reader(xml, file, model);
+  SINEW_ASSIGN(const auto unsupported, ListUnsupportedMuscles(text, file_name, model, muscles));
   std::vector<OsimMusclePath> paths;
   std::set<std::string> seen;
   for (const std::string& muscle : muscles) {
@@ -169,8 +209,16 @@ Result<std::vector<OsimMusclePath>> ReadOsimMuscles(std::string_view text, const
     if (found == names.end())
       return Fail("{}: there is no muscle '{}'{}", file_name, muscle, Suggestion(muscle, names));
     if (!seen.insert(muscle).second) return Fail("muscle '{}' is asked for twice", muscle);
-    SINEW_ASSIGN(OsimMusclePath path, reader.Read(forces[static_cast<std::size_t>(found - names.begin())]));
-    paths.push_back(std::move(path));
+    auto path = reader.Read(forces[static_cast<std::size_t>(found - names.begin())]);
+    const bool is_unsupported = !unsupported.empty() && unsupported.front().muscle == muscle;
+    if (!path && is_unsupported && unsupported.size() > 1) {
+      std::vector<std::string> all;
+      for (const UnsupportedMuscle& one : unsupported) all.push_back(one.muscle + " (" + one.part + ")");
+      return Fail("{}; {} muscles have a part that is not: {}", path.error().message, all.size(),
+                  Join(all, ", "));
+    }
+    if (!path) return tl::unexpected(path.error());
+    paths.push_back(std::move(*path));
   }
   return paths;
 }

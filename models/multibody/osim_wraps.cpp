@@ -23,6 +23,11 @@ std::optional<Side> ParseQuadrant(const std::string& text) {
   return Side{word[0] - 'x', sign};
 }
 
+bool IsSupported(const pugi::xml_node& object) {
+  const std::string_view type = object.name();
+  return type == "WrapCylinder" || type == "WrapSphere";
+}
+
 }  // namespace
 
 OsimWraps::OsimWraps(const OsimXml& xml, const OsimFrames& frames, const pugi::xml_node& model)
@@ -109,6 +114,19 @@ Result<std::optional<OsimPathWrap>> OsimWraps::ReadWrap(const pugi::xml_node& wr
     }
   }
   return std::optional(std::move(read));
+}
+
+Result<std::vector<pugi::xml_node>> OsimWraps::UnsupportedObjects(const pugi::xml_node& path) const {
+  std::vector<pugi::xml_node> unsupported;
+  for (const pugi::xml_node& element : Members(path.child("PathWrapSet"))) {
+    const std::string name = ChildText(element, "wrap_object");
+    const auto found = std::find_if(objects_.begin(), objects_.end(),
+                                    [&](const pugi::xml_node& object) { return NameOf(object) == name; });
+    if (found == objects_.end() || IsSupported(*found)) continue;
+    SINEW_ASSIGN(const bool active, xml_.Flag(*found, "active", true));
+    if (active) unsupported.push_back(*found);
+  }
+  return unsupported;
 }
 
 Result<std::vector<OsimPathWrap>> OsimWraps::Read(const pugi::xml_node& path, const std::string& muscle,

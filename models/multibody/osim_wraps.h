@@ -23,6 +23,9 @@ class OsimWraps {
   [[nodiscard]] Result<std::vector<OsimPathWrap>> Read(const pugi::xml_node& path, const std::string& muscle,
                                                        int points) const;
 
+  /// The active objects of a GeometryPath whose shape Read refuses. Errors: `active` is no truth value.
+  [[nodiscard]] Result<std::vector<pugi::xml_node>> UnsupportedObjects(const pugi::xml_node& path) const;
+
  private:
   [[nodiscard]] Result<std::optional<OsimPathWrap>> ReadWrap(const pugi::xml_node& wrap,
                                                              const std::string& muscle, int points) const;

@@ -84,6 +84,25 @@ class SmallModel(Muscles):
         np.testing.assert_allclose(arms[:, 1], 0, atol=1e-14)
         np.testing.assert_allclose(second[:, 1], 0.12 * np.sin(0.5) / whole, rtol=1e-13)
 
+    def test_every_joint_without_what_is_not_supported(self):
+        said = self.succeeds("data", "muscles", "finger.h5", "--joints", "all", "--skip-unsupported")
+        self.assertEqual(said, "left out: odd, for WrapTorus 'ring' is not supported\n"
+                               "bent: 15 frames: lengths of 2 muscles, moment arms about first, second\n"
+                               "  not in the data, kept at the model's default: second\n")
+        self.table("bent", "moment_arms.second", ["bend", "long"])
+        # `bend` ends before the second joint.
+        said = self.succeeds("data", "muscles", "finger.h5", "--joints", "all", "--muscles", "bend", "--out", "one.h5")
+        self.assertIn("moment arms about first\n", said)
+        self.fails("finger.h5/files/model.osim: none of the muscles is supported, such as 'odd' with WrapTorus 'ring'",
+                   "data", "muscles", "finger.h5", "--joints", "all", "--muscles", "odd", "--skip-unsupported")
+
+    def test_lengths_that_differ_from_opensims_are_explained(self):
+        self.write("two.osim", MODEL.replace("<WrapTorus name=\"ring\"/>", "<WrapSphere name=\"ring\"><radius>0.01</radius></WrapSphere>")
+                   .replace("<PathWrap><wrap_object>drum</wrap_object></PathWrap>",
+                            "<PathWrap><wrap_object>drum</wrap_object></PathWrap><PathWrap><wrap_object>ring</wrap_object></PathWrap>"))
+        said = self.succeeds("data", "muscles", "finger.h5", "--model", "two.osim", "--muscles", "bend,long", "--joints", "first")
+        self.assertIn("bend: where such a path touches two wrap objects at once, OpenSim's own length is too short", said)
+
     def test_another_file_and_another_model(self):
         before = self.path("finger.h5").read_bytes()
         self.write("short.osim", MODEL.replace("0.3 0 0</location_in_parent>", "0.2 0 0</location_in_parent>"))
@@ -100,7 +119,7 @@ class SmallModel(Muscles):
                    "bent", "--joints", "first")
         self.fails("--joints: the model has no coordinate 'frist'; expected one of first, second", *data, "--joints", "frist")
         self.fails("finger.h5/files/model.osim:4: muscle 'odd' wraps over WrapTorus 'ring', which is not supported; "
-                   "supported are WrapCylinder, WrapSphere", *data, "--joints", "first")
+                   "supported are WrapCylinder, WrapSphere; --skip-unsupported leaves them out", *data, "--joints", "first")
         self.fails("--joints: coordinate 'first' is given twice", *data, "--muscles", "long", "--joints", "first,first")
 
     def test_wrong_data(self):

@@ -106,17 +106,22 @@ class RtReader {
       trial.line = xml_.Line(element);
       trial.name = ChildText(element, "trialName");
       if (trial.name.empty()) return xml_.FailAt(element, "<trial> has no <trialName>");
+      bool given_are_finite = true;
       for (const auto& [name, value] :
            {std::pair{"cropMinTimeFromZero", &trial.from_s}, std::pair{"cropMaxTimeFromZero", &trial.to_s}}) {
-        if (!element.child(name)) return xml_.FailAt(element, "trial '{}' has no <{}>", trial.name, name);
-        SINEW_ASSIGN(*value, xml_.Number(element, name, 0));
+        if (!element.child(name)) continue;  // all that there is
+        SINEW_ASSIGN(*value, xml_.Number(element, name, *value));
+        given_are_finite = given_are_finite && std::isfinite(*value);
       }
-      if (!(trial.from_s >= 0 && trial.from_s < trial.to_s && std::isfinite(trial.to_s)))
+      const bool from_begin = std::isinf(trial.from_s);
+      if (!(given_are_finite && (from_begin || trial.from_s >= 0) &&
+            std::max(trial.from_s, 0.0) < trial.to_s))
         return xml_.FailAt(
             element,
             "trial '{}': the window {} to {} s is none, expected cropMinTimeFromZero of at least "
             "0 and below cropMaxTimeFromZero",
             trial.name, trial.from_s, trial.to_s);
+      NoteUnknown(element, {"trialName", "cropMinTimeFromZero", "cropMaxTimeFromZero"});
       out_.trials.push_back(std::move(trial));
     }
     if (out_.trials.empty()) return xml_.FailAt(list, "<trials> names no trial");

@@ -3,6 +3,7 @@
 // Farina, Sartori 2018, doi:10.1109/TBME.2017.2704085.
 #pragma once
 
+#include <limits>
 #include <string>
 #include <vector>
 
@@ -19,9 +20,11 @@ struct CeinmsRtText {
 };
 
 struct CeinmsRtTrial {
-  std::string name;  ///< a folder of the trials' directory
-  double from_s = 0;
-  double to_s = 0;  ///< > from_s; both from the recording's first moment on, both ends belong to it
+  std::string name;                                          ///< a folder of the trials' directory
+  double from_s = -std::numeric_limits<double>::infinity();  ///< -infinity: where the recordings begin
+  /// > from_s; infinity: the end of the recordings. Both from the recording's first moment on, both ends
+  /// belong to it.
+  double to_s = std::numeric_limits<double>::infinity();
   long line = 0;
 };
 

@@ -83,6 +83,7 @@ class Project {
     std::vector<SubjectMuscle> muscles = subject_.muscles;
     for (SubjectMuscle& muscle : muscles) muscle.c1 = muscle.c2 = 0;
     SINEW_ASSIGN(out_.data.files["subject.xml"], WriteCeinmsSubject(text, *found, muscles));
+    out_.data.files[OriginalSubjectName("subject.xml")] = ByteOrderMarkOf(*found) + text;
     for (const std::string& muscle : MusclesOf(subject_, calibration_.joints)) {
       if (!ExcitationSources(subject_, muscle).empty()) continue;
       out_.notes.push_back(fmt::format(
@@ -131,10 +132,11 @@ class Project {
   Status ReadModel() {
     SINEW_ASSIGN(const std::string file, Find(calibration_.osim, "<osimFile>"));
     SINEW_ASSIGN(out_.data.files["model.osim"], ReadTextFile(file));
-    SINEW_ASSIGN(MuscleGrids grids,
-                 MuscleGrids::Build(out_.data.files["model.osim"], file,
-                                    MusclesOf(subject_, calibration_.joints), calibration_.joints,
-                                    fmt::format("{}:{}: <dofToCalibrate>", file_, calibration_.joints_line)));
+    SINEW_ASSIGN(
+        MuscleGrids grids,
+        MuscleGrids::Build(out_.data.files["model.osim"], file,
+                           {MusclesOf(subject_, calibration_.joints), calibration_.joints, false,
+                            fmt::format("{}:{}: <dofToCalibrate>", file_, calibration_.joints_line)}));
     grids_.emplace(std::move(grids));
     return {};
   }
@@ -201,14 +203,17 @@ class Project {
     const double zero = recording.grids.at("moments").time.front();
     double end = std::numeric_limits<double>::infinity();
     for (const auto& [name, grid] : recording.grids) end = std::min(end, grid.time.back());
+    const double emg_from = recording.grids.at("excitations").time.front() - calibration_.emg_delay_s;
+    double begin = std::max(zero, emg_from);
+    for (const auto& [name, grid] : recording.grids)
+      if (name != "excitations") begin = std::max(begin, grid.time.front());
     TrialWindow window;
-    window.start_s = zero + wanted.from_s;
+    window.start_s = std::isfinite(wanted.from_s) ? zero + wanted.from_s : begin;
     window.end_s = std::isfinite(wanted.to_s) ? zero + wanted.to_s : end;
     if (window.end_s > end + kSameTime_s)
       return FailAt(file_, wanted.line,
                     "trial '{}': its window ends {} s after the first moment, its recordings {} s after it",
                     wanted.folder, wanted.to_s, end - zero);
-    const double emg_from = recording.grids.at("excitations").time.front() - calibration_.emg_delay_s;
     if (emg_from > window.start_s + kSameTime_s)
       return FailAt(file_, wanted.line,
                     "trial '{}': its window begins {} s after the first moment, its EMG {} s after it",
@@ -243,7 +248,8 @@ class Project {
       say(fmt::format(
           "EMD: the times of the excitations are later by {} s; a `delay` that is fitted comes on top",
           calibration_.emg_delay_s));
-    say("CEINMS-RT's activation has no filter: C1 and C2 are 0 in the data set's subject.xml");
+    say("CEINMS-RT's activation has no filter: C1 and C2 are 0 in the data set's subject.xml; `sinew data "
+        "subject` writes back those of the file, unless they are fitted");
     say("lengths and moment arms follow from the .osim at all recorded coordinates; CEINMS-RT interpolates "
         "them "
         "between nodes over the subject's joints and leaves other coordinates at their defaults");

@@ -47,7 +47,7 @@ Result<std::vector<CeinmsRtWanted>> ListCeinmsRtTrials(const CeinmsRtCalibration
     wanted.name = wanted.folder;
     std::replace_if(
         wanted.name.begin(), wanted.name.end(), [](char c) { return c == '/' || c == '\\'; }, '_');
-    if (taken.count(wanted.name) > 0 && std::isfinite(wanted.to_s))
+    if (taken.count(wanted.name) > 0 && std::isfinite(wanted.from_s) && std::isfinite(wanted.to_s))
       wanted.name += fmt::format("_{}_{}", wanted.from_s, wanted.to_s);
     if (!taken.insert(wanted.name).second)
       return FailAt(file, wanted.line, "there is already a trial called '{}'", wanted.name);

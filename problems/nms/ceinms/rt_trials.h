@@ -13,8 +13,8 @@ namespace sinew {
 struct CeinmsRtWanted {
   std::string name;    ///< in the data set
   std::string folder;  ///< of the trials' directory
-  double from_s = 0;   ///< from the first moment on
-  double to_s = 0;     ///< infinity: the end of the recording
+  double from_s = 0;   ///< from the first moment on; -infinity: where the recordings begin
+  double to_s = 0;     ///< infinity: where they end
   Role role = Role::kTrain;
   long line = 0;  ///< where the calibration file names it
 };

@@ -1,9 +1,10 @@
 #include "problems/nms/muscle/muscle_grids.h"
 
 #include <algorithm>
+#include <cmath>
+#include <set>
 
 #include "base/text.h"
-#include "models/multibody/osim_muscle_reader.h"
 #include "models/multibody/osim_reader.h"
 
 namespace sinew {
@@ -27,6 +28,33 @@ Result<std::vector<int>> FindJoints(const MultibodyModel& model, const std::vect
   return joints;
 }
 
+// The independent angles about which some muscle has a moment arm at one of three poses within the ranges of
+// the coordinates: at a single one an arm may be zero by chance.
+Result<std::vector<int>> FindMovedJoints(const MultibodyModel& model, const MuscleGeometry& muscles) {
+  constexpr double kNoArm_m = 1e-9;
+  std::vector<int> angles;
+  const auto count = static_cast<int>(model.coordinate_names().size());
+  for (int c = 0; c < count; ++c) {
+    if (model.coordinate(c).motion == MotionType::kRotational && !model.IsDependent(c)) angles.push_back(c);
+  }
+  std::set<int> moved;
+  for (const double share : {0.0, 0.3, 0.6}) {
+    Vector pose = model.default_values();
+    for (const int c : angles) {
+      const double room = model.coordinate(c).upper - model.coordinate(c).lower;
+      if (share > 0 && std::isfinite(room)) pose[c] = model.coordinate(c).lower + share * room;
+    }
+    const auto state = muscles.At(pose, Vector::Zero(count), angles);
+    if (!state && share > 0) continue;  // not every pose needs to be possible
+    if (!state) return tl::unexpected(state.error());
+    for (std::size_t a = 0; a < angles.size(); ++a) {
+      if (state->moment_arms.col(static_cast<Eigen::Index>(a)).cwiseAbs().maxCoeff() > kNoArm_m)
+        moved.insert(angles[a]);
+    }
+  }
+  return std::vector<int>(moved.begin(), moved.end());
+}
+
 Grid ToGrid(const std::vector<double>& time, const std::vector<std::string>& muscles, const Matrix& values) {
   Grid grid;
   grid.time = time;
@@ -48,19 +76,43 @@ MuscleGrids::MuscleGrids(std::unique_ptr<const MultibodyModel> model, MuscleGeom
       joint_indices_(std::move(indices)) {}
 
 Result<MuscleGrids> MuscleGrids::Build(const std::string& text, const std::string& name,
-                                       std::vector<std::string> muscles,
-                                       const std::vector<std::string>& joints, const std::string& asked_by) {
+                                       MuscleGridsRequest request) {
   SINEW_ASSIGN(const OsimModel osim, ReadOsim(text, name));
   SINEW_ASSIGN(MultibodyModel built, MultibodyModel::Build(osim));
   auto model = std::make_unique<const MultibodyModel>(std::move(built));
-  SINEW_ASSIGN(std::vector<int> indices, FindJoints(*model, joints, asked_by));
+  auto& [muscles, joints, skip_unsupported, asked_by] = request;
+  const bool every_joint = joints == std::vector<std::string>{"all"};
+  std::vector<int> indices;
+  if (!every_joint) {
+    SINEW_ASSIGN(indices, FindJoints(*model, joints, asked_by));
+  }
   if (muscles.empty()) {
     SINEW_ASSIGN(muscles, ListOsimMuscles(text, name));
   }
   if (muscles.empty()) return Fail("{}: the model has no muscles", name);
+  std::vector<UnsupportedMuscle> skipped;
+  if (skip_unsupported) {
+    SINEW_ASSIGN(skipped, ListUnsupportedMuscles(text, name, osim, muscles));
+    for (const UnsupportedMuscle& one : skipped)
+      muscles.erase(std::remove(muscles.begin(), muscles.end(), one.muscle), muscles.end());
+    if (muscles.empty())
+      return Fail("{}: none of the muscles is supported, such as '{}' with {}", name, skipped.front().muscle,
+                  skipped.front().part);
+  }
   SINEW_ASSIGN(const auto paths, ReadOsimMuscles(text, name, osim, muscles));
   SINEW_ASSIGN(MuscleGeometry geometry, MuscleGeometry::Build(*model, paths));
-  return MuscleGrids(std::move(model), std::move(geometry), joints, std::move(indices));
+  if (every_joint) {
+    SINEW_ASSIGN(indices, FindMovedJoints(*model, geometry));
+    joints.clear();
+    for (const int index : indices) joints.push_back(model->coordinate(index).name);
+    if (joints.empty()) return Fail("{}: all: the muscles move none of the model's angles", asked_by);
+  }
+  MuscleGrids grids(std::move(model), std::move(geometry), std::move(joints), std::move(indices));
+  grids.skipped_ = std::move(skipped);
+  for (const OsimMusclePath& path : paths) {
+    if (path.wraps.size() > 1) grids.over_several_.push_back(path.name);
+  }
+  return grids;
 }
 
 // Names of the model's coordinates that lie on the grid.

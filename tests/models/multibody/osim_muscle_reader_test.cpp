@@ -143,6 +143,26 @@ TEST(OsimMuscleReader, WrongInputIsAnErrorWithItsLine) {
               HasSubstr("there is no <Model>"));
 }
 
+// A user who wants a whole model needs to know all that cannot be had, at once.
+TEST(OsimMuscleReader, NamesEverythingThatIsNotSupported) {
+  const std::string text =
+      Replaced(MusclesOver("egg"), "<ConditionalPathPoint name=\"via\">", "<StrangePoint name=\"via\">");
+  const std::string damaged = Replaced(text, "</ConditionalPathPoint>", "</StrangePoint>");
+  const auto model = ReadOsim(kText, "test.osim");
+  const auto unsupported =
+      ListUnsupportedMuscles(damaged, "test.osim", *model, {"helix", "around", "through", "nobody"});
+  ASSERT_TRUE(unsupported) << unsupported.error().message;
+  ASSERT_EQ(unsupported->size(), 2U);
+  EXPECT_EQ((*unsupported)[0].muscle, "around");
+  EXPECT_EQ((*unsupported)[0].part, "WrapEllipsoid 'egg'");
+  EXPECT_GT((*unsupported)[0].line, 1);
+  EXPECT_EQ((*unsupported)[1].part, "StrangePoint 'via'");
+  EXPECT_THAT(
+      Read(damaged, {"around", "through"}).error().message,
+      testing::EndsWith("supported are WrapCylinder, WrapSphere; 2 muscles have a part that is not: around "
+                        "(WrapEllipsoid 'egg'), through (StrangePoint 'via')"));
+}
+
 // Arbitrary bytes give muscles or an error, never a crash, also for a path that was accepted.
 TEST(OsimMuscleReader, SurvivesDamagedFiles) {
   constexpr int kRounds = 3000;
