@@ -37,7 +37,7 @@ Grid ToGrid(const IkResult& result, const MultibodyModel& model) {
   for (std::size_t c = 0; c < result.coordinate_names.size(); ++c) {
     const std::string& name = result.coordinate_names[c];
     const auto column = result.coordinates.col(static_cast<Eigen::Index>(c));
-    grid.channels[name] = {model.IsRotational(name) ? "rad" : "m", ChannelKind::kInput, std::nullopt,
+    grid.channels[name] = {model.IsAngle(name) ? "rad" : "m", ChannelKind::kInput, std::nullopt,
                            std::vector<double>(column.data(), column.data() + column.size())};
   }
   return grid;

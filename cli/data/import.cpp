@@ -12,6 +12,7 @@
 #include "datasets/io/dataset_file.h"
 #include "models/multibody/multibody_model.h"
 #include "models/multibody/osim_reader.h"
+#include "problems/kit/coordinate_kinds.h"
 
 namespace sinew {
 namespace {
@@ -71,10 +72,7 @@ Result<int> Import(const ImportWords& words) {
   options.append = words.append;
   SINEW_ASSIGN(const auto model, FindModel(words, data));
   if (model) {
-    options.is_rotational = [model](const std::string& name) -> std::optional<bool> {
-      if (!model->CoordinateIndex(name)) return std::nullopt;  // no coordinate: the reader goes by the name
-      return model->IsRotational(name);
-    };
+    options.coordinate_kind = CoordinateKindsOf(*model);
     if (data.constants.count("body_mass") == 0) data.constants["body_mass"] = {model->total_mass_kg(), "kg"};
   }
   if (!words.map.empty()) {

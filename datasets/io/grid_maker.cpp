@@ -99,12 +99,17 @@ Result<NamedGrid> GridMaker::FromStorage(const std::string& path) {
   SINEW_ASSIGN(const Storage storage, ReadStorage(path));
   notes_.insert(notes_.end(), storage.notes.begin(), storage.notes.end());
   SINEW_ASSIGN(const PlateChannels plates, FindPlates(path, storage.names));
-  StorageContent content = ClassifyStorage(storage, Stem(path), options_.is_rotational);
+  StorageContent content = ClassifyStorage(storage, Stem(path), options_.coordinate_kind);
   if (!plates.empty()) content = StorageContent::kForces;
   if (content == StorageContent::kForces) NoteUnnamedPlates(path, plates, storage.names);
   if (content == StorageContent::kOther && storage.in_degrees.value_or(false)) {
     notes_.push_back(fmt::format(
         "{}: has inDegrees=yes, but its columns are no coordinates; they were not converted", path));
+  }
+
+  if (content == StorageContent::kCoordinates && !storage.in_degrees) {
+    notes_.push_back(
+        fmt::format("{}: has no inDegrees: its angles are taken as radians, as OpenSim does", path));
   }
 
   NamedGrid made{GridName(content, path), {storage.time, {}}};
@@ -115,7 +120,7 @@ Result<NamedGrid> GridMaker::FromStorage(const std::string& path) {
     const ColumnMeaning meaning =
         plate != plates.end()
             ? plate->second
-            : MeaningOf(column, content, storage.in_degrees.value_or(false), options_.is_rotational);
+            : MeaningOf(column, content, storage.in_degrees.value_or(false), options_.coordinate_kind);
     SINEW_TRY(AddColumn(path, column, meaning, storage.columns[i], made.grid));
   }
   if (!without_unit_.empty()) {

@@ -20,7 +20,7 @@ struct ImportOptions {
   std::optional<ImportMap> map;
   std::vector<PlatePrefix> plates;            ///< `--plates`
   std::vector<ExternalForce> external_loads;  ///< `--external-loads`; a force's name becomes the plate's
-  IsRotational is_rotational;                 ///< from the model, if there is one
+  CoordinateKindOf coordinate_kind;           ///< from the model, if there is one
 };
 
 }  // namespace sinew

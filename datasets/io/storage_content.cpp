@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <array>
+#include <cmath>
 #include <string_view>
 
 #include "base/text.h"
@@ -39,9 +40,9 @@ std::string WithoutSpeed(const std::string& name) {
   return EndsWith(name, kSpeedSuffix) ? name.substr(0, name.size() - kSpeedSuffix.size()) : name;
 }
 
-bool LooksLikeCoordinate(const std::string& column, const IsRotational& is_rotational) {
+bool LooksLikeCoordinate(const std::string& column, const CoordinateKindOf& kind_of) {
   const std::string name = WithoutSpeed(ChannelName(column));
-  if (is_rotational && is_rotational(name)) return true;
+  if (kind_of && kind_of(name)) return true;
   constexpr std::array<std::string_view, 12> kWords = {"_angle",    "_flexion", "_extension", "_adduction",
                                                        "_rotation", "_tilt",    "_list",      "_bending",
                                                        "_tx",       "_ty",      "_tz",        "_obliquity"};
@@ -53,16 +54,38 @@ bool IsTranslationalByName(const std::string& name) {
   return EndsWithAxis(name, "_t") || Contains(name, "_force") || EndsWithAxis(name, "_f");
 }
 
-ColumnMeaning CoordinateMeaning(const std::string& column, bool in_degrees,
-                                const IsRotational& is_rotational) {
+CoordinateKind KindOf(const std::string& coordinate, const CoordinateKindOf& kind_of) {
+  if (const auto known = kind_of ? kind_of(coordinate) : std::nullopt) return *known;
+  if (IsTranslationalByName(coordinate)) return CoordinateKind::kLength;
+  return EndsWith(coordinate, "_beta") ? CoordinateKind::kCoupledAngle : CoordinateKind::kAngle;
+}
+
+ColumnMeaning CoordinateMeaning(const std::string& column, bool in_degrees, const CoordinateKindOf& kind_of) {
   const std::string channel = ChannelName(column);
   const std::string coordinate = WithoutSpeed(channel);
-  std::optional<bool> rotational = is_rotational ? is_rotational(coordinate) : std::nullopt;
-  if (!rotational) rotational = !IsTranslationalByName(coordinate);
-  ColumnMeaning meaning{channel, *rotational ? "rad" : "m", ChannelKind::kInput};
+  const CoordinateKind kind = KindOf(coordinate, kind_of);
+  ColumnMeaning meaning{channel, kind == CoordinateKind::kLength ? "m" : "rad", ChannelKind::kInput};
   if (coordinate != channel) meaning.unit += "/s";
-  if (*rotational && in_degrees) meaning.factor = kRadPerDeg;
+  if (kind == CoordinateKind::kAngle && in_degrees) meaning.factor = kRadPerDeg;
   return meaning;
+}
+
+// Without `inDegrees` OpenSim takes radians; but tables of moments may name their columns after coordinates.
+bool MayBeRadians(const Storage& storage, const std::string& names, const CoordinateKindOf& kind_of) {
+  constexpr std::array<std::string_view, 7> kNoAngles = {"moment", "torque",   "dynamics",    "force",
+                                                         "load",   "velocity", "acceleration"};
+  if (std::any_of(kNoAngles.begin(), kNoAngles.end(),
+                  [&](std::string_view word) { return Contains(names, word); }))
+    return false;
+  constexpr double kTwoTurns = 8 * 1.5707963267948966;
+  for (std::size_t i = 0; i < storage.names.size(); ++i) {
+    const std::string channel = ChannelName(storage.names[i]);
+    if (WithoutSpeed(channel) != channel || KindOf(channel, kind_of) != CoordinateKind::kAngle) continue;
+    for (const double value : storage.columns[i]) {
+      if (std::abs(value) > kTwoTurns) return false;
+    }
+  }
+  return true;
 }
 
 ColumnMeaning PlateMeaning(const std::string& column) {
@@ -84,7 +107,7 @@ ColumnMeaning OtherMeaning(const std::string& column) {
 }  // namespace
 
 StorageContent ClassifyStorage(const Storage& storage, const std::string& stem,
-                               const IsRotational& is_rotational) {
+                               const CoordinateKindOf& kind_of) {
   const auto count = [&](auto predicate) {
     return std::count_if(storage.names.begin(), storage.names.end(), predicate);
   };
@@ -96,9 +119,12 @@ StorageContent ClassifyStorage(const Storage& storage, const std::string& stem,
   if (Contains(names, "momentarm") || Contains(names, "moment_arm")) return StorageContent::kMomentArms;
   if (title.substr(0, 6) == "length") return StorageContent::kMuscleLengths;
 
-  const auto coordinates = count([&](const auto& name) { return LooksLikeCoordinate(name, is_rotational); });
-  const bool says_angles = storage.in_degrees.has_value() && count(IsGeneralizedForce) == 0;
+  const auto coordinates = count([&](const auto& name) { return LooksLikeCoordinate(name, kind_of); });
   const bool mostly_coordinates = 2 * static_cast<std::size_t>(coordinates) >= storage.names.size();
+  const bool says_angles =
+      count(IsGeneralizedForce) == 0 &&
+      (storage.in_degrees.has_value() || (coordinates > 0 && (title == "coordinates" || mostly_coordinates) &&
+                                          MayBeRadians(storage, names, kind_of)));
   if (says_angles && coordinates > 0 && (title == "coordinates" || mostly_coordinates)) {
     return StorageContent::kCoordinates;
   }
@@ -106,11 +132,11 @@ StorageContent ClassifyStorage(const Storage& storage, const std::string& stem,
 }
 
 ColumnMeaning MeaningOf(const std::string& column, StorageContent content, bool in_degrees,
-                        const IsRotational& is_rotational) {
+                        const CoordinateKindOf& kind_of) {
   switch (content) {
     case StorageContent::kCoordinates:
       if (column.rfind("/forceset/", 0) == 0) return OtherMeaning(column);
-      return CoordinateMeaning(column, in_degrees, is_rotational);
+      return CoordinateMeaning(column, in_degrees, kind_of);
     case StorageContent::kForces:
       return PlateMeaning(column);
     case StorageContent::kExcitations:

@@ -11,8 +11,14 @@
 
 namespace sinew {
 
-/// Whether a coordinate of the model is an angle; nothing if the model has no such coordinate.
-using IsRotational = std::function<std::optional<bool>(const std::string& coordinate)>;
+/// What a coordinate is, by OpenSim's rules: inDegrees=yes concerns kAngle only.
+enum class CoordinateKind {
+  kAngle,
+  kCoupledAngle,  ///< an angle that moves its joint through functions only (a patella's): always in rad
+  kLength
+};
+/// The kind of a coordinate of the model; nothing if the model has no such coordinate.
+using CoordinateKindOf = std::function<std::optional<CoordinateKind>(const std::string& coordinate)>;
 
 enum class StorageContent {
   kCoordinates,    ///< joint angles and positions, and their speeds
@@ -33,14 +39,17 @@ struct ColumnMeaning {
   double offset = 0;          ///< [SI] added after `factor`
 };
 
+/// A file without `inDegrees` holds coordinates if its columns are named like them, neither it nor its title
+/// is named like moments, and no angle is beyond two turns in rad.
 /// @param stem the file's name without folder and extension
 [[nodiscard]] StorageContent ClassifyStorage(const Storage& storage, const std::string& stem,
-                                             const IsRotational& is_rotational);
+                                             const CoordinateKindOf& kind_of);
 
 /// @param column the name as it is in the file. inDegrees=yes is applied to rotational coordinates; which
-/// they are is asked of the model, or, without one, all but *_tx, *_ty, *_tz, *_force* and *_fx, *_fy, *_fz.
+/// they are is asked of the model, or, without one, all but *_tx, *_ty, *_tz, *_force* and *_fx, *_fy, *_fz,
+/// and *_beta, which are coupled angles.
 [[nodiscard]] ColumnMeaning MeaningOf(const std::string& column, StorageContent content, bool in_degrees,
-                                      const IsRotational& is_rotational);
+                                      const CoordinateKindOf& kind_of);
 
 /// OpenSim 4 writes paths; '/' cannot be part of a channel's name. "/jointset/hip_r/hip_flexion_r/value" ->
 /// "hip_flexion_r", ".../speed" -> "hip_flexion_r_speed", "/forceset/soleus_r|length" -> "soleus_r_length".

@@ -121,8 +121,8 @@ class StorageParser {
     line = Trim(line);
     std::vector<std::string_view> names = SplitNames(line);
     if (!MatchesHeader(names.size())) {
-      return FailAt(file_, lines_.number(), "{} column names, the header announces {} columns (line {})",
-                    names.size(), header_.columns->count, header_.columns->line);
+      Note(fmt::format("{} column names, the header announces {} columns (line {}); all of them were read",
+                       names.size(), header_.columns->count, header_.columns->line));
     }
     std::set<std::string> seen;
     for (const std::string_view name : names) {
@@ -147,8 +147,14 @@ class StorageParser {
     std::vector<std::string_view> names = Split(line, '\t');
     const bool all_named =
         std::none_of(names.begin(), names.end(), [](std::string_view name) { return Trim(name).empty(); });
-    if (names.size() > 1 && all_named && MatchesHeader(names.size())) return names;
-    return SplitBlanks(line);
+    const bool by_tabs = names.size() > 1 && all_named;
+    if (by_tabs && MatchesHeader(names.size())) return names;
+    std::vector<std::string_view> words = SplitBlanks(line);
+    return by_tabs && !MatchesHeader(words.size()) ? names : words;
+  }
+
+  void Note(const std::string& what) {
+    storage_.notes.push_back(fmt::format("{}:{}: {}", file_, lines_.number(), what));
   }
 
   [[nodiscard]] bool MatchesHeader(std::size_t columns) const {
@@ -159,20 +165,15 @@ class StorageParser {
     int decimals = 0;
     std::string_view line;
     while (NextWithContent(line)) {
-      if (header_.rows && RowCount() == header_.rows->count) {
-        return FailAt(file_, lines_.number(),
-                      "one row more than the {} rows that the header announces (line {})",
-                      header_.rows->count, header_.rows->line);
-      }
       SINEW_ASSIGN(const auto cells, SplitRow(line));
       SINEW_TRY(ParseRow(cells));
       decimals = std::max(decimals, DecimalPlaces(cells.front()));
     }
     if (RowCount() == 0) return Fail("{}: has no rows of data", file_);
-    if (header_.rows && RowCount() < header_.rows->count) {
-      return FailAt(file_, lines_.number(),
-                    "the file ends after {} rows, the header announces {} rows (line {})", RowCount(),
-                    header_.rows->count, header_.rows->line);
+    if (header_.rows && RowCount() != header_.rows->count) {
+      Note(fmt::format(
+          "the file ends after {} rows, the header announces {} rows (line {}); all of them were read",
+          RowCount(), header_.rows->count, header_.rows->line));
     }
     constexpr int kMaxDecimals = 12;  // more digits than that: computed times, not rounded ones
     if (decimals <= kMaxDecimals) printed_.last_digit_s = std::pow(10.0, -decimals);
@@ -190,7 +191,7 @@ class StorageParser {
     std::vector<std::string_view> cells = Split(line, '\t');
     while (cells.size() > columns && Trim(cells.back()).empty()) cells.pop_back();
     if (values.size() < columns && cells.size() == columns) return cells;
-    if (header_.columns) {
+    if (header_.columns && MatchesHeader(columns)) {
       return FailAt(file_, lines_.number(), "row has {} values, the header announces {} columns",
                     values.size(), columns);
     }

@@ -20,7 +20,7 @@ struct Storage {
   std::vector<std::string> names;            ///< [M] of the columns after the time
   std::vector<std::vector<double>> columns;  ///< [M][N], NaN in gaps
   std::vector<long> lines;         ///< [N] line of each row in its file; empty for a table made in memory
-  std::vector<std::string> notes;  ///< what was done to the times, if anything
+  std::vector<std::string> notes;  ///< what was done to the times, and what the header has wrong
 
   /// The column of that name, or nullptr.
   [[nodiscard]] const std::vector<double>* Find(std::string_view name) const;
@@ -29,10 +29,10 @@ struct Storage {
 /// Reads .sto and .mot files of OpenSim 3 and 4 (version=, nRows=, nColumns=, inDegrees=), SIMM and CEINMS
 /// (`datacolumns N`, `datarows N`, `range`), with tabs or blanks between the values.
 ///
-/// Times that were rounded are rebuilt (see UsableTimes); `notes` says so.
-/// Errors, with the line: no such file, no `endheader`, counts that differ from the header, a first column
-/// that is not time, a name that appears twice, text where a number belongs, time that does not increase, no
-/// rows.
+/// Times that were rounded are rebuilt (see UsableTimes); `notes` says so. Counts in the header that differ
+/// from the rows or the names of the columns do not count, as in OpenSim; `notes` says so. Errors, with the
+/// line: no such file, no `endheader`, a row with more or fewer values than names, a first column that is not
+/// time, a name that appears twice, text where a number belongs, time that does not increase, no rows.
 Result<Storage> ReadStorage(const std::string& path);
 
 /// ReadStorage for a text in memory. @param file the name that errors and notes show.

@@ -137,9 +137,9 @@ class TrcParser {
     }
     if (FrameCount() == 0) return Fail("{}: has no frames", file_);
     if (FrameCount() < frame_count_) {
-      return FailAt(file_, lines_.number(),
-                    "the file ends after {} frames, the header announces {} (line {})", FrameCount(),
-                    frame_count_, header_line_);
+      trc_.notes.push_back(fmt::format(
+          "{}:{}: the file ends after {} frames, the header announces {} (line {}); all of them were read",
+          file_, lines_.number(), FrameCount(), frame_count_, header_line_));
     }
     constexpr int kMaxDecimals = 12;  // more digits than that: computed times, not rounded ones
     if (decimals <= kMaxDecimals) printed_.last_digit_s = std::pow(10.0, -decimals);

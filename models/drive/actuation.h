@@ -44,6 +44,12 @@ class DriveActuation {
     return static_cast<int>(after - run_.input_time.begin()) - 1;
   }
 
+  /// PieceAt for a tick of a controller. A held input jumps at its samples: of a sample that is later by less
+  /// than `tolerance` the tick has the value already.
+  [[nodiscard]] int PieceOfTick(double t, double tolerance) const {
+    return PieceAt(run_.held ? t + tolerance : t);
+  }
+
   template <class S, class Time>
   [[nodiscard]] S InputAt(const DriveDynamics<S>& dynamics, int piece, const Time& t) const {
     const auto at = static_cast<std::size_t>(std::max(piece, 0));

@@ -75,9 +75,9 @@ class DriveIntegrator {
         what = kKink;
         target = actuation_.InputTime(next);
       }
-      // A tick comes before a prediction at the same time; products and decimals may differ by rounding.
+      // A tick comes before a prediction at the same time; recorded times jitter.
       const double period = run_.gains.control_period;
-      if (sampled && tick * period <= target + kSameTick * period) {
+      if (sampled && tick * period <= target + DriveSampledController<T>::kSameTime * period) {
         what = kTick;
         target = std::min(tick * period, target);
       }
@@ -98,7 +98,6 @@ class DriveIntegrator {
 
  private:
   static constexpr bool kDifferentiates = !std::is_same_v<T, double>;
-  static constexpr double kSameTick = 1e-9;  // of a control period
   static constexpr double kMaxSteps = 1000;  // between two stops
   static constexpr int kMaxEvents = 50;      // reversals and break-aways within one step
 

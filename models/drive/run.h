@@ -19,7 +19,7 @@ struct DriveSeries {
 struct DriveControllerGains {
   double kp = 0;
   double ki = 0;
-  double kd = 0;
+  double kd = 0;                  ///< acts on the change of the error, that of the reference included
   double control_period = 0.001;  ///< [s]
   double output_limit = 0;        ///< [N*m or V] 0: none
   double servo_error_gain = 0;    ///< [1/rad per unit of kp]

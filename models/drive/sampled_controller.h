@@ -26,11 +26,15 @@ class DriveSampledController {
                          const DriveDynamics<T>& dynamics, DriveHistory<T>& history)
       : command_(command), gains_(gains), dynamics_(dynamics), history_(history) {}
 
+  /// A share of the control period: times that differ by less are the same. Recorded times jitter.
+  static constexpr double kSameTime = 1e-4;
+
   /// Sees the joint at q, v and sets its output until the next tick.
   /// @param now time of the tick [s]. @param held gets the output and the reference.
   void Tick(int tick, double now, const T& q, const T& v, const DriveActuation& actuation,
             DriveHeld<T>& held) {
-    const T reference = actuation.InputAt(dynamics_, actuation.PieceAt(now), now);
+    const T reference =
+        actuation.InputAt(dynamics_, actuation.PieceOfTick(now, kSameTime * gains_.control_period), now);
     const T seen = Feedback(tick, command_.controller == DriveControllerKind::kPidSpeed ? v : q);
     const T error = reference - seen;
     const T grown = integral_ + gains_.control_period * error;

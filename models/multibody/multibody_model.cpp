@@ -94,6 +94,11 @@ bool MultibodyModel::IsRotational(std::string_view name) const {
   return index && coordinate(*index).motion == MotionType::kRotational;
 }
 
+bool MultibodyModel::IsAngle(std::string_view name) const {
+  const auto index = CoordinateIndex(name);
+  return index && coordinate(*index).is_angle;
+}
+
 bool MultibodyModel::IsGroundCoordinate(int index) const {
   return impl_->simbody->coordinates.at(static_cast<std::size_t>(index)).on_ground;
 }

@@ -46,6 +46,8 @@ class MultibodyModel {
   [[nodiscard]] const OsimCoordinate& coordinate(int index) const;
   /// Whether the coordinate is an angle, which motion files may give in degrees; false for an unknown name.
   [[nodiscard]] bool IsRotational(std::string_view name) const;
+  /// True for a rotational coordinate and for a coupled one from which a rotation follows: its unit is rad.
+  [[nodiscard]] bool IsAngle(std::string_view name) const;
   /// Whether the coordinate depends on others by a coupler.
   [[nodiscard]] bool IsDependent(int index) const;
   /// Whether the coordinate moves a body directly against ground.

@@ -152,6 +152,14 @@ MotionType MotionOf(const OsimJoint& joint, const std::string& coordinate) {
   return MotionType::kCoupled;
 }
 
+// A coordinate that works through functions only is an angle if a rotation follows from it (a patella that
+// turns and glides with an angle), else a length.
+bool IsAngle(const OsimJoint& joint, const OsimCoordinate& coordinate) {
+  if (coordinate.motion != MotionType::kCoupled) return coordinate.motion == MotionType::kRotational;
+  return std::any_of(joint.axes.begin(), joint.axes.begin() + 3,
+                     [&](const OsimAxis& axis) { return axis.coordinate == coordinate.name; });
+}
+
 Status ReadStandardAxes(const OsimXml& xml, const pugi::xml_node& element, const StandardJoint& standard,
                         OsimJoint& joint) {
   if (joint.coordinates.size() != standard.axes.size()) {
@@ -192,7 +200,10 @@ Result<OsimJoint> ReadMobility(const OsimXml& xml, const pugi::xml_node& element
     }
     SINEW_TRY(ReadStandardAxes(xml, element, *found, joint));
   }
-  for (OsimCoordinate& coordinate : joint.coordinates) coordinate.motion = MotionOf(joint, coordinate.name);
+  for (OsimCoordinate& coordinate : joint.coordinates) {
+    coordinate.motion = MotionOf(joint, coordinate.name);
+    coordinate.is_angle = IsAngle(joint, coordinate);
+  }
   return joint;
 }
 

@@ -35,6 +35,7 @@ enum class MotionType { kRotational, kTranslational, kCoupled };
 struct OsimCoordinate {
   std::string name;
   MotionType motion = MotionType::kRotational;
+  bool is_angle = true;      ///< its number is one: kRotational, or kCoupled and a rotation follows from it
   double default_value = 0;  ///< [rad or m]
   double lower = -std::numeric_limits<double>::infinity();
   double upper = std::numeric_limits<double>::infinity();

@@ -256,7 +256,7 @@ Result<Trial> RecordStance(const MultibodyModel& model, const Step& step, const 
     for (std::size_t k = 0; k < model.coordinate_names().size(); ++k) {
       const std::string& name = model.coordinate_names()[k];
       const auto column = seen_motion.values.col(static_cast<Eigen::Index>(k));
-      grid.channels[name] = {model.IsRotational(name) ? "rad" : "m", ChannelKind::kInput, std::nullopt,
+      grid.channels[name] = {model.IsAngle(name) ? "rad" : "m", ChannelKind::kInput, std::nullopt,
                              std::vector<double>(column.data(), column.data() + column.size())};
     }
   }

@@ -31,14 +31,20 @@ class MotionFile(ProgramTest):
 
     def test_truncated(self):
         self.import_fails("walk.mot:11: row has 1 values, the header announces 3 columns", mot()[:-5])
-        self.import_fails("walk.mot:11: the file ends after 4 rows, the header announces 9 rows (line 3)",
-                          mot(announced_rows=9))
 
     def test_wrong_column_count(self):
         self.import_fails("walk.mot:9: row has 2 values, the header announces 3 columns",
                           mot(rows=replaced(MOTION_ROWS, 1, (0.1, 1))))
-        self.import_fails("walk.mot:7: 3 column names, the header announces 4 columns (line 4)",
-                          mot(announced_columns=4))
+
+    def test_wrong_counts_in_the_header_are_said_and_read(self):
+        for text, told in ((mot(announced_rows=9), "walk.mot:11: the file ends after 4 rows, the header announces 9 rows (line 3)"),
+                           (mot(announced_columns=4), "walk.mot:7: 3 column names, the header announces 4 columns (line 4)")):
+            self.write("walk.mot", text)
+            done = self.run_program("data", "import", "walk.mot", "--out", "walk.h5")
+            self.assertEqual(done.returncode, 0, done.stderr)
+            self.assertIn("note: " + told + "; all of them were read", done.stderr.replace("\n  ", " "))
+            info = json.loads(self.succeeds("data", "info", "walk.h5", "--json"))
+            self.assertEqual(info["trials"]["walk"]["grids"]["coordinates"]["samples"], 4)
 
     def test_text_where_a_number_belongs(self):
         self.import_fails("walk.mot:9: column 'knee_angle_r': 'abc' is not a number",
@@ -58,8 +64,8 @@ class MotionFile(ProgramTest):
     def test_the_old_data_set_survives_a_failed_import(self):
         self.write("walk.mot", mot())
         self.succeeds("data", "import", "walk.mot", "--out", "walk.h5")
-        self.write("run.mot", mot(announced_rows=9))
-        message = "run.mot:11: the file ends after 4 rows, the header announces 9 rows (line 3)"
+        self.write("run.mot", mot()[:-5])
+        message = "run.mot:11: row has 1 values, the header announces 3 columns"
         self.fails(message, "data", "import", "run.mot", "--out", "walk.h5")
         self.fails(message, "data", "import", "run.mot", "--out", "walk.h5", "--append")
 
@@ -71,8 +77,11 @@ class MarkerFile(ProgramTest):
 
     def test_empty_or_truncated(self):
         self.import_fails("walk.trc: is empty", "")
-        self.import_fails("walk.trc:10: the file ends after 4 frames, the header announces 7 (line 3)",
-                          trc(announced_frames=7))
+        self.write("walk.trc", trc(announced_frames=7))
+        done = self.run_program("data", "import", "walk.trc", "--out", "walk.h5")
+        self.assertEqual(done.returncode, 0, done.stderr)
+        self.assertIn("walk.trc:10: the file ends after 4 frames, the header announces 7 (line 3); all of them were read",
+                      done.stderr.replace("\n  ", " "))
 
     def test_wrong_column_count(self):
         self.import_fails("walk.trc:4: 2 marker names, the header announces 3 (NumMarkers, line 3)",

@@ -99,9 +99,9 @@ TEST_F(ImportTest, MarkersForcesAndAnglesMakeOneTrial) {
 
 TEST_F(ImportTest, TheModelDecidesWhichCoordinatesAreAngles) {
   options_.trial = "walk";
-  options_.is_rotational = [](const std::string& name) -> std::optional<bool> {
-    if (name == "patella") return false;
-    if (name == "knee_angle_r") return true;
+  options_.coordinate_kind = [](const std::string& name) -> std::optional<CoordinateKind> {
+    if (name == "patella") return CoordinateKind::kLength;
+    if (name == "knee_angle_r") return CoordinateKind::kAngle;
     return std::nullopt;
   };
   ASSERT_EQ(ErrorOf(Import({folder_.Write("ik.mot", kAngles)})), "");
@@ -210,6 +210,49 @@ TEST_F(ImportTest, OpenSim4PathsBecomeNames) {
   EXPECT_EQ(At("coordinates", "hip_flexion_r_speed").unit, "rad/s");
   EXPECT_EQ(At("coordinates", "soleus_r_activation").values[0], 0.5);
   EXPECT_EQ(At("coordinates", "soleus_r_length").unit, "m");
+}
+
+// OpenSim converts neither its values nor its unit: it is in rad whatever inDegrees says.
+TEST_F(ImportTest, ACoupledAngleIsNotInDegrees) {
+  const std::string text =
+      "Coordinates\ninDegrees=yes\nendheader\ntime\tknee_angle_r\tknee_angle_r_beta\n0\t90\t1.5\n";
+  for (const bool with_model : {true, false}) {
+    options_.trial = with_model ? "with" : "without";
+    options_.coordinate_kind = {};
+    if (with_model) {
+      options_.coordinate_kind = [](const std::string& name) -> std::optional<CoordinateKind> {
+        return name == "knee_angle_r" ? CoordinateKind::kAngle : CoordinateKind::kCoupledAngle;
+      };
+    }
+    ASSERT_EQ(ErrorOf(Import({folder_.Write("ik.mot", text)})), "");
+    EXPECT_DOUBLE_EQ(At("coordinates", "knee_angle_r").values[0], kPi / 2);
+    EXPECT_EQ(At("coordinates", "knee_angle_r_beta").unit, "rad") << with_model;
+    EXPECT_EQ(At("coordinates", "knee_angle_r_beta").values[0], 1.5);
+  }
+}
+
+TEST_F(ImportTest, WithoutInDegreesAnglesAreRadians) {
+  options_.trial = "walk";
+  const std::string rows = "endheader\ntime\tknee_angle_r\tpelvis_ty\n0\t1.5\t0.9\n";
+  ASSERT_EQ(ErrorOf(Import({folder_.Write("ik.sto", "Coordinates\n" + rows)})), "");
+  EXPECT_EQ(At("coordinates", "knee_angle_r").values[0], 1.5);
+  EXPECT_EQ(At("coordinates", "knee_angle_r").unit, "rad");
+  EXPECT_EQ(At("coordinates", "pelvis_ty").unit, "m");
+  EXPECT_THAT(notes_,
+              ElementsAre(HasSubstr("has no inDegrees: its angles are taken as radians, as OpenSim does")));
+}
+
+// Moments may be named after their joints; and 80 are no radians.
+TEST_F(ImportTest, WithoutInDegreesMomentsAreNoAngles) {
+  options_.trial = "walk";
+  const std::string rows = "endheader\ntime\tknee_angle_r\thip_flexion_r\n0\t1.5\t0.9\n";
+  ASSERT_EQ(ErrorOf(Import({folder_.Write("torques.sto", "x\n" + rows)})), "");
+  EXPECT_EQ(At("torques", "knee_angle_r").unit, "1");
+  options_.append = true;
+  ASSERT_EQ(ErrorOf(Import(
+                {folder_.Write("big.sto", "x\nendheader\ntime\tknee_angle_r\thip_flexion_r\n0\t80\t0.9\n")})),
+            "");
+  EXPECT_EQ(At("big", "knee_angle_r").unit, "1");
 }
 
 TEST_F(ImportTest, DegreesOfFilesWithoutCoordinatesAreNotConverted) {

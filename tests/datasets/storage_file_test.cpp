@@ -78,6 +78,28 @@ TEST(StorageFile, GapsAreNaN) {
   EXPECT_TRUE(std::isnan(storage->columns[1][3]));
 }
 
+// As OpenSim reads them.
+TEST(StorageFile, WrongCountsInTheHeaderAreSaidAndDoNotCount) {
+  const std::string header = "walk\nversion=1\nnRows=2\nnColumns=3\nendheader\n";
+  for (const std::string blank : {"\t", "  "}) {
+    const auto fewer = ParseStorage(header + "time" + blank + "a\n0" + blank + "1\n", "x.mot");
+    ASSERT_TRUE(fewer) << ErrorOf(fewer);
+    EXPECT_THAT(fewer->names, testing::ElementsAre("a"));
+    EXPECT_THAT(fewer->columns[0], testing::ElementsAre(1));
+    EXPECT_THAT(fewer->notes,
+                testing::ElementsAre(
+                    "x.mot:6: 2 column names, the header announces 3 columns (line 4); all of them were read",
+                    "x.mot:7: the file ends after 1 rows, the header announces 2 rows (line 3); all of them "
+                    "were read"));
+  }
+  const auto more = ParseStorage(header + "time\ta\tb b\n0\t1\t2\n1\t3\t4\n2\t5\t6\n", "x.mot");
+  ASSERT_TRUE(more) << ErrorOf(more);
+  EXPECT_THAT(more->names, testing::ElementsAre("a", "b b"));
+  EXPECT_EQ(more->time.size(), 3U);
+  EXPECT_THAT(more->notes,
+              testing::ElementsAre(testing::HasSubstr("ends after 3 rows, the header announces 2")));
+}
+
 TEST(StorageFile, BadFilesAreErrorsWithTheirLine) {
   const std::string header = "walk\nversion=1\nnRows=2\nnColumns=3\nendheader\n";
   const std::pair<std::string, std::string> cases[] = {
@@ -88,7 +110,7 @@ TEST(StorageFile, BadFilesAreErrorsWithTheirLine) {
       {header + "time\ta\tb\n0\t1\t2\n1\t3\n", "x.mot:8: row has 2 values, the header announces 3 columns"},
       {header + "time\ta\tb\n0\t1\t2\n1\t3\t4\t5\n",
        "x.mot:8: row has 4 values, the header announces 3 columns"},
-      {header + "time\ta\n0\t1\n", "x.mot:6: 2 column names, the header announces 3 columns (line 4)"},
+      {header + "time\ta\n0\t1\t2\n", "x.mot:7: row has 3 values, but 2 columns have a name"},
       {header + "time\ta\ta\n0\t1\t2\n", "x.mot:6: the column name 'a' appears twice"},
       {header + "a\ttime\tb\n0\t1\t2\n", "x.mot:6: the first column is 'a', expected time"},
       {header + "time\ta\tb\n0\t1\t2\n1\tabc\t4\n", "x.mot:8: column 'a': 'abc' is not a number"},
@@ -96,10 +118,6 @@ TEST(StorageFile, BadFilesAreErrorsWithTheirLine) {
       {header + "time\ta\tb\n0\t1\t2\n0\t3\t4\n",
        "x.mot:8: time 0 s does not increase, the row before is at 0 s"},
       {header + "time\ta\tb\n0\t1\t2\nnan\t3\t4\n", "x.mot:8: the time is not a number"},
-      {header + "time\ta\tb\n0\t1\t2\n",
-       "x.mot:7: the file ends after 1 rows, the header announces 2 rows (line 3)"},
-      {header + "time\ta\tb\n0\t1\t2\n1\t3\t4\n2\t5\t6\n",
-       "x.mot:9: one row more than the 2 rows that the header announces (line 3)"},
       {"walk\nnRows=two\nendheader\n", "x.mot:2: nrows is 'two', expected a whole number"},
       {"walk\ninDegrees=maybe\nendheader\n", "x.mot:2: inDegrees is 'maybe', expected yes or no"},
       {"DataType=Vec3\nendheader\n", "x.mot:1: DataType 'Vec3' is not supported, expected double"},

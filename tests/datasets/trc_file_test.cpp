@@ -74,6 +74,16 @@ TEST(TrcFile, ARateThatContradictsTheTimesIsReported) {
               ElementsAre("x.trc: DataRate is 60 Hz, but the times have 100 Hz; the times were kept"));
 }
 
+TEST(TrcFile, FewerFramesThanAnnouncedAreSaidAndRead) {
+  const auto trc = ParseTrc(Trc("1\t0.0\t1\t2\t3\t4\t5\t6\n"), "x.trc");
+  ASSERT_TRUE(trc) << ErrorOf(trc);
+  EXPECT_EQ(trc->time.size(), 1U);
+  EXPECT_EQ(trc->markers[0].position.rows(), 1);
+  EXPECT_THAT(trc->notes,
+              ElementsAre("x.trc:7: the file ends after 1 frames, the header announces 2 (line 3); "
+                          "all of them were read"));
+}
+
 TEST(TrcFile, BadFilesAreErrorsWithTheirLine) {
   const std::string frame = "1\t0.0\t1\t2\t3\t4\t5\t6\n";
   auto replaced = [&](const std::string& from, const std::string& to) {
@@ -97,7 +107,6 @@ TEST(TrcFile, BadFilesAreErrorsWithTheirLine) {
        "x.trc:7: row has 6 cells, expected 8: frame, time and 3 for each of 2"},
       {replaced("\t4\t5\t6\n", "\tabc\t5\t6\n"), "x.trc:7: marker 'L Heel': 'abc' is not a number"},
       {replaced("1\t0.0\t", "one\t0.0\t"), "x.trc:7: the frame number is 'one'"},
-      {Trc(frame), "x.trc:7: the file ends after 1 frames, the header announces 2 (line 3)"},
       {Trc(frame + frame, "mm", 1), "x.trc:8: one frame more than the 1 that the header announces"},
       {Trc("1\t0.5\t1\t2\t3\t4\t5\t6\n2\t0.25\t1\t2\t3\t4\t5\t6\n"),
        "x.trc:8: time 0.25 s does not increase, the row before is at 0.5 s"},

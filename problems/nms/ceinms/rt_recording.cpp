@@ -2,11 +2,11 @@
 
 #include <algorithm>
 #include <cmath>
-#include <optional>
 
 #include "base/text.h"
 #include "datasets/io/import.h"
 #include "datasets/io/storage_file.h"
+#include "problems/kit/coordinate_kinds.h"
 
 namespace sinew {
 namespace {
@@ -21,11 +21,7 @@ Status AddAngles(const std::string& file, const CeinmsRtReading& reading, Trial&
                  std::vector<std::string>& notes) {
   ImportOptions options;
   options.trial = "trial";
-  const MultibodyModel& model = reading.grids.model();
-  options.is_rotational = [&model](const std::string& name) -> std::optional<bool> {
-    if (!model.CoordinateIndex(name)) return std::nullopt;  // no coordinate: the reader goes by the name
-    return model.IsRotational(name);
-  };
+  options.coordinate_kind = CoordinateKindsOf(reading.grids.model());
   Dataset data;
   SINEW_TRY(ImportFile(file, options, data, notes));
   const Grid* motion = reading.grids.FindMotion(data.trials["trial"]);

@@ -95,6 +95,9 @@ TEST(ReadOsim, ReadsCouplersLocksAndKindsOfMotion) {
   EXPECT_TRUE(model.IsRotational("knee_angle_r"));
   EXPECT_FALSE(model.IsRotational("pelvis_ty"));
   EXPECT_FALSE(model.IsRotational("knee_angle_r_beta"));
+  EXPECT_TRUE(model.IsAngle("knee_angle_r_beta"));
+  EXPECT_TRUE(model.IsAngle("knee_angle_r"));
+  EXPECT_FALSE(model.IsAngle("pelvis_ty"));
   EXPECT_FALSE(model.IsRotational("no_such_coordinate"));
   EXPECT_TRUE(model.IsDependent(*model.CoordinateIndex("knee_angle_r_beta")));
 }
