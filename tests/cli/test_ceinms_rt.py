@@ -4,6 +4,7 @@
 """
 import os
 import random
+import re
 import shutil
 import unittest
 import xml.etree.ElementTree as ET
@@ -97,6 +98,34 @@ class CeinmsRt(ProgramTest):
         before, made = muscles(WALKING / BEFORE), muscles(self.path("made.xml"))
         for name, values in before.items():
             self.assertEqual(made[name], {**values, "C1": "0", "C2": "0"})
+
+    def test_the_subject_is_written_back_to_the_byte(self):
+        """Nothing but the fitted numbers changes: not C1 and C2, which CEINMS-RT does not use, nor the byte-order mark."""
+        self.imports(WALKING / "Calibration.xml", "--out", "w.h5")
+        self.run_program("identify", "nms", "--data", "w.h5", "--solver", "lm", "--max-evaluations", "5", "--intervals", "linear",
+                         "--quiet", "--out", "run.h5")
+        self.succeeds("data", "subject", "run.h5", "--out", "back.xml")
+        original, back = (WALKING / BEFORE).read_bytes(), self.path("back.xml").read_bytes()
+        self.assertEqual(back[:3] == b"\xef\xbb\xbf", original[:3] == b"\xef\xbb\xbf")
+        fitted = {"shapeFactor", "strengthCoefficient", "tendonSlackLength", "optimalFiberLength"}
+        before, after = muscles(WALKING / BEFORE), muscles(self.path("back.xml"))
+        for name, values in before.items():
+            same = set(values) - (fitted if name in ANKLE else set())
+            self.assertEqual({tag: after[name][tag] for tag in same}, {tag: values[tag] for tag in same})
+
+    def test_without_crop_times_it_is_all_of_the_recording(self):
+        model = self.layout()
+        text = (model / "Calibration.xml").read_text(encoding="utf-8-sig")
+        text = re.sub(r"<cropM(in|ax)TimeFromZero>[^<]*</cropM(in|ax)TimeFromZero>", "", text)
+        # EMD moves the EMG to later times: before that there is none.
+        (model / "Calibration.xml").write_text(re.sub(r"<EMD>[^<]*</EMD>", "<EMD>0</EMD>", text))
+        self.imports(model / "Calibration.xml", "--out", "all.h5")
+        moments = table(WALKING / "walk36" / "id.sto")["time"]
+        with h5py.File(self.path("all.h5")) as file:
+            (name,) = file["trials"]
+            times = file[f"trials/{name}/moments/time"][:]
+        self.assertAlmostEqual(times[0], moments[0], 6)
+        self.assertGreater(times[-1], moments[-1] - 0.1)
 
     def test_lengths_are_those_of_data_muscles(self):
         self.imports(WALKING / "Calibration.xml", "--out", "w.h5")

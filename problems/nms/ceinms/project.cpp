@@ -213,6 +213,8 @@ Result<CeinmsProject> ReadCeinmsProject(const std::string& setup, const std::vec
   project.data.subject = subject.subject.name;
   project.data.source = setup;
   project.data.files["subject.xml"] = subject_text;
+  if (const std::string mark = ByteOrderMarkOf(subject_file); !mark.empty())
+    project.data.files[OriginalSubjectName("subject.xml")] = mark + subject_text;
   project.data.files["nms.yaml"] = SettingsText(calibration);
   project.notes = std::move(calibration.notes);
   for (const Mapping& mapping : mappings) {

@@ -106,6 +106,18 @@ TEST(CeinmsRtCalibration, StepsAndUnknownElementsAreNoted) {
               ElementsAre(HasSubstr("2 steps"), HasSubstr("<speed> is not read"), HasSubstr("annealing")));
 }
 
+TEST(CeinmsRtCalibration, WithoutCropTimesItIsAllOfTheRecording) {
+  const auto read = ReadCeinmsRtCalibration(
+      Replaced(Replaced(kCalibration, "<cropMinTimeFromZero>1</cropMinTimeFromZero>", ""),
+               "<cropMaxTimeFromZero>2.5</cropMaxTimeFromZero>", "<cropMaxTime>2</cropMaxTime>"),
+      "c.xml");
+  ASSERT_TRUE(read) << read.error().message;
+  EXPECT_TRUE(std::isinf(read->trials.front().from_s));
+  EXPECT_LT(read->trials.front().from_s, 0);
+  EXPECT_TRUE(std::isinf(read->trials.front().to_s));
+  EXPECT_THAT(read->notes, testing::Contains(HasSubstr("<cropMaxTime> is not read")));
+}
+
 TEST(CeinmsRtCalibration, WrongFilesGetALine) {
   struct Case {
     std::string from;
@@ -123,8 +135,6 @@ TEST(CeinmsRtCalibration, WrongFilesGetALine) {
            {">2.5<", ">1<", "c.xml:15: trial 'walk': the window 1 to 1 s is none"},
            {">2.5<", ">inf<", "the window 1 to inf s is none"},
            {"<trialName>walk</trialName>", "", "c.xml:15: <trial> has no <trialName>"},
-           {"<cropMinTimeFromZero>1</cropMinTimeFromZero>", "",
-            "c.xml:15: trial 'walk' has no <cropMinTimeFromZero>"},
            {"<directory>cfg/M/data/</directory>", "", "c.xml:14: <trials> has no <directory>"},
            {"<inputSubjectXMLName>before.xml</inputSubjectXMLName>", "",
             "c.xml:8: <calibration> has no <inputSubjectXMLName>"},

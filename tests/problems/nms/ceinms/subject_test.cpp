@@ -160,5 +160,25 @@ TEST(CeinmsSubjectTest, NoBytesBreakIt) {
   }
 }
 
+// What the import changed and no fit touched is that of the file again; the byte-order mark stays.
+TEST(CeinmsSubject, TheOriginalFileIsWrittenBack) {
+  const std::string original = "\xEF\xBB\xBF" + Ceinms();
+  std::vector<SubjectMuscle> muscles = ReadCeinmsSubject(Ceinms(), "s.xml")->subject.muscles;
+  for (SubjectMuscle& muscle : muscles) muscle.c1 = muscle.c2 = 0;
+  Subject imported = ReadCeinmsSubject(Ceinms(), "s.xml")->subject;
+  imported.muscles = muscles;
+  const auto same = WriteOriginalSubject(original, "s.xml", imported, muscles);
+  ASSERT_TRUE(same) << same.error().message;
+  EXPECT_EQ(*same, original);
+  muscles[0].tendon_slack_length = 0.26;
+  EXPECT_EQ(*WriteOriginalSubject(original, "s.xml", imported, muscles),
+            Replaced(original, "<tendonSlackLength>0.25<", "<tendonSlackLength>0.26<"));
+  muscles[0].c1 = -0.3;  // fitted after all
+  muscles[0].c2 = -0.2;
+  EXPECT_THAT(*WriteOriginalSubject(original, "s.xml", imported, muscles),
+              testing::HasSubstr("<c1>-0.3</c1><c2>-0.2</c2>"));
+  EXPECT_EQ(OriginalSubjectName("subject.xml"), "subject.original.xml");
+}
+
 }  // namespace
 }  // namespace sinew
