@@ -53,7 +53,8 @@ Result<DriveSettings> ReadDriveSettings(const YamlReader& yaml) {
   if (yaml.Has("fit")) {
     SINEW_ASSIGN(const YamlReader fit, yaml.At("fit"));
     SINEW_ASSIGN(settings.fit, fit.Texts());
-    for (const std::string& channel : settings.fit) {
+    for (std::string& channel : settings.fit) {
+      if (channel == "force") channel = "torque";  // of a linear axis; `force` and `torque` name the same
       if (std::find(kDriveChannels.begin(), kDriveChannels.end(), channel) != kDriveChannels.end()) continue;
       return FailAt(fit.file(), fit.line(), "fit: channel '{}' does not exist{}", channel,
                     Suggestion(channel, kDriveChannels));

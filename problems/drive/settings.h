@@ -9,7 +9,7 @@
 //       kind: servo            # servo, pid_position or pid_speed
 //       kp: 400                # numbers may also be constants of the data set or conditions of a trial
 //       ki: 0                  #   (which win); ki, kd, control_period and output_limit are for pid_*
-//       kd: 0
+//       kd: 0                  #   kd acts on the change of the error, reference included
 //       control_period: 0.001  # [s]
 //       output: torque         # or voltage
 //       output_limit: 5        # [N*m or V]

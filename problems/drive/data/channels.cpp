@@ -84,7 +84,9 @@ std::string DescribeDriveChannels() {
          "  supply_voltage         V             needed for duty and servos; also a condition or an input\n"
          "  incline_force          N             gravity along a linear axis\n"
          "  pole_pairs             1             of the motor, for cogging\n"
-         "  kp, ki, kd, ...                      of the controller; also conditions of a trial\n"
+         "  kp, ki, kd, ...                      of the controller; also conditions of a trial; kd acts on "
+         "the\n"
+         "                                       change of the error, that of the reference included\n"
          "  inertia, torque_constant, ...        fixes the base parameter of that name\n"
          "files:\n"
          "  drive.yaml                           settings with key `drive` (optional; or give --config)\n";

@@ -63,6 +63,23 @@ TEST(DriveClosedLoop, SampledSpeedControlIsItsRecursion) {
   EXPECT_NEAR(answer.Values("speed")[400], -1, 0.1);  // it settles slowly
 }
 
+// Time stamps that jitter about the ticks must not decide by chance which sample a tick sees.
+TEST(DriveClosedLoop, JitterOfTheTimeStampsChangesNothing) {
+  Bench bench = SpeedControl();
+  bench.settings += ", hold: zero";
+  bench.command = [](double t) { return std::sin(2 * std::lround(100 * t) / 100.0); };
+  const auto exact = BindBench(bench);
+  for (int i = 0; i <= 400; ++i)
+    bench.times.push_back(i / 100.0 + (i > 0 && i % 2 == 0 ? 2e-8 : -2e-8) * (i > 0));
+  const auto jittered = BindBench(bench);
+  const std::map<std::string, double> values{
+      {"inertia", 0.2}, {"viscous_friction", 0.1}, {"gravity_torque", 0}};
+  const auto a = PredictDrive(*exact, DrivePoint(*exact, values));
+  const auto b = PredictDrive(*jittered, DrivePoint(*jittered, values));
+  for (const char* channel : {"speed", "torque"})
+    EXPECT_LT((a.Values(channel) - b.Values(channel)).cwiseAbs().maxCoeff(), 1e-6) << channel;
+}
+
 TEST(DriveClosedLoop, ALateFeedbackIsOneThatWasSeenBefore) {
   Bench bench = SpeedControl();
   bench.command = [](double) { return 1.0; };

@@ -161,6 +161,9 @@ TEST(DriveData, SettingsAreReadStrictly) {
             "drive.yaml:1: fit: channel 'posision' does not exist; did you mean 'position'?");
   EXPECT_EQ(error("hold: zer"), "drive.yaml:1: hold: 'zer' does not exist; did you mean 'zero'?");
   EXPECT_EQ(error("{}"), "");
+  const auto force = ReadDriveSettings(*YamlReader::Parse("fit: [position, force]", "drive.yaml"));
+  ASSERT_TRUE(force) << force.error().message;
+  EXPECT_EQ(force->fit, (std::vector<std::string>{"position", "torque"})) << "they name the same";
 }
 
 TEST(DriveData, AConstantFixesTheParameterOfItsName) {
