@@ -22,6 +22,20 @@ std::pair<double, Eigen::Index> Largest(const Vector& sums, Eigen::Index count, 
   return largest;
 }
 
+// Whether the errors grow by at least a fifth from each quarter to the next. @param sums cumulative
+bool Grows(const Vector& sums) {
+  constexpr int kQuarters = 4;
+  constexpr double kGrowth = 1.2;
+  const Eigen::Index n = sums.size() - 1;
+  double before = 0;
+  for (int q = 0; q < kQuarters; ++q) {
+    const double here = sums[n * (q + 1) / kQuarters] - sums[n * q / kQuarters];
+    if (q > 0 && !(here > kGrowth * before)) return false;
+    before = here;
+  }
+  return true;
+}
+
 }  // namespace
 
 std::vector<Concentration> FindConcentrations(const Layout& layout, const std::vector<Vector>& values) {
@@ -47,15 +61,34 @@ std::vector<Concentration> FindConcentrations(const Layout& layout, const std::v
     };
     const double from = time(first);
     const double to = time(first + count - 1);
-    found.push_back({block.trial, block.channel, 0.5 * (from + to), to - from, most / sums[n]});
+    const bool drift = first + count > n - count && Grows(sums);
+    found.push_back({block.trial, block.channel, 0.5 * (from + to), to - from, most / sums[n], drift, {}});
   }
   std::stable_sort(found.begin(), found.end(),
                    [](const Concentration& a, const Concentration& b) { return a.share > b.share; });
-  return found;
+  std::vector<Concentration> combined;
+  for (Concentration& one : found) {
+    const auto same = std::find_if(combined.begin(), combined.end(),
+                                   [&](const Concentration& c) { return c.drift == one.drift; });
+    if (same == combined.end()) {
+      combined.push_back(std::move(one));
+    } else {
+      same->others.push_back(std::move(one));
+    }
+  }
+  return combined;
 }
 
 Warning ToWarning(const Concentration& c) {
-  return {WarningKind::kErrorConcentration, {c.channel, c.trial}, {c.share, c.width, c.time}, {}};
+  Warning warning{c.drift ? WarningKind::kErrorDrift : WarningKind::kErrorConcentration,
+                  {c.channel, c.trial},
+                  {c.share, c.width, c.time},
+                  {}};
+  for (const Concentration& other : c.others) {
+    warning.names.insert(warning.names.end(), {other.channel, other.trial});
+    warning.numbers.insert(warning.numbers.end(), {other.share, other.width, other.time});
+  }
+  return warning;
 }
 
 }  // namespace sinew

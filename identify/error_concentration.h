@@ -20,14 +20,19 @@ struct Concentration {
   double time = 0;   ///< [s] middle of the stretch
   double width = 0;  ///< [s]
   double share = 0;  ///< of the block's squared errors
+  /// The stretch is the end of the trial, and squared errors grow from each quarter of it to the next: the
+  /// prediction drifts, as an open loop does, and the measurement is not to blame.
+  bool drift = false;
+  std::vector<Concentration> others;  ///< those of other blocks that are told with it
 };
 
-/// The concentrations of all blocks with at least 200 measured samples, the largest share first.
+/// The concentrations of all blocks with at least 200 measured samples: those that drifts explain as one, and
+/// all others as one, each with the largest share first and the rest in `others`.
 /// @param values [layout size][predictions] predicted values
 [[nodiscard]] std::vector<Concentration> FindConcentrations(const Layout& layout,
                                                             const std::vector<Vector>& values);
 
-/// As a warning of an identification or a diagnosis.
+/// As a warning of an identification or a diagnosis: kErrorConcentration, or kErrorDrift.
 [[nodiscard]] Warning ToWarning(const Concentration& concentration);
 
 }  // namespace sinew

@@ -30,6 +30,8 @@ const char* ToString(WarningKind kind) {
       return "no_validation_trial";
     case WarningKind::kErrorConcentration:
       return "error_concentration";
+    case WarningKind::kErrorDrift:
+      return "error_drift";
     case WarningKind::kDataCheck:
       return "data_check";
     case WarningKind::kOther:

@@ -25,7 +25,9 @@ enum class WarningKind {
                     ///< numbers {training trials searched, training trials}
   kNoValidationTrial,  ///< no gain can be measured
   // Of both.
-  kErrorConcentration,  ///< names {channel, trial}; numbers {share, width [s], time [s]}
+  kErrorConcentration,  ///< names {channel, trial}; numbers {share, width [s], time [s]}; then those of
+                        ///< other channels and trials, the same again
+  kErrorDrift,          ///< errors that grow to the end of a trial; the same
   kDataCheck,  ///< of a check of the data: names {kind of the finding, channel, trial}; numbers {from, to
                ///< [s]}; message
   kOther       ///< of the problem or of the data: message; names and numbers, if any, are its facts

@@ -18,6 +18,25 @@ std::string DependentResiduals(const Warning& w) {
       Join(channels, ", "), w.numbers[0]);
 }
 
+// Where the errors are, of one channel and trial and of others that have the same.
+std::string Concentrated(const Warning& w) {
+  constexpr std::size_t kShown = 3;
+  std::string text = fmt::format(
+      "{} of the squared error of {} in trial '{}' lie within {} s around t = {} s", Percent(w.numbers[0]),
+      w.names[0], w.names[1], Readable(w.numbers[1], 2), Readable(w.numbers[2], 3));
+  std::vector<std::string> others;
+  for (std::size_t i = 1; 2 * i + 1 < w.names.size(); ++i)
+    others.push_back(fmt::format("{} in '{}' around {} s", w.names[2 * i], w.names[2 * i + 1],
+                                 Readable(w.numbers[3 * i + 2], 3)));
+  if (others.empty()) return text;
+  if (others.size() > kShown + 1) {
+    const std::size_t more = others.size() - kShown;
+    others.resize(kShown);
+    others.push_back(fmt::format("{} more", more));
+  }
+  return text + "; likewise " + And(others);
+}
+
 std::string HeldFromSteps(const Warning& w) {
   constexpr std::size_t kShown = 4;
   const std::size_t shown = std::min(w.names.size(), kShown);
@@ -79,12 +98,11 @@ std::string Text(const Warning& w, const std::vector<std::vector<std::string>>& 
     case WarningKind::kNoValidationTrial:
       return "there is no validation trial: no gain can be measured, and no cause withdrawn";
     case WarningKind::kErrorConcentration:
-      return fmt::format(
-          "{} of the squared error of {} in trial '{}' lie within {} s around t = {} s: check the "
-          "measurement "
-          "there; a gap is better than a wrong value",
-          Percent(w.numbers[0]), w.names[0], w.names[1], Readable(w.numbers[1], 2),
-          Readable(w.numbers[2], 3));
+      return Concentrated(w) + ": check the measurement there; a gap is better than a wrong value";
+    case WarningKind::kErrorDrift:
+      return Concentrated(w) +
+             ", and errors grow up to there: the prediction drifts, as where nothing feeds the position back "
+             "(open loop) and small errors add up; that is no sign of a wrong measurement";
     case WarningKind::kDataCheck:
     case WarningKind::kOther:
       return w.message;

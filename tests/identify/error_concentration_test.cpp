@@ -44,6 +44,36 @@ TEST(Concentration, OneBadStretchIsFoundWhereItIs) {
   EXPECT_THAT(warning.numbers, ElementsAre(found[0].share, found[0].width, found[0].time));
 }
 
+TEST(Concentration, SeveralAreToldTogether) {
+  Layout layout;
+  std::vector<Vector> values;
+  for (const char* trial : {"a", "b", "c"}) {
+    layout.push_back(toy::MakeBlock(trial, "moment", kSamples, 1));
+    layout.back().measured.assign(kSamples, 0);
+    values.emplace_back(Vector::Constant(layout.back().predictions(), 0.1));
+  }
+  for (int i = 0; i < 30; ++i) {
+    values[0][layout[0].sample[static_cast<std::size_t>(300 + i)]] = 2;
+    values[1][layout[1].sample[static_cast<std::size_t>(600 + i)]] = 5;
+  }
+  // A drift: an event at the end that has grown all the time.
+  for (int i = 0; i < kSamples; ++i)
+    values[2][layout[2].sample[static_cast<std::size_t>(i)]] = std::exp(0.008 * i);
+  const auto found = FindConcentrations(layout, values);
+  ASSERT_EQ(found.size(), 2U);
+  const auto& event = found[found[0].drift ? 1 : 0];
+  const auto& drift = found[found[0].drift ? 0 : 1];
+  EXPECT_EQ(event.trial, "b");
+  ASSERT_EQ(event.others.size(), 1U);
+  EXPECT_EQ(event.others[0].trial, "a");
+  const Warning warning = ToWarning(event);
+  EXPECT_THAT(warning.names, ElementsAre("moment", "b", "moment", "a"));
+  EXPECT_EQ(warning.numbers.size(), 6U);
+  EXPECT_TRUE(drift.drift);
+  EXPECT_EQ(drift.trial, "c");
+  EXPECT_EQ(ToWarning(drift).kind, WarningKind::kErrorDrift);
+}
+
 TEST(Concentration, IsFoundAtTheEndsToo) {
   for (const int begin : {0, kSamples - 30}) {
     const auto found = Found([&](int i) { return i >= begin && i < begin + 30 ? 8.0 : 1.0; });
