@@ -8,7 +8,6 @@
 #include "cli/terminal.h"
 #include "cli/work_options.h"
 #include "datasets/io/dataset_file.h"
-#include "models/multibody/osim_reader.h"
 #include "problems/nms/muscle/muscle_grids.h"
 
 namespace sinew {
@@ -25,15 +24,6 @@ struct MusclesWords {
   WorkOptions work;
 };
 
-// Whether --skip-unsupported would leave out a muscle.
-bool HasUnsupported(const std::string& text, const std::string& name, std::vector<std::string> muscles) {
-  const auto osim = ReadOsim(text, name);
-  const auto all = ListOsimMuscles(text, name);
-  if (!osim || !all) return false;
-  const auto unsupported = ListUnsupportedMuscles(text, name, *osim, muscles.empty() ? *all : muscles);
-  return unsupported && !unsupported->empty();
-}
-
 Result<int> Muscles(const MusclesWords& words) {
   const std::string out = words.out.empty() ? words.path : words.out;
   SINEW_TRY(CheckInPlace(words.path, words.out, {words.model}, words.json));
@@ -43,14 +33,11 @@ Result<int> Muscles(const MusclesWords& words) {
   }
   const auto file = data.files.find("model.osim");
   if (file == data.files.end()) return Fail("{}: holds no model.osim: expected --model M.osim", words.path);
-  const std::string name = words.model.empty() ? words.path + "/files/model.osim" : words.model;
-  auto built = MuscleGrids::Build(file->second, name,
-                                  {words.muscles, words.joints, words.skip_unsupported, "--joints"});
-  if (!built) {
-    const bool helps = !words.skip_unsupported && HasUnsupported(file->second, name, words.muscles);
-    return Fail("{}{}", built.error().message, helps ? "; --skip-unsupported leaves them out" : "");
-  }
-  const MuscleGrids& grids = *built;
+  const std::string model = words.model.empty() ? words.path + "/files/model.osim" : words.model;
+  SINEW_ASSIGN(const MuscleGrids grids,
+               MuscleGrids::Build(file->second, model,
+                                  {words.muscles, words.joints, words.skip_unsupported, "--joints",
+                                   "--skip-unsupported leaves them out"}));
   std::string report;
   for (const UnsupportedMuscle& one : grids.skipped())
     report += fmt::format("left out: {}, for {} is not supported\n", one.muscle, one.part);

@@ -107,6 +107,7 @@ Result<NamedGrid> GridMaker::FromStorage(const std::string& path) {
         "{}: has inDegrees=yes, but its columns are no coordinates; they were not converted", path));
   }
 
+  if (content == StorageContent::kOther && !storage.in_degrees) NoteUndeclaredAngles(path, storage);
   if (content == StorageContent::kCoordinates && !storage.in_degrees) {
     notes_.push_back(
         fmt::format("{}: has no inDegrees: its angles are taken as radians, as OpenSim does", path));
@@ -180,6 +181,19 @@ Result<GridMaker::PlateChannels> GridMaker::FindPlates(const std::string& path,
     NotePlate(path, plate, names);
   }
   return channels;
+}
+
+// A file that would hold coordinates if it said whether they are in degrees.
+void GridMaker::NoteUndeclaredAngles(const std::string& path, const Storage& storage) {
+  Storage declared;
+  declared.title = storage.title;
+  declared.names = storage.names;
+  declared.in_degrees = false;
+  if (ClassifyStorage(declared, Stem(path), options_.coordinate_kind) != StorageContent::kCoordinates) return;
+  notes_.push_back(fmt::format(
+      "{}: its columns are named like coordinates, but it has no inDegrees, and its name or values are "
+      "not those of angles in radians; if they are angles, add inDegrees=yes or inDegrees=no to its header",
+      path));
 }
 
 void GridMaker::NotePlate(const std::string& path, const PlateColumns& plate,

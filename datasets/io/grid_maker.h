@@ -38,6 +38,7 @@ class GridMaker {
   // A plate's columns by their name in the file.
   using PlateChannels = std::map<std::string, ColumnMeaning>;
   Result<PlateChannels> FindPlates(const std::string& path, const std::vector<std::string>& names);
+  void NoteUndeclaredAngles(const std::string& path, const Storage& storage);
   void NotePlate(const std::string& path, const PlateColumns& plate, const std::vector<std::string>& names);
   void NoteUnnamedPlates(const std::string& path, const PlateChannels& plates,
                          const std::vector<std::string>& names);

@@ -15,12 +15,13 @@ const Parameter& ParameterOf(const FitSetup& setup, const ParameterVerdict& verd
   return setup.parameters[static_cast<std::size_t>(verdict.parameter)];
 }
 
-// Digits that tell the ends of an interval apart.
+// Digits that tell the ends of an interval apart: as numbers, for 1.000 and 1.00 are the same.
 int DigitsOf(double lower, double upper) {
   constexpr int kMaxDigits = 12;
   int digits = 3;
   if (lower == upper) return digits;
-  while (digits < kMaxDigits && Readable(lower, digits) == Readable(upper, digits)) ++digits;
+  const auto printed = [&](double value) { return ParseNumber(Readable(value, digits)); };
+  while (digits < kMaxDigits && printed(lower) == printed(upper)) ++digits;
   return digits;
 }
 

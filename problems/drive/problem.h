@@ -78,7 +78,6 @@ class DriveProblem final : public Problem {
   Status PlanTrajectories(bool choose_step);
   /// @param free the base parameters that the plan has found
   void TakeOver(const shooting::Plan& plan, const std::vector<int>& free);
-  [[nodiscard]] std::optional<Warning> OpenLoopDrift(const Vector& parameters) const;
   [[nodiscard]] int IndexOf(int slot, const Segment& segment) const;
   Status PredictSegment(const Segment& segment, const Query& query, Scratch& scratch,
                         Prediction& prediction) const;

@@ -1,12 +1,11 @@
 // How DriveProblem cuts its trials into trajectories, and finds starts by multiple shooting.
 #include <algorithm>
-#include <array>
 #include <cmath>
-#include <functional>
 
 #include "base/text.h"
 #include "identify/fit_quality.h"
 #include "identify/shooting/trajectory_plan.h"
+#include "problems/drive/open_loop_drift.h"
 #include "problems/drive/problem.h"
 #include "problems/drive/windows.h"
 
@@ -98,48 +97,11 @@ std::optional<Vector> DriveProblem::ImprovedStart(const std::vector<int>& free,
   return improved;
 }
 
-// Positions of an open loop on torque that the prediction leaves: whose squared errors grow from each quarter
-// of the trial to the next, and are at least ten times as large in the last one as in the first.
-std::optional<Warning> DriveProblem::OpenLoopDrift(const Vector& parameters) const {
-  constexpr double kLeastGrowth = 10;
-  constexpr int kQuarters = 4;
-  if (data_.command.input != DriveInput::kTorque) return {};
-  const auto predicted = PredictAll(*this, parameters);
-  if (!predicted) return {};
-  std::vector<std::string> trials;
-  double most = 0;
-  for (std::size_t b = 0; b < data_.layout.size(); ++b) {
-    const Block& block = data_.layout[b];
-    const std::size_t n = block.measured.size();
-    if (block.role == BlockRole::kPredicted || data_.blocks[b].channel != 0 || n < 10 * kQuarters) continue;
-    std::array<double, kQuarters> squares{};
-    for (std::size_t i = 0; i < n; ++i)
-      squares[i * kQuarters / n] += std::pow(predicted->values[b][block.sample[i]] - block.measured[i], 2);
-    const bool grows =
-        std::adjacent_find(squares.begin(), squares.end(), std::greater_equal<>()) == squares.end();
-    if (!grows || squares.back() < kLeastGrowth * squares.front()) continue;
-    trials.push_back(block.trial);
-    most = std::max(most, std::sqrt(squares.back() / squares.front()));
-  }
-  if (trials.empty()) return {};
-  const char* input = data_.traits.rotary ? "torque" : "force";
-  constexpr std::size_t kShown = 4;
-  std::vector<std::string> shown(
-      trials.begin(), trials.begin() + static_cast<std::ptrdiff_t>(std::min(trials.size(), kShown)));
-  if (trials.size() > kShown) shown.push_back(fmt::format("{} more", trials.size() - kShown));
-  return Warning{
-      WarningKind::kOther, trials, std::vector<double>(trials.size(), most),
-      fmt::format(
-          "open loop on {0}: nothing feeds the position back, so that errors of the {0} and of the start "
-          "add up in it. The error grows up to {1:.1f} times from the first to the last quarter of trial{2} "
-          "{3}; shorter trials, the reference and the controller in place of the {0}, or a fitted offset "
-          "of the {0} help",
-          input, most, trials.size() == 1 ? "" : "s", Join(shown, ", "))};
-}
-
 std::vector<Warning> DriveProblem::WarningsAt(const Vector& parameters) const {
   std::vector<Warning> warnings;
-  if (auto drift = OpenLoopDrift(parameters)) warnings.push_back(std::move(*drift));
+  if (const auto predicted = PredictAll(*this, parameters)) {
+    if (auto drift = OpenLoopDrift(data_, predicted->values)) warnings.push_back(std::move(*drift));
+  }
   for (std::size_t r = 0; r < data_.runs.size(); ++r) {
     const std::size_t count = first_segment_[r + 1] - first_segment_[r];
     if (count == 1) continue;

@@ -217,7 +217,8 @@ TEST_F(ImportTest, ACoupledAngleIsNotInDegrees) {
   const std::string text =
       "Coordinates\ninDegrees=yes\nendheader\ntime\tknee_angle_r\tknee_angle_r_beta\n0\t90\t1.5\n";
   for (const bool with_model : {true, false}) {
-    options_.trial = with_model ? "with" : "without";
+    options_.trial = "walk";
+    dataset_ = {};
     options_.coordinate_kind = {};
     if (with_model) {
       options_.coordinate_kind = [](const std::string& name) -> std::optional<CoordinateKind> {
@@ -253,6 +254,9 @@ TEST_F(ImportTest, WithoutInDegreesMomentsAreNoAngles) {
                 {folder_.Write("big.sto", "x\nendheader\ntime\tknee_angle_r\thip_flexion_r\n0\t80\t0.9\n")})),
             "");
   EXPECT_EQ(At("big", "knee_angle_r").unit, "1");
+  EXPECT_THAT(notes_,
+              testing::Contains(HasSubstr("big.sto: its columns are named like coordinates, but it has no "
+                                          "inDegrees")));
 }
 
 TEST_F(ImportTest, DegreesOfFilesWithoutCoordinatesAreNotConverted) {

@@ -80,7 +80,7 @@ Result<MuscleGrids> MuscleGrids::Build(const std::string& text, const std::strin
   SINEW_ASSIGN(const OsimModel osim, ReadOsim(text, name));
   SINEW_ASSIGN(MultibodyModel built, MultibodyModel::Build(osim));
   auto model = std::make_unique<const MultibodyModel>(std::move(built));
-  auto& [muscles, joints, skip_unsupported, asked_by] = request;
+  auto& [muscles, joints, skip_unsupported, asked_by, remedy] = request;
   const bool every_joint = joints == std::vector<std::string>{"all"};
   std::vector<int> indices;
   if (!every_joint) {
@@ -99,7 +99,13 @@ Result<MuscleGrids> MuscleGrids::Build(const std::string& text, const std::strin
       return Fail("{}: none of the muscles is supported, such as '{}' with {}", name, skipped.front().muscle,
                   skipped.front().part);
   }
-  SINEW_ASSIGN(const auto paths, ReadOsimMuscles(text, name, osim, muscles));
+  const auto read = ReadOsimMuscles(text, name, osim, muscles);
+  if (!read && !remedy.empty()) {
+    SINEW_ASSIGN(const auto unsupported, ListUnsupportedMuscles(text, name, osim, muscles));
+    if (!unsupported.empty()) return Fail("{}; {}", read.error().message, remedy);
+  }
+  if (!read) return tl::unexpected(read.error());
+  const std::vector<OsimMusclePath>& paths = *read;
   SINEW_ASSIGN(MuscleGeometry geometry, MuscleGeometry::Build(*model, paths));
   if (every_joint) {
     SINEW_ASSIGN(indices, FindMovedJoints(*model, geometry));

@@ -21,6 +21,7 @@ struct MuscleGridsRequest {
   std::vector<std::string> joints;
   bool skip_unsupported = false;  ///< leaves out muscles with parts that are not supported
   std::string asked_by;           ///< who named the joints, for messages
+  std::string remedy = {};        ///< what to do about muscles that are not supported, for messages
 };
 
 class MuscleGrids {

@@ -141,6 +141,11 @@ Lines EveryWarning() {
                 {WarningKind::kCrossValidated, {}, {4, 12}, {}},
                 {WarningKind::kNoValidationTrial, {}, {}, {}},
                 {WarningKind::kErrorConcentration, {"moment", "walk"}, {0.423, 0.1, 3.21}, {}},
+                {WarningKind::kErrorConcentration,
+                 {"moment", "walk", "moment", "run", "force", "walk"},
+                 {0.423, 0.1, 3.21, 0.4, 0.1, 2, 0.3, 0.1, 1},
+                 {}},
+                {WarningKind::kErrorDrift, {"position", "swing"}, {0.423, 0.1, 3.21}, {}},
                 {WarningKind::kOther, {}, {}, "a sole of the data is not fitted", "step 1 (a)"}};
   return Warnings(d);
 }

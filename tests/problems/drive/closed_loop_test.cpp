@@ -63,6 +63,32 @@ TEST(DriveClosedLoop, SampledSpeedControlIsItsRecursion) {
   EXPECT_NEAR(answer.Values("speed")[400], -1, 0.1);  // it settles slowly
 }
 
+// A free joint under a torque that is a little wrong: the position leaves, and that is said.
+TEST(DriveOpenLoop, ADriftIsSaid) {
+  Bench bench;
+  bench.command = [](double t) { return std::sin(3 * t); };
+  Dataset data = BenchData(bench);
+  Grid& grid = data.trials["swing"].grids["joint"];
+  const auto measure = [&](double offset) {
+    for (std::size_t i = 0; i < grid.time.size(); ++i) {
+      const double t = grid.time[i];  // of an inertia of 0.5
+      grid.channels["position"].values[i] = (t / 3 - std::sin(3 * t) / 9) / 0.5 + 0.5 * offset / 0.5 * t * t;
+    }
+    const auto problem = BindDriveData(data);
+    EXPECT_TRUE(problem) << problem.error().message;
+    const Vector at =
+        DrivePoint(**problem, {{"inertia", 0.5}, {"viscous_friction", 0}, {"gravity_torque", 0}});
+    std::vector<std::string> told;
+    for (const Warning& warning : (*problem)->WarningsAt(at)) told.push_back(warning.message);
+    return told;
+  };
+  EXPECT_TRUE(measure(0).empty());
+  const auto told = measure(0.05);
+  ASSERT_EQ(told.size(), 1U);
+  EXPECT_NE(told[0].find("open loop on torque"), std::string::npos) << told[0];
+  EXPECT_NE(told[0].find("(trial swing)"), std::string::npos) << told[0];
+}
+
 // Time stamps that jitter about the ticks must not decide by chance which sample a tick sees.
 TEST(DriveClosedLoop, JitterOfTheTimeStampsChangesNothing) {
   Bench bench = SpeedControl();
