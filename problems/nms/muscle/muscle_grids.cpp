@@ -42,7 +42,8 @@ Result<std::vector<int>> FindMovedJoints(const MultibodyModel& model, const Musc
     Vector pose = model.default_values();
     for (const int c : angles) {
       const double room = model.coordinate(c).upper - model.coordinate(c).lower;
-      if (share > 0 && std::isfinite(room)) pose[c] = model.coordinate(c).lower + share * room;
+      if (share > 0)
+        pose[c] = std::isfinite(room) ? model.coordinate(c).lower + share * room : pose[c] + share;  // [rad]
     }
     const auto state = muscles.At(pose, Vector::Zero(count), angles);
     if (!state && share > 0) continue;  // not every pose needs to be possible
