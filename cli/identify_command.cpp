@@ -103,9 +103,10 @@ std::string Headline(const Identification& identification) {
     intervals += step.interval_seconds;
     evaluations += step.evaluations;
   }
-  return fmt::format("{}  {} evaluations  {} and {} for intervals   {}: {}", identification.solver,
-                     evaluations, Duration(solving), Duration(intervals),
-                     result.stop.converged() ? "converged" : "NOT converged", result.stop.test);
+  const std::string after = intervals > 0 ? ", intervals " + Duration(intervals) : "";
+  return fmt::format("{}  {} evaluations  {}{}   {}: {}", identification.solver, evaluations,
+                     Duration(solving), after, result.stop.converged() ? "converged" : "NOT converged",
+                     result.stop.test);
 }
 
 void PrintFindings(const IdentifyWords& words, const Binding& binding, const Identification& identification) {

@@ -178,7 +178,6 @@ Result<Hdf5Node> RunTree(const Problem& problem, const Identification& identific
   run.attributes["failures"] = static_cast<std::int64_t>(identification.failures);
   run.attributes["iterations"] = std::int64_t{result.iterations};
   run.attributes["seconds"] = identification.seconds;
-  run.attributes["interval_seconds"] = identification.interval_seconds;
   run.attributes["cost"] = result.cost;
   run.attributes["objective"] = problem.objective();
   files::WriteSentences(text::Findings(identification), identification.warnings,

@@ -39,7 +39,6 @@ Json FromRun(const Problem& problem, const Identification& identification, const
   json["converged"] = identification.result.stop.converged();
   json["evaluations"] = identification.trace.size();
   json["seconds"] = identification.seconds;
-  json["interval_seconds"] = identification.interval_seconds;
   json["cost"] = Finite(identification.result.cost);
   json["objective"] = problem.objective();
   json["figures"] = Json::array();

@@ -104,10 +104,29 @@ class CeinmsProject(ProgramTest):
     def test_a_calibration_is_one_import_away(self):
         self.run_program("data", "ceinms", EXAMPLE / "csetup_stiff.xml", "--validate", EXAMPLE / "trial3" / "trial3.xml", "--out",
                          "project.h5")
-        self.succeeds("identify", "nms", "--data", "project.h5", "--solver", "lm", "--quiet", "--out", "run.h5")
+        said = self.succeeds("identify", "nms", "--data", "project.h5", "--solver", "lm", "--intervals", "linear", "--quiet",
+                             "--out", "run.h5", "--json", "run.json").replace("\n    ", " ")
+        found = json.loads(self.path("run.json").read_text())
         with h5py.File(self.path("run.h5")) as run:
             self.assertEqual(len(run["uncertainty/name"]), 50)
-            self.assertLess(2 * run["run"].attrs["cost"], 2.5e-6)
+            f = 2 * run["run"].attrs["cost"]
+            self.assertLess(f, 2.5e-6)
+            self.assertEqual(len(run["derived/name"]), 22)
+            self.assertAlmostEqual(run["figures/value"][0] / f, 1, 9)
+        # What a user of CEINMS looks for: the objective, f, C1 and C2, who is in a group.
+        self.assertRegex(said, r"cost \S+: half the sum over trials and joints of the mean squared error")
+        self.assertRegex(said, r"CEINMS's f \S+: sum over fitted trials and joints")
+        self.assertRegex(said, r"evaluations \S+ m?s, intervals \S+ m?s converged")
+        self.assertIn("group_4.strength: shared by med_gas_r and lat_gas_r.", said)
+        self.assertRegex(said, r"soleus_r.C1 = -0.42\d* \(95 % interval \S+ to \S+\): derived from soleus_r.filter_mean and "
+                               r"soleus_r.filter_spread.")
+        c2 = next(d for d in found["derived"] if d["name"] == "soleus_r.C2")
+        self.assertAlmostEqual(c2["value"], -0.67, 2)
+        self.assertTrue(c2["ci95"][0] < c2["value"] < c2["ci95"][1])
+        self.assertEqual(found["figures"][0]["name"], "CEINMS's f")
+        members = {p["name"]: p["shared_by"] for p in found["parameters"]}
+        self.assertEqual(members["group_4.strength"], ["med_gas_r", "lat_gas_r"])
+        self.assertEqual(members["soleus_r.strength"], [])
 
     def test_an_execution_is_imported_too(self):
         done = self.run_program("data", "ceinms", EXAMPLE / "setup_true_equilibriumElastic_1.xml", "--out", "one.h5")
