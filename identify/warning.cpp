@@ -28,6 +28,8 @@ const char* ToString(WarningKind kind) {
       return "cross_validated";
     case WarningKind::kNoValidationTrial:
       return "no_validation_trial";
+    case WarningKind::kFreeTermExplainsMore:
+      return "free_term_explains_more";
     case WarningKind::kErrorConcentration:
       return "error_concentration";
     case WarningKind::kErrorDrift:

@@ -23,7 +23,9 @@ enum class WarningKind {
   kNoiseAbsorbsMisfit,  ///< residuals count as independent, since a noise model would replace the model
   kCrossValidated,  ///< causes chosen by the prediction of trials left out of the fit (Diagnosis::left_out):
                     ///< numbers {training trials searched, training trials}
-  kNoValidationTrial,  ///< no gain can be measured
+  kNoValidationTrial,     ///< no gain can be measured
+  kFreeTermExplainsMore,  ///< than the causes, so that these are not its explanation: names {term}; numbers
+                          ///< {by the term, by the causes: predicted delta LR less the price of each}
   // Of both.
   kErrorConcentration,  ///< names {channel, trial}; numbers {share, width [s], time [s]}; then those of
                         ///< other channels and trials, the same again

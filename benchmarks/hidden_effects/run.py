@@ -156,7 +156,7 @@ def study_parser(about, detector):
     """The command-line arguments of a study whose cases the program itself synthesizes."""
     parser = argparse.ArgumentParser(description=about.splitlines()[0])
     parser.add_argument("--sinew", type=Path)
-    parser.add_argument("--kind", type=words, default=["none", "single"], help="of none,single,outsider")
+    parser.add_argument("--kind", type=words, default=["none", "single"], help="of none,single,outsider; for the muscles also further")
     parser.add_argument("--cases", type=int, default=100, help="per kind and size")
     parser.add_argument("--sizes", type=numbers, default=[2.0], help=f"in units of what {detector} just detects")
     parser.add_argument("--effect", action="append", default=[], help="hide this one instead of drawing")

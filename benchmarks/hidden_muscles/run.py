@@ -6,7 +6,7 @@ known here and nowhere in the file; `sinew diagnose nms` sees the data only. A s
 the change of what the fitted model leaves over, by the effect and without noise, taken off the span of the base parameters,
 has norm 3.605 times the noise (see ../hidden_effects/README.md, whose counts these are).
 
-usage: run.py --sinew PATH [--kind none,single,outsider] [--cases 100] [--sizes 1,2,3] [--jobs 2] [--first-seed 1]
+usage: run.py --sinew PATH [--kind none,single,outsider,further] [--cases 100] [--sizes 1,2,3] [--jobs 2] [--first-seed 1]
               [--out results.json]        run.py --merge results.json...
 """
 import importlib.util
@@ -63,6 +63,8 @@ EFFECTS = {
     CHANNEL + ".low_pass": ({CHANNEL + ".low_pass": 0.002}, False),
 }
 OUTSIDERS = {"ripple": 0.5, "tension_curve": 10, "tremor": 0.5, "soleus_fades": 0.005, "loose_electrode": 0.02}
+# Added after the rules of the diagnosis had been chosen.
+FURTHER_OUTSIDERS = {"bent_arms": 0.01, "directional_force": 0.01}
 
 
 class Sizing:
@@ -134,8 +136,9 @@ class Sizing:
 def parameters_of(effect, amplitude):
     if effect is None:
         return {}
-    if effect in OUTSIDERS:
-        return {effect: amplitude * OUTSIDERS[effect]}
+    outsiders = {**OUTSIDERS, **FURTHER_OUTSIDERS}
+    if effect in outsiders:
+        return {effect: amplitude * outsiders[effect]}
     null = 1.0 if effect.endswith(".gain") else 0.0
     return {name: null + amplitude * unit for name, unit in EFFECTS[effect][0].items()}
 
@@ -161,8 +164,9 @@ def correlations(options):
 
 
 def study(options, kind, size, seed):
-    case = {"kind": kind, "size": size, "noise": "white", "seed": seed}
-    own = random.Random(1000003 * seed + int(100 * size) + {"none": 0, "single": 1, "outsider": 2}[kind])
+    case = {"kind": "outsider" if kind == "further" else kind, "size": size, "noise": "white", "seed": seed}
+    own = random.Random(1000003 * seed + int(100 * size) + {"none": 0, "single": 1, "outsider": 2, "further": 3}[kind])
+    drawn = {"none": {}, "single": EFFECTS, "outsider": OUTSIDERS, "further": FURTHER_OUTSIDERS}[kind]
     with tempfile.TemporaryDirectory(prefix="hidden_muscles_") as folder:
         folder = Path(folder)
         sizing = Sizing(options.sinew, folder, seed)
@@ -170,7 +174,7 @@ def study(options, kind, size, seed):
             sizing.prepare()
         effect, amplitude = None, 0
         while kind != "none":
-            effect = own.choice(options.effect or sorted(EFFECTS if kind == "single" else OUTSIDERS))
+            effect = own.choice(options.effect or sorted(drawn))
             sign = own.choice([-1, 1]) if kind == "single" and EFFECTS[effect][1] else 1
             try:
                 amplitude = sizing.amplitude(effect, size, sign)

@@ -263,6 +263,13 @@ class DiagnosisRun {
       out_.verdict = alone ? DiagnosisVerdict::kExplained : DiagnosisVerdict::kAmbiguous;
     }
     out_.family_p_value = selection.family_p_value;
+    if (selection.better_term && !out_.causes.empty()) {
+      const FreeTermComparison& found = *selection.better_term;
+      out_.warnings.push_back({WarningKind::kFreeTermExplainsMore,
+                               {found.best.name},
+                               {found.best.explained - found.best_price, found.named - found.price},
+                               {}});
+    }
     if (selection.cross_validated) {
       out_.left_out = selection.left_out;
       out_.warnings.push_back(

@@ -97,6 +97,11 @@ std::string Text(const Warning& w, const std::vector<std::vector<std::string>>& 
       return CrossValidated(w, left_out);
     case WarningKind::kNoValidationTrial:
       return "there is no validation trial: no gain can be measured, and no cause withdrawn";
+    case WarningKind::kFreeTermExplainsMore:
+      return fmt::format(
+          "a free curve or change, {}, explains the error better than the named causes (delta LR less the "
+          "price of its parameters {} against {}): they resemble the cause, which may not be in the library",
+          w.names[0], Readable(w.numbers[0], 3), Readable(w.numbers[1], 3));
     case WarningKind::kErrorConcentration:
       return Concentrated(w) + ": check the measurement there; a gap is better than a wrong value";
     case WarningKind::kErrorDrift:

@@ -44,6 +44,9 @@ constexpr Outsider kNmsOutsiders[] = {
     {"tremor", "N*m", "moment that is a sine of time, 5 Hz"},
     {"soleus_fades", "1/s", "the EMG of one muscle alone loses this share per second"},
     {"loose_electrode", "1", "the EMG of one muscle alone loses this share half-way"},
+    {"bent_arms", "m/rad2", "moment arms that grow with the square of the angle from its middle"},
+    {"directional_force", "1",
+     "share by which muscles pull more while the angle grows, and less while it falls"},
 };
 
 // Effects of the problem that the study can contain; those of a trial alone are left out, but for the

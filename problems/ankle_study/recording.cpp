@@ -13,9 +13,11 @@ namespace {
 
 using Values = std::map<std::string, double>;
 
-constexpr double kMargin = 0.5;          // [s] of EMG before and after the moments
-constexpr double kExcitationRate = 200;  // [Hz]
-constexpr std::size_t kFine = 10;        // fine frames per recorded one
+constexpr double kMargin = 0.5;                   // [s] of EMG before and after the moments
+constexpr double kExcitationRate = 200;           // [Hz]
+constexpr std::size_t kFine = 10;                 // fine frames per recorded one
+constexpr double kMiddle = -7.5 * kPi / 180;      // [rad] of the range of the angle
+constexpr double kSlow = 0.03 * 120 * kPi / 180;  // [rad/s] below which the direction counts in part
 
 double At(const std::vector<double>& values, double first, double rate, double time) {
   const double place = std::clamp((time - first) * rate, 0.0, static_cast<double>(values.size() - 1));
@@ -186,7 +188,9 @@ class Recording {
       if (!status) return Fail("{}, {}: {}", name_, muscle.name, status.error().message);
       for (std::size_t i = 0; i < frames; ++i) {
         const double arm = MomentArm(muscle, motion[i].angle);
-        moment[i] += (arm + truth_.OfJoint("arm_offset")) * trace.tendon_force[i];
+        const double bent = truth_.Effect("bent_arms") * std::pow(motion[i].angle - kMiddle, 2);
+        const double way = truth_.Effect("directional_force") * std::tanh(motion[i].velocity / kSlow);
+        moment[i] += (arm + truth_.OfJoint("arm_offset") + bent) * (1 + way) * trace.tendon_force[i];
         (arm > 0 ? pull_plus : pull_minus)[i] += trace.activation[i] / (muscle.arm[0] > 0 ? 2 : 5);
       }
     }
@@ -206,20 +210,18 @@ class Recording {
   void AddMoments(const std::vector<double>& times, const std::vector<StudyMotion::At>& motion,
                   const std::vector<double>& pull_plus, const std::vector<double>& pull_minus,
                   std::vector<double>& moment) const {
-    const double middle = -7.5 * kPi / 180;
-    const double slow = 0.03 * 120 * kPi / 180;
     for (std::size_t i = 0; i < moment.size(); ++i) {
       const auto& at = motion[i];
-      moment[i] += -truth_.OfJoint("passive_stiffness") * (at.angle - middle) -
+      moment[i] += -truth_.OfJoint("passive_stiffness") * (at.angle - kMiddle) -
                    truth_.OfJoint("joint_damping") * at.velocity +
                    truth_.OfJoint("inertial_moment") * at.acceleration +
                    truth_.OfJoint("weight_sine") * std::sin(at.angle) +
                    truth_.OfJoint("weight_cosine") * std::cos(at.angle) -
-                   truth_.OfJoint("machine_friction") * std::tanh(at.velocity / slow) +
+                   truth_.OfJoint("machine_friction") * std::tanh(at.velocity / kSlow) +
                    truth_.OfJoint("missing_muscle_plus") * pull_plus[i] -
                    truth_.OfJoint("missing_muscle_minus") * pull_minus[i];
       moment[i] += truth_.Effect("ripple") * std::sin(40 * at.angle) +
-                   truth_.Effect("tension_curve") * std::pow(at.angle - middle, 3) +
+                   truth_.Effect("tension_curve") * std::pow(at.angle - kMiddle, 3) +
                    truth_.Effect("tremor") * std::sin(10 * kPi * times[i]);
     }
   }

@@ -90,6 +90,7 @@ class Selector {
     }
     SINEW_ASSIGN(scored, ScoreModel(problem_, candidates_, cache_.at(chosen), kFurtherLevel, options_.seed));
     selection.model = cache_.at(chosen);
+    SINEW_TRY(CompareWithFree(chosen, scored, selection));
     FindRemainingStructure(scored, chosen.empty(), selection);
     return selection;
   }
@@ -433,6 +434,14 @@ class Selector {
     return first != nullptr && second != nullptr ? base_.whitened.Correlation(*first, *second) : 0;
   }
 
+  Status CompareWithFree(const Set& chosen, const ScoredModel& scored, Selection& selection) const {
+    if (chosen.empty() || base_.refit.noise_absorbs_misfit) return {};
+    SINEW_ASSIGN(const FreeTermComparison found,
+                 CompareWithFreeTerms(problem_, candidates_, base_, scored, chosen));
+    if (found.FreeTermIsBetter()) selection.better_term = found;
+    return {};
+  }
+
   void FindRemainingStructure(const ScoredModel& scored, bool nothing_chosen, Selection& selection) const {
     std::vector<std::pair<double, int>> unknown;
     double smallest = 1;
@@ -447,7 +456,8 @@ class Selector {
       return scored.BestOf(a.second)->statistic > scored.BestOf(b.second)->statistic;
     });
     selection.line_left = scored.AlarmPValue() < smallest && scored.AlarmPValue() <= kFurtherLevel;
-    selection.structure_left = nothing_chosen || smallest <= kFurtherLevel || selection.line_left;
+    selection.structure_left =
+        nothing_chosen || smallest <= kFurtherLevel || selection.line_left || selection.better_term;
     for (const auto& [p, c] : unknown) {
       if (!selection.structure_left || (p > options_.alarm_level && !selection.unknown.empty())) break;
       if (std::count(selection.unknown.begin(), selection.unknown.end(), c) > 0) continue;

@@ -2,11 +2,13 @@
 // distinguish from them.
 #pragma once
 
+#include <optional>
 #include <string>
 #include <vector>
 
 #include "identify/diagnosis/diagnosis.h"
 #include "identify/diagnosis/score/scored_model.h"
+#include "identify/diagnosis/select/free_terms.h"
 
 namespace sinew::diagnosis {
 
@@ -43,6 +45,8 @@ struct Selection {
   Refit model;                  ///< with all causes; the base model if there are none
   bool structure_left = false;  ///< an error remains that no known candidate explains
   bool line_left = false;       ///< the remaining residual has a spectral line
+  /// A term that stands for no cause, if it explains the error better than the causes.
+  std::optional<FreeTermComparison> better_term;
   std::vector<int>
       unknown;  ///< discrepancy terms that are significant in the remaining residual, most significant first
   std::vector<double> unknown_p_value;
@@ -64,7 +68,10 @@ struct Selection {
 /// 5. Rivals: every cause is replaced by each candidate that could explain the same, and pairs by pairs. A
 /// rival that fits better replaces the cause, at most 8 times; one whose penalised deviance is within
 /// SetWidth is reported as an alternative.
-/// 6. The scores of the final model: what remains is reported in structure_left, line_left and unknown.
+/// 6. The causes together must explain the error at least as well as the best free term, each at its price
+/// (CompareWithFreeTerms). If not, they are kept as what resembles the error most, with better_term and
+/// structure_left set: the error is not explained.
+/// 7. The scores of the final model: what remains is reported in structure_left, line_left and unknown.
 ///
 /// @param problem the problem, of which only training trials are used
 /// @param refitter fits all models that are compared; its candidates must be `candidates`

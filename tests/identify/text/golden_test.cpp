@@ -140,6 +140,7 @@ Lines EveryWarning() {
                 {WarningKind::kCrossValidated, {}, {4, 4}, {}},
                 {WarningKind::kCrossValidated, {}, {4, 12}, {}},
                 {WarningKind::kNoValidationTrial, {}, {}, {}},
+                {WarningKind::kFreeTermExplainsMore, {"moment(angle)"}, {61.23, 55.5}, {}},
                 {WarningKind::kErrorConcentration, {"moment", "walk"}, {0.423, 0.1, 3.21}, {}},
                 {WarningKind::kErrorConcentration,
                  {"moment", "walk", "moment", "run", "force", "walk"},
