@@ -1,5 +1,6 @@
 """Truths and data of the coverage study: one function per problem, by seed. Nothing here is seen by the fit but the data."""
 import re
+import sys
 from dataclasses import dataclass, field
 from pathlib import Path
 
@@ -7,22 +8,11 @@ import h5py
 import numpy as np
 
 ROOT = Path(__file__).resolve().parents[2]
+sys.path += [str(ROOT / "benchmarks"), str(ROOT / "benchmarks" / "starts")]
+from ceinms_truths import draw  # noqa: E402
+from contact_coverage import SETTINGS  # noqa: E402
+
 CEINMS = ROOT.parent / "shared" / "data" / "ceinms_example"
-
-CONTACT = """
-contact:
-  objective: likelihood
-  fit: [force_x, force_y, force_z]
-  regions:
-    - {name: right_sole, body: calcn_r, plate: right, position: [0.02, -0.04519, 0.0],
-       mesh: {box: {size: [0.16, 0.02, 0.09], strips: [24, 14]}}}
-    - {name: left_sole, body: calcn_l, plate: left, position: [0.02, -0.04519, 0.0],
-       mesh: {box: {size: [0.16, 0.02, 0.09], strips: [24, 14]}}}
-  parameters:
-    stiffness: {lower: 1.0e4, upper: 1.0e7, start: 1.0e5}
-    dissipation: {lower: 0, upper: 600, start: 10}
-"""
-
 
 @dataclass
 class Case:
@@ -61,7 +51,7 @@ def contact(name, seed, folder, sinew, options):
     truth["dynamic_friction"] = truth["static_friction"] * random.uniform(0.5, 0.9)
     truth["viscous_friction"] = random.uniform(0.3, 1.0)
     data, settings = folder / "data.h5", folder / "contact.yaml"
-    settings.write_text(CONTACT)
+    settings.write_text(SETTINGS)
     synthesize(sinew, "contact", seed, data, {**truth, "slip": 0.2, "marker_noise": 0.0, "force_noise": 0.9})
     sinew("data", "kinematics", data, "--quiet")
     return Case("contact", data, truth, ["--config", settings], count(data, "plates/.*force_.*|.*/channels/.*force_.*"))
@@ -102,20 +92,6 @@ def nms_study(name, seed, folder, sinew, options):
     return Case("nms", data, truth, [], count(data, "moments/channels/.*"))
 
 
-def draw_ceinms(bounds, random):
-    """Every parameter uniform in its range; those of the filter from C1 and C2, each uniform in the range of the mean."""
-    truth = {}
-    for name, (lower, upper) in bounds.items():
-        if name.endswith(".filter_mean"):
-            c1, c2 = random.uniform(lower, upper, 2)
-            mean = (c1 + c2) / 2
-            truth[name] = mean
-            truth[name.replace("mean", "spread")] = ((c1 - c2) / 2 / (1 + mean)) ** 2
-        elif not name.endswith(".filter_spread"):
-            truth[name] = random.uniform(lower, upper)
-    return truth
-
-
 def import_ceinms(folder, tendon, sinew, options):
     """The project as a data set, and the ranges of its parameters; made once."""
     if tendon in options.projects:
@@ -143,7 +119,7 @@ def ceinms(name, seed, folder, sinew, options):
     random = np.random.default_rng([20, int(float(noise) * 1000), seed])
     simulated, case = folder / "simulated.h5", folder / "case.h5"
     for _ in range(20):  # some drawn tendons have no equilibrium
-        truth = draw_ceinms(bounds, random)
+        truth = draw(bounds, random)
         sets = [word for key, value in truth.items() for word in ("--set", f"{key}={value:.17g}")]
         try:
             sinew("simulate", "nms", "--data", project, *sets, "--out", simulated)

@@ -5,7 +5,7 @@ Every copy has one fault of a random kind, place and size. A fault counts as fou
 have names its channel (or the channel that it was compared with, or its grid, of a clock), its trial, and, of a
 fault that is a part of a trial, its time. Sizes: those of SIZES, in terms of the channel's own range.
 
-    run.py --sinew build/release/sinew --work /tmp/data_check [--copies 200] [--seed 1]
+    run.py --sinew build/release/sinew --work data_check_work [--copies 200] [--seed 1]
     run.py ... --moves 30      # also: of faults in the servo data, how far they move a parameter, in 95 % intervals
 """
 import argparse

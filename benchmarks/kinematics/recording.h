@@ -1,4 +1,4 @@
-// A published recording with its model, marker weights and somebody's coordinates.
+// A published recording with its model, marker weights and published coordinates.
 #pragma once
 
 #include <string>

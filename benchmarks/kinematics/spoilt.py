@@ -1,7 +1,7 @@
 #!/usr/bin/python3
 """Inverse kinematics of a walk in which markers are lost and swapped for a while, beside that of the whole recording.
 
-    benchmarks/kinematics/spoilt.py --sinew build/release/sinew --data /work/shared/data/gait_walk3d --seeds 0:12
+    benchmarks/kinematics/spoilt.py --sinew build/release/sinew --data DATA/gait_walk3d --seeds 0:12
 """
 import argparse
 import random

@@ -1,4 +1,4 @@
-// Inverse kinematics judged on published recordings: cost beside somebody's coordinates, the same answer from
+// Inverse kinematics judged on published recordings: cost beside published coordinates, the same answer from
 // random first poses, and wide random motions whose truth is known.
 //   kinematics_study FOLDER_OF_DATA [POSES [MOTIONS]]
 #include <fmt/format.h>

@@ -234,7 +234,8 @@ class Relations {
   }
 
   // Features of the channels that are correlated most with this one. Not of one that is the same up to noise:
-  // it would hide what others know (a marker of the same segment is no other measurement, but it is welcome).
+  // it would remove what other markers determine (another marker of the same segment is used too, although it
+  // is no independent measurement).
   [[nodiscard]] std::vector<Eigen::Index> Predictors(const Eigen::MatrixXd& gram,
                                                      Eigen::Index channel) const {
     std::vector<std::pair<double, Eigen::Index>> strength;

@@ -15,7 +15,7 @@ enum class ContactFault {
   kEnds,     ///< the record ends while the plate is loaded
   kLight,    ///< its largest force is less than a fifth of the usual one: a touch
   kShort,    ///< shorter than 0.1 s or than a third of the usual duration
-  kLong,     ///< longer than 1.6 times the usual duration: somebody stands, or two steps without a gap
+  kLong,     ///< longer than 1.6 times the usual duration: standing, or two steps without a gap
   kTwoFeet,  ///< the centre of pressure jumps by more than a foot is long: a second foot is on the plate
   kGap       ///< the force was not measured all the time
 };

@@ -1,4 +1,4 @@
-// Where a local fit begins when the problem knows better than its starts: multiple shooting.
+// Where a local fit begins if the problem offers a better start than the given values: multiple shooting.
 #pragma once
 
 #include <optional>

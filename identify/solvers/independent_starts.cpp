@@ -39,9 +39,9 @@ constexpr double kExactShare = 1e-14;
 // White noise that is left, and is more than this share of what was measured: no minimum stands out of it.
 constexpr double kNothingExplained = 0.9;
 // Where only white noise is left by the search from the given start, and searches from random ones end so
-// many times higher, random starts lose their way (a trajectory over which small differences grow), and the
-// given one came from the measurement. Where it leaves this share of what was measured, and all of the others
-// more than that one, this is so whatever is left.
+// many times higher, random starts reach no useful minimum (a trajectory over which small differences grow),
+// and the given one came from the measurement. Where it leaves this share of what was measured, and all of
+// the others more than that one, this is so whatever is left.
 constexpr double kNearlyAllExplained = 1e-4;
 constexpr double kLost = 0.1;
 constexpr double kFarWorse = 100;

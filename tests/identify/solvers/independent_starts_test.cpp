@@ -76,7 +76,7 @@ TEST(IndependentStarts, OneMinimumAndWhiteNoiseTakeFourLocalSearches) {
   EXPECT_EQ(solvers::AgreementOf(result.stages).agreeing, 4);
 }
 
-TEST(IndependentStarts, AStartThatLeavesOnlyNoiseAmongHopelessOnesIsEnough) {
+TEST(IndependentStarts, AStartThatLeavesOnlyNoiseWhereRandomOnesFailIsEnough) {
   FunctionProblem problem;
   MakeSine(problem, 0.01, 9.25);
   const Fit fit(problem);

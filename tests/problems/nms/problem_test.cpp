@@ -265,7 +265,8 @@ TEST_F(NmsProblemTest, StepsFreeWhatTheyNameOfTheMusclesOfTheirJoints) {
   EXPECT_EQ(steps[1].parameters.size(), 11U);
 }
 
-// Mean and distance of the poles are fitted; C1 and C2 are what people know, and groups say whose they are.
+// Mean and distance of the poles are fitted; C1 and C2 are the published quantities; groups list their
+// members.
 TEST_F(NmsProblemTest, DerivesTheFiltersCoefficients) {
   const auto problem = BindNms(CeinmsExample("true.xml"));
   ASSERT_TRUE(problem);
