@@ -6,6 +6,7 @@
 #include <cmath>
 
 #include "base/constants.h"
+#include "base/numbers.h"
 #include "base/random.h"
 #include "identify/solvers/displacement.h"
 #include "identify/solvers/levenberg_marquardt.h"
@@ -232,7 +233,7 @@ class Searching {
                                       agreement.agreeing, agreement.starts, how);
       if (agreement.next_best > 1)
         search_.stop.test +=
-            fmt::format("; the next best is {:.2g} % worse", 100 * (agreement.next_best - 1));
+            fmt::format("; the next best is {} % worse", Readable(100 * (agreement.next_best - 1), 2));
     }
     evaluator_.MustStop();
     return std::move(search_);

@@ -3,6 +3,7 @@
 #include <cmath>
 #include <utility>
 
+#include "base/numbers.h"
 #include "base/text.h"
 #include "identify/text/phrases.h"
 
@@ -16,9 +17,9 @@ std::string Size(double value, const std::string& unit) {
 std::string IntervalText(const ParameterVerdict& v) {
   if (v.lower_open && v.upper_open) return "the 95 % interval reaches both bounds";
   const Reason& r = v.reason;
-  std::string text = r.width_of_value
-                         ? fmt::format("the 95 % interval is +-{:.2g} % of the value", 100 * r.width)
-                         : fmt::format("the 95 % interval spans {:.2g} % of its range", 100 * r.width);
+  std::string text =
+      r.width_of_value ? fmt::format("the 95 % interval is +-{} % of the value", Readable(100 * r.width, 2))
+                       : fmt::format("the 95 % interval spans {} % of its range", Readable(100 * r.width, 2));
   if (v.lower_open || v.upper_open)
     text += fmt::format(" and is open at the {} bound", v.lower_open ? "lower" : "upper");
   return text;
@@ -169,7 +170,7 @@ std::string DirectionText(const OpenDirection& direction) {
   std::vector<std::string> changes;
   for (const ParameterChange& part : direction.changes) {
     const std::string size = std::isfinite(part.relative)
-                                 ? fmt::format("{:.2g} %", 100 * std::abs(part.relative))
+                                 ? fmt::format("{} %", Readable(100 * std::abs(part.relative), 2))
                                  : Size(std::abs(part.change), part.unit);
     changes.push_back(fmt::format("{} {} by {}", part.parameter, part.change > 0 ? "up" : "down", size));
   }

@@ -41,6 +41,7 @@ Lines Reasons() {
     v.reason.width_of_value = false;
     v.lower_open = true;
   });
+  add(ReasonOf(ReasonKind::kDetermined), [](auto& v) { v.reason.width = 15.7; });
   add(ReasonOf(ReasonKind::kAtBound));
   add(ReasonOf(ReasonKind::kAtBound), [](auto& v) { v.reason.at_lower = true; });
   add(ReasonOf(ReasonKind::kNoResponse));
