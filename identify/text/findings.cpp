@@ -154,10 +154,55 @@ std::vector<Sentence> Predictions(const std::vector<FitQuality>& pooled,
   return sentences;
 }
 
+// "13 of 50 parameters are identifiable, 20 weak, 6 not identifiable, 11 at a bound."
+Sentence Summary(const std::vector<ParameterVerdict>& verdicts) {
+  const auto count = [&](Verdict verdict) {
+    return std::count_if(verdicts.begin(), verdicts.end(),
+                         [&](const ParameterVerdict& v) { return v.verdict == verdict; });
+  };
+  const auto identifiable = count(Verdict::kIdentifiable);
+  return {SentenceKind::kSummary,
+          fmt::format("{} of {} parameters {} identifiable, {} weak, {} not identifiable, {} at a bound.",
+                      identifiable, verdicts.size(), identifiable == 1 ? "is" : "are", count(Verdict::kWeak),
+                      count(Verdict::kNotIdentifiable), count(Verdict::kAtBound)),
+          {}};
+}
+
+std::vector<Sentence> Directions(const std::vector<OpenDirection>& directions) {
+  constexpr std::size_t kMaxDirections = 5;
+  // One that is left out is not worth a sentence that says so.
+  const std::size_t told = directions.size() <= kMaxDirections + 1 ? directions.size() : kMaxDirections;
+  std::vector<Sentence> sentences;
+  for (std::size_t i = 0; i < told; ++i) {
+    std::vector<std::string> names;
+    for (const ParameterChange& part : directions[i].changes) names.push_back(part.parameter);
+    sentences.push_back({SentenceKind::kOpenDirection,
+                         "Not determined: " + DirectionText(directions[i]) + ".", std::move(names)});
+  }
+  if (told < directions.size()) {
+    sentences.push_back({SentenceKind::kOpenDirection,
+                         fmt::format("{} further directions are not determined; the run file lists them.",
+                                     directions.size() - told),
+                         {}});
+  }
+  return sentences;
+}
+
+// Above this number of parameters the sentences begin with a summary and the prediction error.
+constexpr std::size_t kManyParameters = 10;
+
 void Add(const FitSetup& setup, const Uncertainty& uncertainty, const std::vector<DerivedResult>& derived,
          const std::vector<FitQuality>& pooled_fit, const std::vector<FitQuality>& quality,
          const std::string& step, std::vector<Sentence>& findings) {
   const std::size_t first = findings.size();
+  const auto append = [&](std::vector<Sentence> some) {
+    for (Sentence& sentence : some) findings.push_back(std::move(sentence));
+  };
+  const bool many = uncertainty.parameters.size() > kManyParameters;
+  if (many) {
+    findings.push_back(Summary(uncertainty.parameters));
+    append(Predictions(pooled_fit, quality));
+  }
   for (const ParameterVerdict& v : uncertainty.parameters) {
     const Parameter& p = ParameterOf(setup, v);
     if (v.verdict == Verdict::kIdentifiable || v.verdict == Verdict::kWeak)
@@ -169,16 +214,11 @@ void Add(const FitSetup& setup, const Uncertainty& uncertainty, const std::vecto
            {p.name}});
     }
   }
-  for (auto& sentence : Undetermined(setup, uncertainty.parameters)) findings.push_back(std::move(sentence));
-  for (const OpenDirection& direction : uncertainty.directions) {
-    std::vector<std::string> names;
-    for (const ParameterChange& part : direction.changes) names.push_back(part.parameter);
-    findings.push_back({SentenceKind::kOpenDirection, "Not determined: " + DirectionText(direction) + ".",
-                        std::move(names)});
-  }
-  for (auto& sentence : Shared(setup, uncertainty.parameters)) findings.push_back(std::move(sentence));
-  for (auto& sentence : Derived(derived)) findings.push_back(std::move(sentence));
-  for (auto& sentence : Predictions(pooled_fit, quality)) findings.push_back(std::move(sentence));
+  append(Undetermined(setup, uncertainty.parameters));
+  append(Directions(uncertainty.directions));
+  append(Shared(setup, uncertainty.parameters));
+  append(Derived(derived));
+  if (!many) append(Predictions(pooled_fit, quality));
   if (step.empty()) return;
   for (std::size_t i = first; i < findings.size(); ++i) {
     findings[i].text.insert(0, step + ": ");

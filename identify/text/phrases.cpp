@@ -57,6 +57,8 @@ std::string TrialGroup(const std::vector<std::string>& trials) {
 
 const char* ToString(SentenceKind kind) {
   switch (kind) {
+    case SentenceKind::kSummary:
+      return "summary";
     case SentenceKind::kIdentifiable:
       return "identifiable";
     case SentenceKind::kWeak:

@@ -9,12 +9,13 @@ namespace sinew::text {
 /// What a sentence tells; after the colon, what its `about` holds.
 enum class SentenceKind {
   // Of an identification.
+  kSummary,          ///< parameters, none by name: how many have which verdict
   kIdentifiable,     ///< parameter
   kWeak,             ///< parameter
   kOffMinimum,       ///< parameter: the value is outside of its interval, for the search did not converge
   kAtBound,          ///< parameter
   kNotIdentifiable,  ///< parameters
-  kOpenDirection,    ///< parameters
+  kOpenDirection,    ///< parameters; none: how many such directions are left out here
   kSharedParameter,  ///< parameters that the same group has in common
   kDerived,          ///< derived quantity
   kPrediction,       ///< channel

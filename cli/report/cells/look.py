@@ -119,6 +119,14 @@ def items(sentences, kind):
     return f'<ul class="{kind}">' + "".join(f"<li>{escape(tidy(text))}</li>" for text in sentences) + "</ul>"
 
 
+def long_list(sentences, kind, limit=15, told=5):
+    """Sentences as a list; of more than `limit` the first few, and the rest when it is asked for."""
+    if len(sentences) <= limit:
+        return items(sentences, kind)
+    rest = f"<details><summary>{len(sentences) - told} more</summary>{items(sentences[told:], kind)}</details>"
+    return items(sentences[:told], kind) + rest
+
+
 def color_key(entries):
     """What the colours of the figures below mean: [(colour, name)]."""
     return '<p class="key">' + "".join(f'<span><b style="color:{colour}">■</b> {name}</span>' for colour, name in entries) + "</p>"

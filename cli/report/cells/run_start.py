@@ -23,6 +23,6 @@ elif info["finished"] and not info["converged"]:
 
 if doubts:  # whoever reads on must know
     display(HTML(items(doubts, "warnings")))
-display(HTML(items(texts("/run/findings") or ["This run states no findings."], "findings")))
+display(HTML(long_list(texts("/run/findings") or ["This run states no findings."], "findings")))
 if texts("/run/warnings"):
     display(HTML(items(texts("/run/warnings"), "warnings")))

@@ -44,6 +44,35 @@ TEST_F(FindingsTest, EveryVerdictHasItsKind) {
   EXPECT_THAT(Facts(), ElementsAre("identifiable a", "weak b", "at_bound c", "not_identifiable d"));
 }
 
+TEST_F(FindingsTest, ManyParametersBeginWithASummaryAndThePrediction) {
+  identification_.pooled_fit = {{}};
+  identification_.pooled_fit[0].channel = "force";
+  for (int i = 0; i < 11; ++i)
+    Judge(i % 5,
+          i < 3   ? Verdict::kIdentifiable
+          : i < 8 ? Verdict::kWeak
+                  : Verdict::kAtBound,
+          ReasonOf(i < 8 ? ReasonKind::kWeakExcitation : ReasonKind::kAtBound));
+  const std::vector<Sentence> found = Found();
+  ASSERT_EQ(found.size(), 13U);
+  EXPECT_EQ(found[0].kind, SentenceKind::kSummary);
+  EXPECT_EQ(found[0].text, "3 of 11 parameters are identifiable, 5 weak, 0 not identifiable, 3 at a bound.");
+  EXPECT_EQ(found[1].kind, SentenceKind::kPrediction);
+  EXPECT_EQ(found.back().kind, SentenceKind::kAtBound);
+}
+
+TEST_F(FindingsTest, OfManyDirectionsFiveAreTold) {
+  Judge(0, Verdict::kIdentifiable);
+  const OpenDirection direction = {true, {{"a", "N/m", 1.0, 0.1}, {"b", "", -2.0, -0.2}}};
+  identification_.uncertainty.directions.assign(6, direction);
+  EXPECT_EQ(Found().size(), 7U);
+  identification_.uncertainty.directions.assign(9, direction);
+  const std::vector<Sentence> found = Found();
+  ASSERT_EQ(found.size(), 7U);
+  EXPECT_EQ(found.back().text, "4 further directions are not determined; the run file lists them.");
+  EXPECT_THAT(found.back().about, ElementsAre());
+}
+
 TEST_F(FindingsTest, GroupsAndDerivedQuantitiesAreSaid) {
   for (const int shared : {0, 2})
     identification_.setup.parameters[static_cast<std::size_t>(shared)].shared_by = {"soleus",
