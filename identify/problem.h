@@ -121,6 +121,11 @@ class Problem {
   /// What the cost is, in words for reports.
   [[nodiscard]] virtual std::string objective() const { return "half the sum of squared weighted residuals"; }
 
+  /// Whether the weights of the blocks are inverse noise levels, up to one factor per channel. An objective
+  /// that gives every trial the same share is none: a diagnosis then compares models under equal noise
+  /// instead, see EqualNoiseView.
+  [[nodiscard]] virtual bool weights_are_noise_levels() const { return true; }
+
   /// Relative noise of the cost: the share of it by which it can change at random between neighbouring
   /// points, because the prediction contains a search or an integration with adaptive steps. Solvers and
   /// profile likelihoods use no tolerance below it. 0: smooth to rounding.

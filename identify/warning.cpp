@@ -24,6 +24,8 @@ const char* ToString(WarningKind kind) {
       return "held_from_steps";
     case WarningKind::kNoiseAbsorbsMisfit:
       return "noise_absorbs_misfit";
+    case WarningKind::kEqualNoise:
+      return "equal_noise";
     case WarningKind::kCrossValidated:
       return "cross_validated";
     case WarningKind::kNoValidationTrial:

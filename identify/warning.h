@@ -23,6 +23,7 @@ enum class WarningKind {
   kNoiseAbsorbsMisfit,  ///< residuals count as independent, since a noise model would replace the model
   kCrossValidated,  ///< causes chosen by the prediction of trials left out of the fit (Diagnosis::left_out):
                     ///< numbers {training trials searched, training trials}
+  kEqualNoise,      ///< models are compared under equal noise, not under the objective of the problem
   kNoValidationTrial,     ///< no gain can be measured
   kFreeTermExplainsMore,  ///< than the causes, so that these are not its explanation: names {term}; numbers
                           ///< {by the term, by the causes: predicted delta LR less the price of each}

@@ -13,6 +13,7 @@
 #include "identify/diagnosis/score/quantised_channels.h"
 #include "identify/diagnosis/select/cross_validated_search.h"
 #include "identify/diagnosis/tabulation.h"
+#include "identify/equal_noise_view.h"
 #include "identify/error_concentration.h"
 #include "identify/solvers/held_out_nuisance.h"
 #include "identify/solvers/improved_start.h"
@@ -359,7 +360,12 @@ const char* ToString(Inconclusive reason) {
 }
 
 Result<Diagnosis> Diagnose(const Problem& problem, FitSetup setup, const DiagnosisOptions& options) {
-  return diagnosis::DiagnosisRun(problem, options).Run(std::move(setup));
+  if (problem.weights_are_noise_levels())
+    return diagnosis::DiagnosisRun(problem, options).Run(std::move(setup));
+  const EqualNoiseView view(problem);
+  SINEW_ASSIGN(Diagnosis found, diagnosis::DiagnosisRun(view, options).Run(std::move(setup)));
+  found.warnings.insert(found.warnings.begin(), {WarningKind::kEqualNoise, {}, {}, {}});
+  return found;
 }
 
 }  // namespace sinew

@@ -6,6 +6,7 @@
 
 #include "base/constants.h"
 #include "base/text.h"
+#include "identify/equal_noise_view.h"
 #include "identify/files/diagnosis_json.h"
 #include "identify/files/run_groups.h"
 #include "identify/text/diagnosis_sentences.h"
@@ -224,7 +225,8 @@ void WriteRun(const Problem& problem, const Diagnosis& diagnosis, const Provenan
   run.attributes["iterations"] = std::int64_t{diagnosis.base.iterations};
   run.attributes["seconds"] = diagnosis.seconds;
   run.attributes["cost"] = diagnosis.base.cost;
-  run.attributes["objective"] = problem.objective();
+  run.attributes["objective"] =
+      problem.weights_are_noise_levels() ? problem.objective() : EqualNoiseView(problem).objective();
   files::WriteSentences(text::Sentences(diagnosis), diagnosis.warnings, text::Warnings(diagnosis), run);
 }
 

@@ -60,6 +60,7 @@ class SensorEffects final : public Problem {
   [[nodiscard]] std::unique_ptr<Workspace> NewWorkspace() const override;
   Status Predict(const Query& query, Workspace& workspace, Prediction& prediction) const override;
   [[nodiscard]] std::string objective() const override { return inner_->objective(); }
+  [[nodiscard]] bool weights_are_noise_levels() const override { return inner_->weights_are_noise_levels(); }
   [[nodiscard]] double cost_noise_level() const override { return inner_->cost_noise_level(); }
   /// Of the wrapped problem, as if the readings were what it predicts.
   [[nodiscard]] std::optional<Vector> ImprovedStart(const std::vector<int>& free,

@@ -93,6 +93,10 @@ std::string Text(const Warning& w, const std::vector<std::vector<std::string>>& 
     case WarningKind::kNoiseAbsorbsMisfit:
       return "the residual is so large and smooth that a noise model would absorb the misfit: neighbouring "
              "errors are taken as independent, which makes p-values and intervals too small";
+    case WarningKind::kEqualNoise:
+      return "the objective gives every trial the same share, whatever its noise: the base model was fitted "
+             "and "
+             "models are compared under one noise level per channel, the same in all trials";
     case WarningKind::kCrossValidated:
       return CrossValidated(w, left_out);
     case WarningKind::kNoValidationTrial:

@@ -34,6 +34,9 @@ class NmsProblem final : public Problem {
   [[nodiscard]] std::unique_ptr<Workspace> NewWorkspace() const override;
   Status Predict(const Query& query, Workspace& workspace, Prediction& prediction) const override;
   [[nodiscard]] std::string objective() const override;
+  [[nodiscard]] bool weights_are_noise_levels() const override {
+    return settings_.objective != NmsObjective::kThesis;
+  }
   /// Angle, velocity and mean excitation.
   [[nodiscard]] std::vector<Signal> ResidualCovariates(int block) const override;
   [[nodiscard]] const std::vector<FitStep>& steps() const override { return steps_; }

@@ -138,6 +138,7 @@ Lines EveryWarning() {
                 {WarningKind::kHeldFromSteps, {"a"}, {}, {}},
                 {WarningKind::kHeldFromSteps, {"a", "b", "c", "d", "e", "f"}, {}, {}},
                 {WarningKind::kNoiseAbsorbsMisfit, {}, {}, {}},
+                {WarningKind::kEqualNoise, {}, {}, {}},
                 {WarningKind::kCrossValidated, {}, {4, 4}, {}},
                 {WarningKind::kCrossValidated, {}, {4, 12}, {}},
                 {WarningKind::kNoValidationTrial, {}, {}, {}},
