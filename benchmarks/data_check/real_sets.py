@@ -17,19 +17,21 @@ def run(*words):
     return done
 
 
-def gait_subject01(sinew, data, out):
+def gait_subject01(sinew, data, out, kinematics=True):
     folder = data / "gait_subject01"
     walk = folder / "ExperimentalData_subject01_walk"
     run(sinew, "data", "import", f"{walk}.trc", f"{walk}_grf.mot", folder / "Gait10dof18musc_subject01.osim",
         "--external-loads", f"{walk}_grf.xml", "--trial", "walk", "--out", out)
-    run(sinew, "data", "kinematics", out, "--weights", folder / "IK_walk_Setup_IK.xml", "--quiet")
+    if kinematics:
+        run(sinew, "data", "kinematics", out, "--weights", folder / "IK_walk_Setup_IK.xml", "--quiet")
 
 
-def gait_walk3d(sinew, data, out):
+def gait_walk3d(sinew, data, out, kinematics=True):
     folder = data / "gait_walk3d"
     run(sinew, "data", "import", folder / "markers_walk.trc", folder / "grf_walk.mot", folder / "subject_walk_scaled.osim",
         folder / "electromyography.sto", "--external-loads", folder / "grf_walk.xml", "--trial", "walk", "--out", out)
-    run(sinew, "data", "kinematics", out, "--weights", folder / "ik_tasks_walk.xml", "--quiet")
+    if kinematics:
+        run(sinew, "data", "kinematics", out, "--weights", folder / "ik_tasks_walk.xml", "--quiet")
 
 
 def walking_emg(sinew, data, out):
@@ -57,12 +59,13 @@ def servo_sts3250(sinew, data, out):
     servo(sinew, data, out, "sts3250", (0, 0, 0, 0))
 
 
-def cube_tosses(sinew, data, out):
+def cube_tosses(sinew, data, out, step=1):
+    """Every step-th toss. Of all of them ten of 19 are fitted, of a part of them every other one."""
     folder = ROOT / "benchmarks" / "cube_tosses"
-    for i, file in enumerate(sorted((data / "cube_tosses").glob("*.csv"), key=lambda f: int(f.stem))):
+    for i, file in enumerate(sorted((data / "cube_tosses").glob("*.csv"), key=lambda f: int(f.stem))[::step]):
         more = ["--append"] if i else [folder / "free_body.yaml"]
         run(sinew, "data", "import", file, *more, "--map", folder / "pose.yaml", "--trial", f"toss_{int(file.stem):03d}",
-            "--role", "train" if i % 19 < 10 else "validate", "--out", out)
+            "--role", "train" if (i % 19 < 10 if step == 1 else i % 2 == 0) else "validate", "--out", out)
 
 
 def write(out, title, trials):

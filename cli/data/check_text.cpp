@@ -34,6 +34,7 @@ std::string SpansText(const Finding& f) {
 }
 
 std::string Where(const Finding& f) {
+  if (f.channel.empty()) return fmt::format("all of grid '{}' in trial '{}'", f.grid, f.trial);
   return fmt::format("{} in trial '{}'", f.channel, f.trial);
 }
 
@@ -76,6 +77,18 @@ std::string SignText(const Finding& f) {
                      Where(f), Compared(f), f.size, f.usual);
 }
 
+// Of a marker next to the others of its segment, or of a channel that repeats that of other trials.
+std::string AwayText(const Finding& f) {
+  if (f.among > 0) {
+    return fmt::format("{} differs by up to {} ({}) from {}, which it repeats elsewhere within {}", Where(f),
+                       WithUnit(f.size, f.unit), SpansText(f), f.other, WithUnit(f.usual, f.unit));
+  }
+  return fmt::format(
+      "{} is away from where the markers of its segment say by up to {} ({}): its distances to {} change by "
+      "{} else",
+      Where(f), WithUnit(f.size, f.unit), SpansText(f), f.other, WithUnit(f.usual, f.unit));
+}
+
 std::string PhraseOf(const Finding& f) {
   switch (f.kind) {
     case FindingKind::kTimeJump:
@@ -84,10 +97,12 @@ std::string PhraseOf(const Finding& f) {
       return fmt::format("{} drops out {} ({}): it jumps by {} to one value and back", Where(f),
                          Times(f.spans.size()), SpansText(f), WithUnit(f.size, f.unit));
     case FindingKind::kSpike:
+      if (!f.other.empty()) return AwayText(f);
       return fmt::format("{} has {} of up to {} ({})", Where(f),
                          f.spans.size() == 1 ? "a spike" : fmt::format("{} spikes", f.spans.size()),
                          WithUnit(f.size, f.unit), SpansText(f));
     case FindingKind::kDisplaced:
+      if (!f.other.empty()) return AwayText(f);
       return fmt::format("{} jumps away by {} and back ({})", Where(f), WithUnit(f.size, f.unit),
                          SpansText(f));
     case FindingKind::kStuck:
@@ -122,6 +137,9 @@ std::string PhraseOf(const Finding& f) {
           "in trial '{}' a second foot is on plate '{}' {} of {} times ({}): it is loaded for up to {}, "
           "usual are {}",
           f.trial, f.other, f.spans.size(), f.among, SpansText(f), Seconds(f.size), Seconds(f.usual));
+    case FindingKind::kInconsistent:
+      return fmt::format("{} and {} are no rotation: their norm differs from 1 by up to {} ({})", Where(f),
+                         f.other, Readable(f.size, 3), SpansText(f));
     case FindingKind::kNothingUsable:
       return "no training trial has a usable measured channel left";
   }
@@ -158,6 +176,8 @@ std::string Advice(const Finding& f) {
       return "look at what was measured there; a gap is better than a wrong value";
     case FindingKind::kTwoFeet:
       return "leave these steps out";
+    case FindingKind::kInconsistent:
+      return "one of the four is wrong there: look which, and replace it by a gap";
     case FindingKind::kNothingUsable:
       return "correct the import as stated above, give another trial the role train, or record again";
   }

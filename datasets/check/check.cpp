@@ -8,12 +8,17 @@
 #include <utility>
 
 #include "datasets/check/clipping.h"
+#include "datasets/check/cycle_timing.h"
 #include "datasets/check/cycles.h"
 #include "datasets/check/drift.h"
 #include "datasets/check/excursions.h"
+#include "datasets/check/foot_timing.h"
 #include "datasets/check/odd_cycles.h"
 #include "datasets/check/plausible.h"
 #include "datasets/check/relations.h"
+#include "datasets/check/repeats.h"
+#include "datasets/check/rigid_markers.h"
+#include "datasets/check/rotations.h"
 #include "datasets/check/signals.h"
 #include "datasets/check/stuck.h"
 #include "datasets/check/time_stamps.h"
@@ -34,9 +39,11 @@ void AppendNew(std::vector<Finding> more, std::vector<Finding>& all) {
                                             other.grid == finding.grid && other.channel == finding.channel;
                                    }) ||
                        std::any_of(all.begin(), all.end(), [&](const Finding& other) {
-                         // Of a pair of trials one is known to be wrong already.
+                         // Of a pair of trials one is known to be wrong already, or its whole device to be
+                         // late.
+                         const bool device = other.channel.empty() && other.kind == FindingKind::kLag;
                          return finding.undecided && other.whole && other.kind == finding.kind &&
-                                other.channel == finding.channel;
+                                (device || other.channel == finding.channel);
                        });
     if (!known) all.push_back(std::move(finding));
   }
@@ -77,19 +84,26 @@ CheckReport CheckData(const Dataset& dataset) {
   for (const ChannelGroup& group : groups) {
     for (const Signal& signal : group.signals) of_trial[signal.trial].push_back(&signal);
   }
+  std::map<std::string, Cycles> cycles_of_trial;
   for (const auto& [trial, signals] : of_trial) {
-    const Cycles cycles = FindCycles(signals);
+    const Cycles& cycles = cycles_of_trial[trial] = FindCycles(signals);
     for (const Signal* signal : signals) Append(FindDrift(*signal, cycles), report.findings);
     if (cycles.count() == 0) continue;
     report.cycles[trial] = cycles.count();
     for (const Signal* signal : signals) Append(FindOddCycles(*signal, cycles), report.findings);
   }
   Append(FindTwoFeet(dataset), report.findings);
+  const std::vector<Finding> of_segments = FindBrokenSegments(groups);
   // One remark per channel that is wrong as a whole.
+  AppendNew(of_segments, report.findings);
+  AppendNew(FindLatePlates(dataset, groups), report.findings);
+  AppendNew(FindBrokenRotations(dataset), report.findings);
+  AppendNew(FindLateInCycles(cycles_of_trial, of_trial), report.findings);
   std::vector<Finding> whole = FindImplausible(dataset, groups);
   for (const ChannelGroup& group : groups) Append(FindOddScales(group), whole);
   Append(FindBrokenRelations(groups), whole);
   AppendNew(std::move(whole), report.findings);
+  for (const ChannelGroup& group : groups) AppendNew(FindOddRepeats(group), report.findings);
   for (const ChannelGroup& group : groups) Append(FindOddTrials(group), report.findings);
   // What spoils most comes first: whole channels, then by time.
   std::stable_sort(report.findings.begin(), report.findings.end(), [](const Finding& a, const Finding& b) {

@@ -32,6 +32,8 @@ const char* ToString(FindingKind kind) {
       return "odd_trial";
     case FindingKind::kTwoFeet:
       return "two_feet";
+    case FindingKind::kInconsistent:
+      return "inconsistent";
     case FindingKind::kNothingUsable:
       return "nothing_usable";
   }

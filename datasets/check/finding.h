@@ -22,6 +22,8 @@ enum class FindingKind {
   kOddCycle,   ///< single cycles unlike the others: largest and usual RMS deviation [its unit]
   kOddTrial,   ///< a short trial unlike the others: the same
   kTwoFeet,    ///< a plate that a second foot touches: longest contact, usual one [s]; `other` is the plate
+  kInconsistent,  ///< contradicts channels of its own grid: largest deviation from 1 of the norm of a
+                  ///< quaternion
   kNothingUsable  ///< no measured sample of any training trial is left; no trial, no channel
 };
 

@@ -94,6 +94,14 @@ std::vector<MaskedSpan> SuggestMask(const Dataset& dataset, const Finding& findi
     }
     return mask;
   }
+  if (finding.channel.empty()) {  // a device
+    const bool measures = std::any_of(grid.channels.begin(), grid.channels.end(), [](const auto& channel) {
+      return channel.second.kind == ChannelKind::kMeasured;
+    });
+    for (const TimeSpan& span : finding.spans)
+      AddMeasured(finding.trial, trial, span, reason, measures ? finding.grid : "", mask);
+    return mask;
+  }
   const Channel& channel = grid.channels.at(finding.channel);
   for (const TimeSpan& span : finding.spans) {
     if (channel.kind == ChannelKind::kMeasured) {

@@ -6,6 +6,7 @@
 #include <optional>
 
 #include "datasets/check/cycles.h"
+#include "datasets/check/sides.h"
 #include "datasets/robust.h"
 #include "datasets/stances/stances.h"
 
@@ -49,11 +50,6 @@ std::optional<double> OddScale(const std::vector<double>& sizes, std::size_t s) 
   // Further from the nearest of them than they are from each other.
   if (apart < std::max(kScaleApart, spread)) return std::nullopt;
   return factor;
-}
-
-double RangeOf(const Signal& signal) {
-  const auto finite = Finite(signal.values);
-  return finite.size() < 10 ? 0 : Quantile(finite, 0.98) - Quantile(finite, 0.02);
 }
 
 using OfTrial = std::map<std::string, const Signal*>;  // channels by name; of several grids the first
@@ -254,27 +250,15 @@ void CheckSpeeds(const OfTrial& channels, std::vector<Finding>& found) {
   }
 }
 
-// The other side's channel of the same name; empty if the name has no side.
-std::string OtherSide(const std::string& name) {
-  for (const auto& [a, b] : {std::pair<std::string, std::string>{"_r", "_l"},
-                             {"right", "left"},
-                             {"R.", "L."},
-                             {"Right", "Left"}}) {
-    for (const auto& [here, there] : {std::pair{a, b}, std::pair{b, a}}) {
-      const auto at = name.find(here);
-      if (at == std::string::npos) continue;
-      const std::size_t end = at + here.size();
-      if (here[0] == '_' && end < name.size() && name[end] != '_') continue;
-      return name.substr(0, at) + there + name.substr(end);
-    }
-  }
-  return {};
-}
-
 void CheckSides(const OfTrial& channels, std::vector<Finding>& found) {
   for (const auto& [name, signal] : channels) {
-    const std::string other_name = OtherSide(name);
-    const Signal* other = other_name.empty() ? nullptr : Get(channels, other_name);
+    std::string other_name;
+    const Signal* other = nullptr;
+    for (const std::string& candidate : OtherSides(name)) {
+      if (other != nullptr) break;
+      other = Get(channels, candidate);
+      other_name = candidate;
+    }
     if (other == nullptr || other->unit != signal->unit || signal->grid == "markers" ||
         other->grid != signal->grid || name > other_name)
       continue;

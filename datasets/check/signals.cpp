@@ -69,6 +69,11 @@ std::vector<ChannelGroup> GroupSignals(const Dataset& dataset) {
   return all;
 }
 
+double RangeOf(const Signal& signal) {
+  const auto finite = Finite(signal.values);
+  return finite.size() < 10 ? 0 : Quantile(finite, 0.98) - Quantile(finite, 0.02);
+}
+
 std::vector<Run> EqualRuns(const std::vector<double>& values, std::size_t shortest) {
   std::vector<Run> runs;
   for (std::size_t i = 0; i < values.size();) {

@@ -42,6 +42,9 @@ struct ChannelGroup {
 
 [[nodiscard]] std::vector<ChannelGroup> GroupSignals(const Dataset& dataset);
 
+/// From the 2nd to the 98th percentile of its values; 0 of fewer than ten.
+[[nodiscard]] double RangeOf(const Signal& signal);
+
 /// A run of equal values.
 struct Run {
   std::size_t first = 0;

@@ -18,12 +18,18 @@ constexpr double kStuckStraight = 0.3;  // share of straight pieces: a trapezoid
 constexpr double kStuckAbrupt = 0.5;    // of the median increment, at the entry or the exit of a run
 constexpr double kStuckJump = 5;        // of the 99th percentile of the increments, at the exit
 
+constexpr std::size_t kStuckFarLonger = 4;  // times all other runs, of a rounded signal
+constexpr double kStuckRoundedJump = 5;     // of the median increment, at the exit of such a run
+constexpr double kStuckShareOfRange = 0.1;  // and of the range
+
 struct StuckUsual {
   double step = 0;        // median of the increments that are not 0
   double large_step = 0;  // their 99th percentile
   bool rounded = false;
   bool straight = false;
-  std::map<double, int> rests;  // runs at each value
+  std::map<double, int> rests;   // runs at each value
+  std::size_t longest = 0;       // [samples] of the runs
+  std::size_t next_longest = 0;  // of all others
 };
 
 bool InRun(const std::vector<Run>& runs, std::size_t i) {
@@ -42,7 +48,11 @@ StuckUsual Judge(const ChannelGroup& group, const std::vector<std::vector<Run>>&
   double straight = 0;
   for (std::size_t s = 0; s < group.signals.size(); ++s) {
     const auto increments = Increments(group.signals[s].values);
-    for (const Run& run : runs[s]) ++usual.rests[run.value];
+    for (const Run& run : runs[s]) {
+      ++usual.rests[run.value];
+      usual.next_longest = std::max(usual.next_longest, std::min(usual.longest, run.size()));
+      usual.longest = std::max(usual.longest, run.size());
+    }
     for (std::size_t i = 1; i < increments.size(); ++i) {
       if (!std::isfinite(increments[i]) || (InRun(runs[s], i) && InRun(runs[s], i - 1))) continue;
       outside += 1;
@@ -81,6 +91,10 @@ bool IsStuck(const Signal& signal, const Run& run, const StuckUsual& usual) {
   const bool moves_after = moves(run.last + 1, run.last + 1 + kStuckShortest);
   // It catches up with a jump and goes on.
   if (exit > kStuckJump * usual.large_step && moved_before && moves_after) return true;
+  // A rounded sensor rests too, but a movement begins with small steps, and rests are of all lengths.
+  if (usual.rounded && !usual.straight && run.size() > kStuckFarLonger * usual.next_longest && moved_before &&
+      moves_after && exit > kStuckRoundedJump * usual.step && exit > kStuckShareOfRange * RangeOf(signal))
+    return true;
   if (usual.rounded || usual.straight || signal.kind == ChannelKind::kInput) return false;
   const double entry = entered ? std::abs(x[run.first] - x[run.first - 1]) : 0;
   return std::max(entry, exit) > kStuckAbrupt * usual.step;
