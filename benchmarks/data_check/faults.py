@@ -256,9 +256,10 @@ class Fault:
         self.stretch(first, last)
         return self.write(x)
 
-    def found(self, remarks, trials=()):
+    def found(self, remarks, trials=(), renamed=None):
         """True if one of the remarks is about this fault. trials: also the names of the trials that were cut out of this one."""
         of = {self.trial, *trials}
+        channels = self.channels | {(renamed or {}).get(c, c) for c in self.channels}
         for remark in remarks:
             if remark["kind"] not in NAMES[self.kind] | {"inconsistent"}:
                 continue
@@ -266,7 +267,7 @@ class Fault:
             four = remark["kind"] == "inconsistent" and self.channel[:-2] == remark["channel"][:-2]
             # A device, all of whose channels are.
             device = self.kind == "lag_grid" and remark["channel"] == "" and remark["grid"] == self.grid
-            named = self.channels & {remark["channel"], remark["other"]} or four or device
+            named = channels & {remark["channel"], remark["other"]} or four or device
             if not named and not (self.kind == "time_jump" and remark["grid"] == self.grid):
                 continue
             if remark["trial"] not in of and not any(t in remark["other"] for t in of):

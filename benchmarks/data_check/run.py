@@ -3,8 +3,8 @@
 
 Every copy has one fault of a random kind, place and size, in a channel that a problem is fitted to (fits.py). The recordings are
 checked (`data check F.h5`), made ready for the fit and checked again (`data check F.h5 PROBLEM`), and fitted. A copy is judged if a
-parameter moves by more than the half-width of its 95 % interval of the untouched data, or if the program refuses the data. A fault
-is found if a remark that the untouched data do not have names its channel (or the one that it was compared with, or its grid, of a
+parameter moves by more than the half-width of its 95 % interval of the untouched data, or if the program refuses the data or has no
+answer within LIMIT s. A fault is found if a remark that the untouched data do not have names its channel (or the one that it was compared with, or its grid, of a
 clock), its trial and, of a part of a trial, its time.
 
     run.py --sinew build/release/sinew --work data_check_work [--judged 200] [--seed 1] [--jobs 2]
@@ -94,10 +94,10 @@ class Study:
             pair.prepare(sinew, copy, ready)
             known = {key(f) for f in self.ready_remarks}
             remarks = [f for f in check(sinew, ready, pair.problem, *config_of(pair))[0] if key(f) not in known]
-            row["found_ready"] = fault.found(remarks, pair.cut.get(fault.trial, ()))
+            row["found_ready"] = fault.found(remarks, pair.cut.get(fault.trial, ()), pair.renamed)
             row["said_ready"] = [f["sentence"] for f in remarks]
             row["move"], row["whose"] = fits.largest_move(self.clean, pair.fit(sinew, ready))
-        except (fits.CannotUse, subprocess.TimeoutExpired) as error:
+        except fits.CannotUse as error:
             row["refused"] = str(error)[-300:]
         return row
 
@@ -182,18 +182,17 @@ def main():
     kinds = options.kinds.split(",") if options.kinds else list(faults.KINDS)
     folder = options.work / f"copies_{options.seed}"
     folder.mkdir(exist_ok=True)
-    rows, number = [], 0
+    # Every kind and every data set in turn; the place and the size are random.
+    jobs = [(kinds[i % len(kinds)], chosen[(i // len(kinds)) % len(chosen)], (options.seed, i), str(folder)) for i in range(60 * options.judged)]
+    rows = []
     with multiprocessing.Pool(options.jobs) as pool:
-        while sum(map(is_judged, rows)) < options.judged and number < 60 * options.judged:
-            batch = []
-            for _ in range(10 * options.jobs):
-                # Every kind and every data set in turn; the place and the size are random.
-                batch.append((kinds[number % len(kinds)], chosen[(number // len(kinds)) % len(chosen)], (options.seed, number), str(folder)))
-                number += 1
-            rows += [row for row in pool.map(work, batch, chunksize=1) if row]
-            if options.rows:
+        for row in pool.imap(work, jobs):
+            rows += [row] if row else []
+            if row and options.rows:
                 options.rows.write_text(json.dumps(rows, indent=0))
-    shutil.rmtree(folder)
+            if sum(map(is_judged, rows)) == options.judged:
+                break
+    shutil.rmtree(folder, ignore_errors=True)
     report(rows, options)
 
 

@@ -10,10 +10,11 @@
 namespace sinew {
 namespace {
 
-constexpr std::size_t kClipShortest = 3;  // [samples] of a run
-constexpr std::size_t kClipFewest = 6;    // [samples] at the value, in all runs
-constexpr double kClipAbrupt = 3;         // slope at the run's ends, of the smallest increments
-constexpr double kClipStraight = 0.3;     // share of straight pieces: a trapezoid
+constexpr std::size_t kClipShortest = 3;   // [samples] of a run
+constexpr std::size_t kClipFewest = 6;     // [samples] at the value, in all runs
+constexpr double kClipAbrupt = 3;          // slope at the run's ends, of the smallest increments
+constexpr double kClipStraight = 0.3;      // share of straight pieces: a trapezoid
+constexpr std::size_t kClipLongRest = 10;  // [samples] of a single rest of a rounded signal
 constexpr int kClipLevels = 5;
 constexpr double kClipPile = 5;  // samples at the level, of the mean of the next kClipLevels inwards
 constexpr std::size_t kClipFewLevels = 5;  // values that are repeated, of a signal that is not rounded
@@ -110,6 +111,11 @@ std::vector<Finding> FindClipping(const ChannelGroup& group) {
       }
       return true;
     };
+    const auto is_abrupt = [&](const Run& run) {
+      if (run.first == 0 || run.last + 1 >= x.size()) return false;
+      return std::min(std::abs(x[run.first - 1] - run.value), std::abs(x[run.last + 1] - run.value)) >
+             shape.step;
+    };
     // Samples at the level, against the mean of the next levels inwards: a rounded signal turns within a
     // quantum, and spends some time there.
     const auto piles_up = [&](const std::vector<Run>& runs, bool top) {
@@ -130,8 +136,10 @@ std::vector<Finding> FindClipping(const ChannelGroup& group) {
         const std::vector<Run>& opposite = top ? level.bottom : level.top;
         if (!is_clipped(runs, level) || !opposite.empty() || !is_extreme(runs, top) || !piles_up(runs, top))
           continue;
-        if (shape.rounded &&
-            (runs.size() < 2 || value != (top ? counts.rbegin()->first : counts.begin()->first)))
+        if (shape.rounded && value != (top ? counts.rbegin()->first : counts.begin()->first)) continue;
+        // A rounded signal may rest at its extreme once, but comes to rest in small steps.
+        if (shape.rounded && runs.size() < 2 &&
+            !(runs.front().size() >= kClipLongRest && is_abrupt(runs.front())))
           continue;
         Finding finding = signal.Found(FindingKind::kClipping);
         finding.size = value;

@@ -13,8 +13,10 @@ constexpr std::size_t kTimingPhases = 100;
 constexpr std::size_t kTimingMostCycles = 40;
 constexpr double kTimingAlike = 0.85;     // correlation of a channel's median cycles in two trials
 constexpr std::size_t kTimingFewest = 3;  // channels of a grid that tell its shift
+constexpr double kTimingPeriod =
+    0.15;  // largest difference of the periods: muscles act at other phases at other speeds
 constexpr double kTimingDelay_s = 0.06;
-constexpr double kTimingShare = 0.05;  // of the cycle
+constexpr double kTimingShare = 0.07;  // of the cycle
 constexpr double kTimingDeviations = 4;
 constexpr double kTimingExplains = 0.3;  // of what differs without the shift
 
@@ -153,9 +155,11 @@ std::vector<Finding> FindLateInCycles(const std::map<std::string, Cycles>& cycle
   for (const auto& [trial, of] : medians) {
     std::vector<std::pair<double, std::string>> others;
     for (const auto& [other, unused] : medians) {
-      if (other != trial)
-        others.emplace_back(std::abs(std::log(cycles.at(other).period / cycles.at(trial).period)), other);
+      if (other == trial) continue;
+      const double differs = std::abs(std::log(cycles.at(other).period / cycles.at(trial).period));
+      if (differs < kTimingPeriod) others.emplace_back(differs, other);
     }
+    if (others.empty()) continue;
     std::sort(others.begin(), others.end());
     const bool undecided = others.size() == 1;
     if (undecided && trial > others.front().second) continue;

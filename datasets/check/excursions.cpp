@@ -20,6 +20,10 @@ constexpr std::size_t kExcursionNear = 30;   // [samples] on each side that coun
 constexpr double kExcursionReturns = 0.5;    // largest change over the stretch, of the smaller jump
 constexpr double kExcursionAlike = 0.3;      // smaller of the two jumps, of the larger one
 constexpr double kExcursionLongest = 0.3;    // of the trial
+constexpr double kExcursionNoise = 0.25;  // typical increment of a robust deviation: a signal that is noise
+constexpr std::size_t kExcursionBurst =
+    300;  // [samples] on each side that a spike of such a signal must exceed ...
+constexpr double kExcursionBeyondBurst = 2;  // ... by this factor
 constexpr std::size_t kExcursionSpike = 3;   // [samples] at most
 constexpr std::size_t kExcursionAround = 3;  // increments on each side that tell the local slope
 
@@ -161,6 +165,25 @@ double LocalSize(const std::vector<double>& unexpected, std::size_t first, std::
   return sizes.empty() ? 0 : Quantile(std::move(sizes), 0.9);
 }
 
+// Raw EMG and the like: from one sample to the next it changes as much as it varies at all.
+bool IsNoise(double typical_step, const std::vector<double>& all) {
+  return typical_step > kExcursionNoise * RobustDeviation(all);
+}
+
+// Largest distance from the middle around a stretch of noise, without its next neighbours.
+double LargestNearby(const std::vector<double>& x, double middle, const Excursion& e) {
+  constexpr std::size_t kSkip = 5;
+  double largest = 0;
+  const auto add = [&](std::size_t from, std::size_t to) {
+    for (std::size_t i = from; i < std::min(to, x.size()); ++i) {
+      if (std::isfinite(x[i])) largest = std::max(largest, std::abs(x[i] - middle));
+    }
+  };
+  add(e.first > kExcursionBurst ? e.first - kExcursionBurst : 0, e.first > kSkip ? e.first - kSkip : 0);
+  add(e.last + kSkip + 1, e.last + kExcursionBurst);
+  return largest;
+}
+
 }  // namespace
 
 std::vector<Finding> FindExcursions(const ChannelGroup& group) {
@@ -187,6 +210,8 @@ std::vector<Finding> FindExcursions(const ChannelGroup& group) {
   const double usual = Quantile(sizes, share);
   const double range = Quantile(all, 0.99) - Quantile(all, 0.01);
   const double typical_step = Median(std::move(steps));
+  const bool is_noise = IsNoise(typical_step, all);
+  const double middle = Median(all);
   const double least_if_constant =
       std::max(kExcursionBeyondUsualIfConstant * usual, kExcursionShareOfRange * range);
   const double least = std::max(kExcursionBeyondUsual * usual, kExcursionShareOfRange * range);
@@ -203,6 +228,12 @@ std::vector<Finding> FindExcursions(const ChannelGroup& group) {
         const bool dropout = e.constant && (length > kExcursionSpike || signal.values[e.first] == 0);
         if (!dropout && e.jump < least) continue;
         if (e.jump < kExcursionBeyondLocal * LocalSize(unexpected[s], e.first, e.last)) continue;
+        if (is_noise && !dropout && length <= 3 * kExcursionSpike) {
+          double peak = 0;
+          for (std::size_t i = e.first; i <= e.last; ++i)
+            peak = std::max(peak, std::abs(signal.values[i] - middle));
+          if (peak < kExcursionBeyondBurst * LargestNearby(signal.values, middle, e)) continue;
+        }
         const FindingKind which = dropout                         ? FindingKind::kDropout
                                   : length <= 3 * kExcursionSpike ? FindingKind::kSpike
                                                                   : FindingKind::kDisplaced;

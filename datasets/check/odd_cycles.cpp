@@ -10,7 +10,9 @@ namespace {
 
 constexpr std::size_t kOddPhases = 60;     // samples per cycle
 constexpr std::size_t kOddShift = 5;       // largest shift that aligns a piece with the median, in phases
-constexpr double kOddSize = 0.15;          // largest difference in size that is taken off
+constexpr double kOddSize = 0.15;          // largest difference in size that is taken off [logarithm]
+constexpr double kOddSizeDeviations = 3;   // the same in robust deviations of the logarithms of the sizes
+constexpr double kOddMostSize = 1.2;       // and at most: a factor of 3.3
 constexpr double kOddSizeShare = 0.75;     // of the phases, those that differ least, tell the size
 constexpr double kOddDeviations = 5;       // robust standard deviations of the logarithm
 constexpr double kOddFew = 5;              // of so many cycles twice as many
@@ -107,6 +109,12 @@ double LargestLocal(const Phases& squares) {
   return std::sqrt(largest);
 }
 
+// Few pieces tell their scatter roughly: of nine the limit is twice that of many.
+double Widened(std::size_t pieces) {
+  const double share = kOddFew / static_cast<double>(pieces);
+  return 1 + share + 2.7 * share * share * share;
+}
+
 // The limit of the deviations, or infinity if they do not tell.
 double LimitOf(const std::vector<double>& deviations) {
   std::vector<double> logs;
@@ -116,8 +124,7 @@ double LimitOf(const std::vector<double>& deviations) {
   if (2 * logs.size() <= deviations.size()) return INFINITY;
   const double typical = Median(logs);
   const double scatter = std::max(RobustDeviation(logs), kOddLeastScatter);
-  // Few pieces tell their scatter roughly.
-  const double limit = kOddDeviations * (1 + kOddFew / static_cast<double>(logs.size()));
+  const double limit = kOddDeviations * Widened(logs.size());
   return std::exp(typical + std::max(limit * scatter, std::log(kOddFactor)));
 }
 
@@ -145,18 +152,16 @@ double MeanSquare(const Phases& piece, const Phases& middle) {
   return 2 * count < kOddPhases / 2.0 ? INFINITY : sum / count;
 }
 
-// Takes off what a piece differs from the median in size only, within +-15 %: no two steps are of one size.
-// The phases that differ most, where a fault may be, do not decide.
-void TakeOffSize(const Phases& middle, Phases& piece) {
-  const auto known = Finite(middle);
-  const double level = Median(known);
+// Size of a piece against the median, about its level. The phases that differ most, where a fault may be, do
+// not decide. NaN if it is not known.
+double SizeOf(const Phases& middle, double level, const Phases& piece) {
   double gain = 1;
   for (int pass = 0; pass < 3; ++pass) {
     std::vector<double> differences(kOddPhases, NAN);
     for (std::size_t i = 0; i < kOddPhases; ++i)
       differences[i] = std::abs(piece[i] - level - gain * (middle[i] - level));
     const auto finite = Finite(differences);
-    if (finite.size() < kOddPhases / 3) return;
+    if (finite.size() < kOddPhases / 3) return NAN;
     const double most = Quantile(finite, kOddSizeShare);
     double ab = 0;
     double aa = 0;
@@ -165,10 +170,31 @@ void TakeOffSize(const Phases& middle, Phases& piece) {
       ab += (piece[i] - level) * (middle[i] - level);
       aa += (middle[i] - level) * (middle[i] - level);
     }
-    if (!(aa > 0)) return;
-    gain = std::clamp(ab / aa, 1 - kOddSize, 1 + kOddSize);
+    if (!(aa > 0)) return NAN;
+    gain = std::clamp(ab / aa, std::exp(-kOddMostSize), std::exp(kOddMostSize));
   }
-  for (std::size_t i = 0; i < kOddPhases; ++i) piece[i] -= (gain - 1) * (middle[i] - level);
+  return gain;
+}
+
+// Takes off what pieces differ from the median in size only: no two steps are of one size. Within +-15 %, or
+// as much as the sizes usually differ: the activity of a muscle doubles from one step to the next, a moment
+// does not.
+void TakeOffSizes(const Phases& middle, std::vector<Phases>& pieces) {
+  const double level = Median(Finite(middle));
+  std::vector<double> gains;
+  std::vector<double> logs;
+  for (const Phases& piece : pieces) {
+    gains.push_back(SizeOf(middle, level, piece));
+    if (std::isfinite(gains.back())) logs.push_back(std::log(gains.back()));
+  }
+  if (logs.empty()) return;
+  const double limit =
+      std::clamp(kOddSizeDeviations * Widened(logs.size()) * RobustDeviation(logs), kOddSize, kOddMostSize);
+  for (std::size_t k = 0; k < pieces.size(); ++k) {
+    if (!std::isfinite(gains[k])) continue;
+    const double gain = std::clamp(gains[k], std::exp(-limit), std::exp(limit));
+    for (std::size_t i = 0; i < kOddPhases; ++i) pieces[k][i] -= (gain - 1) * (middle[i] - level);
+  }
 }
 
 // Each piece moved to where it resembles the median most: steps vary in time, and their starts are not exact.
@@ -196,7 +222,7 @@ std::vector<Phases> Aligned(const std::vector<Wide>& wide) {
   }
   const Phases middle = MiddleOf(pieces).middle;
   if (Finite(middle).empty()) return pieces;
-  for (Phases& piece : pieces) TakeOffSize(middle, piece);
+  TakeOffSizes(middle, pieces);
   return pieces;
 }
 

@@ -91,11 +91,13 @@ bool IsStuck(const Signal& signal, const Run& run, const StuckUsual& usual) {
   const bool moves_after = moves(run.last + 1, run.last + 1 + kStuckShortest);
   // It catches up with a jump and goes on.
   if (exit > kStuckJump * usual.large_step && moved_before && moves_after) return true;
-  // A rounded sensor rests too, but a movement begins with small steps, and rests are of all lengths.
-  if (usual.rounded && !usual.straight && run.size() > kStuckFarLonger * usual.next_longest && moved_before &&
+  // A rounded sensor rests too, and inputs are held; but a movement begins with small steps, and rests are of
+  // all lengths.
+  const bool rests = usual.rounded || signal.kind == ChannelKind::kInput;
+  if (rests && !usual.straight && run.size() > kStuckFarLonger * usual.next_longest && moved_before &&
       moves_after && exit > kStuckRoundedJump * usual.step && exit > kStuckShareOfRange * RangeOf(signal))
     return true;
-  if (usual.rounded || usual.straight || signal.kind == ChannelKind::kInput) return false;
+  if (rests || usual.straight) return false;
   const double entry = entered ? std::abs(x[run.first] - x[run.first - 1]) : 0;
   return std::max(entry, exit) > kStuckAbrupt * usual.step;
 }
