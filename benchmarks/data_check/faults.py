@@ -8,9 +8,8 @@ KINDS = ("dropout", "spike", "stuck", "clipping", "displaced", "time_jump", "odd
 NAMES = {"dropout": {"dropout", "spike", "displaced", "odd_cycle", "stuck"}, "spike": {"spike", "dropout", "displaced"},
          "stuck": {"stuck", "dropout", "displaced", "odd_cycle"}, "clipping": {"clipping", "stuck", "displaced"},
          "displaced": {"displaced", "spike", "odd_cycle"}, "time_jump": {"time_jump"}, "odd_cycle": {"odd_cycle", "odd_trial", "displaced"},
-         "unit_57": {"unit", "axis"}, "unit_1000": {"unit", "axis"}, "sign": {"sign", "axis"}, "axis": {"axis"},
-         "lag": {"lag"}, "lag_grid": {"lag"}, "drift": {"drift"}, "two_feet": {"two_feet"}}
-WHOLE = {"time_jump", "unit_57", "unit_1000", "sign", "axis", "lag", "lag_grid", "clipping", "drift"}
+         "unit_57": {"unit", "axis", "odd_trial"}, "unit_1000": {"unit", "axis", "odd_trial"}, "sign": {"sign", "axis", "odd_trial"},
+         "axis": {"axis", "odd_trial"}, "lag": {"lag"}, "lag_grid": {"lag"}, "drift": {"drift"}, "two_feet": {"two_feet"}}
 AXES = ("_x", "_y", "_z")
 
 

@@ -36,7 +36,9 @@ constexpr std::size_t kSegmentSpike = 3;      // [frames]
 
 struct Distance {
   double middle = NAN;        // [m]
-  double scatter = INFINITY;  // [m]
+  double scatter = INFINITY;  // [m] robust deviation
+  double wide =
+      INFINITY;  // [m] the same of the 80th percentile: feet that stand most of the time differ in the rest
 };
 
 Distance Between(const Path& a, const Path& b, std::size_t stride) {
@@ -47,7 +49,11 @@ Distance Between(const Path& a, const Path& b, std::size_t stride) {
     if (std::isfinite(d)) distances.push_back(d);
   }
   if (distances.size() < kSegmentFewestFrames) return {};
-  return {Median(distances), RobustDeviation(distances)};
+  const double middle = Median(distances);
+  const double scatter = RobustDeviation(distances);
+  for (double& d : distances) d = std::abs(d - middle);
+  constexpr double kNormal = 1.28;
+  return {middle, scatter, std::max(scatter, Quantile(std::move(distances), 0.8) / kNormal)};
 }
 
 // A change of one marker's path that would make it move with others.
@@ -116,11 +122,11 @@ class Segments {
     return partners;
   }
 
-  // Second smallest scatter of the distances [m].
+  // Second smallest scatter of the distances, most of the frames [m].
   [[nodiscard]] double Scatter(const std::vector<Distance>& of) const {
     std::vector<double> scatter;
     for (const Distance& d : of) {
-      if (d.middle > kSegmentLeast_m) scatter.push_back(d.scatter);
+      if (d.middle > kSegmentLeast_m) scatter.push_back(d.wide);
     }
     if (scatter.size() < 2) return INFINITY;
     std::nth_element(scatter.begin(), scatter.begin() + 1, scatter.end());
