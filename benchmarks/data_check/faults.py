@@ -153,7 +153,8 @@ class Fault:
     def scaled(self, x, factor):
         if self.is_marker or "_force_" in self.channel:
             self.channels |= {self.channel[:-2] + axis for axis in AXES}
-        return self.write(x * (factor if self.rng.random() < 0.5 else 1 / factor), factor)
+        factor = factor if self.rng.random() < 0.5 else 1 / factor
+        return self.write(x * factor, factor)
 
     def unit_57(self, x, spread, low, high):
         return text(self.data.attrs["unit"]).startswith("rad") and self.scaled(x, 180 / np.pi)

@@ -9,6 +9,7 @@ clock), its trial and, of a part of a trial, its time.
 
     run.py --sinew build/release/sinew --work data_check_work [--judged 200] [--seed 1] [--jobs 2]
     run.py ... --untouched        # only the remarks on the data as they are
+    run.py ... --everywhere       # the same sign, unit or delay in all trials
 """
 import argparse
 import json
@@ -46,6 +47,22 @@ def config_of(pair):
     return ["--config", words[words.index("--config") + 1]] if "--config" in words else []
 
 
+def repeat_everywhere(file, fault):
+    """The same fault of a whole channel in every other trial."""
+    for trial, group in file["trials"].items():
+        for grid, content in group.items():
+            if trial == fault.trial or not isinstance(content, h5py.Group) or fault.channel not in content.get("channels", {}):
+                continue
+            other = faults.Fault(fault.kind, None, file, (trial, grid, fault.channel))
+            if fault.kind == "sign":
+                other.write(-other.x)
+            elif fault.kind == "lag":
+                other.size = fault.size
+                other.write(other.delayed(other.x))
+            else:
+                other.write(other.x * fault.size)
+
+
 class Study:
     """A pair with its untouched recordings, their fit and their remarks."""
 
@@ -77,6 +94,8 @@ class Study:
                 fault = faults.Fault(kind, rng, file, where, window, self.pair.swing)
                 if not fault.make():
                     return None
+                if self.options.everywhere:
+                    repeat_everywhere(file, fault)
             return self.judge(fault, copy, ready)
         finally:
             copy.unlink(missing_ok=True)
@@ -96,13 +115,14 @@ class Study:
             remarks = [f for f in check(sinew, ready, pair.problem, *config_of(pair))[0] if key(f) not in known]
             row["found_ready"] = fault.found(remarks, pair.cut.get(fault.trial, ()), pair.renamed)
             row["said_ready"] = [f["sentence"] for f in remarks]
-            row["move"], row["whose"] = fits.largest_move(self.clean, pair.fit(sinew, ready))
+            row["move"], row["whose"] = fits.largest_move(self.clean, pair.fit(sinew, ready, self.clean))
         except fits.CannotUse as error:
             row["refused"] = str(error)[-300:]
         return row
 
 
 STUDIES = {}
+EVERYWHERE = ("sign", "unit_57", "unit_1000", "lag")
 
 
 def work(job):
@@ -166,6 +186,7 @@ def main():
     parser.add_argument("--only", default="", help="data sets, separated by commas")
     parser.add_argument("--kinds", default="", help="kinds of faults, separated by commas")
     parser.add_argument("--untouched", action="store_true")
+    parser.add_argument("--everywhere", action="store_true", help="the same sign, unit or delay in all trials: no trial contradicts another")
     parser.add_argument("--rows", type=Path, help="JSON with every copy")
     options = parser.parse_args()
     options.work.mkdir(parents=True, exist_ok=True)
@@ -179,7 +200,7 @@ def main():
             STUDIES[make.__name__] = study
             print(f"| {make.__name__} {study.pair.problem} | {study.seconds:.1f} | {study.check_seconds:.2f} | {len(study.remarks)}, "
                   f"{len(study.ready_remarks)} | {', '.join(n for n, (_, h) in study.clean.items() if h)} |", flush=True)
-    kinds = options.kinds.split(",") if options.kinds else list(faults.KINDS)
+    kinds = options.kinds.split(",") if options.kinds else list(EVERYWHERE if options.everywhere else faults.KINDS)
     folder = options.work / f"copies_{options.seed}"
     folder.mkdir(exist_ok=True)
     # Every kind and every data set in turn; the place and the size are random.

@@ -286,6 +286,32 @@ void CheckSides(const OfTrial& channels, std::vector<Finding>& found) {
   }
 }
 
+// Activities of muscles are positive, of all of a recording: one that is negative has the wrong sign.
+void CheckActivities(const OfTrial& channels, std::vector<Finding>& found) {
+  constexpr std::size_t kFewest = 3;  // others
+  constexpr double kBeyond = 0.1;     // share of the range that noise may be on the other side of 0
+  std::map<std::string, std::vector<const Signal*>> positive;
+  std::map<std::string, std::vector<const Signal*>> negative;
+  std::map<std::string, std::size_t> count;
+  for (const auto& [name, signal] : channels) {
+    // Components of a vector or a quaternion have any sign.
+    const bool component =
+        name.size() > 2 && name[name.size() - 2] == '_' && name.back() >= 'w' && name.back() <= 'z';
+    if ((signal->unit != "1" && signal->unit != "V") || component) continue;
+    const auto finite = Finite(signal->values);
+    const double range = RangeOf(*signal);
+    if (!(range > 0)) continue;
+    ++count[signal->grid];
+    if (Quantile(finite, 0.02) > -kBeyond * range) positive[signal->grid].push_back(signal);
+    if (Quantile(finite, 0.98) < kBeyond * range) negative[signal->grid].push_back(signal);
+  }
+  for (const auto& [grid, wrong] : negative) {
+    if (wrong.size() != 1 || positive[grid].size() < kFewest || positive[grid].size() + 1 != count[grid])
+      continue;
+    found.push_back(WholeFinding(*wrong.front(), FindingKind::kSign, -1, 1, ""));
+  }
+}
+
 void CheckAngles(const OfTrial& channels, std::vector<Finding>& found) {
   for (const auto& [name, signal] : channels) {
     if (signal->unit != "rad" || signal->grid != "coordinates" || RangeOf(*signal) < kMostTurns_rad) continue;
@@ -340,6 +366,7 @@ std::vector<Finding> FindImplausible(const Dataset& dataset, const std::vector<C
     CheckMarkers(channels, found);
     CheckSpeeds(channels, found);
     CheckAngles(channels, found);
+    CheckActivities(channels, found);
     CheckSides(channels, found);
   }
   return found;

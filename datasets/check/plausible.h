@@ -19,6 +19,7 @@ namespace sinew {
 ///  (constant
 ///    body_mass); the centre of pressure lies where the markers are;
 ///  - a speed is the derivative of the position of its grid: sign, unit and time;
+///  - activities of muscles are positive;
 ///  - a joint turns by less than four revolutions; the ranges of right and left are not 57.3 or 1000 times
 ///  apart.
 [[nodiscard]] std::vector<Finding> FindImplausible(const Dataset& dataset,

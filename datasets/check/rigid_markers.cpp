@@ -17,7 +17,7 @@ constexpr std::size_t kSegmentFewestMarkers = 6;
 constexpr std::size_t kSegmentFewestFrames = 40;
 constexpr std::size_t kSegmentFrames = 300;   // that distances are judged on
 constexpr double kSegmentScatter_m = 0.006;   // largest robust deviation of a constant distance
-constexpr double kSegmentFirm_m = 0.004;      // the same of a distance that a correction must reach
+constexpr double kSegmentFirm_m = 0.008;      // the same of a distance that a correction must reach
 constexpr double kSegmentLeast_m = 0.02;      // shorter distances are no two markers
 constexpr double kSegmentKnown = 0.6;         // share of the markers that move with two others
 constexpr std::size_t kSegmentPartners = 5;   // that a marker is compared with
@@ -195,16 +195,20 @@ std::optional<Finding> WholeFault(const std::vector<Marker>& markers, const Segm
   const TimeSpan whole = marker.axes[0]->Whole();
   const std::size_t frames = marker.axes[0]->size();
   const double step = (whole.to - whole.from) / static_cast<double>(frames - 1);
-  double best = kSegmentBetter * before;
+  const double scatter_before = segments.Scatter(as_is);
+  double best = INFINITY;
   std::optional<Correction> chosen;
   std::vector<Distance> distances;
   for (const Correction& c : Candidates(step, frames)) {
     const auto of = segments.DistancesOf(i, Corrected(segments.path(i), c));
-    if (segments.Scatter(of) > kSegmentFirm_m) continue;
-    const double mismatch = segments.Mismatch(i, of);
-    if (mismatch > kSegmentAlike) continue;
+    const double scatter = segments.Scatter(of);
+    if (scatter > kSegmentFirm_m) continue;
     const double misfit = segments.Misfit(i, of);
-    if (misfit >= best) continue;
+    // Where distances were constant before, those on the other side decide; markers are not placed alike to
+    // the centimetre.
+    const bool moves_now = scatter < kSegmentBetter * scatter_before;
+    const bool is_mirrored = misfit < kSegmentBetter * before && !(segments.Mismatch(i, of) > kSegmentAlike);
+    if ((!moves_now && !is_mirrored) || misfit >= best) continue;
     best = misfit;
     chosen = c;
     distances = of;
@@ -229,7 +233,7 @@ std::optional<Finding> WholeFault(const std::vector<Marker>& markers, const Segm
       break;
     case FindingKind::kLag:
       finding.size = chosen->lag * step;
-      finding.other = markers[partners.front()].name;
+      finding.other = partners.empty() ? "the markers around it" : markers[partners.front()].name;
       break;
     default:
       finding.size = -1;
