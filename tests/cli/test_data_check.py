@@ -77,6 +77,56 @@ class DataCheck(ProgramTest):
         self.assertEqual(self.run_program("data", "check", name, "--mask", "auto").returncode, 1)
         self.assertEqual(self.path(name).read_bytes(), before)
 
+    def write(self, name, trials):
+        """trials: {trial: {grid: (times, {channel: (values, unit, kind)})}}."""
+        with h5py.File(self.path(name), "w") as file:
+            file.attrs["sinew_schema"] = "dataset/1"
+            for trial, grids in trials.items():
+                group = file.create_group(f"trials/{trial}")
+                group.attrs["role"] = "train"
+                for grid, (times, channels) in grids.items():
+                    group[f"{grid}/time"] = times
+                    for channel, (values, unit, kind) in channels.items():
+                        made = group.create_dataset(f"{grid}/channels/{channel}", data=values)
+                        made.attrs["unit"], made.attrs["kind"] = unit, kind
+        return name
+
+    def test_a_device_that_is_late_in_one_recording(self):
+        times = np.arange(0, 30, 0.01)
+
+        def recording(period, delay):
+            def shape(c, k):
+                p = 2 * np.pi * times / period
+                return np.sin(p + c) + 0.5 * np.sin(2 * p + 2 * c + k) + 0.01 * np.sin(37 * times + c)
+
+            return {name: (times + (delay if name == "forces" else 0), {f"{name}_{c}": (shape(c, k), unit, "measured") for c in range(3)})
+                    for k, (name, unit) in enumerate((("angles", "rad"), ("moments", "N*m"), ("forces", "N")))}
+
+        name = self.write("late.h5", {"a": recording(1.15, 0.15), "b": recording(1.06, 0)})
+        found = self.findings(name)
+        self.assertEqual([(f["kind"], f["grid"], f["channel"], f["mask"]) for f in found], [("lag", "forces", "", [])])
+        self.assertIn("All of grid 'forces' in trial 'a' is out of step with trial 'b'", found[0]["sentence"])
+        self.assertEqual(self.findings(self.write("fine.h5", {"a": recording(1.15, 0), "b": recording(1.06, 0)})), [])
+
+    def test_a_quaternion_and_an_input_that_contradict_the_rest(self):
+        times = np.arange(0, 1, 0.01)
+
+        def toss(k):
+            half = 2 * times + k
+            parts = {"w": np.cos(half), "x": 0.6 * np.sin(half), "y": 0.8 * np.sin(half), "z": 0 * half}
+            command = k + (k + 1) * (np.sin(7 * times * times) + 0.3 * np.sin(20 * times))
+            return {"pose": (times, {**{f"orientation_{c}": (v, "1", "measured") for c, v in parts.items()},
+                                     "command": (command, "V", "input")})}
+
+        trials = {f"toss_{k}": toss(k) for k in range(4)}
+        self.assertEqual(self.findings(self.write("fine.h5", trials)), [])
+        trials["toss_1"]["pose"][1]["orientation_x"][0][30:60] *= 0.3
+        trials["toss_2"]["pose"][1]["command"][0][40:60] += 3 * np.sin(np.pi * np.arange(20) / 20) ** 2
+        found = {(f["kind"], f["trial"]): f["sentence"] for f in self.findings(self.write("wrong.h5", trials))}
+        self.assertIn("are no rotation: their norm differs from 1", found["inconsistent", "toss_1"])
+        self.assertIn("Command in trial 'toss_2' differs by up to", found["displaced", "toss_2"])
+        self.assertIn("which it repeats elsewhere", found["displaced", "toss_2"])
+
     def test_wrong_words(self):
         name = self.drive()
         self.fails("--mask all: expected auto", "data", "check", name, "--mask", "all")
