@@ -9,6 +9,7 @@ clock), its trial and, of a part of a trial, its time.
 
     run.py --sinew build/release/sinew --work data_check_work [--judged 200] [--seed 1] [--jobs 2]
     run.py ... --untouched        # only the remarks on the data as they are
+    run.py ... --moves rows.json  # after a change of the check: the fits are those of an earlier run
     run.py ... --everywhere       # the same sign, unit or delay in all trials
 """
 import argparse
@@ -45,6 +46,11 @@ def key(finding):
 def config_of(pair):
     words = list(pair.words)
     return ["--config", words[words.index("--config") + 1]] if "--config" in words else []
+
+
+def which(row):
+    """What tells one copy from the others."""
+    return json.dumps([row[k] for k in ("kind", "set", "trial", "channel", "span", "size")])
 
 
 def repeat_everywhere(file, fault):
@@ -109,13 +115,14 @@ class Study:
         remarks = [f for f in check(sinew, copy)[0] if key(f) not in known]
         row["found"] = fault.found(remarks)
         row["said"] = [f["sentence"] for f in remarks]
+        before = self.options.moves.get(which(row))
         try:
             pair.prepare(sinew, copy, ready)
             known = {key(f) for f in self.ready_remarks}
             remarks = [f for f in check(sinew, ready, pair.problem, *config_of(pair))[0] if key(f) not in known]
             row["found_ready"] = fault.found(remarks, pair.cut.get(fault.trial, ()), pair.renamed)
             row["said_ready"] = [f["sentence"] for f in remarks]
-            row["move"], row["whose"] = fits.largest_move(self.clean, pair.fit(sinew, ready, self.clean))
+            row["move"], row["whose"] = before or fits.largest_move(self.clean, pair.fit(sinew, ready, self.clean))
         except fits.CannotUse as error:
             row["refused"] = str(error)[-300:]
         return row
@@ -188,7 +195,10 @@ def main():
     parser.add_argument("--untouched", action="store_true")
     parser.add_argument("--everywhere", action="store_true", help="the same sign, unit or delay in all trials: no trial contradicts another")
     parser.add_argument("--rows", type=Path, help="JSON with every copy")
+    parser.add_argument("--moves", type=Path, help="--rows of an earlier run with this seed: its fits are not repeated, only the checks")
     options = parser.parse_args()
+    earlier = json.loads(options.moves.read_text()) if options.moves else []
+    options.moves = {which(row): (row["move"], row["whose"]) for row in earlier if row["move"] is not None}
     options.work.mkdir(parents=True, exist_ok=True)
     if options.untouched:
         return untouched(options)

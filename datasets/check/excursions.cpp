@@ -20,7 +20,7 @@ constexpr std::size_t kExcursionNear = 30;   // [samples] on each side that coun
 constexpr double kExcursionReturns = 0.5;    // largest change over the stretch, of the smaller jump
 constexpr double kExcursionAlike = 0.3;      // smaller of the two jumps, of the larger one
 constexpr double kExcursionLongest = 0.3;    // of the trial
-constexpr double kExcursionNoise = 0.25;  // typical increment of a robust deviation: a signal that is noise
+constexpr double kExcursionNoise = 0.5;  // typical increment of a robust deviation: a signal that is noise
 constexpr std::size_t kExcursionBurst =
     300;  // [samples] on each side that a spike of such a signal must exceed ...
 constexpr double kExcursionBeyondBurst = 2;  // ... by this factor
