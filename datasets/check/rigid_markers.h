@@ -15,8 +15,8 @@ namespace sinew {
 ///  exchanged, one is 1000 times smaller or larger, or all three are shifted in time: sign, axis, unit, lag.
 ///  Where distances are constant anyway, because a coordinate hardly changes, those on the other side of the
 ///  body tell (names with a side).
-///  - Times at which at least half of a marker's distances, and two of them, are wrong by 3 cm, by eight robust
-///  deviations, and by four times what 85 % of the frames stay below: displaced, or a spike.
+///  - Times at which at least half of a marker's distances, and two of them, are wrong by 3 cm, by eight
+///  robust deviations, and by four times what 85 % of the frames stay below: displaced, or a spike.
 /// Nothing, if fewer than 60 % of the markers have two others that they move with.
 [[nodiscard]] std::vector<Finding> FindBrokenSegments(const std::vector<ChannelGroup>& groups);
 
