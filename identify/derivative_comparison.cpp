@@ -2,6 +2,8 @@
 
 #include <algorithm>
 #include <cmath>
+#include <optional>
+#include <utility>
 
 #include "base/random.h"
 #include "identify/guarded.h"
@@ -9,8 +11,11 @@
 namespace sinew {
 namespace {
 
-constexpr double kStep = 1e-4;         // of the range, or of its logarithm
-constexpr double kShortStep = 2.5e-5;  // to see whether the step matters
+constexpr double kStep = 1e-4;     // of the range, or of its logarithm
+constexpr double kShorter = 0.25;  // of a step, to see whether it matters
+// Where a derivative disagrees: a model that sticks, or that switches, may do something else a little further
+// on, at both sides and over both steps alike.
+constexpr double kFineStep = 1e-6;
 // What changes the prediction by less than this share of its size, over the whole range, is rounding.
 constexpr double kNegligible = 1e-7;
 constexpr double kSmoothShare = 0.8;  // of the samples, for a column to be compared
@@ -47,6 +52,12 @@ Vector Inside(const Problem& problem, const DerivativeQuery& query) {
   return point;
 }
 
+// One column of one block, all over the parameter's range.
+struct Sides {
+  double step = kStep;  // of the range, or of its logarithm
+  Vector left, right, left_short, right_short, here;
+};
+
 class Comparison {
  public:
   Comparison(const Problem& problem, const DerivativeQuery& query)
@@ -74,6 +85,20 @@ class Comparison {
     }
     SINEW_TRY(PredictGuarded(problem_, {moved, query_.blocks, false, nullptr}, *workspace_, beside_));
     return Stacked(beside_);
+  }
+
+  /// Values at both sides of the point in one parameter; nothing if there is no prediction at one of them.
+  /// @param here [rows] at the point
+  std::optional<Sides> Around(int p, double step, const Vector& here) {
+    Vector direction = Vector::Zero(point_.size());
+    direction[p] = 1;
+    auto right = Beside(direction, step);
+    auto left = Beside(direction, -step);
+    auto right_short = Beside(direction, kShorter * step);
+    auto left_short = Beside(direction, -kShorter * step);
+    if (!right || !left || !right_short || !left_short) return {};
+    return Sides{step, std::move(*left), std::move(*right), std::move(*left_short), std::move(*right_short),
+                 here};
   }
 
   [[nodiscard]] Vector Stacked(const Prediction& prediction) const {
@@ -124,32 +149,31 @@ class Comparison {
   Prediction beside_;
 };
 
-// One column of one block, all over the parameter's range.
-struct Sides {
-  Vector left, right, left_short, right_short, here;
-};
+enum class Outcome { kNotCompared, kAgrees, kOff };
 
-void CompareColumn(const Problem& problem, std::size_t b, int p, const Sides& sides, Eigen::Index first,
-                   const Vector& column, const Vector& point, double tolerance, JacobianReport& report) {
+// @param wrong set if it is wrong @param deviation set if it was compared
+Outcome CompareColumn(const Problem& problem, std::size_t b, int p, const Sides& sides, Eigen::Index first,
+                      const Vector& column, const Vector& point, double tolerance, WrongDerivative& wrong,
+                      double& deviation) {
   const Block& block = problem.layout()[b];
   const Eigen::Index n = block.predictions();
   const auto part = [&](const Vector& v) { return v.segment(first, n); };
-  const Vector central = (part(sides.right) - part(sides.left)) / (2 * kStep);
-  const Vector finer = (part(sides.right_short) - part(sides.left_short)) / (2 * kShortStep);
-  const Vector ahead = (part(sides.right) - part(sides.here)) / kStep;
-  const Vector behind = (part(sides.here) - part(sides.left)) / kStep;
+  const Vector central = (part(sides.right) - part(sides.left)) / (2 * sides.step);
+  const Vector finer = (part(sides.right_short) - part(sides.left_short)) / (2 * kShorter * sides.step);
+  const Vector ahead = (part(sides.right) - part(sides.here)) / sides.step;
+  const Vector behind = (part(sides.here) - part(sides.left)) / sides.step;
   const Vector got = part(column);
   const double count = std::sqrt(static_cast<double>(n));
   const double size = std::max(got.norm(), finer.norm()) / count;
-  ++report.columns;
+  deviation = 0;
   if (size <= kNegligible * (part(sides.here).norm() / count + 1e-300)) {
-    ++report.compared;  // neither moves the prediction
-    return;
+    return Outcome::kAgrees;  // neither moves the prediction
   }
   // Differences of two steps must agree with each other to be a reference, whatever the derivative says: near
   // an unstable trajectory they do not.
   const double resolved =
-      std::max(finer.cwiseAbs().maxCoeff(), kRounding * part(sides.here).cwiseAbs().maxCoeff() / kShortStep);
+      std::max(finer.cwiseAbs().maxCoeff(),
+               kRounding * part(sides.here).cwiseAbs().maxCoeff() / (kShorter * sides.step));
   double smooth = 0;
   double squares = 0;
   double farthest = -1;
@@ -166,14 +190,11 @@ void CompareColumn(const Problem& problem, std::size_t b, int p, const Sides& si
       worst = i;
     }
   }
-  if (smooth < kSmoothShare * static_cast<double>(n)) return;
-  ++report.compared;
-  const double deviation = std::sqrt(squares / smooth) / size;
-  report.worst = std::max(report.worst, deviation);
-  if (deviation <= tolerance) return;
+  if (smooth < kSmoothShare * static_cast<double>(n)) return Outcome::kNotCompared;
+  deviation = std::sqrt(squares / smooth) / size;
+  if (deviation <= tolerance) return Outcome::kAgrees;
   const Parameter& parameter = problem.parameters()[static_cast<std::size_t>(p)];
   const double scale = block.weight * SlopeOf(parameter, point[p]);
-  WrongDerivative wrong;
   wrong.block = static_cast<int>(b);
   wrong.trial = block.trial;
   wrong.channel = block.channel;
@@ -185,9 +206,13 @@ void CompareColumn(const Problem& problem, std::size_t b, int p, const Sides& si
   wrong.got = got[worst] / scale;
   wrong.deviation = deviation;
   wrong.point = point;
+  return Outcome::kOff;
+}
+
+void Report(WrongDerivative wrong, JacobianReport& report) {
   for (WrongDerivative& known : report.wrong) {
     if (known.block != wrong.block || known.parameter != wrong.parameter) continue;
-    if (known.deviation < wrong.deviation) known = wrong;
+    if (known.deviation < wrong.deviation) known = std::move(wrong);
     return;
   }
   report.wrong.push_back(std::move(wrong));
@@ -200,9 +225,8 @@ Status CompareDerivatives(const Problem& problem, const DerivativeQuery& query, 
   Comparison comparison(problem, query);
   SINEW_TRY(comparison.Evaluate());
   const Layout& layout = problem.layout();
-  Sides sides;
-  sides.here = comparison.Stacked(comparison.at());
-  if (!sides.here.allFinite()) return Fail("a predicted value is not finite");
+  const Vector here = comparison.Stacked(comparison.at());
+  if (!here.allFinite()) return Fail("a predicted value is not finite");
   for (int p = 0; p < static_cast<int>(query.parameters.size()); ++p) {
     if (!query.parameters[static_cast<std::size_t>(p)]) continue;
     if (HasNoDerivative(problem.parameters()[static_cast<std::size_t>(p)], comparison.point()[p])) continue;
@@ -210,22 +234,35 @@ Status CompareDerivatives(const Problem& problem, const DerivativeQuery& query, 
     if (!column.allFinite())
       return Fail("a derivative by '{}' is not finite",
                   problem.parameters()[static_cast<std::size_t>(p)].name);
-    Vector direction = Vector::Zero(comparison.point().size());
-    direction[p] = 1;
-    auto right = comparison.Beside(direction, kStep);
-    auto left = comparison.Beside(direction, -kStep);
-    auto right_short = comparison.Beside(direction, kShortStep);
-    auto left_short = comparison.Beside(direction, -kShortStep);
-    if (!right || !left || !right_short || !left_short) continue;
-    sides.right = std::move(*right);
-    sides.left = std::move(*left);
-    sides.right_short = std::move(*right_short);
-    sides.left_short = std::move(*left_short);
+    const std::optional<Sides> sides = comparison.Around(p, kStep, here);
+    if (!sides) continue;
+    std::optional<Sides> fine;  // made if it is needed
     Eigen::Index first = 0;
     for (std::size_t b = 0; b < layout.size(); ++b) {
       if (!query.blocks[b]) continue;
       // Also where the block says that it does not depend on it: the derivative is then taken for 0.
-      CompareColumn(problem, b, p, sides, first, column, comparison.point(), tolerance, report);
+      const auto compare = [&](const Sides& of, WrongDerivative& wrong, double& deviation) {
+        return CompareColumn(problem, b, p, of, first, column, comparison.point(), tolerance, wrong,
+                             deviation);
+      };
+      WrongDerivative wrong;
+      double deviation = 0;
+      Outcome verdict = compare(*sides, wrong, deviation);
+      if (verdict == Outcome::kOff) {
+        if (!fine) fine = comparison.Around(p, kFineStep, here);
+        WrongDerivative again;
+        double of_fine = 0;
+        if (fine && compare(*fine, again, of_fine) == Outcome::kAgrees) {
+          verdict = Outcome::kAgrees;
+          deviation = of_fine;
+        }
+      }
+      ++report.columns;
+      if (verdict != Outcome::kNotCompared) {
+        ++report.compared;
+        report.worst = std::max(report.worst, deviation);
+      }
+      if (verdict == Outcome::kOff) Report(std::move(wrong), report);
       first += layout[b].predictions();
     }
   }

@@ -95,6 +95,22 @@ void ExpectFoundEverywhere(const Decay& problem, const std::string& words) {
   EXPECT_THAT(ErrorOfDiagnose(problem), HasSubstr(words));
 }
 
+// A joint that sticks leaves its rest a little to both sides of the start: differences over that distance
+// agree with each other, not with the derivative.
+TEST(CheckProblem, AModelThatSwitchesNearTheStartPasses) {
+  Decay sticks;
+  sticks.spoil = [](const Query& query, Prediction& prediction) {
+    const double off = query.parameters[Decay::kOffset];
+    const double rest = 1e-5;  // of a range of 2
+    if (std::abs(off) < rest) return Status();
+    for (int b = 0; b < 2; ++b) {
+      if (query.blocks[static_cast<std::size_t>(b)]) prediction.values(b).array() -= 0.5 * off;
+    }
+    return Status();
+  };
+  EXPECT_EQ(ErrorOf(CheckProblem(sticks)), "");
+}
+
 TEST(CheckProblem, AGoodProblemPasses) {
   const Decay good;
   EXPECT_EQ(ErrorOf(CheckProblem(good)), "");
