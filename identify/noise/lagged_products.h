@@ -2,6 +2,7 @@
 // that the cost of trying other coefficients does not depend on the number of samples.
 #pragma once
 
+#include <array>
 #include <cstddef>
 #include <vector>
 
@@ -17,16 +18,6 @@ struct LaggedBlock {
   std::vector<int> starts;   ///< first row of each stretch, increasing, starts with 0
 };
 
-/// Normal equations of a whitened least-squares fit: |W (r - X b)|^2 = power - 2 b'projection + b'gram b.
-struct WhitenedNormalEquations {
-  Matrix gram;        ///< [k x k] only the lower triangle
-  Vector projection;  ///< [k]
-  double power = 0;
-
-  explicit WhitenedNormalEquations(int columns)
-      : gram(Matrix::Zero(columns, columns)), projection(Vector::Zero(columns)) {}
-};
-
 /// Products of all rows of all blocks of one channel. The exact quadratic form of a stationary autoregression
 /// over a stretch of n >= 2 order samples is sum over i, j of f_i f_j (sum over t of z_{t+i} z_{t+j}', t = 0
 /// .. n-1-i-j) with f = (1, -a) (Siddiqui 1958; Box, Jenkins 1976, A7.4). Shorter stretches are filtered
@@ -38,10 +29,30 @@ class LaggedProducts {
 
   [[nodiscard]] int rows() const { return rows_; }
 
-  /// Adds `scale` times the normal equations of the filtered rows.
-  /// @param filter of at most `order` @return logarithm of the determinant of the covariance of all rows, for
-  /// an innovation of variance 1
-  double AddFiltered(const AutoregressiveFilter& filter, double scale, WhitenedNormalEquations& sum);
+  /// A product of two columns of a block's rows whose sums are not all zero.
+  struct Entry {
+    std::size_t block = 0;
+    std::size_t row = 0;     ///< >= column
+    std::size_t column = 0;  ///< 0 .. k_b; the last one is the residual
+  };
+  /// One block after the other.
+  [[nodiscard]] const std::vector<Entry>& entries() const { return entries_; }
+  /// [blocks][k_b] global index of each regressor.
+  [[nodiscard]] const std::vector<std::vector<int>>& columns() const { return columns_; }
+
+  /// `scale` times the sums of the products of the filtered rows. @param filter of at most `order`
+  /// @param value [entries]
+  void Filter(const AutoregressiveFilter& filter, double scale, Vector& value);
+  /// Logarithm of the determinant of the covariance of all rows, for an innovation of variance 1.
+  [[nodiscard]] double LogDeterminant(const AutoregressiveFilter& filter) const;
+
+  /// Derivative of the sum of slopes[i] value[i] of Filter(), at scale 1, by x in direction i of
+  /// `neighbours`, from filters on both sides.
+  /// @param slopes [entries] @param neighbours [i] filters at x - step and x + step, of the same order
+  /// @param at the filter at x @param along [i] @return the sum itself
+  double Differentiate(const Vector& slopes, const AutoregressiveFilter& at,
+                       const std::vector<std::array<AutoregressiveFilter, 2>>& neighbours, double step,
+                       Vector& along);
 
  private:
   struct Short {
@@ -49,16 +60,20 @@ class LaggedProducts {
     std::size_t block = 0;
   };
 
-  // Lower triangles of the sums of z_{t+i} z_{t+j}' + z_{t+j} z_{t+i}' (once for i = j), one column per pair
-  // i <= j in the order (0,0), (0,1), (1,1), (0,2), ..., so that the pairs of a lower order come first. Rows
-  // of one block after those of another.
+  // Weights of the pairs of lags of a filter, into weights_. @return their number
+  int Weigh(const AutoregressiveFilter& filter, double scale);
+  // The products of the short stretches, times `scale`, in the order of all_.
+  void AddShort(const AutoregressiveFilter& filter, double scale, Vector& value) const;
+
+  // Sums of z_{t+i} z_{t+j}' + z_{t+j} z_{t+i}' (once for i = j), one row per entry, one column per pair
+  // i <= j in the order (0,0), (0,1), (1,1), (0,2), ..., so that the pairs of a lower order come first.
   Matrix table_;
+  std::vector<Entry> entries_;
   std::vector<std::vector<int>> columns_;  // [blocks][k_b]
   std::vector<Short> short_;
   int long_stretches_ = 0;
   int rows_ = 0;
-  Vector weights_;   // scratch
-  Vector filtered_;  // scratch
+  Vector weights_;  // scratch
 };
 
 }  // namespace sinew::noise

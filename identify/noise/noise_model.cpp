@@ -1,12 +1,15 @@
 #include "identify/noise/noise_model.h"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <limits>
+#include <numeric>
 #include <optional>
 
 #include "base/decompositions.h"
 #include "identify/noise/autoregression.h"
+#include "identify/noise/channel_equations.h"
 #include "identify/noise/lagged_products.h"
 #include "identify/noise/quasi_newton.h"
 #include "identify/noise/restricted_likelihood.h"
@@ -27,7 +30,10 @@ constexpr int kOrdersWithoutGain = 4;          // successive orders without gain
 constexpr double kSweepTolerance = 1e-6;
 constexpr int kMaxSweeps = 50;
 constexpr double kExcessOverStated = 1.5;  // times the stated level: above it the residual is more than noise
-constexpr int kOrderSweeps = 2;            // with several channels the order of each depends on the others
+// For the derivatives of the filter's coefficients: the error is step^2 times a third derivative of the
+// deviance, far below the noise.
+constexpr double kDifference = 1e-4;
+constexpr int kOrderSweeps = 2;  // with several channels the order of each depends on the others
 
 int RowsWithPast(const std::vector<const LaggedBlock*>& blocks, int past) {
   int rows = 0;
@@ -75,12 +81,16 @@ struct Channel {
   bool white = false;          // prescribed by the data
   double least_deviation = 0;  // prescribed by the data
   double largest_root = 0;     // prescribed by the data
-  std::optional<LaggedProducts> products;  // of the current rows
-  Vector shape;                            // partial autocorrelations = tanh(shape)
-  double log_variance = 0;                 // of the innovation
-  double first_log_variance = 0;           // of the ordinary residual
-  double power = 0;                        // of the ordinary residual
-  double excess_power = 0;                 // limit of `power` above which it is more than the stated noise
+  std::optional<LaggedProducts> products;
+  std::optional<ChannelEquations> equations;
+  bool alone = false;       // shares no regressor with other channels, and has more rows than regressors
+  JointEquations joint;     // at `shape` and `log_variance`
+  double covariance = 0;    // logarithm of its determinant, for an innovation of variance 1, there
+  Vector shape;             // partial autocorrelations = tanh(shape)
+  double log_variance = 0;  // of the innovation
+  double first_log_variance = 0;  // of the ordinary residual
+  double power = 0;               // of the ordinary residual
+  double excess_power = 0;        // limit of `power` above which it is more than the stated noise
 };
 
 class Estimator {
@@ -108,6 +118,7 @@ class Estimator {
       model_.channel_of.push_back(static_cast<int>(found - channels_.begin()));
     }
     for (Channel& channel : channels_) Start(channel);
+    Connect();
   }
 
   NoiseModel Estimate() {
@@ -116,12 +127,17 @@ class Estimator {
     } else if (!options_.white) {
       ChooseOrders();
     }
+    const auto coupled =
+        std::count_if(channels_.begin(), channels_.end(), [](const Channel& c) { return !c.alone; });
     double last = std::numeric_limits<double>::infinity();
     for (int sweep = 0; sweep < kMaxSweeps; ++sweep) {
       double deviance = last;
-      for (std::size_t c = 0; c < channels_.size(); ++c)
-        deviance = Refine(c, channels_[c].shape, kMinimumTolerance);
-      if (channels_.size() == 1 || !(last - deviance > kSweepTolerance)) break;
+      for (std::size_t c = 0; c < channels_.size(); ++c) {
+        if (sweep > 0 && channels_[c].alone) continue;
+        const double reached = Refine(c, channels_[c].shape, kMinimumTolerance);
+        if (!channels_[c].alone) deviance = reached;
+      }
+      if (coupled <= 1 || !(last - deviance > kSweepTolerance)) break;
       last = deviance;
     }
     for (const Channel& channel : channels_) {
@@ -141,7 +157,7 @@ class Estimator {
     for (int sweep = 0; sweep < sweeps && changed; ++sweep) {
       changed = sweep == 0;
       for (std::size_t c = 0; c < channels_.size(); ++c) {
-        if (sweep > 0 && c + 1 == channels_.size() && !changed) break;
+        if (sweep > 0 && (channels_[c].alone || (c + 1 == channels_.size() && !changed))) continue;
         const Eigen::Index before = channels_[c].shape.size();
         ChooseOrder(c);
         changed = changed || channels_[c].shape.size() != before;
@@ -157,6 +173,7 @@ class Estimator {
           continue;
         channel.shape = ShapeOf(known.coefficients, channel.largest_root);
         channel.log_variance = 2 * std::log(known.deviation);
+        Settle(channel);
       }
     }
   }
@@ -191,51 +208,120 @@ class Estimator {
     channel.products.emplace(channel.blocks, channel.largest_order);
   }
 
-  /// Sums the normal equations and log variances of all channels but one at their current estimates.
+  // Which regressors channels share.
+  void Connect() {
+    std::vector<int> place(static_cast<std::size_t>(columns_), -1);
+    std::vector<std::size_t> owner(static_cast<std::size_t>(columns_), channels_.size());
+    joint_ = 0;
+    for (std::size_t c = 0; c < channels_.size(); ++c) {
+      for (const auto& of_block : channels_[c].products->columns()) {
+        for (const int column : of_block) {
+          const auto at = static_cast<std::size_t>(column);
+          if (owner[at] == channels_.size()) owner[at] = c;
+          if (owner[at] != c && place[at] < 0) place[at] = joint_++;
+        }
+      }
+    }
+    for (Channel& channel : channels_) {
+      channel.equations.emplace(channel.products->columns(), place, joint_);
+      channel.alone = channel.equations->IsAlone() && channel.products->rows() > channel.equations->columns();
+    }
+    for (Channel& channel : channels_) Settle(channel);
+  }
+
+  // What the deviances of other channels need of this one at its current estimate.
+  void Settle(Channel& channel) {
+    if (channel.alone || channels_.size() == 1) return;
+    const AutoregressiveFilter filter = FilterOf(channel.shape, channel.largest_root);
+    channel.products->Filter(filter, std::exp(-channel.log_variance), sums_);
+    if (!channel.equations->Eliminate(*channel.products, sums_, channel.joint))
+      channel.joint.lower.setConstant(std::numeric_limits<double>::quiet_NaN());
+    channel.covariance = channel.products->LogDeterminant(filter);
+  }
+
+  /// Sums the normal equations and log variances of all channels that share regressors, but one, at their
+  /// current estimates.
   void GatherOthers(std::size_t c) {
-    others_ = WhitenedNormalEquations(columns_);
+    others_.SetZero(joint_);
     others_deviance_ = 0;
+    if (channels_[c].alone) return;
     for (std::size_t i = 0; i < channels_.size(); ++i) {
-      if (i == c) continue;
-      Channel& other = channels_[i];
-      others_deviance_ += other.products->rows() * other.log_variance;
-      others_deviance_ += other.products->AddFiltered(FilterOf(other.shape, other.largest_root),
-                                                      std::exp(-other.log_variance), others_);
+      if (i == c || channels_[i].alone) continue;
+      const Channel& other = channels_[i];
+      others_ += other.joint;
+      others_deviance_ += other.products->rows() * other.log_variance + other.covariance;
     }
   }
 
-  /// Deviance as a function of one channel's x: its shape and, if there are other channels, its log variance.
-  /// The variance of a single channel has a closed form.
-  double Deviance(Channel& channel, const Vector& x, double* log_variance) {
-    const bool single = channels_.size() == 1;
-    work_ = others_;
+  /// Deviance as a function of one channel's x: its shape and, unless it is alone, its log variance. The
+  /// variance of a channel alone has a closed form.
+  /// @param gradient [n] if not null
+  double Deviance(Channel& channel, const Vector& x, double* log_variance, Vector* gradient) {
+    const Eigen::Index order = channel.alone ? x.size() : x.size() - 1;
+    const AutoregressiveFilter filter = FilterOf(x.head(order), channel.largest_root);
     const int rows = channel.products->rows();
-    if (single) {
-      const double covariance = channel.products->AddFiltered(FilterOf(x, channel.largest_root), 1, work_);
-      const ProfiledOut left = ProfileOut(work_);
-      const double degrees = rows - columns_;
-      const double variance = left.power / degrees;
+    double scale = 1;
+    if (!channel.alone) {
+      *log_variance = std::clamp(x[order], channel.first_log_variance - kLogVarianceRange,
+                                 channel.first_log_variance + kLogVarianceRange);
+      scale = std::exp(-*log_variance);
+    }
+    channel.products->Filter(filter, scale, sums_);
+    if (!channel.equations->Eliminate(*channel.products, sums_, left_))
+      return std::numeric_limits<double>::infinity();
+    const double covariance = channel.products->LogDeterminant(filter);
+    left_ += others_;
+    const double of_own = left_.log_determinant;
+    if (!EliminateJoint(left_, elimination_)) return std::numeric_limits<double>::infinity();
+    const double log_determinant = of_own + elimination_.log_determinant();
+    const double power = left_.lower(joint_, joint_);
+    double deviance = 0;
+    double per_power = 1;
+    if (channel.alone) {
+      const double degrees = rows - channel.equations->columns();
+      const double variance = power / degrees;
       if (!(variance > 0)) return std::numeric_limits<double>::infinity();
       *log_variance = std::log(variance);
-      return degrees * (*log_variance + 1) + covariance + left.log_determinant;
+      deviance = degrees * (*log_variance + 1) + covariance + log_determinant;
+      per_power = 1 / variance;
+    } else {
+      deviance = others_deviance_ + rows * *log_variance + covariance + power + log_determinant;
     }
-    *log_variance = std::clamp(x[x.size() - 1], channel.first_log_variance - kLogVarianceRange,
-                               channel.first_log_variance + kLogVarianceRange);
-    const double covariance = channel.products->AddFiltered(
-        FilterOf(x.head(x.size() - 1), channel.largest_root), std::exp(-*log_variance), work_);
-    const ProfiledOut left = ProfileOut(work_);
-    const double deviance =
-        others_deviance_ + rows * *log_variance + covariance + left.power + left.log_determinant;
-    return std::isfinite(deviance) ? deviance : std::numeric_limits<double>::infinity();
+    if (!std::isfinite(deviance)) return std::numeric_limits<double>::infinity();
+    if (gradient != nullptr) Differentiate(channel, x.head(order), filter, scale, per_power, *gradient);
+    return deviance;
   }
 
-  /// Minimises over one channel with the others fixed. @return the deviance
+  // Of the deviance that was computed last. @param per_power its slope for the power that is left
+  void Differentiate(Channel& channel, const Vector& shape, const AutoregressiveFilter& filter, double scale,
+                     double per_power, Vector& gradient) {
+    elimination_.CarryBack(left_.lower, Matrix::Constant(1, 1, per_power), of_left_);
+    channel.equations->CarryBack(*channel.products, of_left_, slopes_);
+    std::vector<std::array<AutoregressiveFilter, 2>> neighbours;
+    gradient.resize(shape.size() + (channel.alone ? 0 : 1));
+    for (Eigen::Index i = 0; i < shape.size(); ++i) {
+      Vector below = shape;
+      Vector above = shape;
+      below[i] -= kDifference;
+      above[i] += kDifference;
+      neighbours.push_back({FilterOf(below, channel.largest_root), FilterOf(above, channel.largest_root)});
+      gradient[i] = (channel.products->LogDeterminant(neighbours.back()[1]) -
+                     channel.products->LogDeterminant(neighbours.back()[0])) /
+                    (2 * kDifference);
+    }
+    Vector along;
+    const double sum = channel.products->Differentiate(slopes_, filter, neighbours, kDifference, along);
+    gradient.head(shape.size()) += scale * along;
+    if (!channel.alone) gradient[shape.size()] = channel.products->rows() - scale * sum;
+  }
+
+  /// Minimises over one channel with the others fixed. @return the deviance, of a channel that is not alone
+  /// that of all channels that are not
   double Refine(std::size_t c, const Vector& shape, double tolerance) {
     Channel& channel = channels_[c];
     GatherOthers(c);
-    const bool single = channels_.size() == 1;
     const Eigen::Index order = shape.size();
-    Vector x(order + (single ? 0 : 1));
+    Vector x(order + (channel.alone ? 0 : 1));
     x.head(order) = shape;
     Vector curvature(x.size());
     const double rows = channel.products->rows();
@@ -243,19 +329,20 @@ class Estimator {
       // From the exact information of the last partial autocorrelation, rows / (1 - partial^2).
       curvature[i] = 1 + 2 * rows / std::pow(std::cosh(shape[i]), 2);
     }
-    if (!single) {
+    if (!channel.alone) {
       x[order] = channel.log_variance;
       curvature[order] = 1 + rows;
     }
     double log_variance = channel.log_variance;
-    double deviance = Deviance(channel, x, &log_variance);
     if (!channel.silent) {
-      const auto function = [&](const Vector& at) { return Deviance(channel, at, &log_variance); };
-      MinimizeSmooth(function, curvature, tolerance, x);
-      deviance = Deviance(channel, x, &log_variance);
+      MinimizeSmooth(
+          [&](const Vector& at, Vector* gradient) { return Deviance(channel, at, &log_variance, gradient); },
+          curvature, tolerance, x);
     }
+    const double deviance = Deviance(channel, x, &log_variance, nullptr);
     channel.shape = x.head(order);
     if (!channel.silent) channel.log_variance = log_variance;
+    Settle(channel);
     return deviance;
   }
 
@@ -288,6 +375,7 @@ class Estimator {
     }
     channel.shape = best_shape;
     channel.log_variance = best_log_variance;
+    Settle(channel);
   }
 
   const NoiseModelOptions& options_;
@@ -295,9 +383,14 @@ class Estimator {
   NoiseModel model_;
   int columns_ = 0;
   int samples_ = 0;
-  WhitenedNormalEquations others_{0};
+  int joint_ = 0;  // regressors that channels share
+  JointEquations others_;
   double others_deviance_ = 0;
-  WhitenedNormalEquations work_{0};
+  JointEquations left_;
+  Elimination elimination_;
+  Vector sums_;     // scratch
+  Vector slopes_;   // scratch
+  Matrix of_left_;  // scratch
 };
 
 }  // namespace
@@ -337,7 +430,12 @@ Result<NoiseModel> EstimateNoiseModel(const std::vector<NoiseBlock>& blocks,
 
 double RestrictedDeviance(const std::vector<NoiseBlock>& blocks, const NoiseModel& model) {
   const ReducedBlocks reduced = Reduce(blocks);
-  WhitenedNormalEquations equations(reduced.columns);
+  // Every regressor is treated as one that channels share: one evaluation need not be fast.
+  std::vector<int> place(static_cast<std::size_t>(reduced.columns));
+  std::iota(place.begin(), place.end(), 0);
+  JointEquations all(reduced.columns);
+  JointEquations own;
+  Vector sums;
   double deviance = 0;
   for (std::size_t c = 0; c < model.channels.size(); ++c) {
     const ChannelNoiseModel& channel = model.channels[c];
@@ -347,12 +445,16 @@ double RestrictedDeviance(const std::vector<NoiseBlock>& blocks, const NoiseMode
     }
     const AutoregressiveFilter filter(PartialFromCoefficients(channel.coefficients));
     LaggedProducts products(of_channel, filter.order());
+    ChannelEquations equations(products.columns(), place, reduced.columns);
     const double log_variance = 2 * std::log(channel.deviation);
-    deviance += products.rows() * log_variance;
-    deviance += products.AddFiltered(filter, std::exp(-log_variance), equations);
+    products.Filter(filter, std::exp(-log_variance), sums);
+    equations.Eliminate(products, sums, own);
+    all += own;
+    deviance += products.rows() * log_variance + products.LogDeterminant(filter);
   }
-  const ProfiledOut left = ProfileOut(equations);
-  return deviance + left.power + left.log_determinant;
+  Elimination elimination;
+  if (!EliminateJoint(all, elimination)) return std::numeric_limits<double>::quiet_NaN();
+  return deviance + all.lower(reduced.columns, reduced.columns) + elimination.log_determinant();
 }
 
 }  // namespace sinew::noise

@@ -2,39 +2,24 @@
 
 #include <algorithm>
 #include <cmath>
+#include <utility>
 
 namespace sinew::noise {
 namespace {
 
-constexpr double kDifference =
-    1e-4;                           // truncation error: step^2 times a third derivative, far below the noise
-constexpr double kLongestStep = 1;  // of any variable in one iteration
+constexpr double kLongestStep = 1;    // of any variable in one iteration
 constexpr double kSufficient = 1e-4;  // share of the predicted decrease that a step must bring
 constexpr int kMaxIterations = 100;
 constexpr int kMaxHalvings = 30;
 
-Vector Gradient(const std::function<double(const Vector&)>& function, Vector x) {
-  Vector gradient(x.size());
-  for (Eigen::Index i = 0; i < x.size(); ++i) {
-    const double middle = x[i];
-    x[i] = middle + kDifference;
-    const double above = function(x);
-    x[i] = middle - kDifference;
-    gradient[i] = (above - function(x)) / (2 * kDifference);
-    x[i] = middle;
-  }
-  return gradient;
-}
-
 }  // namespace
 
-double MinimizeSmooth(const std::function<double(const Vector&)>& function, const Vector& curvature,
-                      double tolerance, Vector& x) {
-  double value = function(x);
-  if (x.size() == 0) return value;
+double MinimizeSmooth(const SmoothFunction& function, const Vector& curvature, double tolerance, Vector& x) {
+  if (x.size() == 0) return function(x, nullptr);
+  Vector gradient;
+  double value = function(x, &gradient);
   const Matrix first = curvature.cwiseInverse().asDiagonal();
   Matrix inverse = first;
-  Vector gradient = Gradient(function, x);
   bool fresh = true;  // `inverse` is still the initial estimate
   for (int iteration = 0; iteration < kMaxIterations; ++iteration) {
     Vector step = -inverse * gradient;
@@ -53,7 +38,7 @@ double MinimizeSmooth(const std::function<double(const Vector&)>& function, cons
     int halvings = 0;
     for (; halvings < kMaxHalvings; ++halvings, length *= 0.5) {
       tried = x + length * step;
-      next = function(tried);
+      next = function(tried, nullptr);
       if (next <= value + kSufficient * length * slope) break;
     }
     if (halvings == kMaxHalvings) {
@@ -63,12 +48,13 @@ double MinimizeSmooth(const std::function<double(const Vector&)>& function, cons
       continue;
     }
     const Vector moved = tried - x;
-    const Vector new_gradient = Gradient(function, tried);
+    Vector new_gradient;
+    function(tried, &new_gradient);
     const Vector change = new_gradient - gradient;
     const double along = moved.dot(change);
     x = tried;
     value = next;
-    gradient = new_gradient;
+    gradient = std::move(new_gradient);
     fresh = false;
     if (!(along > 1e-10 * moved.norm() * change.norm())) continue;  // no positive curvature seen
     const Vector image = inverse * change;

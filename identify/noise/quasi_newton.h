@@ -7,12 +7,14 @@
 
 namespace sinew::noise {
 
-/// BFGS (Nocedal, Wright 2006, algorithm 6.1) with central differences of step 1e-4 and a backtracking line
-/// search that halves the step. Variables are expected to be of order one. Stops when the predicted decrease
-/// is below `tolerance`, when no step decreases the function, or after 100 iterations.
+/// A function of x and, if asked for, its gradient [n].
+using SmoothFunction = std::function<double(const Vector& x, Vector* gradient)>;
+
+/// BFGS (Nocedal, Wright 2006, algorithm 6.1) with a backtracking line search that halves the step. Variables
+/// are expected to be of order one. Stops when the predicted decrease is below `tolerance`, when no step
+/// decreases the function, or after 100 iterations.
 /// @param x [n] start, then the minimum @param curvature [n] > 0 rough second derivatives, for the first step
 /// @return the function at x
-double MinimizeSmooth(const std::function<double(const Vector&)>& function, const Vector& curvature,
-                      double tolerance, Vector& x);
+double MinimizeSmooth(const SmoothFunction& function, const Vector& curvature, double tolerance, Vector& x);
 
 }  // namespace sinew::noise

@@ -2,18 +2,14 @@
 
 #include <algorithm>
 #include <cmath>
-#include <limits>
-#include <numeric>
 
 #include "base/decompositions.h"
-#include "base/sparse_cholesky.h"
 
 namespace sinew::noise {
 namespace {
 
 // Limit of the squared sine, because the decision is made on normal equations: 1e-5 of a column's length.
 constexpr double kDependent = 1e-10;
-constexpr double kRidge = 1e-12;
 
 /// Columns of a gram matrix with unit diagonal that are independent, by Cholesky decomposition with the
 /// largest remaining diagonal first; increasing.
@@ -112,40 +108,6 @@ ReducedBlocks Reduce(const std::vector<NoiseBlock>& blocks) {
   }
   FitOrdinary(reduced);
   return reduced;
-}
-
-ProfiledOut ProfileOut(WhitenedNormalEquations& equations) {
-  ProfiledOut out;
-  out.power = equations.power;
-  Matrix& gram = equations.gram;
-  const Eigen::Index k = gram.rows();
-  if (k == 0) return out;
-  Vector scale(k);
-  for (Eigen::Index i = 0; i < k; ++i) {
-    // A column without any row (all its samples are conditioned on) is left out.
-    scale[i] = gram(i, i) > 0 ? 1 / std::sqrt(gram(i, i)) : 0;
-    if (gram(i, i) > 0) out.log_determinant += std::log(gram(i, i));
-  }
-  for (Eigen::Index c = 0; c < k; ++c) {
-    for (Eigen::Index r = c; r < k; ++r) gram(r, c) *= scale[r] * scale[c];
-    gram(c, c) = 1 + kRidge;
-  }
-  const Vector projection = equations.projection.cwiseProduct(scale);
-  if (const SparseCholesky sparse(gram); sparse.usable()) {
-    out.power -= projection.dot(sparse.Solve(projection));
-    out.log_determinant += sparse.LogDeterminant();
-    return out;
-  }
-  const Eigen::LLT<Eigen::Ref<Matrix>, Eigen::Lower> root(gram);
-  if (root.info() != Eigen::Success) {
-    out.power = std::numeric_limits<double>::quiet_NaN();
-    return out;
-  }
-  Vector half = projection;
-  root.matrixL().solveInPlace(half);
-  out.power -= half.squaredNorm();
-  for (Eigen::Index i = 0; i < k; ++i) out.log_determinant += 2 * std::log(gram(i, i));
-  return out;
 }
 
 }  // namespace sinew::noise

@@ -17,13 +17,4 @@ struct ReducedBlocks {
 };
 [[nodiscard]] ReducedBlocks Reduce(const std::vector<NoiseBlock>& blocks);
 
-/// Residual sum of squares and determinant of normal equations, with the regressors fitted.
-struct ProfiledOut {
-  double power = 0;            ///< residual sum of squares
-  double log_determinant = 0;  ///< of the gram matrix
-};
-/// Profiles out the regressors. A direction whose squared length after whitening is below 1e-12 of its
-/// columns is treated as if it had that length.
-[[nodiscard]] ProfiledOut ProfileOut(WhitenedNormalEquations& equations);
-
 }  // namespace sinew::noise
