@@ -8,9 +8,9 @@
 
 namespace sinew {
 
-/// Small groups of columns without common rows with other groups are projected out of all others first; only
-/// the remaining columns are decomposed as a whole. Columns may have any length, be zero or linear
-/// combinations of each other.
+/// Small groups of columns without common rows with other groups are projected out of all others first, then
+/// larger groups (of one trial, of one channel) without common rows; only the remaining columns are
+/// decomposed as a whole. Columns may have any length, be zero or linear combinations of each other.
 class ColumnSpace {
  public:
   /// @param columns [m x n] @param threshold rank tolerance, of columns scaled to unit length
@@ -28,18 +28,23 @@ class ColumnSpace {
   struct Group {
     std::vector<Eigen::Index> rows;
     std::vector<Eigen::Index> columns;
-    Eigen::ColPivHouseholderQR<Matrix> qr;  // of its columns, unit length, on its rows
+    Matrix unit;                            // its columns, of unit length, on its rows
+    Eigen::ColPivHouseholderQR<Matrix> qr;  // of what the groups of earlier levels leave of them
     Matrix basis;                           // [rows x rank]
   };
+  // Groups without common rows, not even after earlier levels have been projected out.
+  using Level = std::vector<Group>;
 
-  void FindGroups(const Matrix& columns);
+  void AddLevel(const Matrix& columns, Eigen::Index most_columns, double most_rows);
+  void Decompose(Level& level, double threshold) const;
+  [[nodiscard]] std::vector<Eigen::Index> Touched(const Matrix& columns, Eigen::Index column) const;
   [[nodiscard]] static Matrix RowsOf(const Group& group, const Matrix& all);
-  void TakeGroupsFrom(Matrix& rows) const;
+  void TakeLevelsFrom(Matrix& rows, std::size_t levels) const;
 
   Eigen::Index height_ = 0;
   Eigen::Index rank_ = 0;
   Vector length_;  // [n]; 0 of a zero column
-  std::vector<Group> groups_;
+  std::vector<Level> levels_;
   std::vector<Eigen::Index> others_;       // columns that are in no group
   Matrix wide_;                            // [m x others] of unit length
   Eigen::ColPivHouseholderQR<Matrix> qr_;  // of what the groups leave of them

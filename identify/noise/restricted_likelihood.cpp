@@ -17,6 +17,7 @@ std::vector<int> IndependentColumns(Matrix gram) {
   const Eigen::Index k = gram.rows();
   std::vector<int> kept;
   std::vector<bool> used(static_cast<std::size_t>(k), false);
+  std::vector<Eigen::Index> changed;
   for (Eigen::Index step = 0; step < k; ++step) {
     Eigen::Index pivot = -1;
     for (Eigen::Index i = 0; i < k; ++i) {
@@ -25,8 +26,16 @@ std::vector<int> IndependentColumns(Matrix gram) {
     if (!(gram(pivot, pivot) > kDependent)) break;
     used[static_cast<std::size_t>(pivot)] = true;
     kept.push_back(static_cast<int>(pivot));
-    const Vector column = gram.col(pivot) / std::sqrt(gram(pivot, pivot));
-    gram.noalias() -= column * column.transpose();
+    // Most columns have no rows in common: only entries that change are visited.
+    changed.clear();
+    const double length = std::sqrt(gram(pivot, pivot));
+    for (Eigen::Index i = 0; i < k; ++i) {
+      if (!used[static_cast<std::size_t>(i)] && gram(i, pivot) != 0) changed.push_back(i);
+    }
+    for (const Eigen::Index c : changed) {
+      const double factor = gram(c, pivot) / length;
+      for (const Eigen::Index r : changed) gram(r, c) -= factor * (gram(r, pivot) / length);
+    }
   }
   std::sort(kept.begin(), kept.end());
   return kept;

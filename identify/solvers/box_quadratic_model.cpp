@@ -45,8 +45,8 @@ Vector BoxQuadraticModel::BoxStep(const Vector& x, int held, double damping, dou
     for (Eigen::Index i = 0; i < n; ++i) scale[i] = 1 / std::sqrt(normal(moving[i], moving[i]));
     for (Eigen::Index i = 0; i < n; ++i) {
       // The step of the variables that are not at a bound is still zero here.
-      pull[i] = -(gradient[moving[i]] + normal.row(moving[i]).dot(step)) * scale[i];
-      for (Eigen::Index j = 0; j < n; ++j) reduced(i, j) = normal(moving[i], moving[j]) * scale[i] * scale[j];
+      pull[i] = -(gradient[moving[i]] + normal.col(moving[i]).dot(step)) * scale[i];
+      for (Eigen::Index j = 0; j < n; ++j) reduced(j, i) = normal(moving[j], moving[i]) * scale[j] * scale[i];
       reduced(i, i) += damping;
     }
     const SparseCholesky sparse(reduced);
