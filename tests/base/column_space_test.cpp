@@ -70,6 +70,37 @@ TEST(ColumnSpace, ZeroAndDependentColumnsCountOnce) {
   EXPECT_LT((columns * space.Solve(rows) - Projected(columns, rows)).norm(), 1e-9);
 }
 
+// Three channels of twelve trials: columns of single trials, of channels, and of everything; some depend on
+// each other.
+TEST(ColumnSpace, TrialsAndChannelsAreTakenInTurn) {
+  constexpr Eigen::Index kChannels = 3;
+  constexpr Eigen::Index kTrials = 12;
+  constexpr Eigen::Index kRows = 20;
+  const Eigen::Index of_channel = kTrials * kRows;
+  Random random(3);
+  Matrix columns = Matrix::Zero(kChannels * of_channel, kChannels * (kTrials * 9 + 4) + 3);
+  Eigen::Index c = 0;
+  const auto add = [&](Eigen::Index first, Eigen::Index rows) {
+    for (Eigen::Index r = first; r < first + rows; ++r) columns(r, c) = random.Normal();
+    ++c;
+  };
+  for (Eigen::Index channel = 0; channel < kChannels; ++channel) {
+    for (Eigen::Index trial = 0; trial < kTrials; ++trial) {
+      for (int i = 0; i < 9; ++i) add(channel * of_channel + trial * kRows, kRows);
+    }
+    for (int i = 0; i < 4; ++i) add(channel * of_channel, of_channel);
+  }
+  for (int i = 0; i < 2; ++i) add(0, columns.rows());
+  columns.col(c) = columns.col(0) - columns.col(kTrials * 9) + columns.col(c - 1);
+  const ColumnSpace space(columns, kThreshold);
+  EXPECT_EQ(space.rank(), columns.cols() - 1);
+  const Matrix rows = RandomRows(columns.rows(), 3);
+  EXPECT_LT((space.TakenFrom(rows) - (rows - Projected(columns, rows))).norm(), 1e-9);
+  EXPECT_LT((columns * space.Solve(rows) - Projected(columns, rows)).norm(), 1e-9);
+  const Vector leverage = Projected(columns, Matrix::Identity(columns.rows(), columns.rows())).diagonal();
+  EXPECT_LT((space.Leverage() - leverage).cwiseAbs().maxCoeff(), 1e-10);
+}
+
 TEST(ColumnSpace, OfNoColumnsIsEmpty) {
   const Matrix rows = RandomRows(20, 2);
   const ColumnSpace space(Matrix::Zero(20, 3), kThreshold);
