@@ -16,6 +16,8 @@ const char* ToString(WarningKind kind) {
       return "better_fit";
     case WarningKind::kBetterPointTaken:
       return "better_point_taken";
+    case WarningKind::kCompetingMinima:
+      return "competing_minima";
     case WarningKind::kDependentResiduals:
       return "dependent_residuals";
     case WarningKind::kActiveConstraint:

@@ -15,6 +15,9 @@ enum class WarningKind {
   kSearchUnfinished,    ///< that local search did not converge: intervals are rough
   kBetterFit,           ///< the cost fell below the minimum on the way to an interval: numbers {from, to}
   kBetterPointTaken,    ///< such a point, or one of that local search, became the answer: numbers {from, to}
+  kCompetingMinima,     ///< that the data do not distinguish: numbers {minima, largest relative difference of
+                        ///< costs, then of each name the largest difference in widths of its interval}; names
+                        ///< are the values that differ most
   kDependentResiduals,  ///< numbers {largest widening of an interval, lag-one correlation of each channel};
                         ///< names are the channels
   kActiveConstraint,    ///< names {constraint}

@@ -15,16 +15,21 @@ constexpr int kMaxImprovements = 5;
 
 // What the data determine; a better point that is met on the way becomes the answer, and everything is done
 // again from there, while the budget lasts.
-Status AnalyseAndImprove(const LeastSquares& least_squares, const UncertaintyOptions& how,
+Status AnalyseAndImprove(const LeastSquares& least_squares, UncertaintyOptions how,
                          const IdentificationOptions& options, Evaluator& evaluator, Identification& out) {
   const double found = out.result.cost;
+  bool is_last = false;
   for (int improvements = 0;; ++improvements) {
+    // The last analysis has to find intervals, and may not meet yet another minimum.
+    is_last = is_last || improvements == kMaxImprovements || !out.result.stop.converged();
+    how.points = is_last ? nullptr : &evaluator.trace();
     SINEW_ASSIGN(out.uncertainty, AnalyseUncertainty(least_squares, out.result.x, how));
     const Vector& better = out.uncertainty.better_point;
-    if (better.size() == 0 || !out.result.stop.converged() || improvements == kMaxImprovements) break;
+    if (better.size() == 0 || is_last) break;
     SINEW_ASSIGN(const auto local, MakeSolver("lm", options.solver_options));
     const SolverResult improved = local->Solve(evaluator, better);
-    if (!(improved.cost < out.result.cost)) break;
+    is_last = !(improved.cost < out.result.cost);
+    if (is_last) continue;
     out.result.x = improved.x;
     out.result.cost = improved.cost;
     if (evaluator.MustStop()) out.result.stop = improved.stop;

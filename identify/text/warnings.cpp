@@ -18,6 +18,18 @@ std::string DependentResiduals(const Warning& w) {
       Join(channels, ", "), w.numbers[0]);
 }
 
+std::string CompetingMinima(const Warning& w) {
+  std::vector<std::string> values;
+  for (std::size_t i = 0; i < w.names.size(); ++i)
+    values.push_back(fmt::format("{} {}", w.names[i], Readable(w.numbers[i + 2], 2)));
+  return fmt::format(
+      "{:.0f} minima were found whose costs differ by {} % or less, which the noise does not distinguish: "
+      "the "
+      "values are those of the lowest, and another seed or slightly other data may end at another one; the "
+      "intervals hold all of them. In widths of these intervals the values that differ most do so by: {}",
+      w.numbers[0], Readable(100 * w.numbers[1], 2), Join(values, ", "));
+}
+
 // Where the errors are, of one channel and trial and of others that have the same.
 std::string Concentrated(const Warning& w) {
   constexpr std::size_t kShown = 3;
@@ -84,6 +96,8 @@ std::string Text(const Warning& w, const std::vector<std::vector<std::string>>& 
           "the search ended at a cost of {:.6g}; {:.6g} was found while intervals were computed, and is the "
           "answer: there may be lower minima",
           w.numbers[0], w.numbers[1]);
+    case WarningKind::kCompetingMinima:
+      return CompetingMinima(w);
     case WarningKind::kDependentResiduals:
       return DependentResiduals(w);
     case WarningKind::kActiveConstraint:

@@ -158,12 +158,12 @@ std::optional<ProfileEnd> FindEnd(solvers::LocalFit& fit, const EndQuestion& que
   return std::nullopt;
 }
 
-std::optional<double> LinearEnd(const EndQuestion& question) {
+std::optional<Vector> LinearEnd(const EndQuestion& question) {
   const Search search(question);
-  if (search.room() <= 0) return 0;
+  if (search.room() <= 0) return question.minimum;
   Vector x = question.minimum;
   if (!search.ModelEnd(question.model, question.cost, 0, question.request.step, x)) return std::nullopt;
-  return search.DistanceOf(x);
+  return x;
 }
 
 }  // namespace sinew::uncertainty

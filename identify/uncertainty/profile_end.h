@@ -33,9 +33,9 @@ struct EndQuestion {
 [[nodiscard]] std::optional<ProfileEnd> FindEnd(solvers::LocalFit& fit, const EndQuestion& question,
                                                 LowestCost& lowest);
 
-/// The same for the Gauss-Newton model of the minimum alone, without an evaluation: how far the held variable
-/// can move [unit box, at most to the bound]. Values on a bound are free to leave it; for a linear model this
-/// is the profile likelihood. nullopt: not found.
-[[nodiscard]] std::optional<double> LinearEnd(const EndQuestion& question);
+/// The same for the Gauss-Newton model of the minimum alone, without an evaluation: the point [n] to which
+/// the held variable can move, at most to the bound. Values on a bound are free to leave it; for a linear
+/// model this is the profile likelihood. nullopt: not found.
+[[nodiscard]] std::optional<Vector> LinearEnd(const EndQuestion& question);
 
 }  // namespace sinew::uncertainty

@@ -12,8 +12,10 @@
 #include "base/decompositions.h"
 #include "identify/solvers/local_fit.h"
 #include "identify/statistics/distributions.h"
+#include "identify/uncertainty/competing_minima.h"
 #include "identify/uncertainty/covariance.h"
 #include "identify/uncertainty/explain.h"
+#include "identify/uncertainty/independence.h"
 #include "identify/uncertainty/information.h"
 #include "identify/uncertainty/interval.h"
 #include "identify/uncertainty/linearization.h"
@@ -36,6 +38,11 @@ constexpr double kNotedGain = 0.01;
 constexpr double kBetterGain = 0.0625;
 // Ratio of robust to plain error from which there is a note.
 constexpr double kNotedRatio = 1.5;
+// Minima that add to the intervals, and the values that the note of them names.
+constexpr std::size_t kMaxMinima = 8;
+constexpr std::size_t kNotedValues = 5;
+// Share of an interval by which the linear model of another minimum has to go beyond it for a profile there.
+constexpr double kWorthAnEnd = 0.02;
 
 /// What is found about one variable, in the unit box.
 struct Finding {
@@ -66,10 +73,18 @@ class Analysis {
   void FindCovariance();
   void FindIntervals();
   void ReleaseBounds();
+  bool LowerMinimum();
   void Profiles();
+  void ExtendTo(const LocalMinimum& other);
+  [[nodiscard]] Vector Widths() const;
+  [[nodiscard]] bool IsMeasured(const Finding& finding) const {
+    return finding.kind != IntervalKind::kNone && finding.widest > 0;
+  }
+  [[nodiscard]] bool OnBoundEverywhere(int variable) const;
   [[nodiscard]] ProfileRequest RequestOf(const Finding& finding, const Matrix& normal) const;
   [[nodiscard]] Vector Tangent(const Matrix& normal, int variable) const;
   void Describe(const Vector& x);
+  void NoteMinima();
   void AddNotes();
 
   [[nodiscard]] const Parameter& parameter(int variable) const { return at_.parameter(problem_, variable); }
@@ -95,7 +110,8 @@ class Analysis {
   Information released_;  // the same, as if no variable were on a bound: reasons
   Noise noise_;
   double quantile_ = 0;
-  Matrix plain_;  // [k of all_]
+  Matrix plain_;              // [k of all_]
+  bool independent_ = false;  // residuals are no evidence against it
   std::vector<Finding> findings_;
 };
 
@@ -156,6 +172,7 @@ void Analysis::MakeInformations() {
 void Analysis::FindErrors() {
   plain_ = PlainCovariance(all_, noise_.deviation);
   const Matrix robust = RobustCovariance(all_, at_, noise_.deviation);
+  independent_ = ResidualsLookIndependent(problem_, at_);
   for (const int v : at_.reported) {
     Finding finding;
     finding.variable = v;
@@ -164,7 +181,7 @@ void Analysis::FindErrors() {
     if (const int j = all_.index_of(v); j >= 0 && all_.determined[static_cast<std::size_t>(j)]) {
       finding.plain = std::sqrt(plain_(j, j));
       finding.robust = std::sqrt(std::max(robust(j, j), 0.0));
-      finding.widest = std::max(finding.plain, finding.robust);
+      finding.widest = independent_ ? finding.plain : std::max(finding.plain, finding.robust);
       finding.normal = all_.inverse(j, j);
     } else if (OnBound(v)) {
       // As if the bound were not there. Its interval is that of the plain error: the misfit that a bound
@@ -247,16 +264,108 @@ void Analysis::ReleaseBounds() {
   if (std::none_of(all.begin(), all.end(), on_bound)) return;
   const solvers::BoxQuadraticModel model{at_.jacobian.transpose() * at_.jacobian, at_.gradient};
   for (Finding& finding : findings_) {
-    if (finding.kind == IntervalKind::kNone || !(finding.widest > 0)) continue;
+    if (!IsMeasured(finding)) continue;
     const ProfileRequest request = RequestOf(finding, model.normal);
     const double x = at_.x[finding.variable];
     // Never inside of the interval with bounds held: rounding apart, the model cannot end there.
     const auto end = [&](double sign) {
-      const auto distance = LinearEnd({at_.x, at_.cost, model, request, sign, 0, 0});
-      return x + sign * std::max(distance.value_or(0), request.step);
+      const auto found = LinearEnd({at_.x, at_.cost, model, request, sign, 0, 0});
+      const double distance = found ? sign * ((*found)[finding.variable] - x) : 0;
+      return x + sign * std::max(distance, request.step);
     };
     finding.interval = MakeInterval(problem_, at_.x, finding.variable, end(-1), end(1));
   }
+}
+
+Vector Analysis::Widths() const {
+  Vector widths = Vector::Zero(problem_.variables());
+  for (const Finding& finding : findings_) {
+    if (IsMeasured(finding)) widths[finding.variable] = finding.interval.upper_x - finding.interval.lower_x;
+  }
+  return widths;
+}
+
+// Looks for other minima that the data do not distinguish. @return true if the lowest is another one than
+// that of the analysis.
+bool Analysis::LowerMinimum() {
+  const LocalMinimum here{cost_, at_.x};
+  answer_.minima = {here};
+  if (options_.points == nullptr || problem_.constraints() > 0) return false;
+  const solvers::BoxQuadraticModel model{at_.jacobian.transpose() * at_.jacobian, at_.gradient};
+  double rise = 0;
+  std::vector<Vector> ends;
+  for (const Finding& finding : findings_) {
+    if (!IsMeasured(finding)) continue;
+    rise = std::max(rise, 0.5 * std::pow(quantile_ * finding.plain, 2) / finding.normal);
+    const ProfileRequest request = RequestOf(finding, model.normal);
+    for (const double sign : {-1.0, 1.0}) {
+      if (auto end = LinearEnd({at_.x, at_.cost, model, request, sign, 0, 0}))
+        ends.push_back(std::move(*end));
+    }
+  }
+  if (!(rise > 0)) return false;
+  const Vector widths = Widths();
+  answer_.minima = CompetingMinima(
+      problem_, {here, rise, widths, *options_.points, ends, penalty_, options_.threads, options_.interrupt},
+      answer_.evaluations);
+  const LocalMinimum& lowest = answer_.minima.front();
+  if (!(lowest.cost < here.cost) || DistanceInWidths(lowest.x, here.x, widths) < kSameShare) return false;
+  answer_.notes.push_back({WarningKind::kBetterFit, {}, {cost_, lowest.cost}, {}});
+  answer_.better_point = lowest.x;
+  return true;
+}
+
+// The intervals as they are by another minimum, with the same limit of the cost.
+void Analysis::ExtendTo(const LocalMinimum& other) {
+  solvers::LocalFit fit(problem_, penalty_);
+  const Result<double> cost = fit.ModelAt(other.x);
+  ++answer_.evaluations;
+  if (!cost) return;
+  const Matrix here = Gram(at_.jacobian);
+  std::vector<ProfileRequest> requests;
+  std::vector<Finding*> finding_of;
+  for (Finding& finding : findings_) {
+    if (!IsMeasured(finding)) continue;
+    ProfileRequest request = RequestOf(finding, here);
+    const double left = request.rise - (*cost - cost_);
+    if (!(left > 0)) continue;
+    request.step *= std::sqrt(left / request.rise);
+    request.rise = left;
+    request.tangent = Tangent(fit.model().normal, finding.variable);
+    const int v = finding.variable;
+    const double margin = kWorthAnEnd * (finding.interval.upper_x - finding.interval.lower_x);
+    bool goes_beyond = false;
+    for (const double sign : {-1.0, 1.0}) {
+      const auto end = LinearEnd({other.x, *cost, fit.model(), request, sign, 0, 0});
+      const double x = end ? (*end)[v] : other.x[v];
+      goes_beyond =
+          goes_beyond || x < finding.interval.lower_x - margin || x > finding.interval.upper_x + margin;
+    }
+    if (!goes_beyond) continue;
+    requests.push_back(std::move(request));
+    finding_of.push_back(&finding);
+  }
+  const std::vector<Profile> profiles =
+      ProfileIntervals(problem_, other.x, *cost, requests,
+                       {options_.threads, options_.max_profile_evaluations, penalty_, options_.interrupt},
+                       answer_.evaluations);
+  for (std::size_t i = 0; i < profiles.size(); ++i) {
+    Finding& finding = *finding_of[i];
+    const double at = other.x[finding.variable];
+    const auto x = [&](const ProfileEnd& end) { return end.failure == ProfileFailure::kNone ? end.x : at; };
+    finding.interval = MakeInterval(problem_, at_.x, finding.variable,
+                                    std::min(finding.interval.lower_x, x(profiles[i].lower)),
+                                    std::max(finding.interval.upper_x, x(profiles[i].upper)));
+  }
+}
+
+// A value that lies on its bound at one of several minima that the data do not distinguish may lie inside.
+bool Analysis::OnBoundEverywhere(int variable) const {
+  if (!OnBound(variable)) return false;
+  const double bound = status(variable) == VariableStatus::kAtLower ? 0 : 1;
+  return std::all_of(answer_.minima.begin(), answer_.minima.end(), [&](const LocalMinimum& minimum) {
+    return std::abs(minimum.x[variable] - bound) <= kBoundTolerance;
+  });
 }
 
 void Analysis::Profiles() {
@@ -265,7 +374,7 @@ void Analysis::Profiles() {
   std::vector<std::size_t> finding_of;
   for (std::size_t f = 0; f < findings_.size(); ++f) {
     const Finding& finding = findings_[f];
-    if (finding.kind == IntervalKind::kNone || !(finding.widest > 0)) continue;
+    if (!IsMeasured(finding)) continue;
     requests.push_back(RequestOf(finding, normal));
     finding_of.push_back(f);
   }
@@ -302,7 +411,14 @@ void Analysis::FindIntervals() {
     finding.interval = LinearInterval(problem_, at_.x, finding.variable, quantile_ * finding.widest);
   }
   ReleaseBounds();
-  if (options_.profile) Profiles();
+  if (!options_.profile || LowerMinimum()) return;
+  const Vector widths = Widths();
+  Profiles();
+  std::size_t others = 0;
+  for (const LocalMinimum& minimum : answer_.minima) {
+    if (DistanceInWidths(minimum.x, at_.x, widths) < kSameShare) continue;
+    if (++others < kMaxMinima) ExtendTo(minimum);
+  }
 }
 
 void Analysis::Describe(const Vector& x) {
@@ -323,8 +439,8 @@ void Analysis::Describe(const Vector& x) {
     verdict.lower_open = finding.interval.lower_open;
     verdict.upper_open = finding.interval.upper_open;
     verdict.interval = finding.kind;
-    verdict.verdict =
-        Judge(p, {finding.determined, OnBound(v), at_.parameters[verdict.parameter], finding.interval});
+    verdict.verdict = Judge(
+        p, {finding.determined, OnBoundEverywhere(v), at_.parameters[verdict.parameter], finding.interval});
     switch (verdict.verdict) {
       case Verdict::kIdentifiable:
         verdict.reason = explainer.WhyIdentifiable(v, finding.interval);
@@ -348,6 +464,35 @@ void Analysis::Describe(const Vector& x) {
   answer_.directions = explainer.OpenDirections(wide);
 }
 
+// The minima, and the values that differ most between them, in widths of their intervals.
+void Analysis::NoteMinima() {
+  if (answer_.minima.size() < 2 || answer_.better_point.size() > 0) return;
+  std::vector<std::pair<double, int>> spreads;
+  const Vector widths = Widths();
+  for (const int v : at_.reported) {
+    double lowest = at_.x[v];
+    double highest = lowest;
+    for (const LocalMinimum& minimum : answer_.minima) {
+      lowest = std::min(lowest, minimum.x[v]);
+      highest = std::max(highest, minimum.x[v]);
+    }
+    if (widths[v] > 0) spreads.emplace_back((highest - lowest) / widths[v], v);
+  }
+  std::stable_sort(spreads.begin(), spreads.end(),
+                   [](const auto& a, const auto& b) { return a.first > b.first; });
+  const double worst = answer_.minima.back().cost;
+  Warning warning{WarningKind::kCompetingMinima,
+                  {},
+                  {static_cast<double>(answer_.minima.size()), cost_ > 0 ? worst / cost_ - 1 : 0},
+                  {}};
+  for (const auto& [spread, v] : spreads) {
+    if (warning.names.size() == kNotedValues || spread < kSameShare) break;
+    warning.names.push_back(parameter(v).name);
+    warning.numbers.push_back(spread);
+  }
+  answer_.notes.push_back(std::move(warning));
+}
+
 void Analysis::AddNotes() {
   double largest = 1;
   for (const Finding& finding : findings_) {
@@ -355,7 +500,7 @@ void Analysis::AddNotes() {
       largest = std::max(largest, finding.robust / finding.plain);
     }
   }
-  if (largest > kNotedRatio) {
+  if (!independent_ && largest > kNotedRatio) {
     Warning warning{WarningKind::kDependentResiduals, {}, {largest}, {}};
     for (const ChannelNoise& channel : noise_.channels) {
       warning.names.push_back(channel.channel);
@@ -363,6 +508,7 @@ void Analysis::AddNotes() {
     }
     answer_.notes.push_back(std::move(warning));
   }
+  NoteMinima();
   if (problem_.constraints() == 0) return;
   Vector constraint;
   LeastSquares::Workspace workspace = problem_.NewWorkspace();

@@ -14,6 +14,7 @@
 #include "base/error.h"
 #include "base/linear_algebra.h"
 #include "identify/least_squares.h"
+#include "identify/uncertainty/competing_minima.h"
 #include "identify/uncertainty/noise.h"
 #include "identify/uncertainty/reason.h"
 #include "identify/uncertainty/verdict.h"
@@ -64,6 +65,9 @@ struct Uncertainty {
   /// [n, within 0..1] A point of lower cost than the solution that was met by the local search or on the way
   /// to an interval, the lowest one; empty if there was none. A note tells of it, too.
   Vector better_point;
+  /// Minima that the data do not distinguish, that of the intervals included, lowest first (one if there is
+  /// no other, or none was looked for). Intervals hold the profile intervals of all of them.
+  std::vector<LocalMinimum> minima;
   long evaluations = 0;  ///< of the local search and the profiles
 };
 
@@ -72,6 +76,8 @@ struct UncertaintyOptions {
   int threads = 1;
   long max_profile_evaluations = 200;            ///< of one end; then its interval is linear (and marked)
   const std::atomic<bool>* interrupt = nullptr;  ///< the remaining intervals are linear (and marked)
+  /// Points that were evaluated in the search, from which other minima are looked for; null: none.
+  const std::vector<TraceEntry>* points = nullptr;
 };
 
 /// Analyses the solution x [n, within 0..1] of a fit.

@@ -134,6 +134,7 @@ Lines EveryWarning() {
                 {WarningKind::kBetterFit, {}, {12.5, 12.25}, {}},
                 {WarningKind::kBetterPointTaken, {}, {12.5, 12.25}, {}},
                 {WarningKind::kDependentResiduals, {"force_y", "angle"}, {3.14, 0.93, 0.2}, {}},
+                {WarningKind::kCompetingMinima, {"a.strength", "b.shape"}, {5, 1.4e-4, 0.82, 0.3}, {}},
                 {WarningKind::kActiveConstraint, {"not_too_steep"}, {}, {}},
                 {WarningKind::kHeldFromSteps, {"a"}, {}, {}},
                 {WarningKind::kHeldFromSteps, {"a", "b", "c", "d", "e", "f"}, {}, {}},
