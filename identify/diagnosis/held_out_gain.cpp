@@ -106,13 +106,13 @@ double HeldOut::FloorOf(const Block& block, const noise::NoiseModel& trained) co
   return own != nullptr ? own->ProcessDeviation() : NoiseFloorOf(block, trained, problem_.layout());
 }
 
-Vector HeldOut::WhitenedBlock(std::size_t i, const Vector& residual, const noise::NoiseModel& noise) const {
+Matrix HeldOut::WhitenedBlock(std::size_t i, const Matrix& given, const noise::NoiseModel& noise) const {
   const noise::ChannelNoiseModel* model = NoiseOf(block(i), noise);
-  if (model == nullptr) return Vector::Zero(residual.size());
+  if (model == nullptr) return Matrix::Zero(given.rows(), given.cols());
   noise::NoiseModel one;
   one.channels = {*model};
   one.channel_of = {0};
-  Matrix rows = residual;
+  Matrix rows = given;
   noise::Whitening(one, {noise::Stretches(block(i))}).Apply(0, rows);
   return rows;
 }
@@ -121,6 +121,17 @@ double HeldOut::Innovations(const std::vector<Vector>& residuals, const noise::N
   double sum = 0;
   for (std::size_t i = 0; i < blocks_.size(); ++i) sum += WhitenedBlock(i, residuals[i], noise).squaredNorm();
   return sum;
+}
+
+Matrix HeldOut::Whitened(const Matrix& rows, const noise::NoiseModel& noise) const {
+  Matrix white(rows.rows(), rows.cols());
+  Eigen::Index first = 0;
+  for (std::size_t i = 0; i < blocks_.size(); ++i) {
+    const Eigen::Index count = block(i).samples();
+    white.middleRows(first, count) = WhitenedBlock(i, rows.middleRows(first, count), noise);
+    first += count;
+  }
+  return white;
 }
 
 std::vector<double> HeldOut::InnovationsOfGroups(const std::vector<Vector>& residuals,

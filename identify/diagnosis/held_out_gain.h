@@ -40,6 +40,9 @@ class HeldOut {
   [[nodiscard]] double Innovations(const std::vector<Vector>& residuals,
                                    const noise::NoiseModel& noise) const;
 
+  /// Rows of all held-out blocks, one below the other, whitened likewise [sum of samples x k].
+  [[nodiscard]] Matrix Whitened(const Matrix& rows, const noise::NoiseModel& noise) const;
+
   /// The same for every group of samples (Block::group), in a fixed order; empty: there are no groups.
   [[nodiscard]] std::vector<double> InnovationsOfGroups(const std::vector<Vector>& residuals,
                                                         const noise::NoiseModel& noise) const;
@@ -56,8 +59,7 @@ class HeldOut {
   /// Noise model of a block; nullptr if there is none.
   [[nodiscard]] const noise::ChannelNoiseModel* NoiseOf(const Block& block,
                                                         const noise::NoiseModel& trained) const;
-  [[nodiscard]] Vector WhitenedBlock(std::size_t i, const Vector& residual,
-                                     const noise::NoiseModel& noise) const;
+  [[nodiscard]] Matrix WhitenedBlock(std::size_t i, const Matrix& rows, const noise::NoiseModel& noise) const;
   [[nodiscard]] double FloorOf(const Block& block, const noise::NoiseModel& trained) const;
 
   const Problem& problem_;

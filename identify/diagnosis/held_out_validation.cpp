@@ -5,7 +5,9 @@
 #include <limits>
 #include <optional>
 
+#include "base/column_space.h"
 #include "base/constants.h"
+#include "identify/diagnosis/held_out_sensitivity.h"
 #include "identify/diagnosis/score/shortlist.h"
 
 namespace sinew::diagnosis {
@@ -27,7 +29,8 @@ class HeldOutValidation {
     while (!selection_.causes.empty()) {
       SINEW_ASSIGN(const auto with, state_.held_out.Residuals(selection_.model.point));
       const double together = Gain(of_base, with);
-      const bool rejected = together < 0 && ChangesEnoughToJudge(of_base, with);
+      const bool rejected = together < 0 && ChangesEnoughToJudge(of_base, with) &&
+                            PredictsWorse(state_.base.refit, of_base, with);
       Rejection worst = FindWorst(with, rejected);
       if (worst.cause == selection_.causes.size()) {
         if (GainsFarLessThanExpected(of_base, with)) selection_.structure_left = true;
@@ -70,6 +73,47 @@ class HeldOutValidation {
     return squares == 0 || sum < kLowQuantile * std::sqrt(squares);
   }
 
+  // Changes of the held-out residuals by the errors of the fitted values, whitened, without what the trials'
+  // own nuisance values absorb. Empty where they cannot be computed, or a misfit dominates the noise.
+  [[nodiscard]] Matrix ErrorsOf(const Refit& refit) const {
+    if (selection_.cross_validated) return {};
+    const auto covariance = state_.CovarianceOf(refit);
+    if (!covariance) return {};
+    Matrix nuisance;
+    const auto changes =
+        HeldOutSensitivity(state_.problem, state_.held_out.blocks(), refit, *covariance, nuisance);
+    if (!changes || !changes->allFinite() || !nuisance.allFinite()) return {};
+    const Matrix white = state_.held_out.Whitened(*changes, selection_.model.noise);
+    if (nuisance.cols() == 0) return white;
+    constexpr double kSingular = 1e-10;
+    return ColumnSpace(state_.held_out.Whitened(nuisance, selection_.model.noise), kSingular)
+        .TakenFrom(white);
+  }
+
+  [[nodiscard]] Vector WhitenedStack(const std::vector<Vector>& residuals) const {
+    Eigen::Index rows = 0;
+    for (const Vector& block : residuals) rows += block.size();
+    Vector stack(rows);
+    rows = 0;
+    for (const Vector& block : residuals) {
+      stack.segment(rows, block.size()) = block;
+      rows += block.size();
+    }
+    return state_.held_out.Whitened(stack, selection_.model.noise);
+  }
+
+  // Whether held-out trials are less likely under the model than without the cause, the errors of the fitted
+  // values of both allowed for: where small differences grow, these change the prediction by more than an
+  // effect does, and a worse prediction says little.
+  [[nodiscard]] bool PredictsWorse(const Refit& without, const std::vector<Vector>& before,
+                                   const std::vector<Vector>& with) const {
+    const Matrix of_without = ErrorsOf(without);
+    const Matrix of_model = ErrorsOf(selection_.model);
+    if (of_without.size() == 0 || of_model.size() == 0) return true;
+    return PredictiveDeviance(WhitenedStack(with), of_model) >
+           PredictiveDeviance(WhitenedStack(before), of_without);
+  }
+
   [[nodiscard]] static std::vector<Vector> Moved(std::vector<Vector> before,
                                                  const std::vector<Vector>& with) {
     for (std::size_t b = 0; b < before.size(); ++b) before[b] -= with[b];
@@ -99,7 +143,15 @@ class HeldOutValidation {
     double of_groups = 0;
     for (std::size_t g = 0; g < gains.size(); ++g) of_groups += std::pow(gains[g] - expected[g], 2);
     variance = std::max(variance, of_groups);
-    return Gain(before, with) - squared < kLowQuantile * std::sqrt(variance);
+    // The errors of the fitted values add to the change, and take twice as much from the gain.
+    const Matrix errors = ErrorsOf(selection_.model);
+    double lost = 0;
+    if (errors.size() > 0) {
+      const Vector along = errors.transpose() * WhitenedStack(moved);
+      variance = std::max(variance, 4 * (squared + along.squaredNorm()));
+      lost = 2 * errors.squaredNorm();
+    }
+    return Gain(before, with) - squared + lost < kLowQuantile * std::sqrt(variance);
   }
 
   // Squared change of the training residuals by the causes, in units of the noise variance; 0 if it cannot be
@@ -129,8 +181,9 @@ class HeldOutValidation {
       const auto before = state_.held_out.Residuals(without.point);
       if (!before) continue;
       const double gain = Gain(*before, with);
-      if (gain < worst.gain && (rejected_together || ChangesEnoughToJudge(*before, with)))
-        worst = {i, gain, std::move(without), WorstTrace(*before, with)};
+      const bool counts = gain < worst.gain && (rejected_together || (ChangesEnoughToJudge(*before, with) &&
+                                                                      PredictsWorse(without, *before, with)));
+      if (counts) worst = {i, gain, std::move(without), WorstTrace(*before, with)};
     }
     return worst;
   }

@@ -35,6 +35,9 @@ Vector StartAt(const ScoredModel& scored, const ScoreTable& table, const Candida
   return point;
 }
 
+// Statistics that are nearer to the largest one than both: another probe may be the right one.
+constexpr double kCloseProbe = 12;
+constexpr double kCloseProbeShare = 0.5;
 constexpr Eigen::Index kRowsPerDirection = 50;
 constexpr Eigen::Index kMaxDirections = 40;
 constexpr double kRejected = 10;  // deviance
@@ -131,6 +134,13 @@ std::vector<Vector> RefitStarts(const ScoredModel& scored, const std::vector<Can
   if (whitened != nullptr) starts.push_back(StartAt(scored, scored.whitened, which, *whitened, 1));
   if (plain != nullptr && (whitened == nullptr || plain->probe != whitened->probe))
     starts.push_back(StartAt(scored, scored.plain, which, *plain, 1));
+  // Probes that the scores do not tell apart.
+  for (const Score& score : scored.whitened.scores) {
+    if (score.candidate == candidate && &score != whitened &&
+        score.statistic > whitened->statistic - kCloseProbe &&
+        score.statistic > kCloseProbeShare * whitened->statistic)
+      starts.push_back(StartAt(scored, scored.whitened, which, score, 1));
+  }
   if (plain != nullptr && plain->statistic > kLarge) {
     for (const Score& score : scored.plain.scores) {
       if (score.candidate != candidate || &score == plain) continue;

@@ -81,6 +81,16 @@ std::vector<int> Shortlist::Singles(const ScoredModel& scored) const {
   return {survivors.begin(), survivors.end()};
 }
 
+std::vector<int> Shortlist::All() const {
+  std::vector<int> all;
+  for (std::size_t c = 0; c < candidates_.size(); ++c) {
+    if (candidates_[c].known && candidates_[c].drifting < 0 && !candidates_[c].parameters.empty() &&
+        MayBeNamed(static_cast<int>(c)))
+      all.push_back(static_cast<int>(c));
+  }
+  return all;
+}
+
 std::vector<std::pair<int, int>> Shortlist::Pairs() const {
   std::map<std::pair<int, int>, double> best_of;
   const auto& scores = base_.whitened.scores;

@@ -27,6 +27,9 @@ class Shortlist {
   /// missing from the library has large scores in several.
   [[nodiscard]] std::vector<int> Singles(const ScoredModel& scored) const;
 
+  /// All known candidates that may be named, whatever their score: where refits contradict the scores.
+  [[nodiscard]] std::vector<int> All() const;
+
   /// Pairs of shared effects with the largest joint statistic at the base model, largest first: two causes
   /// whose scores are large only together, or whose sum is matched by a third.
   [[nodiscard]] std::vector<std::pair<int, int>> Pairs() const;

@@ -23,6 +23,15 @@ constexpr double kDouble = 0.97;        // correlation of traces above which the
 constexpr double kNearUnitRoot = 0.97;  // root of the noise model above which it may describe an effect
 // Relative error of a score by its linearity, per square root of the score: 1 % at size 3, 4 % at size 12.
 constexpr double kCurvature = 1e-3;
+// A refit that ends so many standard errors from the estimate of its score, or whose likelihood ratio differs
+// from the score by this share and by more than kSetWidth, contradicts the linear model.
+constexpr double kContradictingErrors = 2.5;
+constexpr double kContradictingShare = 0.3;
+// Times that a refit is continued where scores are contradicted, while its deviance falls by more than this.
+constexpr int kContinuations = 3;
+constexpr double kWorthContinuing = 0.1;
+// A refit that ends this much above the model that it contains [deviance] has missed its minimum.
+constexpr double kAboveItsPart = 1e-3;
 
 class Selector {
  public:
@@ -73,7 +82,8 @@ class Selector {
     }
     if (!selection.alarm) return selection;
     Eliminate(chosen);
-    if (UnknownTermFitsBetter(chosen)) chosen.clear();
+    SINEW_ASSIGN(const bool unknown_is_better, UnknownTermFitsBetter(chosen));
+    if (unknown_is_better) chosen.clear();
     for (int exchanges = 0;; ++exchanges) {
       selection.causes.clear();
       selection.rivals.clear();
@@ -170,7 +180,64 @@ class Selector {
     MakeExecutor(options_.threads)->ForEach(work.size(), [&](std::size_t i, std::size_t) {
       made[i] = refitter_.Fit(work[i].first, work[i].second);
     });
+    MakeExecutor(options_.threads)->ForEach(work.size(), [&](std::size_t i, std::size_t) {
+      Improve(work[i].first, work[i].second.front(), made[i]);
+    });
     for (std::size_t i = 0; i < work.size(); ++i) cache_[work[i].first] = std::move(made[i]);
+  }
+
+  // A model cannot fit worse than one that it contains: where its refit does, the start moved the effect
+  // alone and lost the trajectory. It starts again from that model, so that all values move together.
+  void Improve(const Set& released, const Vector& start, Refit& refit) const {
+    for (const int c : released) {
+      const auto part = cache_.find(Without(released, c));
+      if (part == cache_.end() || !part->second.usable()) continue;
+      if (refit.usable() && refit.deviance <= part->second.deviance + kAboveItsPart) continue;
+      const Candidate& candidate = candidates_[static_cast<std::size_t>(c)];
+      Vector from = part->second.point;
+      for (const auto& [index, value] : candidate.probes.front().at) from[index] = start[index];
+      for (const int index : ScoredParameters(candidate, 0))
+        from[index] = base_.refit.setup->parameters[static_cast<std::size_t>(index)].null_value;
+      Replace(refitter_.Fit(released, {from}), refit);
+    }
+    for (int k = 0; scores_contradicted_ && k < kContinuations && refit.usable() && !refit.converged; ++k) {
+      const double before = refit.deviance;
+      Replace(refitter_.Fit(released, {Vector(refit.point)}), refit);
+      if (refit.deviance > before - kWorthContinuing) break;
+    }
+  }
+
+  static void Replace(Refit by, Refit& refit) {
+    if (by.usable() && (!refit.usable() || by.deviance < refit.deviance)) refit = std::move(by);
+  }
+
+  // Whether the refit with one more candidate contradicts the linear model from which it was chosen.
+  [[nodiscard]] bool ContradictsScore(const ScoredModel& scored, const Refit& refit, int c) const {
+    const Score* score = scored.BestOf(c);
+    if (!refit.usable() || score == nullptr) return false;
+    const double gained = scored.refit.deviance - refit.deviance;
+    const double difference = std::abs(gained - score->statistic);
+    if (!refit.converged || difference > std::max(kSetWidth, kContradictingShare * score->statistic))
+      return true;
+    const Candidate& candidate = candidates_[static_cast<std::size_t>(c)];
+    const auto probe = static_cast<std::size_t>(score->probe);
+    const auto covariance = refitter_.Covariance(refit);
+    if (IsScoredBySecant(candidate, probe) || !covariance) return false;
+    const LeastSquares fit(problem_, *refit.setup);
+    const Vector estimate = fit.Variables(RefitStarts(scored, candidates_, c).front());
+    for (const int index : ScoredParameters(candidate, probe)) {
+      const auto& free = refit.setup->free;
+      const auto v = std::find(free.begin(), free.end(), index) - free.begin();
+      const double variance = (*covariance)(v, v);
+      if (std::isfinite(variance) && variance > 0 &&
+          std::abs(refit.x[v] - estimate[v]) > kContradictingErrors * std::sqrt(variance))
+        return true;
+    }
+    return false;
+  }
+
+  [[nodiscard]] std::vector<int> Singles(const ScoredModel& scored) const {
+    return scores_contradicted_ ? shortlist_.All() : shortlist_.Singles(scored);
   }
 
   // Family-wise p-value of the likelihood ratio of the candidates `more` together.
@@ -192,12 +259,13 @@ class Selector {
     return base_.family.FamilyPValue(std::min(1.0, p));
   }
 
-  // The best set with one more candidate (or, for the first step, also with two), if it is significant; else
-  // empty.
-  Result<Set> Extend(const Set& chosen, const ScoredModel& scored) {
-    std::map<Set, std::vector<Vector>> wanted;
-    for (const int c : shortlist_.Singles(scored))
-      wanted[With(chosen, c)] = RefitStarts(scored, candidates_, c);
+  // Fits the sets with one more candidate, and pairs at the first cause; adds them to `wanted`.
+  const Refit* FitExtensions(const Set& chosen, const ScoredModel& scored,
+                             std::map<Set, std::vector<Vector>>& wanted) {
+    for (const int c : Singles(scored)) {
+      if (std::find(chosen.begin(), chosen.end(), c) == chosen.end())
+        wanted[With(chosen, c)] = RefitStarts(scored, candidates_, c);
+    }
     if (chosen.size() == 1) AddPairs(wanted);
     Fit(wanted);
     const Refit* best = nullptr;
@@ -205,7 +273,22 @@ class Selector {
       const Refit& refit = cache_.at(released);
       if (refit.usable() && (best == nullptr || Penalised(refit) < Penalised(*best))) best = &refit;
     }
+    return best;
+  }
+
+  // The best set with one more candidate (or, for the first step, also with two), if it is significant; else
+  // empty.
+  Result<Set> Extend(const Set& chosen, const ScoredModel& scored) {
+    std::map<Set, std::vector<Vector>> wanted;
+    const Refit* best = FitExtensions(chosen, scored, wanted);
     if (best == nullptr) return Set();
+    if (!scores_contradicted_ && best->released.size() == chosen.size() + 1) {
+      Set added;
+      std::set_difference(best->released.begin(), best->released.end(), chosen.begin(), chosen.end(),
+                          std::back_inserter(added));
+      scores_contradicted_ = ContradictsScore(scored, *best, added.front());
+      if (scores_contradicted_) best = FitExtensions(chosen, scored, wanted);
+    }
     for (const auto& [released, starts] : wanted) {
       if (IsSimplerDouble(released, *best)) best = &cache_.at(released);
     }
@@ -264,7 +347,9 @@ class Selector {
   // The scores at the base model are compared before any refit, and the result counts only if the refit
   // confirms that the known causes explain little more. Scores are linear, and their error grows with the
   // size of the effect. Where no noise model is valid, the comparison is not made.
-  [[nodiscard]] bool UnknownTermFitsBetter(const Set& chosen) const {
+  // Where the refit contradicts the scores of the named effects (a base fit far from the truth), those of the
+  // terms are no better: then a term can only be better if the named effects leave something significant.
+  [[nodiscard]] Result<bool> UnknownTermFitsBetter(const Set& chosen) const {
     if (chosen.empty() || base_.refit.noise_absorbs_misfit) return false;
     std::vector<const Score*> known;
     double parameters = 0;
@@ -280,7 +365,11 @@ class Selector {
     for (const Score& score : base_.whitened.scores) {
       if (candidates_[static_cast<std::size_t>(score.candidate)].known) continue;
       const double price = kPerParameter * (static_cast<double>(score.directions.size()) + score.searched);
-      if (score.statistic - price > explained + neglected + SetWidth(base_.refit)) return true;
+      if (score.statistic - price <= explained + neglected + SetWidth(base_.refit)) continue;
+      if (std::abs(linear - refitted) <= kContradictingShare * std::max(linear, refitted)) return true;
+      SINEW_ASSIGN(const ScoredModel left,
+                   ScoreModel(problem_, candidates_, cache_.at(chosen), kFurtherLevel, options_.seed));
+      return left.AlarmPValue() <= kFurtherLevel;
     }
     return false;
   }
@@ -358,7 +447,7 @@ class Selector {
       }
       const ScoredModel& scored = made ? *made : base_;
       std::map<Set, std::vector<Vector>> wanted;
-      for (const int other : shortlist_.Singles(scored)) {
+      for (const int other : Singles(scored)) {
         if (std::find(chosen.begin(), chosen.end(), other) == chosen.end())
           wanted[With(rest, other)] = RefitStarts(scored, candidates_, other);
       }
@@ -473,6 +562,7 @@ class Selector {
   const DiagnosisOptions& options_;
   std::map<Set, Refit> cache_;
   Shortlist shortlist_;
+  bool scores_contradicted_ = false;  // by a refit: then all candidates are refitted
 };
 
 }  // namespace
