@@ -68,6 +68,7 @@ class Scores {
   }
 
   [[nodiscard]] std::vector<int> Singles() const { return Shortlist(candidates, scored).Singles(scored); }
+  [[nodiscard]] std::vector<int> All() const { return Shortlist(candidates, scored).All(); }
   [[nodiscard]] std::vector<Pair> Pairs() const { return Shortlist(candidates, scored).Pairs(); }
 
   std::vector<Candidate> candidates;
@@ -132,6 +133,15 @@ TEST(Shortlist, UnknownTermsAreNotRefittedAsCauses) {
   const int known = scores.Add("known", 3);
   scores.AddUnknown("y(u)", 10);
   EXPECT_EQ(scores.Singles(), std::vector<int>{known});
+}
+
+TEST(Shortlist, AllHasKnownEffectsWithoutAScoreToo) {
+  Scores scores;
+  const int scored = scores.Add("scored", 5);
+  scores.AddUnknown("term", 6);
+  const int unscored = scores.AddCandidate("unscored", 1);
+  EXPECT_EQ(scores.Singles(), std::vector<int>{scored});
+  EXPECT_EQ(scores.All(), (std::vector<int>{scored, unscored}));
 }
 
 TEST(Shortlist, BestProbeOfACandidateDecides) {
