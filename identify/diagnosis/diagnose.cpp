@@ -251,7 +251,8 @@ class DiagnosisRun {
 
   void Conclude() {
     const Selection& selection = state_.selection;
-    out_.strongly_autocorrelated = !selection.alarm && MisfitDominatesNoise(state_.base.refit.noise);
+    out_.strongly_autocorrelated =
+        !selection.alarm && MisfitScale(problem_).Dominates(state_.base.refit.noise);
     if (out_.strongly_autocorrelated) {
       out_.verdict = DiagnosisVerdict::kUnexplained;
     } else if (!selection.alarm) {
@@ -272,7 +273,11 @@ class DiagnosisRun {
                                {}});
     }
     if (selection.cross_validated) {
-      out_.left_out = selection.left_out;
+      for (const Fold& fold : selection.left_out) {
+        out_.left_out.push_back({fold.trials, {}});
+        if (fold.window) out_.left_out.back().window = {fold.window->first, fold.window->last};
+      }
+      out_.ladder = selection.ladder;
       out_.warnings.push_back(
           {WarningKind::kCrossValidated,
            {},

@@ -47,7 +47,7 @@ void AddEvidence(const Diagnosis& d, std::vector<Line>& lines) {
     for (const DiagnosedParameter& p : c.parameters) sizes.push_back(SizeText(p));
     std::string text = fmt::format("{}: {}; ", c.effect, Join(sizes, ", "));
     if (c.left_out > 0) {
-      text += fmt::format("the error of trials left out of the fit is {} lower", Percent(1 - c.left_out));
+      text += fmt::format("the error of data left out of the fit is {} lower", Percent(1 - c.left_out));
     } else {
       text +=
           fmt::format("{}, delta LR {:.1f}, delta BIC {:.1f}", PValue(c.p_value), c.delta_lr, c.delta_bic);
