@@ -14,7 +14,8 @@ namespace {
 constexpr double kInfinite = std::numeric_limits<double>::infinity();
 constexpr double kTolerance = 1e-5;       // relative, of the cost, while searching ...
 constexpr double kFineTolerance = 1e-7;   // ... and of the answer
-constexpr double kRoughTolerance = 1e-2;  // ... and of the folds before the sets are shortened
+constexpr double kRoughTolerance = 1e-2;  // ... before the sets of one size are shortened
+constexpr std::size_t kContinued = 3;     // short searches that are continued to convergence
 constexpr std::size_t kMaxPromising = 10;
 constexpr std::size_t kMaxLeftOut = 8;  // sets of one size whose error of left-out data is found
 constexpr int kDraws = 30;
@@ -103,20 +104,19 @@ double AnywhereOf(const Parameter& p, Random& random) {
   return p.null_value + share * ((up ? p.upper : p.lower) - p.null_value);
 }
 
-// Short searches from all starts; the best few, not the best one alone, are continued to convergence, because
-// a start in a wide basin is ahead at first.
-solvers::LocalFit::Outcome FitFromManyStarts(const LeastSquares& fit, const std::vector<Vector>& starts) {
+// Short searches from all starts; the best few are continued to convergence. @param continued more than one
+// where the answer counts: a start in a wide basin is ahead at first
+solvers::LocalFit::Outcome FitFromManyStarts(const LeastSquares& fit, const std::vector<Vector>& starts,
+                                             double tolerance, std::size_t continued) {
   constexpr long kScoutEvaluations = 8;
   constexpr long kFitEvaluations = 80;
-  constexpr std::size_t kContinued = 3;
   solvers::LocalFit search(fit);
-  const double tolerance = kTolerance;
   std::vector<solvers::LocalFit::Outcome> scouts;
   for (const Vector& start : starts)
     scouts.push_back(search.Minimize(fit.Variables(start), -1, {0, tolerance}, kScoutEvaluations));
   std::stable_sort(scouts.begin(), scouts.end(),
                    [](const auto& a, const auto& b) { return a.cost < b.cost; });
-  if (scouts.size() > kContinued) scouts.resize(kContinued);
+  scouts.resize(std::min(scouts.size(), continued));
   for (auto& scout : scouts) {
     if (!std::isfinite(scout.cost) || scout.converged) continue;
     auto further = search.Minimize(scout.x, -1, {0, tolerance}, kFitEvaluations);
@@ -195,8 +195,8 @@ std::vector<int> CrossValidatedSearch::Promising(const ScoredModel& scored, cons
   return promising;
 }
 
-void CrossValidatedSearch::FitAll(std::vector<Trial>& trials,
-                                  const std::vector<std::vector<Vector>>& starts) const {
+void CrossValidatedSearch::FitAll(std::vector<Trial>& trials, const std::vector<std::vector<Vector>>& starts,
+                                  double tolerance, std::size_t continued) const {
   MakeExecutor(options_.threads)->ForEach(trials.size(), [&](std::size_t i, std::size_t) {
     Trial& trial = trials[i];
     trial.fitted_error = kInfinite;
@@ -204,7 +204,7 @@ void CrossValidatedSearch::FitAll(std::vector<Trial>& trials,
     FitSetup setup = refitter_.SetupWith(trial.released);
     setup.rest = starts[i].front();
     const LeastSquares fit(searched_, setup);
-    const auto found = FitFromManyStarts(fit, starts[i]);
+    const auto found = FitFromManyStarts(fit, starts[i], tolerance, continued);
     if (!found.failure.empty() || !std::isfinite(found.cost)) return;
     trial.point = fit.Parameters(found.x);
     trial.fitted_error = std::sqrt(2 * found.cost / Rows());
@@ -220,7 +220,7 @@ void CrossValidatedSearch::Grow(const Trial& from, const ScoredModel& scored, st
     trials.push_back({std::move(next), {}, 0, 0, {}});
     starts.push_back(RefitStarts(scored, candidates_, c));
   }
-  FitAll(trials, starts);
+  FitAll(trials, starts, kRoughTolerance, 1);
   for (Trial& trial : trials) {
     if (std::isfinite(trial.fitted_error)) made.push_back(std::move(trial));
   }
@@ -277,7 +277,7 @@ void CrossValidatedSearch::Polish(std::vector<Trial>& sets, int draws) const {
       starts[i].push_back(std::move(start));
     }
   }
-  FitAll(again, starts);
+  FitAll(again, starts, kTolerance, kContinued);
   for (std::size_t i = 0; i < sets.size(); ++i) {
     if (again[i].fitted_error < sets[i].fitted_error) sets[i] = std::move(again[i]);
   }
@@ -309,7 +309,7 @@ std::vector<CrossValidatedSearch::Trial> CrossValidatedSearch::OneLess(const Tri
     if (known != judged_.end()) starts.back().push_back(known->point);
     smaller.push_back({std::move(rest), {}, 0, 0, {}});
   }
-  FitAll(smaller, starts);
+  FitAll(smaller, starts, kTolerance, kContinued);
   LeaveOut(smaller, kTolerance);
   return smaller;
 }
@@ -353,7 +353,7 @@ Result<std::vector<CrossValidatedSearch::Substitute>> CrossValidatedSearch::Find
       exchanged.emplace_back(cause.front(), c);
     }
   }
-  FitAll(sets, starts);
+  FitAll(sets, starts, kTolerance, 1);
   std::vector<Substitute> found;
   std::vector<std::size_t> near;
   for (std::size_t i = 0; i < sets.size(); ++i) {

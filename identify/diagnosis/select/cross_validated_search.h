@@ -84,7 +84,8 @@ class CrossValidatedSearch {
   };
   [[nodiscard]] std::vector<int> Promising(const ScoredModel& scored, const Set& have) const;
   void Grow(const Trial& from, const ScoredModel& scored, std::vector<Trial>& made);
-  void FitAll(std::vector<Trial>& trials, const std::vector<std::vector<Vector>>& starts) const;
+  void FitAll(std::vector<Trial>& trials, const std::vector<std::vector<Vector>>& starts, double tolerance,
+              std::size_t continued) const;
   void Polish(std::vector<Trial>& sets, int draws) const;
   void LeaveOut(std::vector<Trial>& sets, double tolerance) const;
   void Shorten(std::vector<Trial>& made) const;
