@@ -195,9 +195,9 @@ struct ResidualTest {
 };
 
 /// What a noise floor rests on.
-enum class NoiseBasis { kStatedByData, kExtendedModel };
+enum class NoiseBasis { kStatedByData, kExtendedModel, kDifferences };
 
-/// "stated_by_data", "extended_model".
+/// "stated_by_data", "extended_model", "differences" (of the measured signal: DifferenceNoise).
 [[nodiscard]] const char* ToString(NoiseBasis basis);
 
 struct NoiseFloor {

@@ -57,6 +57,15 @@ void AddEvidence(const Diagnosis& d, std::vector<Line>& lines) {
   }
 }
 
+// How the error of left-out data fell with the number of causes.
+void AddLadder(const Diagnosis& d, std::vector<Line>& lines) {
+  if (d.ladder.size() < 2) return;
+  lines.push_back({kOuter, "Error of data left out of the fit, over that of the base model:"});
+  for (const LadderStep& step : d.ladder) {
+    if (!step.effects.empty()) lines.push_back({kInner, Percent(step.error) + " with " + And(step.effects)});
+  }
+}
+
 void AddStructure(const Diagnosis& d, std::vector<Line>& lines) {
   constexpr std::size_t kShown = 3;
   for (std::size_t i = 0; i < std::min(d.structure.size(), kShown); ++i) {
@@ -125,6 +134,7 @@ std::vector<Line> Overview(const Diagnosis& diagnosis) {
   for (const Sentence& sentence : Sentences(diagnosis))
     lines.push_back({IsSubordinate(sentence) ? kInner : kOuter, sentence.text});
   AddEvidence(diagnosis, lines);
+  AddLadder(diagnosis, lines);
   AddStructure(diagnosis, lines);
   AddBaseModel(diagnosis, lines);
   AddRuledOut(diagnosis, lines);

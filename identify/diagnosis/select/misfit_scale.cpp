@@ -59,12 +59,25 @@ const MisfitScale::Channel* MisfitScale::Find(const std::string& channel) const 
   return found == channels_.end() || found->source == NoiseSource::kNone ? nullptr : &*found;
 }
 
+bool MisfitScale::IsMisfit(const noise::ChannelNoiseModel& residual) const {
+  const Channel* own = Find(residual.channel);
+  return StronglyAutocorrelated(residual) ||
+         (own != nullptr && residual.ProcessDeviation() > kLarge * own->noise);
+}
+
 bool MisfitScale::Dominates(const noise::NoiseModel& noise) const {
-  return std::any_of(noise.channels.begin(), noise.channels.end(), [&](const auto& residual) {
-    const Channel* own = Find(residual.channel);
-    return StronglyAutocorrelated(residual) ||
-           (own != nullptr && residual.ProcessDeviation() > kLarge * own->noise);
-  });
+  return std::any_of(noise.channels.begin(), noise.channels.end(),
+                     [&](const auto& residual) { return IsMisfit(residual); });
+}
+
+noise::NoiseModel MisfitScale::Floor(noise::NoiseModel residual) const {
+  for (noise::ChannelNoiseModel& channel : residual.channels) {
+    const Channel* own = Find(channel.channel);
+    if (own == nullptr || !IsMisfit(channel)) continue;
+    channel.coefficients.clear();
+    channel.deviation = own->noise;
+  }
+  return residual;
 }
 
 bool MisfitScale::Resembles(const noise::NoiseModel& noise) const {

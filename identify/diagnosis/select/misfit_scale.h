@@ -40,8 +40,13 @@ class MisfitScale {
   /// from differences, which is a lower limit, and none is strongly autocorrelated.
   [[nodiscard]] bool Resembles(const noise::NoiseModel& noise) const;
 
+  /// The noise of the measurement: that of a residual, but white with the level of this scale where the
+  /// residual is a misfit.
+  [[nodiscard]] noise::NoiseModel Floor(noise::NoiseModel residual) const;
+
  private:
   [[nodiscard]] const Channel* Find(const std::string& channel) const;
+  [[nodiscard]] bool IsMisfit(const noise::ChannelNoiseModel& residual) const;
 
   std::vector<Channel> channels_;
 };
