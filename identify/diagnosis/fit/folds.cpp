@@ -5,6 +5,7 @@
 #include <map>
 #include <set>
 
+#include "identify/keep_samples.h"
 #include "identify/solvers/held_out_nuisance.h"
 
 namespace sinew::diagnosis {
@@ -76,18 +77,8 @@ FoldView::FoldView(const Problem& inner, const Fold& fold) : ProblemView(inner) 
     } else if (fold.Has(block.trial)) {
       block.role = BlockRole::kValidate;
     } else if (fold.window && block.trial == fold.trials.front() && !block.measured.empty()) {
-      Block rest = block;
-      rest.sample.clear();
-      rest.measured.clear();
-      rest.relative_weight.clear();
-      for (std::size_t i = 0; i < block.sample.size(); ++i) {
-        if (fold.LeavesOut(block, i)) continue;
-        rest.sample.push_back(block.sample[i]);
-        rest.measured.push_back(block.measured[i]);
-        if (!block.relative_weight.empty()) rest.relative_weight.push_back(block.relative_weight[i]);
-      }
-      if (rest.sample.empty()) rest.role = BlockRole::kPredicted;
-      block = std::move(rest);
+      const Block whole = block;
+      KeepSamples([&](std::size_t i) { return !fold.LeavesOut(whole, i); }, block);
     }
   }
 }

@@ -7,6 +7,7 @@
 
 #include "base/random.h"
 #include "identify/execution/executor.h"
+#include "identify/keep_samples.h"
 
 namespace sinew::diagnosis {
 namespace {
@@ -44,20 +45,6 @@ std::set<std::string> SearchedTrials(const Problem& problem) {
   return some;
 }
 
-// Every k-th sample.
-void Thin(std::size_t k, Block& block) {
-  Block rest = block;
-  rest.sample.clear();
-  rest.measured.clear();
-  rest.relative_weight.clear();
-  for (std::size_t i = 0; i < block.sample.size(); i += k) {
-    rest.sample.push_back(block.sample[i]);
-    rest.measured.push_back(block.measured[i]);
-    if (!block.relative_weight.empty()) rest.relative_weight.push_back(block.relative_weight[i]);
-  }
-  block = std::move(rest);
-}
-
 EditedView Searched(const Problem& problem) {
   const std::set<std::string> trials = SearchedTrials(problem);
   const auto is_searched = [&](const Block& block) {
@@ -71,7 +58,7 @@ EditedView Searched(const Problem& problem) {
     if (!is_searched(block)) {
       block.role = BlockRole::kPredicted;
     } else if (every > 1 && !block.measured.empty()) {
-      Thin(static_cast<std::size_t>(every), block);
+      KeepSamples([&](std::size_t i) { return i % static_cast<std::size_t>(every) == 0; }, block);
     }
   });
 }
