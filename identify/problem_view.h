@@ -57,4 +57,14 @@ class ProblemView : public Problem {
   const Problem& inner_;
 };
 
+/// With any change of its blocks. Numbers of blocks and predictions must stay.
+class EditedView final : public ProblemView {
+ public:
+  /// @param inner must outlive the view @param edit called once with every block
+  template <class Edit>
+  EditedView(const Problem& inner, const Edit& edit) : ProblemView(inner) {
+    for (Block& block : layout_) edit(block);
+  }
+};
+
 }  // namespace sinew

@@ -31,7 +31,9 @@ const std::map<std::string, Plain>& PlainEffects() {
       {"parallel_spring", {kSpring, 1e-3, 20, false}},
       {"torque_offset", {kOffsetTorque, 1e-3, 5, true}},
       {"gain_compression", {kCompression, 1e-3, 0.9, false}},
-      {"supply_sag", {kThermalRate, 1e-4, 0.08, false}},
+      {"supply_sag", {kThermalRate, 1e-4, 0.08, true}},
+      {"dead_zone", {kDeadZone, 1e-3, 1, false}},
+      {"asymmetric_viscous_friction", {kViscousAsymmetry, 1e-4, 5, true}},
       {"hold", {kHoldFraction, 0.1, 1, false}},
       {"torque.offset", {kInputOffset, 1e-3, 5, true}},
       {"torque.drift", {kInputDrift, 1e-4, 1, true}},
@@ -48,7 +50,7 @@ const std::map<std::string, Plain>& PlainEffects() {
       {"slow_clock", {kClockRate, 1e-5, 9e-3, true}},
       {"drifting_damping", {kDampingRate, 1e-4, 1, false}},
       {"cubic_spring", {kCubicStiffness, 1e-3, 10, false}},
-      {"dead_zone", {kDeadTorque, 1e-3, 1, false}},
+      {"coarse_command", {kCommandStep, 1e-2, 2, false}},
       {"cubic_drag", {kCubicDrag, 1e-4, 10, false}},
   };
   return kPlain;
@@ -142,6 +144,8 @@ const std::vector<std::string>& LibraryEffects() {
                                                "torque_offset",
                                                "gain_compression",
                                                "supply_sag",
+                                               "dead_zone",
+                                               "asymmetric_viscous_friction",
                                                "hold",
                                                "torque.offset",
                                                "torque.drift",
@@ -167,7 +171,7 @@ const std::vector<std::string>& OutsiderNames() {
                                                "cubic_spring",
                                                "hum",
                                                "torque_bump",
-                                               "dead_zone",
+                                               "coarse_command",
                                                "lost_load",
                                                "cubic_drag",
                                                "eccentric_encoder"};

@@ -203,7 +203,8 @@ class DiagnosisRun {
       }
       out_.traces.push_back(std::move(trace));
     }
-    ReportNoise(noise);
+    const noise::NoiseModel floor = MisfitScale(problem_).Floor(noise);
+    ReportNoise(noise, floor);
     if (!state_.held_out.exists()) return {};
     std::vector<Vector> before;
     std::vector<Vector> after;
@@ -212,7 +213,7 @@ class DiagnosisRun {
       before.push_back(WeightedResidual(block, base.values[static_cast<std::size_t>(b)]));
       after.push_back(WeightedResidual(block, extended.values[static_cast<std::size_t>(b)]));
     }
-    out_.gain = state_.held_out.Gains(before, after, noise, options_.seed);
+    out_.gain = state_.held_out.Gains(before, after, floor, options_.seed);
     return {};
   }
 
@@ -225,8 +226,10 @@ class DiagnosisRun {
     return residual;
   }
 
-  void ReportNoise(const noise::NoiseModel& noise) {
-    for (const noise::ChannelNoiseModel& model : noise.channels) {
+  // @param residual of the extended model @param noise the floor that follows from it
+  void ReportNoise(const noise::NoiseModel& residual, const noise::NoiseModel& noise) {
+    for (std::size_t c = 0; c < noise.channels.size(); ++c) {
+      const noise::ChannelNoiseModel& model = noise.channels[c];
       NoiseFloor floor;
       floor.channel = model.channel;
       double squares = 0;
@@ -241,7 +244,10 @@ class DiagnosisRun {
         if (block.channel != model.channel || block.role != BlockRole::kTrain) continue;
         floor.unit = block.unit;
         floor.sigma = NoiseFloorOf(block, noise, problem_.layout()) / block.weight;
-        floor.basis = block.sigma ? NoiseBasis::kStatedByData : NoiseBasis::kExtendedModel;
+        const bool is_residual = model.deviation == residual.channels[c].deviation;
+        floor.basis = block.sigma   ? NoiseBasis::kStatedByData
+                      : is_residual ? NoiseBasis::kExtendedModel
+                                    : NoiseBasis::kDifferences;
         break;
       }
       floor.rmse = count > 0 ? std::sqrt(squares / count) : 0;
@@ -251,7 +257,8 @@ class DiagnosisRun {
 
   void Conclude() {
     const Selection& selection = state_.selection;
-    out_.strongly_autocorrelated = !selection.alarm && MisfitDominatesNoise(state_.base.refit.noise);
+    out_.strongly_autocorrelated =
+        !selection.alarm && MisfitScale(problem_).Dominates(state_.base.refit.noise);
     if (out_.strongly_autocorrelated) {
       out_.verdict = DiagnosisVerdict::kUnexplained;
     } else if (!selection.alarm) {
@@ -272,7 +279,11 @@ class DiagnosisRun {
                                {}});
     }
     if (selection.cross_validated) {
-      out_.left_out = selection.left_out;
+      for (const Fold& fold : selection.left_out) {
+        out_.left_out.push_back({fold.trials, {}});
+        if (fold.window) out_.left_out.back().window = {fold.window->first, fold.window->last};
+      }
+      out_.ladder = selection.ladder;
       out_.warnings.push_back(
           {WarningKind::kCrossValidated,
            {},
@@ -343,6 +354,8 @@ const char* ToString(NoiseBasis basis) {
       return "stated_by_data";
     case NoiseBasis::kExtendedModel:
       return "extended_model";
+    case NoiseBasis::kDifferences:
+      return "differences";
   }
   return "?";
 }

@@ -110,6 +110,8 @@ struct Alternative {
   std::vector<DiagnosedParameter> parameters;  ///< of the effect, if it is put in place of the cause
   double delta_lr = 0;                         ///< by which the named cause fits better
   double delta_bic = 0;
+  /// If Diagnosis::left_out: error of left-out data with it over that with the cause; delta_lr is NaN then.
+  double left_out = 0;
   double correlation = 0;  ///< of the two signatures, projected off the base parameters
   bool same_class =
       false;  ///< declared class, |correlation| > 0.97: not distinguishable by data of this kind
@@ -140,7 +142,19 @@ struct Cause {
   double delta_lr = 0;  ///< likelihood ratio against the model without it
   double delta_bic = 0;
   double size = 0;      ///< relative to the size that a test of this effect alone detects (95 % power at 5 %)
-  double left_out = 0;  ///< if Diagnosis::left_out: error of left-out trials with it / without it; else 0
+  double left_out = 0;  ///< if Diagnosis::left_out: error of left-out data with it / without it; else 0
+};
+
+/// Data that are left out of a fit: trials, or a window of time of one trial.
+struct LeftOutData {
+  std::vector<std::string> trials;
+  std::optional<std::array<double, 2>> window;  ///< [s] from, to; infinite to the end of the trial
+};
+
+/// The set of so many causes that predicts left-out data best.
+struct LadderStep {
+  std::vector<std::string> effects;
+  double error = 1;  ///< of left-out data, as a share of that of the base model
 };
 
 /// Root mean square error of one held-out trace with and without a cause [unit].
@@ -181,9 +195,9 @@ struct ResidualTest {
 };
 
 /// What a noise floor rests on.
-enum class NoiseBasis { kStatedByData, kExtendedModel };
+enum class NoiseBasis { kStatedByData, kExtendedModel, kDifferences };
 
-/// "stated_by_data", "extended_model".
+/// "stated_by_data", "extended_model", "differences" (of the measured signal: DifferenceNoise).
 [[nodiscard]] const char* ToString(NoiseBasis basis);
 
 struct NoiseFloor {
@@ -271,9 +285,10 @@ struct Diagnosis {
   /// No alarm, but the residual is autocorrelated more strongly than the noise of instruments usually is.
   bool strongly_autocorrelated = false;
 
-  /// Groups of trials that were left out of the fit in turn, if causes had to be chosen by what they predict
-  /// there, since the misfit is much larger than the noise.
-  std::vector<std::vector<std::string>> left_out;
+  /// What was left out of the fit in turn, if causes had to be chosen by what they predict there, since the
+  /// misfit is much larger than the noise.
+  std::vector<LeftOutData> left_out;
+  std::vector<LadderStep> ladder;   ///< from no cause on, as far as that search went
   std::vector<EffectScore> scores;  ///< of every effect and unknown term, strongest first
   std::vector<Cause> causes;
   std::vector<Alternative> alternatives;

@@ -231,7 +231,7 @@ class HeldOutValidation {
       if (other.instead_of != cause.candidate) others.push_back(std::move(other));
     }
     selection_.rivals = std::move(others);
-    RefitRivals(cause.candidate);
+    if (!selection_.cross_validated) RefitRivals(cause.candidate);
     selection_.structure_left = true;  // the error that it had explained has no cause now
   }
 
@@ -324,7 +324,8 @@ class HeldOutValidation {
       if (!with || state_.Loss(*before, rival.refit.noise) <= state_.Loss(*with, rival.refit.noise)) continue;
       const int next = rival.candidate;
       selection_.model = rival.refit;
-      selection_.causes[rejection.cause] = {next, cause.delta_lr - rival.delta_lr, cause.p_value};
+      selection_.causes[rejection.cause] = {next, cause.delta_lr - rival.delta_lr, cause.p_value,
+                                            cause.left_out * rival.left_out};
       std::vector<Rival> others;
       for (Rival& other : selection_.rivals) {
         if (other.candidate == next) continue;

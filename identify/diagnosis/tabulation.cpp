@@ -75,6 +75,7 @@ class Tables {
     other.delta_bic = rival.delta_lr + (static_cast<double>(candidate.parameters.size()) -
                                         static_cast<double>(cause.parameters.size())) *
                                            log_rows_;
+    other.left_out = rival.left_out;
     other.correlation = rival.correlation;
     other.same_class = std::abs(rival.correlation) > kSameClass;
     const double apart = 1 - std::abs(rival.correlation);

@@ -92,6 +92,7 @@ Json FromAlternative(const Alternative& a) {
           {"sentence", a.description},
           {"parameters", List(a.parameters, FromParameter)},
           {"delta_lr", Finite(a.delta_lr)},
+          {"left_out", Finite(a.left_out)},
           {"delta_bic", Finite(a.delta_bic)},
           {"correlation", Finite(a.correlation)},
           {"same_class", a.same_class},
@@ -239,8 +240,14 @@ std::string DiagnosisJson(const Diagnosis& diagnosis, const Provenance& provenan
   }
   json["gain"] = diagnosis.gain.empty() ? Json(nullptr) : FromGain(diagnosis.gain.front());
   json["gains"] = List(diagnosis.gain, FromGain);
-  json["left_out"] = List(diagnosis.left_out, text::TrialGroup);
-  json["left_out_trials"] = diagnosis.left_out;
+  json["left_out"] = List(diagnosis.left_out, text::LeftOutText);
+  json["left_out_trials"] = List(diagnosis.left_out, [](const LeftOutData& data) { return data.trials; });
+  json["left_out_windows"] = List(diagnosis.left_out, [](const LeftOutData& data) {
+    return data.window ? Json::array({Finite(data.window->front()), Finite(data.window->back())}) : Json();
+  });
+  json["ladder"] = List(diagnosis.ladder, [](const LadderStep& step) {
+    return Json{{"effects", step.effects}, {"error", Finite(step.error)}};
+  });
   json["unknown_terms"] = List(diagnosis.unknown_terms, FromUnknown);
   json["extended_parameters"] = List(diagnosis.extended_parameters, FromParameter);
   json["extended_fit"] = List(diagnosis.extended_fit, FromFit);

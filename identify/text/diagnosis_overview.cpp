@@ -47,13 +47,22 @@ void AddEvidence(const Diagnosis& d, std::vector<Line>& lines) {
     for (const DiagnosedParameter& p : c.parameters) sizes.push_back(SizeText(p));
     std::string text = fmt::format("{}: {}; ", c.effect, Join(sizes, ", "));
     if (c.left_out > 0) {
-      text += fmt::format("the error of trials left out of the fit is {} lower", Percent(1 - c.left_out));
+      text += fmt::format("the error of data left out of the fit is {} lower", Percent(1 - c.left_out));
     } else {
       text +=
           fmt::format("{}, delta LR {:.1f}, delta BIC {:.1f}", PValue(c.p_value), c.delta_lr, c.delta_bic);
       if (c.size > 0) text += fmt::format("; {} times the smallest detectable size", Readable(c.size, 2));
     }
     lines.push_back({kInner, std::move(text)});
+  }
+}
+
+// How the error of left-out data fell with the number of causes.
+void AddLadder(const Diagnosis& d, std::vector<Line>& lines) {
+  if (d.ladder.size() < 2) return;
+  lines.push_back({kOuter, "Error of data left out of the fit, over that of the base model:"});
+  for (const LadderStep& step : d.ladder) {
+    if (!step.effects.empty()) lines.push_back({kInner, Percent(step.error) + " with " + And(step.effects)});
   }
 }
 
@@ -125,6 +134,7 @@ std::vector<Line> Overview(const Diagnosis& diagnosis) {
   for (const Sentence& sentence : Sentences(diagnosis))
     lines.push_back({IsSubordinate(sentence) ? kInner : kOuter, sentence.text});
   AddEvidence(diagnosis, lines);
+  AddLadder(diagnosis, lines);
   AddStructure(diagnosis, lines);
   AddBaseModel(diagnosis, lines);
   AddRuledOut(diagnosis, lines);

@@ -64,7 +64,7 @@ Sentence CauseSentence(const Cause& cause) {
   std::string text = fmt::format("Cause [{}]: {} ({}); {}", ToString(cause.level), DescriptionOf(cause),
                                  cause.effect, ParametersText(cause.parameters));
   if (cause.left_out > 0)
-    text += fmt::format("; the error of trials left out of the fit is {} lower with it",
+    text += fmt::format("; the error of data left out of the fit is {} lower with it",
                         Percent(1 - cause.left_out));
   return {SentenceKind::kCause, text + ".", {cause.effect}};
 }
@@ -72,10 +72,13 @@ Sentence CauseSentence(const Cause& cause) {
 Sentence AlternativeSentence(const Cause& cause, const Alternative& other) {
   Sentence sentence{SentenceKind::kAlternative, {}, {other.effect, cause.effect}};
   std::string& text = sentence.text;
-  text = fmt::format("{} [{}]: {} ({}); {}; delta LR {:.1f}.",
-                     other.contains_cause ? "A more general law fits as well" : "Could also be",
-                     ToString(other.level), other.description, other.effect, ParametersText(other.parameters),
-                     other.delta_lr);
+  const std::string comparison =
+      other.left_out > 0 ? fmt::format("the error of data left out of the fit is {} of that with the cause",
+                                       Percent(other.left_out))
+                         : fmt::format("delta LR {:.1f}", other.delta_lr);
+  text = fmt::format(
+      "{} [{}]: {} ({}); {}; {}.", other.contains_cause ? "A more general law fits as well" : "Could also be",
+      ToString(other.level), other.description, other.effect, ParametersText(other.parameters), comparison);
   if (other.contains_cause) {
     sentence.kind = SentenceKind::kMoreGeneralLaw;
     text += " It contains the cause as a special case and is not needed.";

@@ -49,6 +49,8 @@ std::string BasisText(NoiseBasis basis) {
   switch (basis) {
     case NoiseBasis::kStatedByData:
       return "stated by the data";
+    case NoiseBasis::kDifferences:
+      return "differences of neighbouring samples of the measured signal";
     case NoiseBasis::kExtendedModel:
       return "residual of the extended model";
   }

@@ -1,9 +1,11 @@
 #include "identify/text/phrases.h"
 
 #include <cctype>
+#include <cmath>
 
 #include "base/numbers.h"
 #include "base/text.h"
+#include "identify/diagnosis/diagnosis.h"
 #include "identify/text/sentence.h"
 
 namespace sinew::text {
@@ -53,6 +55,14 @@ std::string Capitalised(std::string text) {
 std::string TrialGroup(const std::vector<std::string>& trials) {
   if (trials.size() < 2) return Join(trials, "");
   return fmt::format("{} and {} more", trials.front(), trials.size() - 1);
+}
+
+std::string LeftOutText(const LeftOutData& data) {
+  const std::string trials = TrialGroup(data.trials);
+  if (!data.window) return trials;
+  const auto& [from, to] = *data.window;
+  if (!std::isfinite(to)) return fmt::format("{} from {} s on", trials, Readable(from, 3));
+  return fmt::format("{} from {} to {} s", trials, Readable(from, 3), Readable(to, 3));
 }
 
 const char* ToString(SentenceKind kind) {

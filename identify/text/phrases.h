@@ -4,6 +4,10 @@
 #include <string>
 #include <vector>
 
+namespace sinew {
+struct LeftOutData;
+}
+
 namespace sinew::text {
 
 /// "a", "a and b", "a, b and c".
@@ -29,5 +33,8 @@ namespace sinew::text {
 
 /// A group of trials: "walk", "walk and 5 more".
 [[nodiscard]] std::string TrialGroup(const std::vector<std::string>& trials);
+
+/// The same, or "walk from 1 to 2 s".
+[[nodiscard]] std::string LeftOutText(const LeftOutData& data);
 
 }  // namespace sinew::text

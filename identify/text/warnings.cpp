@@ -59,19 +59,19 @@ std::string HeldFromSteps(const Warning& w) {
       Join({w.names.begin(), w.names.begin() + static_cast<std::ptrdiff_t>(shown)}, ", "), more);
 }
 
-std::string CrossValidated(const Warning& w, const std::vector<std::vector<std::string>>& left_out) {
+std::string CrossValidated(const Warning& w, const std::vector<LeftOutData>& left_out) {
   std::vector<std::string> groups;
-  for (const auto& trials : left_out) groups.push_back(TrialGroup(trials));
+  for (const LeftOutData& data : left_out) groups.push_back(LeftOutText(data));
   const std::string some = w.numbers[1] > w.numbers[0] ? fmt::format(" ({:.0f} of {:.0f} trials searched)",
                                                                      w.numbers[0], w.numbers[1])
                                                        : "";
   return fmt::format(
       "the misfit is much larger than the noise, and the known effects do not explain all of it: causes were "
-      "chosen by cross-validation over {}{}, and intervals are jackknife intervals over trials",
+      "chosen by cross-validation over {}{}, and intervals are jackknife intervals over the same",
       Join(groups, "; "), some);
 }
 
-std::string Text(const Warning& w, const std::vector<std::vector<std::string>>& left_out) {
+std::string Text(const Warning& w, const std::vector<LeftOutData>& left_out) {
   switch (w.kind) {
     case WarningKind::kFailedEvaluations:
       return fmt::format("{:.0f} of {:.0f} evaluations failed and were rejected; the first because {}",
@@ -134,7 +134,7 @@ std::string Text(const Warning& w, const std::vector<std::vector<std::string>>& 
 }
 
 std::vector<std::string> Texts(const std::vector<Warning>& warnings,
-                               const std::vector<std::vector<std::string>>& left_out) {
+                               const std::vector<LeftOutData>& left_out) {
   std::vector<std::string> texts;
   for (const Warning& warning : warnings)
     texts.push_back((warning.step.empty() ? "" : warning.step + ": ") + Text(warning, left_out));

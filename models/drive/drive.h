@@ -65,6 +65,7 @@ enum DriveSlot : int {
   kQuadraticLoad,
   // Other torques.
   kFrictionTemperature,
+  kViscousAsymmetry,
   kDrag,
   kCoggingCos,
   kCoggingSin,
@@ -74,6 +75,7 @@ enum DriveSlot : int {
   kSpring,
   kOffsetTorque,
   // Drive.
+  kDeadZone,
   kInverseTorqueLimit,
   kInverseSpeedLimit,
   kCompression,

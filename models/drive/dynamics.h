@@ -79,14 +79,19 @@ class DriveDynamics {
     return (voltage - volts_per_speed_ * v) / numbers_[kResistance];
   }
 
-  /// Loss of gain of whatever the command is: compression, sag.
+  /// Loss of gain of whatever the command is: dead zone, compression, sag.
   template <class Time>
-  [[nodiscard]] T Weakened(T command, const Time& t) const {
-    if (uses_[kCompression]) {
-      command = command * (1.0 - numbers_[kCompression] * (Abs(command) * (1 / joint_->largest_command)));
+  [[nodiscard]] T Weakened(const T& command, const Time& t) const {
+    T acting = command;
+    if (uses_[kDeadZone]) {
+      const T beyond = Abs(command) - numbers_[kDeadZone];
+      acting = Value(beyond) <= 0 ? T(0) : Value(command) > 0 ? beyond : -beyond;
     }
-    if (uses_[kThermalRate]) command = command * (1.0 - numbers_[kThermalRate] * t);
-    return command;
+    if (uses_[kCompression]) {
+      acting = acting * (1.0 - numbers_[kCompression] * (Abs(command) * (1 / joint_->largest_command)));
+    }
+    if (uses_[kThermalRate]) acting = acting * (1.0 - numbers_[kThermalRate] * t);
+    return acting;
   }
 
   /// tau for a torque or voltage that reaches the motor.
@@ -123,6 +128,7 @@ class DriveDynamics {
           viscous * Exp(numbers_[kFrictionTemperature] * (recorded(kTemperature) - kReferenceTemperature));
     }
     sum = loads.drive - loads.gravity - viscous * v;
+    if (uses_[kViscousAsymmetry]) sum -= numbers_[kViscousAsymmetry] * Abs(v);
     if (uses_[kDrag]) sum -= numbers_[kDrag] * (v * Abs(v));
     if (uses_[kCoggingCos] || uses_[kCoggingSin]) {
       const T angle = q * (2 * kPi) / numbers_[kCoggingPeriod];

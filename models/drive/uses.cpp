@@ -48,6 +48,7 @@ double FastestRate(const DriveNumbers& p, const DriveJoint& joint, const DriveCo
       most = std::max(most, p[kFrictionTemperature] * (kelvin - kReferenceTemperature));
     damping *= std::exp(most);
   }
+  damping += std::abs(p[kViscousAsymmetry]);
   double stiffness = std::abs(p[kGravityTorque]) + joint.load_gravity + std::abs(p[kImbalance]) +
                      std::abs(p[kSpring]) +
                      (std::abs(p[kCoggingCos]) + std::abs(p[kCoggingSin])) * 6.3 / p[kCoggingPeriod];

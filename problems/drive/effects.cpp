@@ -140,6 +140,11 @@ void AddOtherTorques(const DriveTraits& is, const DriveScales& s, const Units& u
         .TwoSided(kFrictionTemperature, "friction_temperature_coefficient", "1/K",
                   "c of viscous friction = viscous_friction exp(c (temperature - 293.15 K))", 0.1);
   }
+  add.BeginEffect("asymmetric_viscous_friction", Level::kRobot,
+                  "viscous friction differs between the directions of motion",
+                  "the same fast motion forwards and backwards", "Armstrong-Helouvry et al. 1994")
+      .TwoSided(kViscousAsymmetry, "viscous_asymmetry", unit.viscous,
+                "viscous friction forwards, less the mean of both directions", 4 * s.torque / s.speed);
   add.BeginEffect("quadratic_drag", Level::kRobot, "friction grows with the square of the speed",
                   "constant speeds up to the highest")
       .Positive(kDrag, "drag_coefficient", unit.drag, "friction per squared speed",
@@ -184,6 +189,14 @@ void AddOtherTorques(const DriveTraits& is, const DriveScales& s, const Units& u
 }
 
 void AddDrive(const DriveTraits& is, const DriveScales& s, const Units& unit, Builder& add) {
+  const std::string command_unit = is.controller == DriveControllerKind::kNone    ? is.input_unit
+                                   : is.controller == DriveControllerKind::kServo ? "1"
+                                   : is.electric                                  ? "V"
+                                                                                  : unit.torque;
+  add.BeginEffect("dead_zone", Level::kRobot, "small commands have no effect; of larger ones the excess acts",
+                  "small commands of both signs, held, about a position without load", "Tao & Kokotovic 1996")
+      .Positive(kDeadZone, "dead_zone_width", command_unit, "largest command without effect",
+                0.5 * s.motor_command);
   add.BeginEffect("torque_saturation", Level::kRobot, "the drive's torque is limited",
                   "large commands against a fixed stop")
       .Positive(kInverseTorqueLimit, "inverse_torque_limit", unit.per_torque, "1 / largest torque",
@@ -199,9 +212,10 @@ void AddDrive(const DriveTraits& is, const DriveScales& s, const Units& unit, Bu
         .Positive(kCompression, "compression", "1", "share lost at the largest command", 0.9);
   }
   add.BeginEffect("supply_sag", Level::kRobot,
-                  "the drive's gain decreases with time (supply voltage, temperature of the motor)",
+                  "the drive's gain changes with time (supply voltage, temperature of the motor)",
                   "the same motion at the begin and at the end of a long trial")
-      .Positive(kThermalRate, "thermal_rate", "1/s", "share of the gain lost per second", 0.9 / s.duration);
+      .TwoSided(kThermalRate, "thermal_rate", "1/s", "share of the gain lost per second; negative: gained",
+                0.9 / s.duration);
   add.BeginEffect("command_delay", Level::kRobot, "the drive responds to its command with a delay",
                   "a trigger that all instruments record, then one sharp command, at a high sampling rate")
       .Positive(kCommandDelay, "command_delay", "s", "age of the command that acts",

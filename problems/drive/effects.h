@@ -15,12 +15,13 @@ namespace sinew {
 
 /// Size of things in the data: ranges of parameters are multiples of these.
 struct DriveScales {
-  double torque = 1;     ///< [N*m] largest drive torque
-  double speed = 1;      ///< [rad/s] largest
-  double position = 1;   ///< [rad] width of the range
-  double lowest = -0.5;  ///< [rad]
-  double highest = 0.5;  ///< [rad]
-  double command = 1;    ///< largest magnitude of the input
+  double torque = 1;         ///< [N*m] largest drive torque
+  double speed = 1;          ///< [rad/s] largest
+  double position = 1;       ///< [rad] width of the range
+  double lowest = -0.5;      ///< [rad]
+  double highest = 0.5;      ///< [rad]
+  double command = 1;        ///< largest magnitude of the input
+  double motor_command = 1;  ///< about the largest magnitude of what reaches the motor, in its own unit
   double lowest_command = -1;
   double highest_command = 1;
   double duration = 10;  ///< [s] of the longest trial

@@ -4,8 +4,7 @@
 #include <vector>
 
 #include "base/text.h"
-#include "identify/diagnosis/fit/trial_folds.h"
-#include "identify/role_view.h"
+#include "identify/diagnosis/fit/folds.h"
 #include "identify/statistics/distributions.h"
 
 namespace sinew::diagnosis {
@@ -13,21 +12,15 @@ namespace sinew::diagnosis {
 Result<Matrix> JackknifeCovariance(const Problem& problem, const Refit& refit) {
   constexpr double kTolerance = 1e-5;
   constexpr double kNormal = 1.959964;
-  const std::vector<TrialFold> folds = FoldsOf(problem);
+  const std::vector<Fold> folds = FoldsOf(problem);
   const auto count = static_cast<double>(folds.size());
-  if (count < 2) return Fail("a jackknife needs at least two training trials");
+  if (count < 2) return Fail("a jackknife needs at least two parts of the training data");
   std::vector<Vector> found;
   Vector mean = Vector::Zero(refit.x.size());
-  for (const TrialFold& fold : folds) {
-    const RoleView view(problem, [&](const Block& block) {
-      return block.role == BlockRole::kTrain && fold.Has(block.trial) ? BlockRole::kPredicted : block.role;
-    });
-    FitSetup setup = *refit.setup;
+  for (const Fold& fold : folds) {
+    const FoldView view(problem, fold);
+    FitSetup setup = WithoutLeftOut(*refit.setup, fold);
     setup.rest = refit.point;
-    setup.free.clear();
-    for (const int index : refit.setup->free) {
-      if (!fold.Has(setup.parameters[static_cast<std::size_t>(index)].trial)) setup.free.push_back(index);
-    }
     const LeastSquares fit(view, setup);
     const auto without = FitFromStarts(fit, {refit.point}, kTolerance);
     if (!without.failure.empty())

@@ -42,6 +42,7 @@ class Selector {
         candidates_(candidates),
         base_(base),
         options_(options),
+        scale_(problem),
         shortlist_(candidates, base) {
     cache_[{}] = base.refit;
   }
@@ -55,7 +56,7 @@ class Selector {
 
     std::vector<int> chosen;
     ScoredModel scored = base_;
-    if (base_.refit.noise_absorbs_misfit || MisfitDominatesNoise(base_.refit.noise)) {
+    if (base_.refit.noise_absorbs_misfit || scale_.Dominates(base_.refit.noise)) {
       SINEW_TRY(SearchByCrossValidation(selection, chosen));
       if (selection.cross_validated) return selection;
       if (!chosen.empty()) {
@@ -111,7 +112,7 @@ class Selector {
   // If with one known cause the misfit no longer dominates, the steps by likelihood are more powerful. If it
   // takes several, these steps continue from them; if it still dominates, cross-validation decides.
   Status SearchByCrossValidation(Selection& selection, Set& chosen) {
-    CrossValidatedSearch search(problem_, refitter_, candidates_, options_);
+    CrossValidatedSearch search(problem_, refitter_, candidates_, scale_, options_);
     if (!search.possible()) return {};
     SINEW_ASSIGN(const auto found, search.Run(base_));
     if (!found.misfit_still_dominates && found.released.size() > 1) {
@@ -125,7 +126,13 @@ class Selector {
     selection.cross_validated = true;
     selection.family_p_value = std::min(selection.family_p_value, options_.alarm_level);
     selection.structure_left = true;
-    for (const TrialFold& fold : search.folds()) selection.left_out.push_back(fold.trials);
+    selection.left_out = search.folds();
+    for (const CrossValidatedSearch::Step& step : found.ladder) {
+      LadderStep told{{}, step.error / found.base_error};
+      for (const int c : step.released)
+        told.effects.push_back(candidates_[static_cast<std::size_t>(c)].effect);
+      selection.ladder.push_back(std::move(told));
+    }
     selection.searched = TrainingTrials(search.searched()).size();
     selection.model = found.model;
     for (const auto& [c, share] : found.left_out_shares) {
@@ -136,6 +143,11 @@ class Selector {
     }
     std::stable_sort(selection.causes.begin(), selection.causes.end(),
                      [](const ChosenCause& a, const ChosenCause& b) { return a.left_out < b.left_out; });
+    for (const CrossValidatedSearch::Substitute& other : found.substitutes) {
+      selection.rivals.push_back({other.candidate, other.cause, other.refit,
+                                  std::numeric_limits<double>::quiet_NaN(),
+                                  Correlation(other.candidate, other.cause), other.error});
+    }
     // Likelihood ratios are not valid where the misfit dominates the noise.
     for (ChosenCause& cause : selection.causes) {
       cause.p_value = std::numeric_limits<double>::quiet_NaN();
@@ -560,6 +572,7 @@ class Selector {
   const std::vector<Candidate>& candidates_;
   const ScoredModel& base_;
   const DiagnosisOptions& options_;
+  MisfitScale scale_;
   std::map<Set, Refit> cache_;
   Shortlist shortlist_;
   bool scores_contradicted_ = false;  // by a refit: then all candidates are refitted

@@ -7,6 +7,7 @@
 #include <vector>
 
 #include "identify/diagnosis/diagnosis.h"
+#include "identify/diagnosis/fit/folds.h"
 #include "identify/diagnosis/score/scored_model.h"
 #include "identify/diagnosis/select/free_terms.h"
 
@@ -19,6 +20,8 @@ struct Rival {
   Refit refit;             ///< of the chosen set with this candidate in place of the cause
   double delta_lr = 0;     ///< likelihood ratio in favour of the chosen set
   double correlation = 0;  ///< of the two signatures, projected off the base columns
+  /// If Selection::cross_validated: error of left-out data over that of the chosen set; delta_lr is NaN then.
+  double left_out = 0;
 };
 
 /// Largest penalised likelihood ratio at which a rival still counts as not distinguishable from this model.
@@ -36,8 +39,9 @@ struct Selection {
   /// The misfit dominates the noise, also with the causes: these were chosen by cross-validation over trials,
   /// not by likelihood.
   bool cross_validated = false;
-  std::vector<std::vector<std::string>> left_out;  ///< groups of trials, if cross_validated
-  std::size_t searched = 0;                        ///< of the training trials, if gross
+  std::vector<Fold> left_out;      ///< in turn, if cross_validated
+  std::vector<LadderStep> ladder;  ///< if cross_validated
+  std::size_t searched = 0;        ///< of the training trials, if cross_validated
   double family_p_value = 1;
   std::vector<ChosenCause> causes;  ///< most important first
   std::vector<Rival> rivals;

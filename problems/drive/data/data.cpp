@@ -50,6 +50,7 @@ void MeasureScales(const std::vector<DriveMotion>& motions, DriveData& data) {
     data.traits.compressible = limit > 0;
     data.joint.largest_command = limit > 0 ? limit : 1;
   }
+  s.motor_command = data.traits.compressible ? data.joint.largest_command : std::max(drive, 1e-12);
   s.torque = drive;
   if (data.traits.electric)
     s.torque *= data.joint.gear_ratio * data.starts[kTorqueConstant] / data.starts[kResistance];

@@ -106,7 +106,8 @@ class Bench {
     if (p_[kFrictionTemperature] != 0)
       viscous *= std::exp(p_[kFrictionTemperature] * (trial_.warming.At(middle) - kRoom));
     const double damping = viscous + p_[kDampingRate] * std::max(0.0, middle) + p_[kDrag] * std::abs(speed) +
-                           p_[kCubicDrag] * speed * speed;
+                           p_[kCubicDrag] * speed * speed +
+                           (speed > 0 ? p_[kViscousAsymmetry] : -p_[kViscousAsymmetry]);
     const double mass = p_[kInertia] * left;
     const double inverse = 1 / (mass + 0.5 * h_ * damping);
     double next = ((mass - 0.5 * h_ * damping) * v_ + h_ * force) * inverse;
@@ -163,9 +164,10 @@ class Bench {
  private:
   double Actuate(double u, double speed, double t) const {
     double torque = u;
-    if (p_[kDeadTorque] > 0) torque = std::copysign(std::max(0.0, std::abs(u) - p_[kDeadTorque]), u);
+    if (p_[kDeadZone] > 0) torque = std::copysign(std::max(0.0, std::abs(u) - p_[kDeadZone]), u);
+    if (p_[kCommandStep] > 0) torque = std::round(torque / p_[kCommandStep]) * p_[kCommandStep];
     if (p_[kCompression] > 0) torque *= 1 - p_[kCompression] * std::abs(u) / trial_.command_scale;
-    if (p_[kThermalRate] > 0) torque *= 1 - p_[kThermalRate] * std::max(0.0, t);
+    if (p_[kThermalRate] != 0) torque *= 1 - p_[kThermalRate] * std::max(0.0, t);
     if (p_[kInverseTorqueLimit] > 0) {
       torque = std::clamp(torque, -1 / p_[kInverseTorqueLimit], 1 / p_[kInverseTorqueLimit]);
     }

@@ -79,12 +79,13 @@ struct DriveRecord {
 ///   M dv/dt = tau - gravity sin q - viscous v - dry friction - further terms,   dq/dt = v
 ///
 /// Viscous friction changes by the factor exp(friction_temperature_coefficient (temperature - 293.15 K)).
+/// viscous_asymmetry adds to it forwards and is subtracted backwards.
 /// Dry friction F(q, v, load) sign v, load = |tau + gravity sin q| / 2, is the sum of coulomb, forward or
 /// backward, stribeck exp(-(v / vs)^2), load and directional parts. tau is the command late by command_delay,
-/// blended towards its last sample by hold_fraction, times (1 - compression |u| / command_scale)(1 -
-/// thermal_rate t), clipped at 1 / inverse_torque_limit, and in the direction of motion reduced to zero
-/// between 0.9 and 1.0 of the speed limit. The reading is q + compliance tau, behind a play of
-/// backlash_width. A recorded instrument shows gain * low_pass(x(t - time_offset)) + offset + drift (t -
+/// blended towards its last sample by hold_fraction, without dead_zone_width, times (1 - compression |u| /
+/// command_scale)(1 - thermal_rate t), clipped at 1 / inverse_torque_limit, and in the direction of motion
+/// reduced to zero between 0.9 and 1.0 of the speed limit. The reading is q + compliance tau, behind a play
+/// of backlash_width. A recorded instrument shows gain * low_pass(x(t - time_offset)) + offset + drift (t -
 /// middle).
 /// @param step [s] about; a whole number of steps fits between two samples.
 /// Errors: the motion is not finite.

@@ -39,7 +39,7 @@ constexpr OutsiderNumber kOutsiders[] = {
     {"torque_bump", "bump_torque", "N*m", kBumpTorque, -1e3, 1e3, 0, "position"},
     {"torque_bump", "bump_position", "rad", kBumpPosition, -10, 10, 0, "position"},
     {"torque_bump", "bump_width", "rad", kBumpWidth, 1e-3, 10, 0.15, "position"},
-    {"dead_zone", "dead_torque", "N*m", kDeadTorque, 0, 1e3, 0, "command"},
+    {"coarse_command", "command_step", "N*m", kCommandStep, 0, 1e3, 0, "command"},
     {"lost_load", "lost_load", "1", kLostLoad, 0, 0.9, 0, "two signals"},
     {"lost_load", "lost_time", "s", kLostTime, 0, 1e6, 5, "two signals"},
     {"cubic_drag", "cubic_drag", "N*m*s3/rad3", kCubicDrag, 0, 1e3, 0, "velocity"},
@@ -62,7 +62,7 @@ ParameterList Outsiders() {
 // Ranges of effects are multiples of these: of a joint, from the smallest to the largest that is fitted.
 DriveScales ScalesOf(double torque, double speed, double position, double duration) {
   DriveScales scales;
-  scales.torque = scales.command = torque;
+  scales.torque = scales.command = scales.motor_command = torque;
   scales.speed = speed;
   scales.position = position;
   scales.duration = scales.shortest = duration;

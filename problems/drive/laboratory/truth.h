@@ -39,7 +39,7 @@ enum DriveTruthSlot : int {
   kBumpTorque,         ///< [N*m] bell of position
   kBumpPosition,       ///< [rad]
   kBumpWidth,          ///< [rad]
-  kDeadTorque,         ///< [N*m] commands below it do nothing; above, what exceeds it acts
+  kCommandStep,        ///< [N*m] the drive's torque is rounded to multiples of it
   kLostLoad,           ///< [1] share of inertia and gravity that falls off at kLostTime
   kLostTime,           ///< [s]
   kCubicDrag,          ///< [N*m*s3/rad3]

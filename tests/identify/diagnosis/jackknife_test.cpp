@@ -152,13 +152,11 @@ TEST(Jackknife, ATrialsOwnValuesStayWhenItIsLeftOut) {
   EXPECT_GT(covariance->diagonal().minCoeff(), 0);
 }
 
-TEST(Jackknife, NeedsTwoTrials) {
+TEST(Jackknife, OfOneTrialLeavesOutWindows) {
   const LinearLaws one({}, 5, 1, 1);
   const auto covariance = JackknifeCovariance(one, Fitted(one).model);
-  ASSERT_FALSE(covariance);
-  EXPECT_NE(covariance.error().message.find("two training trials"), std::string::npos);
-  const LinearLaws two({}, 5, 2, 1);
-  EXPECT_TRUE(JackknifeCovariance(two, Fitted(two).model));
+  ASSERT_TRUE(covariance) << covariance.error().message;
+  EXPECT_GT(covariance->diagonal().minCoeff(), 0);
 }
 
 }  // namespace

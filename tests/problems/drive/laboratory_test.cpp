@@ -3,6 +3,10 @@
 #include <gtest/gtest.h>
 
 #include <cmath>
+#include <map>
+#include <string>
+#include <tuple>
+#include <vector>
 
 #include "base/decompositions.h"
 #include "base/yaml_reader.h"
@@ -358,6 +362,21 @@ TEST(DriveSynthesis, AgreesWithTheFittedModelFarBelowTheNoise) {
     EXPECT_LT(
         DistanceToModel({{"cogging_cos", 0.03}, {"cogging_sin", 0.02}, {"cogging_period", 0.7}}, request),
         0.1 * kNoise);
+  }
+}
+
+TEST(DriveSynthesis, EffectsOfDirectionCommandAndTimeAgreeWithTheFittedModel) {
+  constexpr double kNoise = 0.003;
+  using Numbers = std::map<std::string, double>;
+  const std::vector<std::tuple<std::string, Numbers, double>> cases{
+      {"asymmetric_viscous_friction", {{"viscous_asymmetry", -0.02}}, 0.01},
+      {"supply_sag", {{"thermal_rate", -0.01}}, 0.01},
+      {"dead_zone", {{"dead_zone_width", 0.02}}, 0.15}};  // its kinks are not located
+  for (const auto& [effect, numbers, share] : cases) {
+    SynthesisRequest request;
+    request.effects = {{effect, numbers}};
+    EXPECT_LT(DistanceToModel(numbers, request), share * kNoise) << effect;
+    EXPECT_GT(DistanceToModel({}, request), kNoise) << effect;
   }
 }
 

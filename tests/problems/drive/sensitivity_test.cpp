@@ -74,6 +74,7 @@ std::map<std::string, double> EveryEffect() {
           {"stribeck_load_coefficient", 0.05},
           {"stribeck_load_velocity", 0.3},
           {"quadratic_load_coefficient", 0.1},
+          {"viscous_asymmetry", 0.01},
           {"drag_coefficient", 0.01},
           {"cogging_cos", 0.02},
           {"cogging_sin", 0.03},
@@ -194,6 +195,18 @@ TEST(DriveSensitivity, OfASampledControllerWithLimitAndDelay) {
                                  {"coulomb_torque", 0.05},
                                  {"sensing_delay", 0.0066},
                                  {"command_delay", 0.013},
+                                 {"compression", 0.1},
+                                 {"initial_position@swing", 0.2},
+                                 {"initial_speed@swing", 0.5}});
+}
+
+TEST(DriveSensitivity, OfADeadZone) {
+  Bench bench;
+  bench.command = Slow;
+  ExpectExactDerivatives(bench, {{"inertia", 0.03},
+                                 {"viscous_friction", 0.05},
+                                 {"gravity_torque", 0.3},
+                                 {"dead_zone_width", 0.1},
                                  {"compression", 0.1},
                                  {"initial_position@swing", 0.2},
                                  {"initial_speed@swing", 0.5}});

@@ -1,0 +1,93 @@
+#include "identify/diagnosis/select/misfit_scale.h"
+
+#include <algorithm>
+#include <cmath>
+#include <map>
+
+#include "identify/noise/difference_noise.h"
+
+namespace sinew::diagnosis {
+namespace {
+
+constexpr double kLarge = 10;      // deviation of a misfit over that of the noise
+constexpr double kLikeStated = 2;  // ... of a residual that may be noise
+constexpr double kLikeDifferences = 4;
+constexpr double kLeastShare = 1e-3;              // least noise, as a share of the deviation of the signal
+constexpr double kStronglyAutocorrelated = 0.97;  // root of the noise ...
+constexpr double kProcessOverInnovation = 5;      // ... and deviation over that of its innovations
+
+double Deviation(const Block& block) {
+  const Eigen::Map<const Vector> measured(block.measured.data(), block.samples());
+  return std::sqrt((measured.array() - measured.mean()).square().mean());
+}
+
+}  // namespace
+
+MisfitScale::MisfitScale(const Problem& problem) {
+  struct Found {
+    std::vector<double> levels;
+    bool stated = true;
+  };
+  std::map<std::string, Found> found;
+  for (const Block& block : problem.layout()) {
+    if (block.role != BlockRole::kTrain || block.measured.empty() || block.range) continue;
+    Found& channel = found[block.channel];
+    const auto level = block.sigma ? block.sigma : noise::DifferenceNoise(block);
+    channel.stated = channel.stated && block.sigma;
+    if (level) channel.levels.push_back(block.weight * std::max(*level, kLeastShare * Deviation(block)));
+  }
+  for (auto& [name, channel] : found) {
+    Channel made{name, 0, NoiseSource::kNone};
+    if (!channel.levels.empty()) {
+      const auto middle = channel.levels.begin() + static_cast<std::ptrdiff_t>(channel.levels.size() / 2);
+      std::nth_element(channel.levels.begin(), middle, channel.levels.end());
+      made.noise = *middle;
+      made.source = channel.stated ? NoiseSource::kStated : NoiseSource::kDifferences;
+    }
+    channels_.push_back(std::move(made));
+  }
+}
+
+bool StronglyAutocorrelated(const noise::ChannelNoiseModel& channel) {
+  return channel.LargestRoot() > kStronglyAutocorrelated &&
+         channel.ProcessDeviation() > kProcessOverInnovation * channel.deviation;
+}
+
+const MisfitScale::Channel* MisfitScale::Find(const std::string& channel) const {
+  const auto found = std::find_if(channels_.begin(), channels_.end(),
+                                  [&](const Channel& one) { return one.name == channel; });
+  return found == channels_.end() || found->source == NoiseSource::kNone ? nullptr : &*found;
+}
+
+bool MisfitScale::IsMisfit(const noise::ChannelNoiseModel& residual) const {
+  const Channel* own = Find(residual.channel);
+  return StronglyAutocorrelated(residual) ||
+         (own != nullptr && residual.ProcessDeviation() > kLarge * own->noise);
+}
+
+bool MisfitScale::Dominates(const noise::NoiseModel& noise) const {
+  return std::any_of(noise.channels.begin(), noise.channels.end(),
+                     [&](const auto& residual) { return IsMisfit(residual); });
+}
+
+noise::NoiseModel MisfitScale::Floor(noise::NoiseModel residual) const {
+  for (noise::ChannelNoiseModel& channel : residual.channels) {
+    const Channel* own = Find(channel.channel);
+    if (own == nullptr || !IsMisfit(channel)) continue;
+    channel.coefficients.clear();
+    channel.deviation = own->noise;
+  }
+  return residual;
+}
+
+bool MisfitScale::Resembles(const noise::NoiseModel& noise) const {
+  return std::none_of(noise.channels.begin(), noise.channels.end(), [&](const auto& residual) {
+    const Channel* own = Find(residual.channel);
+    if (StronglyAutocorrelated(residual)) return true;
+    if (own == nullptr) return false;
+    const double like = own->source == NoiseSource::kStated ? kLikeStated : kLikeDifferences;
+    return residual.ProcessDeviation() > like * own->noise;
+  });
+}
+
+}  // namespace sinew::diagnosis

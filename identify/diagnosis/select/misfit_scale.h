@@ -1,0 +1,57 @@
+// Is a misfit large against the noise of the measurement? On a scale that no model takes part in, so that the
+// answer does not depend on the sampling rate, the number of trials, or what a noise model can absorb.
+#pragma once
+
+#include <string>
+#include <vector>
+
+#include "identify/noise/noise_model.h"
+#include "identify/problem.h"
+
+namespace sinew::diagnosis {
+
+/// What the noise level of a channel was taken from.
+enum class NoiseSource {
+  kStated,       ///< the data state it
+  kDifferences,  ///< DifferenceNoise of the measured signal
+  kNone          ///< neither: the measured signal is smooth, or its noise is known to be correlated
+};
+
+class MisfitScale {
+ public:
+  struct Channel {
+    std::string name;
+    double noise = 0;  ///< [unit of the weighted residual] median over the training blocks
+    NoiseSource source = NoiseSource::kNone;
+  };
+
+  /// Of the training blocks of a problem.
+  explicit MisfitScale(const Problem& problem);
+
+  [[nodiscard]] const std::vector<Channel>& channels() const { return channels_; }
+
+  /// True if the residual of some channel is not noise: its deviation is more than ten times the noise level
+  /// (and more than a hundredth of what the channel varies by, so that an error of the integration does not
+  /// count), or it is strongly autocorrelated with a deviation far above that of its innovations, which no
+  /// instrument's noise is. @param noise of that residual
+  [[nodiscard]] bool Dominates(const noise::NoiseModel& noise) const;
+
+  /// True if no residual has a deviation of more than twice the stated noise level, or four times the level
+  /// from differences, which is a lower limit, and none is strongly autocorrelated.
+  [[nodiscard]] bool Resembles(const noise::NoiseModel& noise) const;
+
+  /// The noise of the measurement: that of a residual, but white with the level of this scale where the
+  /// residual is a misfit.
+  [[nodiscard]] noise::NoiseModel Floor(noise::NoiseModel residual) const;
+
+ private:
+  [[nodiscard]] const Channel* Find(const std::string& channel) const;
+  [[nodiscard]] bool IsMisfit(const noise::ChannelNoiseModel& residual) const;
+
+  std::vector<Channel> channels_;
+};
+
+/// The second of these conditions alone.
+[[nodiscard]] bool StronglyAutocorrelated(const noise::ChannelNoiseModel& channel);
+
+}  // namespace sinew::diagnosis

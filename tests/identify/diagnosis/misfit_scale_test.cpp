@@ -1,0 +1,110 @@
+// Whether a misfit is large against the noise, on a scale that no model takes part in.
+#include "identify/diagnosis/select/misfit_scale.h"
+
+#include <gtest/gtest.h>
+
+#include <cmath>
+
+#include "base/random.h"
+#include "identify/noise/difference_noise.h"
+#include "tests/identify/support/toy_problem.h"
+
+namespace sinew::diagnosis {
+namespace {
+
+constexpr double kNoise = 0.01;
+
+// A sine of 1 Hz and of deviation 1 with noise, for ten seconds.
+Block Sine(double rate, std::uint64_t seed = 1, double noise = kNoise) {
+  Block block = toy::MakeBlock("trial", "angle", static_cast<int>(10 * rate) + 1, 10);
+  Random random(seed);
+  for (std::size_t i = 0; i < block.measured.size(); ++i)
+    block.measured[i] = std::sqrt(2.0) * std::sin(6.28 * block.prediction_time[i]) + noise * random.Normal();
+  return block;
+}
+
+toy::ToyProblem ProblemWith(Block block) {
+  return toy::ToyProblem({}, {std::move(block)},
+                         [](const Block&, double, const Vector&, Vector*) -> Result<double> { return 0; });
+}
+
+noise::NoiseModel White(double deviation) {
+  noise::NoiseModel noise;
+  noise.channels.emplace_back();
+  noise.channels.back().channel = "angle";
+  noise.channels.back().deviation = deviation;
+  return noise;
+}
+
+TEST(DifferenceNoise, OfAMovingSignalIsThatOfTheNoiseAtAnyRate) {
+  for (const double rate : {50.0, 100.0, 1000.0}) {
+    const auto found = noise::DifferenceNoise(Sine(rate));
+    ASSERT_TRUE(found);
+    EXPECT_NEAR(*found, kNoise, 0.15 * kNoise) << rate;
+  }
+}
+
+TEST(DifferenceNoise, IsNotRaisedByJumps) {
+  Block block = Sine(100);
+  for (std::size_t i = 50; i < block.measured.size(); i += 100) block.measured[i] += 5;
+  EXPECT_NEAR(noise::DifferenceNoise(block).value(), kNoise, 0.2 * kNoise);
+}
+
+TEST(DifferenceNoise, IsNoLessThanTheRounding) {
+  Block block = Sine(1000, 1, 0);
+  const double step = 0.01;
+  for (double& value : block.measured) value = step * std::round(value / step);
+  EXPECT_GE(noise::DifferenceNoise(block).value(), step / std::sqrt(12.0) * (1 - 1e-9));
+}
+
+TEST(DifferenceNoise, IsUnknownOfFewSamplesAndOfCorrelatedNoise) {
+  EXPECT_FALSE(noise::DifferenceNoise(toy::MakeBlock("trial", "angle", 20, 1)));
+  Block envelope = Sine(100);
+  envelope.noise_memory = 0.1;
+  EXPECT_FALSE(noise::DifferenceNoise(envelope));
+}
+
+TEST(MisfitScale, IsTheStatedNoiseOrThatOfDifferences) {
+  Block stated = Sine(100);
+  stated.sigma = 0.03;
+  stated.weight = 2;
+  const toy::ToyProblem first = ProblemWith(stated);
+  EXPECT_DOUBLE_EQ(MisfitScale(first).channels()[0].noise, 0.06);
+  EXPECT_EQ(MisfitScale(first).channels()[0].source, NoiseSource::kStated);
+  const toy::ToyProblem second = ProblemWith(Sine(100));
+  EXPECT_NEAR(MisfitScale(second).channels()[0].noise, kNoise, 0.15 * kNoise);
+  EXPECT_EQ(MisfitScale(second).channels()[0].source, NoiseSource::kDifferences);
+}
+
+TEST(MisfitScale, AMisfitDominatesAboveTenTimesTheNoise) {
+  const toy::ToyProblem problem = ProblemWith(Sine(100));
+  const MisfitScale scale(problem);
+  EXPECT_FALSE(scale.Dominates(White(5 * kNoise)));
+  EXPECT_TRUE(scale.Dominates(White(15 * kNoise)));
+  EXPECT_TRUE(scale.Resembles(White(1.5 * kNoise)));
+  EXPECT_FALSE(scale.Resembles(White(6 * kNoise)));
+}
+
+// A smooth misfit that an autoregression describes with small innovations is large at any rate.
+TEST(MisfitScale, DoesNotDependOnTheSamplingRate) {
+  for (const double rate : {50.0, 200.0, 1000.0}) {
+    noise::NoiseModel smooth = White(kNoise);
+    smooth.channels[0].coefficients = {0.9975};  // deviation of 14 innovations
+    const toy::ToyProblem problem = ProblemWith(Sine(rate));
+    EXPECT_TRUE(MisfitScale(problem).Dominates(smooth)) << rate;
+  }
+}
+
+TEST(MisfitScale, StrongAutocorrelationWithSmallInnovationsIsNoNoise) {
+  noise::ChannelNoiseModel channel;
+  EXPECT_FALSE(StronglyAutocorrelated(channel));
+  channel.coefficients = {0.9};  // 2.3 innovations
+  EXPECT_FALSE(StronglyAutocorrelated(channel));
+  channel.coefficients = {0.975};  // 4.5
+  EXPECT_FALSE(StronglyAutocorrelated(channel));
+  channel.coefficients = {0.99};  // 7.1
+  EXPECT_TRUE(StronglyAutocorrelated(channel));
+}
+
+}  // namespace
+}  // namespace sinew::diagnosis
