@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 #include <utility>
 
 namespace sinew::noise {
@@ -16,8 +17,15 @@ constexpr int kMaxHalvings = 30;
 
 double MinimizeSmooth(const SmoothFunction& function, const Vector& curvature, double tolerance, Vector& x) {
   if (x.size() == 0) return function(x, nullptr);
-  Vector gradient;
-  double value = function(x, &gradient);
+  // Where the function has no finite value, it sets no gradient.
+  const auto gradient_at = [&](const Vector& at, double& value) {
+    Vector gradient;
+    value = function(at, &gradient);
+    if (gradient.size() == at.size()) return gradient;
+    return Vector(Vector::Constant(at.size(), std::numeric_limits<double>::quiet_NaN()));
+  };
+  double value = 0;
+  Vector gradient = gradient_at(x, value);
   const Matrix first = curvature.cwiseInverse().asDiagonal();
   Matrix inverse = first;
   bool fresh = true;  // `inverse` is still the initial estimate
@@ -48,8 +56,8 @@ double MinimizeSmooth(const SmoothFunction& function, const Vector& curvature, d
       continue;
     }
     const Vector moved = tried - x;
-    Vector new_gradient;
-    function(tried, &new_gradient);
+    double there = 0;
+    Vector new_gradient = gradient_at(tried, there);
     const Vector change = new_gradient - gradient;
     const double along = moved.dot(change);
     x = tried;

@@ -2,7 +2,6 @@
 #pragma once
 
 #include <array>
-#include <memory>
 #include <vector>
 
 #include "base/error.h"
@@ -63,8 +62,6 @@ struct MuscleSignals {
   std::vector<double> time;               ///< [N >= 2, s, increasing] of lengths and forces
   std::vector<double> unit_length;        ///< [N, m] of muscle and tendon
   std::vector<std::vector<double>> arms;  ///< [joints <= kMaxJoints] [N, m] = -d unit_length / d angle
-  /// SplineEndWeights of `time`, for TendonMode::kEquilibrium; null: computed each time.
-  std::shared_ptr<const std::vector<double>> end_weights;
 };
 
 /// Everything that a prediction may show, at each instant.

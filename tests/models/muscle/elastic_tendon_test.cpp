@@ -22,7 +22,7 @@ TEST(ElasticTendonTest, FibreAndTendonForcesAreEqual) {
   const auto muscle = Soleus();
   for (const double a : {0.01, 0.3, 1.0}) {
     for (const double unit : {0.29, 0.3, 0.31}) {
-      const auto fibre = EquilibriumSearch<double>(Curves(), muscle).Next(unit, a, {}, 0);
+      const auto fibre = Equilibrium<double>(Curves(), muscle, unit, a, {}, 0);
       ASSERT_TRUE(fibre) << fibre.error().message;
       const double cosine = PennationCosine(muscle, std::sin(0.436), fibre->length);
       EXPECT_NEAR(FibreForce(Curves(), muscle, fibre->length, 0.0, a) * cosine, fibre->tendon_force, 0.01);
@@ -41,7 +41,7 @@ TEST(ElasticTendonTest, ApproachesTheRigidTendonWithStiffness) {
     std::vector<double> strain{-1, 0, 0.02 / stiffer, 1};
     curves.tendon_force_strain =
         *MuscleCurve::Smooth(strain, {0, 0, 0.5, 0.5 + (1 - strain[2]) * 25 * stiffer}, 1e-3 / stiffer);
-    const auto fibre = EquilibriumSearch<double>(curves, muscle).Next(0.3, 0.7, {}, 0);
+    const auto fibre = Equilibrium<double>(curves, muscle, 0.3, 0.7, {}, 0);
     ASSERT_TRUE(fibre);
     away.push_back(rigid - fibre->length);
   }
@@ -123,7 +123,7 @@ TEST(ElasticTendonTest, FiniteEverywhere) {
         i % 3 == 0 ? FibreVelocity<Dual<2>>{}
                    : FibreVelocity<Dual<2>>{
                          100, Dual<2>(-100 * muscle.optimal_length.value * random.Uniform(0.5, 1.5))};
-    const auto fibre = EquilibriumSearch<Dual<2>>(Curves(), muscle).Next(unit, Dual<2>(a), velocity, 0);
+    const auto fibre = Equilibrium<Dual<2>>(Curves(), muscle, unit, Dual<2>(a), velocity, 0);
     if (!fibre) {
       EXPECT_THAT(fibre.error().message, testing::HasSubstr("no equilibrium"));
       EXPECT_TRUE(absurd) << fibre.error().message;
