@@ -170,7 +170,9 @@ double CrossValidatedSearch::LeftOutError(const Set& released, const Vector& sta
 std::vector<int> CrossValidatedSearch::Promising(const ScoredModel& scored, const Set& have) const {
   std::vector<std::pair<double, int>> ranking;
   for (std::size_t c = 0; c < candidates_.size(); ++c) {
-    if (!candidates_[c].primary() || std::binary_search(have.begin(), have.end(), static_cast<int>(c)))
+    const auto index = static_cast<int>(c);
+    if (!candidates_[c].primary() || excluded_.count(index) > 0 ||
+        std::binary_search(have.begin(), have.end(), index))
       continue;
     const Score* score = scored.BestOf(static_cast<int>(c), scored.plain);
     if (score != nullptr) ranking.emplace_back(-score->statistic, static_cast<int>(c));
@@ -360,15 +362,7 @@ Result<std::vector<CrossValidatedSearch::Substitute>> CrossValidatedSearch::Find
 }
 
 // Removes the causes without which left-out data are predicted nearly as well, or better in many folds.
-Result<CrossValidatedSearch::Outcome> CrossValidatedSearch::Conclude(Trial best) {
-  Outcome outcome;
-  outcome.base_error = judged_.front().left_out_error;
-  std::vector<Trial> polished{best};
-  Polish(polished, draws_ > 0 ? kMoreDraws * draws_ / kDraws : 0);
-  if (polished.front().fitted_error < best.fitted_error) {
-    LeaveOut(polished, kTolerance);
-    if (IsBetter(polished.front(), best)) best = polished.front();
-  }
+CrossValidatedSearch::Trial CrossValidatedSearch::Pruned(Trial best, Shares& shares) const {
   while (!best.released.empty()) {
     const std::vector<Trial> smaller = OneLess(best);
     const Trial& least = *std::min_element(smaller.begin(), smaller.end(), IsBetter<Trial>);
@@ -379,9 +373,22 @@ Result<CrossValidatedSearch::Outcome> CrossValidatedSearch::Conclude(Trial best)
       continue;
     }
     for (std::size_t i = 0; i < smaller.size(); ++i)
-      outcome.left_out_shares.emplace_back(best.released[i], best.left_out_error / smaller[i].left_out_error);
+      shares.emplace_back(best.released[i], best.left_out_error / smaller[i].left_out_error);
     break;
   }
+  return best;
+}
+
+Result<CrossValidatedSearch::Outcome> CrossValidatedSearch::Conclude(Trial best) {
+  Outcome outcome;
+  outcome.base_error = judged_.front().left_out_error;
+  std::vector<Trial> polished{best};
+  Polish(polished, draws_ > 0 ? kMoreDraws * draws_ / kDraws : 0);
+  if (polished.front().fitted_error < best.fitted_error) {
+    LeaveOut(polished, kTolerance);
+    if (IsBetter(polished.front(), best)) best = polished.front();
+  }
+  best = Pruned(std::move(best), outcome.left_out_shares);
   for (const Trial& one : judged_) {
     const std::size_t size = one.released.size();
     if (outcome.ladder.size() <= size) outcome.ladder.resize(size + 1, {{}, kInfinite});

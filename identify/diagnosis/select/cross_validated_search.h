@@ -74,6 +74,9 @@ class CrossValidatedSearch {
   /// of Problem::Predict.
   [[nodiscard]] Result<Outcome> Run(const ScoredModel& base);
 
+  /// These candidates are in no set that Run tries.
+  void Exclude(std::set<int> candidates) { excluded_ = std::move(candidates); }
+
  private:
   struct Trial {
     Set released;
@@ -90,6 +93,8 @@ class CrossValidatedSearch {
   void LeaveOut(std::vector<Trial>& sets, double tolerance) const;
   void Shorten(std::vector<Trial>& made) const;
   [[nodiscard]] std::vector<Trial> OneLess(const Trial& of) const;
+  using Shares = std::vector<std::pair<int, double>>;
+  [[nodiscard]] Trial Pruned(Trial best, Shares& shares) const;
   void Consider(std::vector<Trial> made);
   [[nodiscard]] Trial SimplestNearBest() const;
   [[nodiscard]] Result<std::vector<Substitute>> FindSubstitutes(const Trial& of) const;
@@ -106,6 +111,7 @@ class CrossValidatedSearch {
   std::vector<Fold> folds_;
   int draws_ = 0;  // random starts per set
   std::set<Set> seen_;
+  std::set<int> excluded_;
   std::vector<Trial> judged_;  // every set whose error of left-out data is known
 };
 

@@ -6,9 +6,10 @@
 #include <limits>
 #include <map>
 #include <set>
+#include <utility>
 
 #include "identify/diagnosis/score/shortlist.h"
-#include "identify/diagnosis/select/cross_validated_search.h"
+#include "identify/diagnosis/select/cross_validated_selection.h"
 #include "identify/execution/executor.h"
 #include "identify/statistics/distributions.h"
 
@@ -114,7 +115,7 @@ class Selector {
   Status SearchByCrossValidation(Selection& selection, Set& chosen) {
     CrossValidatedSearch search(problem_, refitter_, candidates_, scale_, options_);
     if (!search.possible()) return {};
-    SINEW_ASSIGN(const auto found, search.Run(base_));
+    SINEW_ASSIGN(auto found, search.Run(base_));
     if (!found.misfit_still_dominates && found.released.size() > 1) {
       chosen = found.released;
       std::sort(chosen.begin(), chosen.end());
@@ -126,33 +127,7 @@ class Selector {
     selection.cross_validated = true;
     selection.family_p_value = std::min(selection.family_p_value, options_.alarm_level);
     selection.structure_left = true;
-    selection.left_out = search.folds();
-    for (const CrossValidatedSearch::Step& step : found.ladder) {
-      LadderStep told{{}, step.error / found.base_error};
-      for (const int c : step.released)
-        told.effects.push_back(candidates_[static_cast<std::size_t>(c)].effect);
-      selection.ladder.push_back(std::move(told));
-    }
-    selection.searched = TrainingTrials(search.searched()).size();
-    selection.model = found.model;
-    for (const auto& [c, share] : found.left_out_shares) {
-      ChosenCause cause;
-      cause.candidate = c;
-      cause.left_out = share;
-      selection.causes.push_back(cause);
-    }
-    std::stable_sort(selection.causes.begin(), selection.causes.end(),
-                     [](const ChosenCause& a, const ChosenCause& b) { return a.left_out < b.left_out; });
-    for (const CrossValidatedSearch::Substitute& other : found.substitutes) {
-      selection.rivals.push_back({other.candidate, other.cause, other.refit,
-                                  std::numeric_limits<double>::quiet_NaN(),
-                                  Correlation(other.candidate, other.cause), other.error});
-    }
-    // Likelihood ratios are not valid where the misfit dominates the noise.
-    for (ChosenCause& cause : selection.causes) {
-      cause.p_value = std::numeric_limits<double>::quiet_NaN();
-      cause.delta_lr = std::numeric_limits<double>::quiet_NaN();
-    }
+    TakeOver(search, std::move(found), candidates_, base_, selection);
     return {};
   }
 
