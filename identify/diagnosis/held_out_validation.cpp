@@ -4,14 +4,12 @@
 #include <cmath>
 #include <limits>
 #include <optional>
-#include <set>
 #include <utility>
 
 #include "base/column_space.h"
 #include "base/constants.h"
 #include "identify/diagnosis/held_out_sensitivity.h"
 #include "identify/diagnosis/score/shortlist.h"
-#include "identify/diagnosis/select/cross_validated_selection.h"
 
 namespace sinew::diagnosis {
 namespace {
@@ -22,8 +20,6 @@ constexpr double kMinChange = 20;
 constexpr double kLowQuantile = -2.33;  // standard normal quantile of 0.01
 constexpr double kMinChangeShare =
     0.05;  // the same as a share of the remaining error, if that dominates the noise
-
-constexpr std::size_t kMaxSearches = 3;  // after a cause was withdrawn
 
 class HeldOutValidation {
  public:
@@ -45,12 +41,7 @@ class HeldOutValidation {
         worst.gain = together;
         worst.worst = WorstTrace(of_base, with);
       }
-      const int gone = selection_.causes[worst.cause].candidate;
       Withdraw(std::move(worst));
-      if (selection_.cross_validated && excluded_.size() < kMaxSearches) {
-        excluded_.insert(gone);
-        SINEW_TRY(SearchAgain());
-      }
     }
     if (!withdrawn_.empty() && !selection_.cross_validated) CompareWithTheRest();
     return std::move(withdrawn_);
@@ -245,16 +236,6 @@ class HeldOutValidation {
     selection_.structure_left = true;  // the error that it had explained has no cause now
   }
 
-  // The other causes were needed beside the one that is gone: the search is made again without it.
-  Status SearchAgain() {
-    const MisfitScale scale(state_.problem);
-    CrossValidatedSearch search(state_.problem, *state_.refitter, state_.candidates, scale, state_.options);
-    search.Exclude(excluded_);
-    SINEW_ASSIGN(auto found, search.Run(state_.base));
-    TakeOver(search, std::move(found), state_.candidates, state_.base, selection_);
-    return {};
-  }
-
   // The rivals of the other causes were fitted together with the removed cause. A rival that now explains
   // more than its cause replaces it if held-out trials do not reject that.
   void RefitRivals(int gone) {
@@ -361,7 +342,6 @@ class HeldOutValidation {
   DiagnosisState& state_;
   Selection& selection_;
   std::vector<WithdrawnCause> withdrawn_;
-  std::set<int> excluded_;  // from searches by cross-validation
 };
 
 }  // namespace

@@ -75,7 +75,7 @@ class MeasuredGait(ProgramTest):
         self.assertTrue(all(np.isfinite(entry["rmse"]) for entry in result["fit"]))
 
     def test_what_is_wrong_with_the_walk(self):
-        """What docs/walking.md says: a residual that no noise model holds, and nothing that helps both feet."""
+        """What docs/walking.md says: a residual that no noise model holds, and what helps the other foot."""
         self.import_gait("--external-loads", LOADS)
         self.succeeds("data", "kinematics", "gait.h5", "--weights", WEIGHTS, "--quiet")
         for stance, window, plate, role in (("right_stance", "0.60:1.43", "right", "train"),
@@ -87,10 +87,10 @@ class MeasuredGait(ProgramTest):
                                          ROOT / "docs" / "examples" / "gait_subject01.yaml", "--out", "why.h5", "--quiet",
                                          "--json", "-"))
         self.assertEqual(found["verdict"], "unexplained")
-        self.assertEqual(found["causes"], [])
+        self.assertIn("tilted_floor", [c["effect"] for c in found["causes"]])
         self.assertEqual({w["effect"] for w in found["withdrawn"]}, {"right_force_y.saturation"})
         self.assertAlmostEqual(found["gain"]["validate_rmse_before"], 113, delta=1)
-        self.assertEqual(found["gain"]["validate_rmse_after"], found["gain"]["validate_rmse_before"])
+        self.assertAlmostEqual(found["gain"]["validate_rmse_after"], 93.3, delta=1)
         self.assertEqual(len(found["left_out"]), 6, "windows of the one fitted stance")
         self.assertIn("noise_absorbs_misfit", [warning["kind"] for warning in found["warning_facts"]])
 

@@ -74,9 +74,6 @@ class CrossValidatedSearch {
   /// of Problem::Predict.
   [[nodiscard]] Result<Outcome> Run(const ScoredModel& base);
 
-  /// These candidates are in no set that Run tries.
-  void Exclude(std::set<int> candidates) { excluded_ = std::move(candidates); }
-
  private:
   struct Trial {
     Set released;
@@ -111,7 +108,6 @@ class CrossValidatedSearch {
   std::vector<Fold> folds_;
   int draws_ = 0;  // random starts per set
   std::set<Set> seen_;
-  std::set<int> excluded_;
   std::vector<Trial> judged_;  // every set whose error of left-out data is known
 };
 
