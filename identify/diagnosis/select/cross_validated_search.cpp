@@ -377,16 +377,21 @@ CrossValidatedSearch::Trial CrossValidatedSearch::Pruned(Trial best, Shares& sha
   return best;
 }
 
+CrossValidatedSearch::Trial CrossValidatedSearch::Polished(Trial one, int draws) const {
+  std::vector<Trial> again{one};
+  Polish(again, draws);
+  if (!(again.front().fitted_error < one.fitted_error)) return one;
+  LeaveOut(again, kTolerance);
+  return IsBetter(again.front(), one) ? again.front() : one;
+}
+
 Result<CrossValidatedSearch::Outcome> CrossValidatedSearch::Conclude(Trial best) {
   Outcome outcome;
   outcome.base_error = judged_.front().left_out_error;
-  std::vector<Trial> polished{best};
-  Polish(polished, draws_ > 0 ? kMoreDraws * draws_ / kDraws : 0);
-  if (polished.front().fitted_error < best.fitted_error) {
-    LeaveOut(polished, kTolerance);
-    if (IsBetter(polished.front(), best)) best = polished.front();
-  }
+  const int draws = draws_ > 0 ? kMoreDraws * draws_ / kDraws : 0;
+  best = Polished(std::move(best), draws);
   best = Pruned(std::move(best), outcome.left_out_shares);
+  best = Polished(std::move(best), draws);  // its fits began at those of larger sets
   for (const Trial& one : judged_) {
     const std::size_t size = one.released.size();
     if (outcome.ladder.size() <= size) outcome.ladder.resize(size + 1, {{}, kInfinite});

@@ -91,6 +91,7 @@ class CrossValidatedSearch {
   void Shorten(std::vector<Trial>& made) const;
   [[nodiscard]] std::vector<Trial> OneLess(const Trial& of) const;
   using Shares = std::vector<std::pair<int, double>>;
+  [[nodiscard]] Trial Polished(Trial one, int draws) const;
   [[nodiscard]] Trial Pruned(Trial best, Shares& shares) const;
   void Consider(std::vector<Trial> made);
   [[nodiscard]] Trial SimplestNearBest() const;
