@@ -263,7 +263,8 @@ class DiagnosisRun {
       out_.verdict = DiagnosisVerdict::kUnexplained;
     } else if (!selection.alarm) {
       out_.verdict = DiagnosisVerdict::kAdequate;
-    } else if (out_.causes.empty() || selection.structure_left) {
+    } else if (out_.causes.empty() || selection.structure_left ||
+               MisfitScale(problem_).Dominates(selection.model.noise)) {
       out_.verdict = DiagnosisVerdict::kUnexplained;
     } else {
       const bool alone = std::all_of(out_.alternatives.begin(), out_.alternatives.end(),

@@ -188,6 +188,7 @@ void CrossValidatedSearch::FitAll(std::vector<Trial>& trials, const std::vector<
     Trial& trial = trials[i];
     trial.fitted_error = kInfinite;
     trial.left_out_error = kInfinite;
+    if (Interrupted()) return;
     FitSetup setup = refitter_.SetupWith(trial.released);
     setup.rest = starts[i].front();
     const LeastSquares fit(searched_, setup);
@@ -272,7 +273,7 @@ void CrossValidatedSearch::Polish(std::vector<Trial>& sets, int draws) const {
 
 void CrossValidatedSearch::LeaveOut(std::vector<Trial>& sets, double tolerance) const {
   MakeExecutor(options_.threads)->ForEach(sets.size(), [&](std::size_t i, std::size_t) {
-    if (!std::isfinite(sets[i].fitted_error)) return;
+    if (!std::isfinite(sets[i].fitted_error) || Interrupted()) return;
     sets[i].fold_errors = LeftOutErrors(sets[i].released, sets[i].point, tolerance);
     sets[i].left_out_error = GeometricMean(sets[i].fold_errors);
   });
@@ -421,8 +422,8 @@ void CrossValidatedSearch::Shorten(std::vector<Trial>& made) const {
 Result<CrossValidatedSearch::Outcome> CrossValidatedSearch::Run(const ScoredModel& base) {
   std::vector<Trial> nothing{{{}, base.refit.point, 0, 0, {}}};
   LeaveOut(nothing, kTolerance);
-  if (!std::isfinite(nothing.front().left_out_error))
-    return Fail("the base model cannot be fitted to all data but those that are left out in turn");
+  // Where the base model has no prediction of left-out data, sets cannot be compared in this way.
+  if (!std::isfinite(nothing.front().left_out_error)) return Outcome();
   judged_ = nothing;
   std::vector<Trial> beam = nothing;
   double least = nothing.front().left_out_error;

@@ -70,8 +70,9 @@ class CrossValidatedSearch {
     std::vector<Substitute> substitutes;  ///< best first
   };
   /// Searches for the smallest set that predicts left-out data nearly as well as the best one, starting from
-  /// the base model; ends early if what one cause leaves may be noise (MisfitScale::Resembles). Errors: those
-  /// of Problem::Predict.
+  /// the base model; ends early if what one cause leaves may be noise (MisfitScale::Resembles). No cause
+  /// where the base model cannot be fitted without some part of the data. Errors: those of Problem::Predict;
+  /// "interrupted".
   [[nodiscard]] Result<Outcome> Run(const ScoredModel& base);
 
  private:
@@ -98,6 +99,9 @@ class CrossValidatedSearch {
   [[nodiscard]] Result<std::vector<Substitute>> FindSubstitutes(const Trial& of) const;
   [[nodiscard]] Result<Outcome> Conclude(Trial best);
   [[nodiscard]] double Rows() const;
+  [[nodiscard]] bool Interrupted() const {
+    return options_.interrupt != nullptr && options_.interrupt->load();
+  }
 
   const Problem& problem_;
   const Refitter& refitter_;

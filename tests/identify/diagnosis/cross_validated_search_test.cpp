@@ -4,6 +4,7 @@
 #include <gtest/gtest.h>
 
 #include <algorithm>
+#include <atomic>
 #include <cmath>
 #include <memory>
 #include <string>
@@ -156,6 +157,19 @@ TEST(CrossValidatedSearch, AddsNoCauseThatLeftOutTrialsDoNotNeed) {
     }
     EXPECT_LE(found->error, found->base_error);
   }
+}
+
+TEST(CrossValidatedSearch, AnInterruptEndsItWithoutACause) {
+  const LinearLaws problem(Hidden(), 1, 6, 0, 100);
+  Case one(problem);
+  const auto base = ScoreModel(problem, one.candidates, one.Base(), 0.05, 1);
+  ASSERT_TRUE(base) << base.error().message;
+  const std::atomic<bool> pressed{true};
+  one.options.interrupt = &pressed;
+  const auto found = one.search->Run(*base);
+  ASSERT_TRUE(found) << found.error().message;
+  EXPECT_TRUE(found->released.empty());
+  EXPECT_TRUE(found->ladder.empty()) << "nothing was tried";
 }
 
 TEST(CrossValidatedSearch, DiagnosisListsTheLeftOutTrials) {
