@@ -420,7 +420,7 @@ void CrossValidatedSearch::Shorten(std::vector<Trial>& made) const {
 }
 
 Result<CrossValidatedSearch::Outcome> CrossValidatedSearch::Run(const ScoredModel& base) {
-  std::vector<Trial> nothing{{{}, base.refit.point, 0, 0, {}}};
+  std::vector<Trial> nothing{{{}, base.refit.point, 0, kInfinite, {}}};
   LeaveOut(nothing, kTolerance);
   // Where the base model has no prediction of left-out data, sets cannot be compared in this way.
   if (!std::isfinite(nothing.front().left_out_error)) return Outcome();
