@@ -16,6 +16,13 @@ enum class Level { kHuman, kRobot, kBoundary, kSensor };
 
 [[nodiscard]] const char* ToString(Level level);
 
+/// How often an effect is found in practice, by the judgement of whoever declares it. It decides between
+/// causes that data do not distinguish, and nothing else.
+enum class Occurrence { kCommon = 0, kOccasional = 1, kRare = 2 };
+
+/// "common", "occasional", "rare".
+[[nodiscard]] const char* ToString(Occurrence occurrence);
+
 /// A named group of parameters whose null value makes it vanish; releasing it extends the model.
 struct Effect {
   std::string name;
@@ -24,6 +31,7 @@ struct Effect {
   std::string revealing_experiment;  ///< an experiment in which the effect is large
   std::vector<int> parameters;       ///< indices into Problem::parameters()
   std::string trial = {};            ///< the only trial that it acts in; empty: all (the default)
+  Occurrence occurrence = Occurrence::kOccasional;
 };
 
 /// A model discrepancy term: a smooth function of one signal that can be added at a port, piecewise linear

@@ -2,6 +2,18 @@
 
 namespace sinew {
 
+const char* ToString(Occurrence occurrence) {
+  switch (occurrence) {
+    case Occurrence::kCommon:
+      return "common";
+    case Occurrence::kOccasional:
+      return "occasional";
+    case Occurrence::kRare:
+      return "rare";
+  }
+  return "?";
+}
+
 const char* ToString(Level level) {
   switch (level) {
     case Level::kHuman:

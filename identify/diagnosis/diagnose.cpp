@@ -285,6 +285,10 @@ class DiagnosisRun {
         if (fold.window) out_.left_out.back().window = {fold.window->first, fold.window->last};
       }
       out_.ladder = selection.ladder;
+      for (const auto& [c, share] : selection.chosen_shares)
+        out_.chosen_shares.push_back({state_.candidate(c).effect, share});
+      std::stable_sort(out_.chosen_shares.begin(), out_.chosen_shares.end(),
+                       [](const ChosenShare& a, const ChosenShare& b) { return a.share > b.share; });
       out_.warnings.push_back(
           {WarningKind::kCrossValidated,
            {},

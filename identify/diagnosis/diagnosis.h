@@ -121,6 +121,7 @@ struct Alternative {
   /// Size (as Cause::size) from which data of this kind distinguish the two with probability 95 %: where 1 -
   /// |R| > 0.4165 / s^2 for the correlation R; infinite if never.
   double separating_size = 0;
+  bool less_common = false;  ///< than the cause, in practice (Effect::occurrence)
   std::string separated_by;  ///< an experiment that distinguishes the two
 };
 
@@ -155,6 +156,13 @@ struct LeftOutData {
 struct LadderStep {
   std::vector<std::string> effects;
   double error = 1;  ///< of left-out data, as a share of that of the base model
+};
+
+/// How often an effect is in the set that is chosen, when the parts of the data that are left out are drawn
+/// again with replacement.
+struct ChosenShare {
+  std::string effect;
+  double share = 0;
 };
 
 /// Root mean square error of one held-out trace with and without a cause [unit].
@@ -288,8 +296,9 @@ struct Diagnosis {
   /// What was left out of the fit in turn, if causes had to be chosen by what they predict there, since the
   /// misfit is much larger than the noise.
   std::vector<LeftOutData> left_out;
-  std::vector<LadderStep> ladder;   ///< from no cause on, as far as that search went
-  std::vector<EffectScore> scores;  ///< of every effect and unknown term, strongest first
+  std::vector<LadderStep> ladder;          ///< from no cause on, as far as that search went
+  std::vector<ChosenShare> chosen_shares;  ///< of every effect that is chosen at least once, most often first
+  std::vector<EffectScore> scores;         ///< of every effect and unknown term, strongest first
   std::vector<Cause> causes;
   std::vector<Alternative> alternatives;
   std::vector<WithdrawnCause> withdrawn;

@@ -36,6 +36,10 @@ struct DiagnosisState {
   /// the noise, by the jackknife over trials.
   [[nodiscard]] Result<Matrix> CovarianceOf(const Refit& refit) const;
 
+  /// Variance of the variables [n] over the sets of causes that could have been chosen, about this refit
+  /// (Buckland, Burnham, Augustin 1997, eq. 9): zero where causes were chosen by likelihood.
+  [[nodiscard]] Vector SpreadOverSets(const Refit& refit) const;
+
   /// Refits with the procedure by which the causes were chosen. @param starts [P] each, not empty
   [[nodiscard]] Refit Fit(const std::vector<int>& released, const std::vector<Vector>& starts) const;
 };

@@ -21,6 +21,10 @@ constexpr double kLowQuantile = -2.33;  // standard normal quantile of 0.01
 constexpr double kMinChangeShare =
     0.05;  // the same as a share of the remaining error, if that dominates the noise
 
+// Held-out loss with a cause over that without it, at most, for the cause to be restored: 15 % of the error,
+// as for a cause that is chosen by cross-validation.
+constexpr double kRestored = 0.85 * 0.85;
+
 class HeldOutValidation {
  public:
   explicit HeldOutValidation(DiagnosisState& state) : state_(state), selection_(state.selection) {}
@@ -44,7 +48,11 @@ class HeldOutValidation {
       Withdraw(std::move(worst));
     }
     if (!withdrawn_.empty() && !selection_.cross_validated) CompareWithTheRest();
-    return std::move(withdrawn_);
+    while (selection_.cross_validated && Restore()) {
+    }
+    std::vector<WithdrawnCause> told;
+    for (Withdrawn& one : withdrawn_) told.push_back(std::move(one.told));
+    return told;
   }
 
  private:
@@ -53,6 +61,12 @@ class HeldOutValidation {
     double gain = 0;  // reduction of the held-out loss by the cause
     Refit without;
     std::optional<TraceErrors> worst;  // the trace that it makes worse most
+  };
+
+  struct Withdrawn {
+    ChosenCause cause;
+    Vector point;  // [P] of the model with it
+    WithdrawnCause told;
   };
 
   // Reduction of the held-out loss by the model.
@@ -219,11 +233,43 @@ class HeldOutValidation {
     return state_.Fit(rest, {start});
   }
 
+  // A cause may have been rejected because of another one that is rejected, too: it is judged again without
+  // that. @return true if one was restored
+  bool Restore() {
+    const auto now = state_.held_out.Residuals(selection_.model.point);
+    if (!now) return false;
+    double least = kRestored * state_.Loss(*now, selection_.model.noise);
+    std::optional<Refit> better;
+    std::size_t restored = withdrawn_.size();
+    for (std::size_t i = 0; i < withdrawn_.size(); ++i) {
+      const int candidate = withdrawn_[i].cause.candidate;
+      std::vector<int> released = selection_.model.released;
+      released.insert(std::lower_bound(released.begin(), released.end(), candidate), candidate);
+      Vector start = selection_.model.point;
+      for (const int index : state_.candidate(candidate).parameters)
+        start[index] = withdrawn_[i].point[index];
+      Refit refit = state_.Fit(released, {start});
+      if (!refit.usable()) continue;
+      const auto with = state_.held_out.Residuals(refit.point);
+      if (!with || !(state_.Loss(*with, refit.noise) < least)) continue;
+      least = state_.Loss(*with, refit.noise);
+      better = std::move(refit);
+      restored = i;
+    }
+    if (!better) return false;
+    selection_.model = std::move(*better);
+    selection_.causes.push_back(withdrawn_[restored].cause);
+    withdrawn_.erase(withdrawn_.begin() + static_cast<std::ptrdiff_t>(restored));
+    return true;
+  }
+
   void Withdraw(Rejection rejection) {
     const ChosenCause cause = selection_.causes[rejection.cause];
     const bool likelihood = !selection_.cross_validated;  // else the units are no likelihoods
-    withdrawn_.push_back({state_.candidate(cause.candidate).effect, likelihood ? cause.delta_lr : kNaN,
-                          likelihood ? -rejection.gain : kNaN, rejection.worst});
+    withdrawn_.push_back({cause,
+                          selection_.model.point,
+                          {state_.candidate(cause.candidate).effect, likelihood ? cause.delta_lr : kNaN,
+                           likelihood ? -rejection.gain : kNaN, rejection.worst}});
     if (ReplaceByRival(rejection)) return;
     selection_.model = std::move(rejection.without);
     selection_.causes.erase(selection_.causes.begin() + static_cast<std::ptrdiff_t>(rejection.cause));
@@ -275,7 +321,7 @@ class HeldOutValidation {
                                         [&](const ChosenCause& c) { return c.candidate == rival.candidate; });
       const double more = static_cast<double>(state_.candidate(rival.candidate).parameters.size()) -
                           static_cast<double>(state_.candidate(rival.instead_of).parameters.size());
-      if (!is_cause && rival.delta_lr >= 0 &&
+      if (!is_cause && rival.delta_lr >= -2 * kByOccurrence &&
           rival.delta_lr + kPerParameter * more <= SetWidth(selection_.model))
         close.push_back(std::move(rival));
     }
@@ -341,7 +387,7 @@ class HeldOutValidation {
 
   DiagnosisState& state_;
   Selection& selection_;
-  std::vector<WithdrawnCause> withdrawn_;
+  std::vector<Withdrawn> withdrawn_;
 };
 
 }  // namespace

@@ -37,7 +37,7 @@ class Tables {
     const Refit& model = state_.selection.model;
     SINEW_ASSIGN(const Matrix base_covariance, state_.CovarianceOf(state_.base.refit));
     out_.base_parameters = ValuesOf(state_, state_.base.refit, base_covariance, Findings(state_.base.refit));
-    SINEW_ASSIGN(const Matrix covariance, state_.CovarianceOf(model));
+    SINEW_ASSIGN(const Matrix covariance, CovarianceOverSets(model));
     out_.extended_parameters = ValuesOf(state_, model, covariance, Findings(model));
     for (const ChosenCause& chosen : state_.selection.causes) AddCause(chosen, covariance);
     for (const Rival& rival : state_.selection.rivals) SINEW_TRY(AddAlternative(rival));
@@ -46,6 +46,16 @@ class Tables {
   }
 
  private:
+  // With the variance over the sets of causes, where the data determine a variable at all.
+  [[nodiscard]] Result<Matrix> CovarianceOverSets(const Refit& refit) const {
+    SINEW_ASSIGN(Matrix covariance, state_.CovarianceOf(refit));
+    const Vector spread = state_.SpreadOverSets(refit);
+    for (Eigen::Index v = 0; v < spread.size(); ++v) {
+      if (covariance(v, v) > 0) covariance(v, v) += spread[v];
+    }
+    return covariance;
+  }
+
   void AddCause(const ChosenCause& chosen, const Matrix& covariance) {
     const Candidate& candidate = state_.candidate(chosen.candidate);
     Cause cause;
@@ -64,7 +74,7 @@ class Tables {
   Status AddAlternative(const Rival& rival) {
     const Candidate& candidate = state_.candidate(rival.candidate);
     const Candidate& cause = state_.candidate(rival.instead_of);
-    SINEW_ASSIGN(const Matrix covariance, state_.CovarianceOf(rival.refit));
+    SINEW_ASSIGN(const Matrix covariance, CovarianceOverSets(rival.refit));
     Alternative other;
     other.instead_of = cause.effect;
     other.effect = candidate.effect;
@@ -78,6 +88,7 @@ class Tables {
     other.left_out = rival.left_out;
     other.correlation = rival.correlation;
     other.same_class = std::abs(rival.correlation) > kSameClass;
+    other.less_common = candidate.occurrence > cause.occurrence;
     const double apart = 1 - std::abs(rival.correlation);
     other.separating_size =
         apart > 1e-6 ? std::sqrt(kSeparation / apart) : std::numeric_limits<double>::infinity();

@@ -98,6 +98,7 @@ Json FromAlternative(const Alternative& a) {
           {"same_class", a.same_class},
           {"contains_cause", a.contains_cause},
           {"separating_size", Finite(a.separating_size)},
+          {"less_common", a.less_common},
           {"separated_by", a.separated_by}};
 }
 
@@ -247,6 +248,9 @@ std::string DiagnosisJson(const Diagnosis& diagnosis, const Provenance& provenan
   });
   json["ladder"] = List(diagnosis.ladder, [](const LadderStep& step) {
     return Json{{"effects", step.effects}, {"error", Finite(step.error)}};
+  });
+  json["chosen_shares"] = List(diagnosis.chosen_shares, [](const ChosenShare& one) {
+    return Json{{"effect", one.effect}, {"share", Finite(one.share)}};
   });
   json["unknown_terms"] = List(diagnosis.unknown_terms, FromUnknown);
   json["extended_parameters"] = List(diagnosis.extended_parameters, FromParameter);

@@ -95,6 +95,13 @@ const char* ExposedBy(SensorEffect effect) {
   return "";
 }
 
+// A wrong zero is common; a drift, a filter and a limit are known to whoever has chosen the instrument.
+Occurrence OccurrenceOf(SensorEffect effect, const std::string& trial) {
+  if (!trial.empty()) return Occurrence::kRare;
+  if (effect == kOffset) return Occurrence::kCommon;
+  return effect == kGain || effect == kTimeOffset ? Occurrence::kOccasional : Occurrence::kRare;
+}
+
 int Add(SensorEffect effect, const ChannelSummary& channel, const std::string& trial,
         std::vector<Parameter>& parameters, std::vector<Effect>& effects) {
   Parameter p = Describe(effect, channel);
@@ -108,7 +115,13 @@ int Add(SensorEffect effect, const ChannelSummary& channel, const std::string& t
   p.effect = p.name;
   const int index = static_cast<int>(parameters.size());
   const std::string description = Describe(effect, channel).meaning;
-  effects.push_back({p.name, Level::kSensor, where + ": " + description, ExposedBy(effect), {index}, trial});
+  effects.push_back({p.name,
+                     Level::kSensor,
+                     where + ": " + description,
+                     ExposedBy(effect),
+                     {index},
+                     trial,
+                     OccurrenceOf(effect, trial)});
   parameters.push_back(std::move(p));
   return index;
 }

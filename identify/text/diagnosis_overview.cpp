@@ -66,6 +66,17 @@ void AddLadder(const Diagnosis& d, std::vector<Line>& lines) {
   }
 }
 
+// How firm the choice is.
+void AddChosenShares(const Diagnosis& d, std::vector<Line>& lines) {
+  constexpr double kLeast = 0.01;
+  std::vector<std::string> shares;
+  for (const ChosenShare& one : d.chosen_shares) {
+    if (one.share >= kLeast) shares.push_back(one.effect + " " + Percent(one.share));
+  }
+  if (!shares.empty())
+    lines.push_back({kOuter, "Chosen, of 1000 resamples of the left-out data: " + Join(shares, ", ")});
+}
+
 void AddStructure(const Diagnosis& d, std::vector<Line>& lines) {
   constexpr std::size_t kShown = 3;
   for (std::size_t i = 0; i < std::min(d.structure.size(), kShown); ++i) {
@@ -135,6 +146,7 @@ std::vector<Line> Overview(const Diagnosis& diagnosis) {
     lines.push_back({IsSubordinate(sentence) ? kInner : kOuter, sentence.text});
   AddEvidence(diagnosis, lines);
   AddLadder(diagnosis, lines);
+  AddChosenShares(diagnosis, lines);
   AddStructure(diagnosis, lines);
   AddBaseModel(diagnosis, lines);
   AddRuledOut(diagnosis, lines);

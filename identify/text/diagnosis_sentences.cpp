@@ -91,6 +91,7 @@ Sentence AlternativeSentence(const Cause& cause, const Alternative& other) {
                         Readable(other.separating_size / cause.size, 2));
   }
   text += ".";
+  if (other.less_common) text += " It is less common in practice.";
   if (!other.separated_by.empty()) text += " To distinguish them: " + other.separated_by + ".";
   return sentence;
 }
@@ -136,8 +137,10 @@ void AddChange(const Diagnosis& d, const DiagnosedParameter& base, const Diagnos
   } else {
     const double share = base.value / now.value - 1;
     if (std::abs(share) < 0.005) return;
-    text += fmt::format("the base model {}estimated {}{} by {}", share > 0 ? "over" : "under",
-                        now.value < 0 ? "the size of " : "", now.name, Percent(std::abs(share)));
+    text += fmt::format("the base model {}estimated {}{}", share > 0 ? "over" : "under",
+                        now.value < 0 ? "the size of " : "", now.name);
+    constexpr double kLargestShare = 10;  // beyond it a percentage of a value near zero says nothing
+    if (share < kLargestShare) text += " by " + Percent(std::abs(share));
   }
   text += fmt::format(": {} -> {}.", Readable(base.value), WithUnit(now.value, now.unit));
   sentences.push_back({SentenceKind::kParameterChange, std::move(text), {now.name}});

@@ -69,6 +69,11 @@ EffectBuilder& EffectBuilder::revealing_experiment(std::string text) {
   return *this;
 }
 
+EffectBuilder& EffectBuilder::occurrence(Occurrence occurrence) {
+  problem_->effects_[static_cast<std::size_t>(effect_)].occurrence = occurrence;
+  return *this;
+}
+
 ParameterBuilder EffectBuilder::parameter(const std::string& name, const std::string& unit) {
   return problem_->AddEffectParameter(effect_, name, unit);
 }

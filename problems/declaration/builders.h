@@ -62,6 +62,9 @@ class EffectBuilder {
   EffectBuilder& description(std::string text);
   /// The experiment that would show it.
   EffectBuilder& revealing_experiment(std::string text);
+  /// How often it is found in practice: decides between causes that data do not distinguish. Default:
+  /// kOccasional.
+  EffectBuilder& occurrence(Occurrence occurrence);
   /// A parameter of this effect.
   ParameterBuilder parameter(const std::string& name, const std::string& unit);
 

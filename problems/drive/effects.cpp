@@ -94,6 +94,7 @@ void AddDryFriction(const DriveScales& s, const Units& unit, Builder& add) {
   add.BeginEffect("coulomb_friction", Level::kRobot,
                   "dry friction, equal in both directions, opposes the motion",
                   "slow reversals under small torques, where the joint sticks", kArmstrong)
+      .Is(Occurrence::kCommon)
       .Positive(kCoulombTorque, "coulomb_torque", unit.torque, "dry friction", s.torque);
   add.BeginEffect("asymmetric_friction", Level::kRobot,
                   "dry friction differs between the directions of motion",
@@ -103,6 +104,7 @@ void AddDryFriction(const DriveScales& s, const Units& unit, Builder& add) {
                 s.torque);
   add.BeginEffect("stribeck_friction", Level::kRobot, "dry friction is larger near standstill (Stribeck)",
                   "creeping at several constant, very low speeds", kArmstrong)
+      .Is(Occurrence::kCommon)
       .Positive(kStribeckTorque, "stribeck_torque", unit.torque, "dry friction beyond that of fast motion",
                 s.torque)
       .Number(kStribeckVelocity, "stribeck_velocity", unit.speed, "speed at which 1/e of it is left",
@@ -119,6 +121,7 @@ void AddDryFriction(const DriveScales& s, const Units& unit, Builder& add) {
   add.BeginEffect("stribeck_load_friction", Level::kRobot,
                   "near standstill, dry friction grows with the torque through the gear",
                   "breaking away slowly under several weights, or swings over a wider range", kBam)
+      .Is(Occurrence::kRare)
       .Positive(kStribeckLoad, "stribeck_load_coefficient", "1",
                 "dry friction per load of the gear beyond that of fast motion", 1)
       .Number(kStribeckLoadVelocity, "stribeck_load_velocity", unit.speed, "speed at which 1/e of it is left",
@@ -127,6 +130,7 @@ void AddDryFriction(const DriveScales& s, const Units& unit, Builder& add) {
   add.BeginEffect("quadratic_load_friction", Level::kRobot,
                   "dry friction grows with the square of the torque through the gear",
                   "the same slow motion under several weights, or swings over a wider range", kBam)
+      .Is(Occurrence::kRare)
       .Positive(kQuadraticLoad, "quadratic_load_coefficient", unit.per_torque,
                 "dry friction per squared load of the gear", 2 / s.torque);
 }
@@ -137,12 +141,14 @@ void AddOtherTorques(const DriveTraits& is, const DriveScales& s, const Units& u
                     "viscous friction changes with the joint's temperature",
                     "the same motion with a cold joint and after an hour of work",
                     "Reynolds 1886; Bittencourt, Gunnarsson 2012")
+        .Is(Occurrence::kRare)
         .TwoSided(kFrictionTemperature, "friction_temperature_coefficient", "1/K",
                   "c of viscous friction = viscous_friction exp(c (temperature - 293.15 K))", 0.1);
   }
   add.BeginEffect("asymmetric_viscous_friction", Level::kRobot,
                   "viscous friction differs between the directions of motion",
                   "the same fast motion forwards and backwards", "Armstrong-Helouvry et al. 1994")
+      .Is(Occurrence::kRare)
       .TwoSided(kViscousAsymmetry, "viscous_asymmetry", unit.viscous,
                 "viscous friction forwards, less the mean of both directions", 4 * s.torque / s.speed);
   add.BeginEffect("quadratic_drag", Level::kRobot, "friction grows with the square of the speed",
@@ -158,13 +164,16 @@ void AddOtherTorques(const DriveTraits& is, const DriveScales& s, const Units& u
     periods.push_back(*is.pole_period);
     shortest = std::min(shortest, 0.5 * *is.pole_period);
   }
+  // A ripple with one period per turn is the gravity torque of a load that hangs.
+  const bool hangs = is.rotary && !is.load_known;
+  const double longest = hangs ? turn / 1.5 : turn;
   add.BeginEffect("cogging", Level::kRobot, "the drive's torque ripples with position",
                   "holding many positions over the whole range at rest")
       .TwoSided(kCoggingCos, "cogging_cos", unit.torque, "ripple, in phase with the position's cosine",
                 s.torque)
       .TwoSided(kCoggingSin, "cogging_sin", unit.torque, "ripple, in phase with the position's sine",
                 s.torque)
-      .Number(kCoggingPeriod, "cogging_period", unit.position, "period of the ripple", shortest, turn,
+      .Number(kCoggingPeriod, "cogging_period", unit.position, "period of the ripple", shortest, longest,
               turn / 6)
       .Probes(periods);
   if (is.rotary) {
@@ -175,16 +184,19 @@ void AddOtherTorques(const DriveTraits& is, const DriveScales& s, const Units& u
   if (is.fixed[kInertia]) {
     add.BeginEffect("inertia_error", Level::kRobot, "the moving inertia differs from the stated one",
                     "fast accelerations with a known torque")
+        .Is(Occurrence::kRare)
         .TwoSided(kInertiaError, "inertia_error", unit.inertia, "inertia beyond the stated one",
                   0.9 * *is.fixed[kInertia]);
   }
   add.BeginEffect("parallel_spring", Level::kRobot,
                   "an elastic element acts in parallel, with its rest at position 0",
                   "motion over a wider range of positions")
+      .Is(Occurrence::kRare)
       .Positive(kSpring, "spring_stiffness", unit.stiffness, "torque per position",
                 4 * s.torque / s.position);
   add.BeginEffect("torque_offset", Level::kRobot, "a constant torque acts besides the drive's",
                   "holding several positions at rest, and a rest with the drive switched off")
+      .Is(Occurrence::kCommon)
       .TwoSided(kOffsetTorque, "offset_torque", unit.torque, "constant torque", s.torque);
 }
 
@@ -204,6 +216,7 @@ void AddDrive(const DriveTraits& is, const DriveScales& s, const Units& unit, Bu
       .Probes({1 / (0.95 * s.torque), 1 / (0.85 * s.torque), 1 / (0.7 * s.torque), 1 / (0.5 * s.torque)});
   add.BeginEffect("speed_saturation", Level::kRobot, "the drive loses its torque near a highest speed",
                   "large commands without a load")
+      .Is(Occurrence::kRare)
       .Positive(kInverseSpeedLimit, "inverse_speed_limit", unit.per_speed, "1 / highest speed", 2.5 / s.speed)
       .Probes({1 / (0.95 * s.speed), 1 / (0.85 * s.speed), 1 / (0.7 * s.speed), 1 / (0.5 * s.speed)});
   if (is.compressible) {
@@ -218,6 +231,7 @@ void AddDrive(const DriveTraits& is, const DriveScales& s, const Units& unit, Bu
                 0.9 / s.duration);
   add.BeginEffect("command_delay", Level::kRobot, "the drive responds to its command with a delay",
                   "a trigger that all instruments record, then one sharp command, at a high sampling rate")
+      .Is(Occurrence::kCommon)
       .Positive(kCommandDelay, "command_delay", "s", "age of the command that acts",
                 std::min(kLongestDelay, 0.25 * s.shortest));
   if (is.controller != DriveControllerKind::kNone) {
@@ -229,10 +243,12 @@ void AddDrive(const DriveTraits& is, const DriveScales& s, const Units& unit, Bu
     add.BeginEffect("hold", Level::kRobot,
                     "the command is held between its samples, not straight between them",
                     "fast commands recorded much faster than they are sent")
+        .Is(Occurrence::kRare)
         .Positive(kHoldFraction, "hold_fraction", "1", "0: straight, 1: held", 1);
   }
   add.BeginEffect("backlash", Level::kRobot, "the position reading has play against the joint",
                   "slow reversals with sensors on both sides of the gear", "Tao & Kokotovic 1996")
+      .Is(Occurrence::kCommon)
       .Positive(kBacklash, "backlash_width", unit.position, "total gap", 0.25 * s.position)
       .NullStep(2 * s.noise);
   add.BeginEffect("compliance", Level::kRobot,
@@ -250,12 +266,14 @@ void AddInputSensor(const DriveTraits& is, const DriveScales& s, Builder& add) {
   };
   name("offset", "the recorded input is too large by a constant",
        "holding several positions at rest, one of them with an input that is known by other means")
+      .Is(Occurrence::kCommon)
       .TwoSided(kInputOffset, channel + ".offset", is.input_unit, "constant error of the recorded input",
                 s.command);
   name("gain", "the recorded input is too large by a factor", "a known input")
       .Number(kInputGain, channel + ".gain", "1", "recorded per true input", 0.1, 1.9, 1);
   name("drift", "the recorded input drifts with time",
        "holding several positions at rest, at the begin and at the end of a long trial")
+      .Is(Occurrence::kRare)
       .TwoSided(kInputDrift, channel + ".drift", is.input_unit + "/s", "growth of the input's error",
                 s.command / s.duration);
   name("time_offset", "the input's clock is late against the other instruments",
@@ -263,6 +281,7 @@ void AddInputSensor(const DriveTraits& is, const DriveScales& s, Builder& add) {
       .TwoSided(kInputTimeOffset, channel + ".time_offset", "s", "age of the recorded input", kSensorReach);
   name("low_pass", "the recorded input was smoothed by a first-order low-pass",
        "a sharp input, recorded before and after the filter")
+      .Is(Occurrence::kRare)
       .Positive(kInputLowPass, channel + ".low_pass", "s", "time constant of the smoothing", kSensorReach);
 }
 

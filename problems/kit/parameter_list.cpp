@@ -27,6 +27,11 @@ ParameterListBuilder& ParameterListBuilder::BeginEffect(const std::string& name,
   return *this;
 }
 
+ParameterListBuilder& ParameterListBuilder::Is(Occurrence occurrence) {
+  list_.effects.back().occurrence = occurrence;
+  return *this;
+}
+
 int ParameterListBuilder::AddNumber(const std::string& name, const std::string& unit,
                                     const std::string& meaning, double lower, double upper, double null,
                                     int slot) {

@@ -42,6 +42,8 @@ class ParameterListBuilder {
   ParameterListBuilder& BeginEffect(const std::string& name, Level level, const std::string& description,
                                     const std::string& revealing_experiment, const std::string& source = "",
                                     const std::string& trial = "");
+  /// Of the effect that was begun last; occasional unless this says otherwise.
+  ParameterListBuilder& Is(Occurrence occurrence);
   /// A number of the effect that was begun last. @return its index
   int AddNumber(const std::string& name, const std::string& unit, const std::string& meaning, double lower,
                 double upper, double null = 0, int slot = kNoSlot);

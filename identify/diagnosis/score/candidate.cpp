@@ -44,13 +44,15 @@ std::vector<Candidate> ListCandidates(const Problem& problem, const FitSetup& ba
     const std::vector<int> parameters = NotHeld(base, effect.parameters);
     if (AnyFree(base, effect.parameters) || (parameters.empty() && !effect.parameters.empty())) continue;
     candidates.push_back({effect.name, effect.level, true, effect.description, effect.revealing_experiment,
-                          effect.trial, parameters, ProbesOf(base.parameters, parameters)});
+                          effect.occurrence, effect.trial, parameters,
+                          ProbesOf(base.parameters, parameters)});
   }
   for (const DiscrepancyPort& port : problem.ports()) {
     for (const DiscrepancyTerm& term : port.terms) {
       const bool whole = NotHeld(base, term.parameters).size() == term.parameters.size();
       if (AnyFree(base, term.parameters) || !whole) continue;
-      candidates.push_back({term.name, Level::kRobot, false, "", "", "", term.parameters, {{}}});
+      candidates.push_back(
+          {term.name, Level::kRobot, false, "", "", Occurrence::kOccasional, "", term.parameters, {{}}});
     }
   }
   // Drifts: of parameters that are free, or would be free with a candidate effect.

@@ -16,6 +16,7 @@ struct Candidate {
   bool known = true;        ///< false: an unknown term
   std::string description;  ///< of a known effect
   std::string revealing_experiment;
+  Occurrence occurrence = Occurrence::kOccasional;
   std::string trial;            ///< the only trial that it acts in; empty: all
   std::vector<int> parameters;  ///< the parameters that a refit releases
   /// Values at which some parameters are held while the others are scored, because the prediction does not

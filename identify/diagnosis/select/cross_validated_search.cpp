@@ -6,6 +6,8 @@
 #include <string>
 
 #include "base/random.h"
+#include "identify/diagnosis/select/choice_of_sets.h"
+#include "identify/diagnosis/select/many_starts.h"
 #include "identify/execution/executor.h"
 #include "identify/keep_samples.h"
 
@@ -18,24 +20,26 @@ constexpr double kFineTolerance = 1e-7;   // ... and of the answer
 constexpr double kRoughTolerance = 1e-2;  // ... before the sets of one size are shortened
 constexpr std::size_t kContinued = 3;     // short searches that are continued to convergence
 constexpr std::size_t kMaxPromising = 10;
-constexpr std::size_t kMaxLeftOut = 6;  // sets of one size whose error of left-out data is found
+constexpr std::size_t kMaxLeftOut = 6;          // sets of one size whose error of left-out data is found
+constexpr std::size_t kMaxRoughlyLeftOut = 16;  // ... by fits that end early
 constexpr int kDraws = 20;
+constexpr int kMoreDraws = 6;          // of another cause beside those of the answer
+constexpr int kGrownDraws = 3;         // of a set that is made, besides the linear prediction
 constexpr std::size_t kDrawnSets = 3;  // of one size, those that fit best
-constexpr int kMoreDraws = 40;         // for the answer
+constexpr std::size_t kGroups = 4;     // of starts of the answer, each by one thread
+constexpr int kMaxRounds = 8;          // of starts around the best solution of the answer so far ...
+constexpr int kIdleRounds = 2;         // ... until so many have found none ...
+constexpr double kLower = 0.999;       // ... with a fitted error below this share
 // Fits take longer with more trials, and with many trials local searches end in poor local minima less often.
 constexpr double kFewTrials = 6;
 constexpr std::size_t kMaxSearchedTrials = 20;  // two in each fold
 constexpr int kMaxSearchedSamples = 6000;
-constexpr double kSpread = 0.8;
 constexpr std::size_t kBeam = 3;  // sets that are extended
 constexpr std::size_t kMaxSearchedCauses = 6;
-// Measured with a numerical prototype on 36 cases that chose them and 36 others: of the effects that matter
-// 90 % are named, 97 % of the named ones are true.
-constexpr double kNearBest = 1.25;         // error of the answer over the least one, at most
-constexpr double kLeastGain = 0.85;        // error with a cause over that without it, at most ...
-constexpr double kLeastGainedFolds = 0.6;  // ... and share of the folds in which it is smaller, at least
-constexpr double kStillGains = 0.97;       // error over the best one before, for the search to go on
-constexpr double kSubstitute = 1.05;       // error of a substitute over that of the answer, at most
+constexpr std::size_t kMostCauses = 8;  // of the answer
+constexpr double kStillGains = 0.97;    // error over the best one before, for the search to go on
+constexpr double kSubstitute = 1.05;    // error of a substitute over that of the answer, at most
+constexpr double kFarOff = 1.25;        // fitted error of what is no substitute over that of the answer
 
 std::set<std::string> SearchedTrials(const Problem& problem) {
   const std::vector<std::string> all = TrainingTrials(problem);
@@ -68,57 +72,11 @@ CrossValidatedSearch::Set With(CrossValidatedSearch::Set set, int c) {
   return set;
 }
 
-double GeometricMean(const std::vector<double>& errors) {
-  if (errors.empty()) return kInfinite;
-  double sum = 0;
-  for (const double error : errors) sum += std::log(std::max(error, std::numeric_limits<double>::min()));
-  return std::exp(sum / static_cast<double>(errors.size()));
-}
-
 // By the error of left-out data; sets of the same error, as of an effect that changes nothing, by size.
 template <class T>
 bool IsBetter(const T& a, const T& b) {
   if (a.left_out_error != b.left_out_error) return a.left_out_error < b.left_out_error;
   return a.released.size() < b.released.size();
-}
-
-// Anywhere in the range of an effect's parameter, uniform in the logarithm of its size: at the null, and at a
-// bound that is one, a local search may stay.
-double AnywhereOf(const Parameter& p, Random& random) {
-  constexpr double kDecades = 2;
-  const double share = std::pow(10, -kDecades * random.Uniform());
-  const bool up = p.lower >= p.null_value || (p.upper > p.null_value && random.Uniform() < 0.5);
-  return p.null_value + share * ((up ? p.upper : p.lower) - p.null_value);
-}
-
-// Short searches from all starts; the best few are continued to convergence. @param continued more than one
-// where the answer counts: a start in a wide basin is ahead at first
-solvers::LocalFit::Outcome FitFromManyStarts(const LeastSquares& fit, const std::vector<Vector>& starts,
-                                             double tolerance, std::size_t continued) {
-  constexpr long kScoutEvaluations = 8;
-  constexpr long kFitEvaluations = 80;
-  solvers::LocalFit search(fit);
-  std::vector<solvers::LocalFit::Outcome> scouts;
-  for (const Vector& start : starts)
-    scouts.push_back(search.Minimize(fit.Variables(start), -1, {0, tolerance}, kScoutEvaluations));
-  std::stable_sort(scouts.begin(), scouts.end(),
-                   [](const auto& a, const auto& b) { return a.cost < b.cost; });
-  scouts.resize(std::min(scouts.size(), continued));
-  for (auto& scout : scouts) {
-    if (!std::isfinite(scout.cost) || scout.converged) continue;
-    auto further = search.Minimize(scout.x, -1, {0, tolerance}, kFitEvaluations);
-    if (further.failure.empty() && further.cost <= scout.cost) scout = std::move(further);
-  }
-  return *std::min_element(scouts.begin(), scouts.end(),
-                           [](const auto& a, const auto& b) { return a.cost < b.cost; });
-}
-
-// Share of the folds in which the first has the smaller error.
-double ShareOfFolds(const std::vector<double>& first, const std::vector<double>& second) {
-  if (first.size() != second.size() || first.empty()) return 1;
-  double smaller = 0;
-  for (std::size_t i = 0; i < first.size(); ++i) smaller += first[i] < second[i] ? 1 : 0;
-  return smaller / static_cast<double>(first.size());
 }
 
 }  // namespace
@@ -199,6 +157,14 @@ void CrossValidatedSearch::FitAll(std::vector<Trial>& trials, const std::vector<
   });
 }
 
+// Starts at `point` with the candidate's parameters anywhere.
+void CrossValidatedSearch::AddDraws(int candidate, int draws, const Vector& point,
+                                    std::vector<Vector>& starts) const {
+  const FitSetup setup = refitter_.SetupWith({candidate});
+  Random random(Random::StreamSeed(options_.seed, static_cast<std::uint64_t>(candidate)));
+  for (int draw = 0; draw < draws; ++draw) starts.push_back(DrawEffects(setup, point, random));
+}
+
 void CrossValidatedSearch::Grow(const Trial& from, const ScoredModel& scored, std::vector<Trial>& made) {
   std::vector<Trial> trials;
   std::vector<std::vector<Vector>> starts;
@@ -207,6 +173,8 @@ void CrossValidatedSearch::Grow(const Trial& from, const ScoredModel& scored, st
     if (!seen_.insert(next).second) continue;
     trials.push_back({std::move(next), {}, 0, 0, {}});
     starts.push_back(RefitStarts(scored, candidates_, c));
+    // The linear prediction may start in the wrong basin: backlash beside a delay that has taken its place.
+    AddDraws(c, kGrownDraws, from.point, starts.back());
   }
   FitAll(trials, starts, kRoughTolerance, 1);
   for (Trial& trial : trials) {
@@ -217,10 +185,9 @@ void CrossValidatedSearch::Grow(const Trial& from, const ScoredModel& scored, st
 // Local searches end in local minima: every set is fitted again from the values that the other sets found for
 // the parameters they share, and those that fit best also from random points around their own solution.
 // @pre the sets are sorted by fitted error
-void CrossValidatedSearch::Polish(std::vector<Trial>& sets, int draws) const {
+void CrossValidatedSearch::Polish(std::vector<Trial>& sets) const {
   std::vector<Trial> again = sets;
   std::vector<std::vector<Vector>> starts(sets.size());
-  const auto& parameters = refitter_.base().parameters;
   for (std::size_t i = 0; i < sets.size(); ++i) {
     const FitSetup setup = refitter_.SetupWith(sets[i].released);
     for (std::size_t other = 0; other < sets.size(); ++other) {
@@ -247,23 +214,8 @@ void CrossValidatedSearch::Polish(std::vector<Trial>& sets, int draws) const {
       starts[i].push_back(smaller.point);
     }
     Random random(Random::StreamSeed(options_.seed, i));
-    for (int draw = 0; i < kDrawnSets && draw < draws; ++draw) {
-      Vector start = sets[i].point;
-      for (const int index : setup.free) {
-        const Parameter& p = parameters[static_cast<std::size_t>(index)];
-        if (p.kind == ParameterKind::kNuisance) continue;
-        if (p.kind == ParameterKind::kEffect && draw % 2 == 1) {
-          start[index] = AnywhereOf(p, random);
-        } else if (p.scale == Scale::kLog) {
-          start[index] *= std::exp(kSpread * random.Normal());
-        } else {
-          const double size = std::max(std::abs(start[index] - p.null_value), 0.02 * (p.upper - p.lower));
-          start[index] += kSpread * size * random.Normal();
-        }
-        start[index] = std::clamp(start[index], p.lower, p.upper);
-      }
-      starts[i].push_back(std::move(start));
-    }
+    for (int draw = 0; i < kDrawnSets && draw < draws_; ++draw)
+      starts[i].push_back(DrawStart(setup, sets[i].point, draw, random));
   }
   FitAll(again, starts, kTolerance, kContinued);
   for (std::size_t i = 0; i < sets.size(); ++i) {
@@ -302,22 +254,49 @@ std::vector<CrossValidatedSearch::Trial> CrossValidatedSearch::OneLess(const Tri
   return smaller;
 }
 
+// Of fits of the same set, the one that predicts left-out data better.
 void CrossValidatedSearch::Consider(std::vector<Trial> made) {
   for (Trial& one : made) {
-    if (std::isfinite(one.left_out_error)) judged_.push_back(std::move(one));
+    if (!std::isfinite(one.left_out_error)) continue;
+    const auto known = std::find_if(judged_.begin(), judged_.end(),
+                                    [&](const Trial& other) { return other.released == one.released; });
+    if (known == judged_.end()) {
+      judged_.push_back(std::move(one));
+    } else if (IsBetter(one, *known)) {
+      *known = std::move(one);
+    }
   }
 }
 
-CrossValidatedSearch::Trial CrossValidatedSearch::SimplestNearBest() const {
-  const Trial& best = *std::min_element(judged_.begin(), judged_.end(), IsBetter<Trial>);
-  const Trial* simplest = &best;
+// What the choice depends on, of every set that was judged.
+std::vector<JudgedSet> CrossValidatedSearch::Judged() const {
+  std::vector<JudgedSet> sets;
   for (const Trial& one : judged_) {
-    if (one.left_out_error > kNearBest * best.left_out_error) continue;
-    const std::size_t size = one.released.size();
-    if (size < simplest->released.size() || (size == simplest->released.size() && IsBetter(one, *simplest)))
-      simplest = &one;
+    JudgedSet set{one.released, one.fold_errors};
+    for (const int index : refitter_.base().free) {
+      const Parameter& p = refitter_.base().parameters[static_cast<std::size_t>(index)];
+      const double value = one.point[index];
+      if (p.kind == ParameterKind::kBase && (value <= p.lower || value >= p.upper)) ++set.at_bound;
+    }
+    for (const int c : one.released)
+      set.rarity += static_cast<int>(candidates_[static_cast<std::size_t>(c)].occurrence);
+    sets.push_back(std::move(set));
   }
-  return *simplest;
+  return sets;
+}
+
+// How firm the choice is: sets by the share of resamples of the folds in which they are chosen.
+void CrossValidatedSearch::Resample(Outcome& outcome) const {
+  const std::vector<double> shares = ChosenShares(Judged(), options_.seed);
+  std::vector<double> of_candidates(candidates_.size(), 0);
+  for (std::size_t k = 0; k < judged_.size(); ++k) {
+    if (shares[k] == 0) continue;
+    outcome.resampled.push_back({judged_[k].released, judged_[k].point, shares[k]});
+    for (const int c : judged_[k].released) of_candidates[static_cast<std::size_t>(c)] += shares[k];
+  }
+  for (std::size_t c = 0; c < candidates_.size(); ++c) {
+    if (of_candidates[c] > 0) outcome.chosen_shares.emplace_back(static_cast<int>(c), of_candidates[c]);
+  }
 }
 
 // Every cause replaced by what is promising without it.
@@ -346,7 +325,7 @@ Result<std::vector<CrossValidatedSearch::Substitute>> CrossValidatedSearch::Find
   std::vector<std::size_t> near;
   for (std::size_t i = 0; i < sets.size(); ++i) {
     // The fitted error is the smaller one: what is far off there is far off on left-out data, too.
-    if (sets[i].fitted_error > kNearBest * of.fitted_error) sets[i].fitted_error = kInfinite;
+    if (sets[i].fitted_error > kFarOff * of.fitted_error) sets[i].fitted_error = kInfinite;
   }
   LeaveOut(sets, kTolerance);
   for (std::size_t i = 0; i < sets.size(); ++i) {
@@ -360,39 +339,87 @@ Result<std::vector<CrossValidatedSearch::Substitute>> CrossValidatedSearch::Find
   return found;
 }
 
-// Removes the causes without which left-out data are predicted nearly as well, or better in many folds.
-CrossValidatedSearch::Trial CrossValidatedSearch::Pruned(Trial best, Shares& shares) const {
-  while (!best.released.empty()) {
-    const std::vector<Trial> smaller = OneLess(best);
-    const Trial& least = *std::min_element(smaller.begin(), smaller.end(), IsBetter<Trial>);
-    const bool needed = best.left_out_error <= kLeastGain * least.left_out_error &&
-                        ShareOfFolds(best.fold_errors, least.fold_errors) >= kLeastGainedFolds;
-    if (!needed) {
-      best = least;
-      continue;
+// Rounds of random starts around the best solution so far (basin hopping: Wales, Doye 1997, J. Phys. Chem. A
+// 101:5111-5116), so that the answer does not depend on where the search came from.
+CrossValidatedSearch::Trial CrossValidatedSearch::Polished(Trial one) const {
+  const FitSetup setup = refitter_.SetupWith(one.released);
+  const int draws = (draws_ + static_cast<int>(kGroups) - 1) / static_cast<int>(kGroups);
+  Trial best = one;
+  int idle = 0;
+  for (int round = 0; draws > 0 && round < kMaxRounds && idle < kIdleRounds && !Interrupted(); ++round) {
+    std::vector<Trial> groups(kGroups, best);
+    std::vector<std::vector<Vector>> starts(kGroups);
+    for (std::size_t g = 0; g < kGroups; ++g) {
+      Random random(Random::StreamSeed(options_.seed, static_cast<std::size_t>(round) * kGroups + g));
+      for (int draw = 0; draw < draws; ++draw)
+        starts[g].push_back(DrawStart(setup, best.point, static_cast<int>(g) + 2 * draw, random));
     }
-    for (std::size_t i = 0; i < smaller.size(); ++i)
-      shares.emplace_back(best.released[i], best.left_out_error / smaller[i].left_out_error);
-    break;
+    FitAll(groups, starts, kTolerance, 1);
+    const auto lowest = std::min_element(groups.begin(), groups.end(), [](const Trial& a, const Trial& b) {
+      return a.fitted_error < b.fitted_error;
+    });
+    idle = lowest->fitted_error < kLower * best.fitted_error ? 0 : idle + 1;
+    if (lowest->fitted_error < best.fitted_error) best = *lowest;
   }
-  return best;
+  if (!(best.fitted_error < one.fitted_error)) return one;
+  std::vector<Trial> judged{std::move(best)};
+  LeaveOut(judged, kTolerance);
+  return IsBetter(judged.front(), one) ? judged.front() : one;
 }
 
-CrossValidatedSearch::Trial CrossValidatedSearch::Polished(Trial one, int draws) const {
-  std::vector<Trial> again{one};
-  Polish(again, draws);
-  if (!(again.front().fitted_error < one.fitted_error)) return one;
-  LeaveOut(again, kTolerance);
-  return IsBetter(again.front(), one) ? again.front() : one;
+// Sets with another cause each, from more starts than while the sets grow: with the right causes a model that
+// lacks one may have taken values from which no search leads on. None where no more than noise is left.
+Result<std::vector<CrossValidatedSearch::Trial>> CrossValidatedSearch::OneMore(const Trial& of) const {
+  std::vector<Trial> larger;
+  Refit refit = searched_refitter_.FitOrdinary(of.released, {of.point}, kTolerance);
+  if (!refit.usable() || of.released.size() >= kMostCauses || scale_.Resembles(refit.noise)) return larger;
+  SINEW_ASSIGN(const ScoredModel scored,
+               ScoreModel(searched_, candidates_, std::move(refit), options_.alarm_level, options_.seed));
+  std::vector<std::vector<Vector>> starts;
+  for (const int c : Promising(scored, of.released)) {
+    larger.push_back({With(of.released, c), {}, 0, 0, {}});
+    starts.push_back(RefitStarts(scored, candidates_, c));
+    AddDraws(c, kMoreDraws, of.point, starts.back());
+  }
+  FitAll(larger, starts, kTolerance, kContinued);
+  std::stable_sort(larger.begin(), larger.end(),
+                   [](const Trial& a, const Trial& b) { return a.fitted_error < b.fitted_error; });
+  larger.resize(std::min(larger.size(), kMaxLeftOut));
+  LeaveOut(larger, kTolerance);
+  return larger;
 }
 
-Result<CrossValidatedSearch::Outcome> CrossValidatedSearch::Conclude(Trial best) {
+// A set is the answer once it, and the sets with one of its causes less or another one more, have been fitted
+// from many starts.
+Result<CrossValidatedSearch::Trial> CrossValidatedSearch::Choose(Shares& shares) {
+  std::set<Set> completed;
+  for (;;) {
+    const Trial chosen = judged_[ChooseSet(Judged())];
+    if (!completed.insert(chosen.released).second || Interrupted()) {
+      shares.clear();
+      for (const Trial& less : judged_) {
+        if (less.released.size() + 1 != chosen.released.size()) continue;
+        Set cause;
+        std::set_difference(chosen.released.begin(), chosen.released.end(), less.released.begin(),
+                            less.released.end(), std::back_inserter(cause));
+        if (cause.size() == 1)
+          shares.emplace_back(cause.front(), chosen.left_out_error / less.left_out_error);
+      }
+      return chosen;
+    }
+    const Trial polished = Polished(chosen);
+    Consider({polished});
+    Consider(OneLess(polished));
+    SINEW_ASSIGN(std::vector<Trial> larger, OneMore(polished));
+    Consider(std::move(larger));
+  }
+}
+
+Result<CrossValidatedSearch::Outcome> CrossValidatedSearch::Conclude() {
   Outcome outcome;
   outcome.base_error = judged_.front().left_out_error;
-  const int draws = draws_ > 0 ? kMoreDraws * draws_ / kDraws : 0;
-  best = Polished(std::move(best), draws);
-  best = Pruned(std::move(best), outcome.left_out_shares);
-  best = Polished(std::move(best), draws);  // its fits began at those of larger sets
+  SINEW_ASSIGN(const Trial best, Choose(outcome.left_out_shares));
+  Resample(outcome);
   for (const Trial& one : judged_) {
     const std::size_t size = one.released.size();
     if (outcome.ladder.size() <= size) outcome.ladder.resize(size + 1, {{}, kInfinite});
@@ -403,8 +430,8 @@ Result<CrossValidatedSearch::Outcome> CrossValidatedSearch::Conclude(Trial best)
   outcome.error = best.left_out_error;
   outcome.model = refitter_.FitOrdinary(best.released, {best.point}, kFineTolerance);
   if (!outcome.model.usable()) return Fail("{}", outcome.model.failure);
-  outcome.misfit_still_dominates = scale_.Dominates(outcome.model.noise);
-  if (outcome.misfit_still_dominates) {
+  outcome.misfit_left = !scale_.Resembles(outcome.model.noise);
+  if (outcome.misfit_left) {
     SINEW_ASSIGN(outcome.substitutes, FindSubstitutes(best));
   }
   return outcome;
@@ -414,6 +441,7 @@ Result<CrossValidatedSearch::Outcome> CrossValidatedSearch::Conclude(Trial best)
 // @param made by fitted error
 void CrossValidatedSearch::Shorten(std::vector<Trial>& made) const {
   if (made.size() <= kMaxLeftOut) return;
+  made.resize(std::min(made.size(), kMaxRoughlyLeftOut));
   LeaveOut(made, kRoughTolerance);
   std::stable_sort(made.begin() + 1, made.end(), IsBetter<Trial>);
   made.resize(kMaxLeftOut);
@@ -450,11 +478,11 @@ Result<CrossValidatedSearch::Outcome> CrossValidatedSearch::Run(const ScoredMode
         made.resize(1);
         LeaveOut(made, kTolerance);
         Consider(made);
-        return Conclude(made.front());
+        return Conclude();
       }
     }
     Shorten(made);
-    Polish(made, draws_);
+    Polish(made);
     LeaveOut(made, kTolerance);
     std::stable_sort(made.begin(), made.end(), IsBetter<Trial>);
     Consider(made);
@@ -475,7 +503,7 @@ Result<CrossValidatedSearch::Outcome> CrossValidatedSearch::Run(const ScoredMode
     if (made.front().left_out_error < kStillGains * least) without_gain = 0;
     least = std::min(least, made.front().left_out_error);
   }
-  return Conclude(SimplestNearBest());
+  return Conclude();
 }
 
 }  // namespace sinew::diagnosis

@@ -17,6 +17,7 @@
 #include "identify/diagnosis/fit/folds.h"
 #include "identify/diagnosis/fit/refit.h"
 #include "identify/diagnosis/score/scored_model.h"
+#include "identify/diagnosis/select/choice_of_sets.h"
 #include "identify/diagnosis/select/misfit_scale.h"
 
 namespace sinew::diagnosis {
@@ -58,16 +59,25 @@ class CrossValidatedSearch {
     double error = 0;  ///< of left-out data, as a share of that of the answer
     Refit refit;       ///< ordinary least squares
   };
+  /// A set that could have been chosen.
+  struct Resampled {
+    Set released;
+    Vector point;  ///< [P] fitted to the searched data
+    double share = 0;
+  };
   struct Outcome {
     Set released;
-    Refit model;                          ///< ordinary least squares
-    bool misfit_still_dominates = false;  ///< with the chosen causes MisfitScale::Dominates is still true
-    double base_error = 0;                ///< of left-out data by the base model
-    double error = 0;                     ///< of left-out data by this model
+    Refit model;               ///< ordinary least squares
+    bool misfit_left = false;  ///< MisfitScale::Resembles is false with the chosen causes
+    double base_error = 0;     ///< of left-out data by the base model
+    double error = 0;          ///< of left-out data by this model
     /// Per cause: error of left-out data with it as a share of that without it.
     std::vector<std::pair<int, double>> left_out_shares;
-    std::vector<Step> ladder;             ///< from no cause on, as far as the search went
-    std::vector<Substitute> substitutes;  ///< best first
+    std::vector<Step> ladder;  ///< from no cause on, as far as the search went
+    /// Sets that are chosen in a share > 0 of resamples of the folds (ChosenShares) ...
+    std::vector<Resampled> resampled;
+    std::vector<std::pair<int, double>> chosen_shares;  ///< ... and each candidate's share
+    std::vector<Substitute> substitutes;                ///< best first
   };
   /// Searches for the smallest set that predicts left-out data nearly as well as the best one, starting from
   /// the base model; ends early if what one cause leaves may be noise (MisfitScale::Resembles). No cause
@@ -84,20 +94,23 @@ class CrossValidatedSearch {
     std::vector<double> fold_errors;
   };
   [[nodiscard]] std::vector<int> Promising(const ScoredModel& scored, const Set& have) const;
+  void AddDraws(int candidate, int draws, const Vector& point, std::vector<Vector>& starts) const;
   void Grow(const Trial& from, const ScoredModel& scored, std::vector<Trial>& made);
   void FitAll(std::vector<Trial>& trials, const std::vector<std::vector<Vector>>& starts, double tolerance,
               std::size_t continued) const;
-  void Polish(std::vector<Trial>& sets, int draws) const;
+  void Polish(std::vector<Trial>& sets) const;
   void LeaveOut(std::vector<Trial>& sets, double tolerance) const;
   void Shorten(std::vector<Trial>& made) const;
   [[nodiscard]] std::vector<Trial> OneLess(const Trial& of) const;
   using Shares = std::vector<std::pair<int, double>>;
-  [[nodiscard]] Trial Polished(Trial one, int draws) const;
-  [[nodiscard]] Trial Pruned(Trial best, Shares& shares) const;
+  [[nodiscard]] Trial Polished(Trial one) const;
   void Consider(std::vector<Trial> made);
-  [[nodiscard]] Trial SimplestNearBest() const;
+  [[nodiscard]] std::vector<JudgedSet> Judged() const;
+  [[nodiscard]] Result<std::vector<Trial>> OneMore(const Trial& of) const;
+  [[nodiscard]] Result<Trial> Choose(Shares& shares);
+  void Resample(Outcome& outcome) const;
   [[nodiscard]] Result<std::vector<Substitute>> FindSubstitutes(const Trial& of) const;
-  [[nodiscard]] Result<Outcome> Conclude(Trial best);
+  [[nodiscard]] Result<Outcome> Conclude();
   [[nodiscard]] double Rows() const;
   [[nodiscard]] bool Interrupted() const {
     return options_.interrupt != nullptr && options_.interrupt->load();

@@ -17,6 +17,10 @@ void TakeOver(const CrossValidatedSearch& search, CrossValidatedSearch::Outcome 
     for (const int c : step.released) told.effects.push_back(candidates[static_cast<std::size_t>(c)].effect);
     selection.ladder.push_back(std::move(told));
   }
+  selection.resampled.clear();
+  for (CrossValidatedSearch::Resampled& set : found.resampled)
+    selection.resampled.push_back({std::move(set.released), std::move(set.point), set.share});
+  selection.chosen_shares = std::move(found.chosen_shares);
   selection.causes.clear();
   for (const auto& [c, share] : found.left_out_shares) selection.causes.push_back({c, kNaN, kNaN, share});
   std::stable_sort(selection.causes.begin(), selection.causes.end(),

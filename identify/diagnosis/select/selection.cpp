@@ -110,19 +110,19 @@ class Selector {
  private:
   using Set = std::vector<int>;
 
-  // If with one known cause the misfit no longer dominates, the steps by likelihood are more powerful. If it
-  // takes several, these steps continue from them; if it still dominates, cross-validation decides.
+  // If what one known cause leaves may be noise, the steps by likelihood are more powerful. If it takes
+  // several, these steps continue from them; if a misfit is left, cross-validation decides.
   Status SearchByCrossValidation(Selection& selection, Set& chosen) {
     CrossValidatedSearch search(problem_, refitter_, candidates_, scale_, options_);
     if (!search.possible()) return {};
     SINEW_ASSIGN(auto found, search.Run(base_));
-    if (!found.misfit_still_dominates && found.released.size() > 1) {
+    if (!found.misfit_left && found.released.size() > 1) {
       chosen = found.released;
       std::sort(chosen.begin(), chosen.end());
       Fit({{chosen, {found.model.point}}});
       if (!cache_.at(chosen).usable()) chosen.clear();
     }
-    if (found.released.empty() || !found.misfit_still_dominates) return {};
+    if (found.released.empty() || !found.misfit_left) return {};
     selection.alarm = true;
     selection.cross_validated = true;
     selection.family_p_value = std::min(selection.family_p_value, options_.alarm_level);
@@ -147,6 +147,13 @@ class Selector {
     return kPerParameter * parameters;
   }
   [[nodiscard]] double Penalised(const Refit& refit) const { return refit.deviance + Price(refit.released); }
+  // Of models that data do not distinguish, the one whose causes are more common in practice.
+  [[nodiscard]] double PenalisedByOccurrence(const Refit& refit) const {
+    double rarity = 0;
+    for (const int c : refit.released)
+      rarity += static_cast<double>(candidates_[static_cast<std::size_t>(c)].occurrence);
+    return Penalised(refit) + kByOccurrence * rarity;
+  }
 
   static Set With(Set set, int c) {
     set.insert(std::lower_bound(set.begin(), set.end(), c), c);
@@ -464,8 +471,8 @@ class Selector {
   [[nodiscard]] Set BetterRival(const Set& chosen, const Selection& selection) const {
     const Refit* best = &cache_.at(chosen);
     for (const Rival& rival : selection.rivals) {
-      if (Penalised(rival.refit) < Penalised(*best) && !IsSimplerDouble(chosen, rival.refit) &&
-          !EndsAtABound(rival.refit, rival.candidate))
+      if (PenalisedByOccurrence(rival.refit) < PenalisedByOccurrence(*best) &&
+          !IsSimplerDouble(chosen, rival.refit) && !EndsAtABound(rival.refit, rival.candidate))
         best = &rival.refit;
     }
     return best->released == chosen ? Set() : best->released;

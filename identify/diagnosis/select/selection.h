@@ -4,6 +4,7 @@
 
 #include <optional>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include "identify/diagnosis/diagnosis.h"
@@ -24,6 +25,10 @@ struct Rival {
   double left_out = 0;
 };
 
+/// Likelihood ratio that each step from common to rare counts between a cause and its rival: far below
+/// SetWidth.
+constexpr double kByOccurrence = 0.5;
+
 /// Largest penalised likelihood ratio at which a rival still counts as not distinguishable from this model.
 [[nodiscard]] double SetWidth(const Refit& model);
 
@@ -34,14 +39,23 @@ struct ChosenCause {
   double left_out = 0;  ///< if Selection::cross_validated: error of left-out trials with it / without it
 };
 
+/// A set of causes that cross-validation could have chosen.
+struct ResampledSet {
+  std::vector<int> released;
+  Vector point;      ///< [P]
+  double share = 0;  ///< of the resamples of the folds in which it is chosen
+};
+
 struct Selection {
   bool alarm = false;
   /// The misfit dominates the noise, also with the causes: these were chosen by cross-validation over trials,
   /// not by likelihood.
   bool cross_validated = false;
-  std::vector<Fold> left_out;      ///< in turn, if cross_validated
-  std::vector<LadderStep> ladder;  ///< if cross_validated
-  std::size_t searched = 0;        ///< of the training trials, if cross_validated
+  std::vector<Fold> left_out;                         ///< in turn, if cross_validated
+  std::vector<LadderStep> ladder;                     ///< if cross_validated
+  std::vector<ResampledSet> resampled;                ///< if cross_validated, with a share > 0 ...
+  std::vector<std::pair<int, double>> chosen_shares;  ///< ... and the share of each candidate in them
+  std::size_t searched = 0;                           ///< of the training trials, if cross_validated
   double family_p_value = 1;
   std::vector<ChosenCause> causes;  ///< most important first
   std::vector<Rival> rivals;
@@ -61,17 +75,17 @@ struct Selection {
 /// 1. Alarm: nothing is selected if the family-wise p-value of the base model's scores is above
 /// DiagnosisOptions::alarm_level, unless its noise model is so strongly autocorrelated that it can hide an
 /// effect; refits decide then.
-/// 2. If the misfit dominates the noise: CrossValidatedSearch. Its result is final if the misfit still
-/// dominates with the causes that it finds; else the next steps start from several such causes, or from the
-/// base model if it found only one.
+/// 2. If the misfit dominates the noise: CrossValidatedSearch. Its result is final if more than noise is left
+/// with the causes that it finds; else the next steps start from several such causes, or from the base model
+/// if it found only one.
 /// 3. Forward: the shortlist of candidates by score (Shortlist; at the first step also pairs) is refitted,
 /// and the best is added if it is significant by likelihood ratio. Repeated with scores of the extended
 /// model, at a level of 0.02.
 /// 4. Backward: causes whose likelihood ratio is below their penalty are removed. If one discrepancy term
 /// fits better than all causes together, no cause is named: the cause is then not in the library.
 /// 5. Rivals: every cause is replaced by each candidate that could explain the same, and pairs by pairs. A
-/// rival that fits better replaces the cause, at most 8 times; one whose penalised deviance is within
-/// SetWidth is reported as an alternative.
+/// rival that fits better, or as well (kByOccurrence) and is more common, replaces the cause, at most 8
+/// times; one whose penalised deviance is within SetWidth is reported as an alternative.
 /// 6. The causes together must explain the error at least as well as the best free term, each at its price
 /// (CompareWithFreeTerms). If not, they are kept as what resembles the error most, with better_term and
 /// structure_left set: the error is not explained.

@@ -121,7 +121,7 @@ TEST(CrossValidatedSearch, FindsACauseThatImprovesOnlyTogetherWithAnother) {
     ASSERT_TRUE(one.scale.Dominates(base->refit.noise));
     const auto found = one.search->Run(*base);
     ASSERT_TRUE(found) << found.error().message;
-    EXPECT_TRUE(found->misfit_still_dominates);
+    EXPECT_TRUE(found->misfit_left);
     right += one.NamesOf(found->released) == std::vector<std::string>{"drift", "offset"} ? 1 : 0;
     // The second effect improves nothing alone, but does together with the first.
     EXPECT_LT(found->error, 0.6 * found->base_error) << seed;

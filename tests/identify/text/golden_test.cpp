@@ -219,10 +219,12 @@ Lines OtherDiagnoses() {
     d.withdrawn[0].worst.reset();
   });
   add("chosen by cross-validation", [](Diagnosis& d) { d.causes[0].left_out = 0.6; });
+  add("less common", [](Diagnosis& d) { d.alternatives[0].less_common = true; });
   add("same class", [](Diagnosis& d) { d.alternatives[0].same_class = true; });
   add("more general law", [](Diagnosis& d) { d.alternatives[0].contains_cause = true; });
   add("separated by a larger effect", [](Diagnosis& d) { d.alternatives[0].separating_size = 9; });
   add("overestimated", [](Diagnosis& d) { d.base_parameters[0].value = 1.404; });
+  add("overestimated many times", [](Diagnosis& d) { d.base_parameters[0].value = 1e6; });
   add("underestimated", [](Diagnosis& d) { d.base_parameters[0].value = 0.6; });
   add("negative", [](Diagnosis& d) {
     d.base_parameters[0].value = -0.127;
