@@ -61,7 +61,8 @@ def drive(name, seed, folder, sinew, options):
     random = np.random.default_rng([2, seed])
     truth = {"inertia": 0.02 * 3 ** random.uniform(), "viscous_friction": random.uniform(0.02, 0.1),
              "gravity_torque": random.uniform(0.2, 1)}
-    noise = {"noise_rho": float(random.choice([0, 0, 0.5, 0.8, 0.9])), "known_noise": 0}
+    correlations = {"drive": [0, 0, 0.5, 0.8, 0.9], "drive_white": [0], "drive_ar": [0.5, 0.8, 0.9]}[name]
+    noise = {"noise_rho": float(random.choice(correlations)), "known_noise": 0}
     data = folder / "data.h5"
     synthesize(sinew, "drive", seed, data, {**truth, **noise, "position_noise": 0.003})
     return Case("drive", data, truth, [], count(data, ".*/channels/position"))
@@ -143,4 +144,6 @@ def make(name, seed, folder, sinew, options):
     """A Case, or None where no truth could be drawn."""
     if re.fullmatch(r"nms_(rigid|elastic)_[0-9.]+", name):
         return ceinms(name, seed, folder, sinew, options)
-    return {"contact": contact, "drive": drive, "emg_shape": emg_shape, "emg_shape_small": emg_shape, "nms_study": nms_study}[name](name, seed, folder, sinew, options)
+    functions = {"contact": contact, "drive": drive, "drive_white": drive, "drive_ar": drive, "emg_shape": emg_shape,
+                 "emg_shape_small": emg_shape, "nms_study": nms_study}
+    return functions[name](name, seed, folder, sinew, options)
