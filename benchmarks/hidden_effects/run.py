@@ -390,6 +390,7 @@ def main():
     else:
         if not options.sinew or not options.generate:
             parser.error("--sinew and --generate are needed")
+        options.sinew, options.generate = options.sinew.resolve(), options.generate.resolve()
         cases = run_all(options, plan)
     summary = summarise(cases)
     for failure in sorted({c["failure"] for c in cases if "failure" in c})[:5]:
