@@ -5,6 +5,7 @@
 
 #include "base/spline.h"
 #include "base/text.h"
+#include "problems/nms/arm_slopes.h"
 
 namespace sinew {
 namespace {
@@ -71,6 +72,7 @@ class Preparation {
       any_training = any_training || trial.role == Role::kTrain;
     }
     if (!any_training) return Fail("no trial has the role train: nothing to fit");
+    AddArmSlopes();
     WeighAlike();
     if (settings_.fibre_range) AddFibreBlocks();
     if (cut_off_ > 0) {
@@ -279,6 +281,45 @@ class Preparation {
     if (!any) return Fail("no muscle has a moment arm in grid '{}': the joint cannot move", grid_name);
     made.arms.push_back(std::move(arms));
     return {};
+  }
+
+  // Zero where the angle was not recorded in every trial.
+  void AddArmSlopes() {
+    for (std::size_t m = 0; m < out_.muscles.size(); ++m) {
+      const std::vector<int>& crosses = out_.muscle_joints[m];
+      for (std::size_t crossed = 0; crossed < crosses.size(); ++crossed) {
+        const std::vector<Vector> slopes = ArmSlopesOf(m, crossed);
+        for (std::size_t t = 0; t < out_.trials.size(); ++t) {
+          std::vector<double> values(out_.trials[t].time.size(), 0);
+          if (!slopes.empty()) values.assign(slopes[t].data(), slopes[t].data() + slopes[t].size());
+          out_.trials[t].muscles[m].arm_slopes.push_back(std::move(values));
+        }
+      }
+    }
+  }
+
+  [[nodiscard]] std::vector<Vector> ArmSlopesOf(std::size_t m, std::size_t crossed) const {
+    const std::vector<int>& crosses = out_.muscle_joints[m];
+    const auto recorded = [&](int joint) {
+      return std::all_of(out_.trials.begin(), out_.trials.end(), [&](const NmsTrial& trial) {
+        return trial.motion[static_cast<std::size_t>(joint)].angle.size() > 0;
+      });
+    };
+    if (!recorded(crosses[crossed])) return {};
+    std::vector<int> joints{crosses[crossed]};
+    for (const int other : crosses) {
+      if (other != joints.front() && recorded(other)) joints.push_back(other);
+    }
+    std::vector<Vector> arms;
+    std::vector<std::vector<Vector>> angles;
+    for (const NmsTrial& trial : out_.trials) {
+      const std::vector<double>& arm = trial.muscles[m].arms[crossed];
+      arms.emplace_back(Eigen::Map<const Vector>(arm.data(), static_cast<Eigen::Index>(arm.size())));
+      angles.emplace_back();
+      for (const int joint : joints)
+        angles.back().push_back(trial.motion[static_cast<std::size_t>(joint)].angle);
+    }
+    return ArmSlopes(arms, angles);
   }
 
   // A joint whose moment was not measured is predicted.

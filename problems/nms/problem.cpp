@@ -21,6 +21,7 @@ struct NmsProblem::Scratch final : Problem::Workspace {
   std::vector<std::vector<Slope>> slopes;  // [muscles]
   std::vector<int> lanes;                  // slots that move, of one muscle
   std::vector<bool> needed;                // [muscles]
+  std::vector<double> arm;                 // of one muscle about one joint, as it is at the true angle
 };
 
 NmsProblem::NmsProblem(NmsSettings settings, NmsData data, MuscleCurves curves)
@@ -253,12 +254,16 @@ Status NmsProblem::AddMuscle(std::size_t t, int muscle, const Query& query, Scra
     const auto j = static_cast<std::size_t>(data_.muscle_joints[m][crossed]);
     const int b = trial.first_block + static_cast<int>(j);
     if (!query.blocks[static_cast<std::size_t>(b)]) continue;
-    const std::vector<double>& arm = trial.muscles[m].arms[crossed];
+    const std::size_t turned = kAngleOffset + crossed;
     const int turning = list_.arm_offset[j];
     const double offset = turning >= 0 ? query.parameters[turning] : 0;
+    scratch.arm.resize(force.size());
+    for (std::size_t i = 0; i < force.size(); ++i)
+      scratch.arm[i] = ArmAt(trial.muscles[m], crossed, i, Value(numbers[turned])) + offset;
+    const std::vector<double>& arm = scratch.arm;
     auto values = prediction.values(b);
     for (std::size_t i = 0; i < force.size(); ++i)
-      values[static_cast<Eigen::Index>(i)] += (arm[i] + offset) * Value(force[i]);
+      values[static_cast<Eigen::Index>(i)] += arm[i] * Value(force[i]);
     if constexpr (kDerivatives) {
       auto derivatives = prediction.derivatives(b);
       const std::vector<int>& columns = data_.layout[static_cast<std::size_t>(b)].columns;
@@ -270,7 +275,11 @@ Status NmsProblem::AddMuscle(std::size_t t, int muscle, const Query& query, Scra
         auto slot_column = column(slope.parameter);
         const std::size_t lane = lane_of[slope.slot];
         for (std::size_t i = 0; i < force.size(); ++i)
-          slot_column[static_cast<Eigen::Index>(i)] += slope.factor * (arm[i] + offset) * force[i].d[lane];
+          slot_column[static_cast<Eigen::Index>(i)] += slope.factor * arm[i] * force[i].d[lane];
+        if (static_cast<std::size_t>(slope.slot) != turned) continue;
+        const std::vector<double>& bend = trial.muscles[m].arm_slopes[crossed];
+        for (std::size_t i = 0; i < force.size(); ++i)
+          slot_column[static_cast<Eigen::Index>(i)] += slope.factor * bend[i] * force[i].value;
       }
       if (turning < 0 || !query.Differentiates(turning)) continue;
       auto arm_column = column(turning);

@@ -181,8 +181,17 @@ NmsParts NmsProblem::PartsAt(const Vector& parameters, std::size_t trial) const 
   parts.arms = of.arms;
   for (std::size_t j = 0; j < parts.arms.size(); ++j) {
     parts.beyond.emplace_back(Vector::Zero(static_cast<Eigen::Index>(of.time.size())));
-    if (list_.arm_offset[j] < 0) continue;
-    for (Vector& arm : parts.arms[j]) arm.array() += parameters[list_.arm_offset[j]];
+    for (std::size_t k = 0; k < parts.arms[j].size(); ++k) {
+      const auto m = static_cast<std::size_t>(data_.joint_muscles[j][k]);
+      const auto& crosses = data_.muscle_joints[m];
+      const auto crossed = static_cast<std::size_t>(
+          std::find(crosses.begin(), crosses.end(), static_cast<int>(j)) - crosses.begin());
+      for (Eigen::Index i = 0; i < parts.arms[j][k].size(); ++i) {
+        parts.arms[j][k][i] = ArmAt(of.muscles[m], crossed, static_cast<std::size_t>(i),
+                                    parts.slots[m][kAngleOffset + crossed]);
+      }
+      if (list_.arm_offset[j] >= 0) parts.arms[j][k].array() += parameters[list_.arm_offset[j]];
+    }
   }
   for (const NmsMoment& moment : list_.moments) {
     const double value = parameters[moment.parameter];

@@ -74,7 +74,7 @@ FreeMuscle::FreeMuscle(const MuscleCurves& curves, const MuscleModel& model,
       length_(signals.unit_length) {
   for (std::size_t j = 0; j < signals.arms.size(); ++j) {
     for (std::size_t i = 0; i < length_.size(); ++i)
-      length_[i] -= signals.arms[j][i] * numbers[kAngleOffset + j];
+      length_[i] -= ShorteningAt(signals, j, i, numbers[kAngleOffset + j]);
   }
   filter_.Settle(0.0);
   for (std::size_t k = 0; k < acting.frames_from; ++k) filter_.Next(acting.value[k]);

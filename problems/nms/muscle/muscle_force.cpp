@@ -72,7 +72,7 @@ class MuscleForce {
       const T& offset = p_[kAngleOffset + j];
       if (IsAbsent(offset)) continue;
       turned_ = true;
-      for (std::size_t i = 0; i < frames(); ++i) length_[i] -= signals_.arms[j][i] * offset;
+      for (std::size_t i = 0; i < frames(); ++i) length_[i] -= ShorteningAt(signals_, j, i, offset);
     }
   }
 

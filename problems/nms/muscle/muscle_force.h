@@ -62,7 +62,22 @@ struct MuscleSignals {
   std::vector<double> time;               ///< [N >= 2, s, increasing] of lengths and forces
   std::vector<double> unit_length;        ///< [N, m] of muscle and tendon
   std::vector<std::vector<double>> arms;  ///< [joints <= kMaxJoints] [N, m] = -d unit_length / d angle
+  /// [joints] [N, m/rad] d arm / d angle of the same joint; 0 where it is not known
+  std::vector<std::vector<double>> arm_slopes;
 };
+
+/// The moment arm at the joint's true angle, which is `offset` [rad] beyond the measured one [m].
+template <class T>
+[[nodiscard]] T ArmAt(const MuscleSignals& signals, std::size_t joint, std::size_t frame, const T& offset) {
+  return signals.arms[joint][frame] + signals.arm_slopes[joint][frame] * offset;
+}
+
+/// By which the unit is shorter at the joint's true angle than at the measured one [m].
+template <class T>
+[[nodiscard]] T ShorteningAt(const MuscleSignals& signals, std::size_t joint, std::size_t frame,
+                             const T& offset) {
+  return (signals.arms[joint][frame] + 0.5 * signals.arm_slopes[joint][frame] * offset) * offset;
+}
 
 /// Everything that a prediction may show, at each instant.
 template <class T>

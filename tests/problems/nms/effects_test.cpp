@@ -96,7 +96,7 @@ TEST(NmsEffectsTest, EveryEffectIsThatOfTheLaboratory) {
       {"emg_gain@train_90", {{"emg_gain@train_90", 0.1}}, 0.03},
       {"emg_offset@train_90", {{"emg_offset@train_90", 0.01}}, 0.05},
       {"arm_offset.ankle_angle_r", {{"arm_offset" + joint, 0.003}}, 0.03},
-      {"angle_offset.ankle_angle_r", {{"angle_offset" + joint, 0.05}}, 0.3},
+      {"angle_offset.ankle_angle_r", {{"angle_offset" + joint, 0.05}}, 0.03},
       {"missing_muscle_plus.ankle_angle_r", {{"missing_muscle_plus" + joint, 5}}, 0.3},
       {"missing_muscle_minus.ankle_angle_r", {{"missing_muscle_minus" + joint, 20}}, 0.3},
       {"passive_stiffness.ankle_angle_r", {{"passive_stiffness" + joint, 10}}, 0.03},

@@ -70,7 +70,11 @@ TEST(MuscleForceTest, DerivativesAreThoseOfDifferences) {
   MuscleSignals signals = Signals();
   for (const double t : signals.excitation_time) signals.others.push_back(0.1 + 0.1 * std::cos(3 * t));
   signals.arms.emplace_back();
-  for (const double t : signals.time) signals.arms[0].push_back(0.04 + 0.01 * std::cos(5 * t));
+  signals.arm_slopes.emplace_back();
+  for (const double t : signals.time) {
+    signals.arms[0].push_back(0.04 + 0.01 * std::cos(5 * t));
+    signals.arm_slopes[0].push_back(0.02 * std::sin(3 * t));
+  }
   using Lanes = Dual<kMuscleSlots>;
   for (const Mode& mode : kModes) {
     const MuscleModel model{mode.tendon, ActivationShape::kExponential, mode.as_ceinms};
