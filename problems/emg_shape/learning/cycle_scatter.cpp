@@ -20,7 +20,8 @@ constexpr double kUsual = 10;      // bursts that what is usual counts for again
 constexpr double kMinimum = 4;     // samples of a burst
 constexpr double kMaxTaken = 0.8;  // share of a sample's noise that a regression is believed to have taken
 constexpr double kWellTold = 0.2;  // share of the mean burst's information below which a burst is not used
-constexpr double kMinShare = 0.1;  // of the variance of bursts, below which a part of it is none
+constexpr double kEnoughForATrend = 6;  // degrees of freedom of all gains
+constexpr double kMinShare = 0.1;       // of the variance of bursts, below which a part of it is none
 
 // Sums over samples of one burst, by the inverse of their noise's variance.
 struct BurstSums {
@@ -66,6 +67,7 @@ class Estimation {
     for (int sweep = 0; sweep < kSweeps; ++sweep) {
       AddUp();
       AskBursts();
+      RemoveTrend();
       FindTotal(&Told::gain, &Told::gain_noise, kMinGainScatter, out_.gain);
       FindTotal(&Told::timing, &Told::timing_noise, kMinTimingScatter, out_.timing);
       if (variance_ > 0) FindNoise();
@@ -160,6 +162,40 @@ class Estimation {
     variance_ = std::max(left, 0.0) / std::max(degrees, 1.0);
   }
 
+  // A muscle that tires is weaker from cycle to cycle, by as much in every recording. That is no scatter: as
+  // part of it, it would widen the prior of the gains until they describe the fatigue as well.
+  void RemoveTrend() {
+    std::map<std::pair<int, int>, std::array<double, 2>> means;  // of recording and burst: count, mean cycle
+    for (const Told& burst : told_) {
+      auto& [count, mean] = means[PlaceOf(burst)];
+      count += 1;
+      mean += (CyclesSince0(burst) - mean) / count;
+    }
+    double squares = 0;
+    double products = 0;
+    const auto since = [&](const Told& burst) { return CyclesSince0(burst) - means.at(PlaceOf(burst))[1]; };
+    for (const Told& burst : told_) {
+      squares += since(burst) * since(burst);
+      products += since(burst) * burst.gain;
+    }
+    const double freedom = static_cast<double>(told_.size()) - static_cast<double>(means.size());
+    trend_share_ = 0;
+    if (!(squares > 0) || freedom < kEnoughForATrend) return;
+    for (Told& burst : told_) burst.gain -= products / squares * since(burst);
+    trend_share_ = 1 / freedom;
+  }
+
+  [[nodiscard]] double CyclesSince0(const Told& burst) const {
+    return static_cast<double>(burst.number) /
+           recordings_[static_cast<std::size_t>(burst.recording)].pattern.count();
+  }
+
+  // Recording and burst of the cycle.
+  [[nodiscard]] std::pair<int, int> PlaceOf(const Told& burst) const {
+    const BurstPattern& pattern = recordings_[static_cast<std::size_t>(burst.recording)].pattern;
+    return {burst.recording, pattern.IndexOf(burst.number)};
+  }
+
   // A recording whose bursts scatter much more than those of the others is no measure of them, and is
   // recognised by its own bursts; a few cycles have little weight against the usual scatter.
   void FindTotal(double Told::*value, double Told::*noise, double least, Scatter& scatter) const {
@@ -182,8 +218,9 @@ class Estimation {
     std::vector<double> told;
     for (std::size_t r = 0; r < sums.size(); ++r) {
       const Sums& of = sums[r];
-      const double freedom = of.told - static_cast<double>(of.bursts.size());
+      double freedom = of.told - static_cast<double>(of.bursts.size());
       if (freedom < 1) continue;
+      if (value == &Told::gain) freedom *= 1 - trend_share_;
       telling.push_back(r);
       variances.push_back(of.squares / freedom - correlated_ * variance_ * of.noise / of.told);
       told.push_back(freedom);
@@ -317,7 +354,8 @@ class Estimation {
   std::vector<BurstSums> bursts_;
   std::vector<Sample> samples_;
   std::vector<Told> told_;
-  double variance_ = 0;  // of a sample, less gains and timings, over that of the present noise estimate
+  double trend_share_ = 0;  // of the gains' degrees of freedom that their trend took
+  double variance_ = 0;     // of a sample, less gains and timings, over that of the present noise estimate
   CycleScatter out_;
 };
 
