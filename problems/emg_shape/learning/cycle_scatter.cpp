@@ -20,8 +20,9 @@ constexpr double kUsual = 10;      // bursts that what is usual counts for again
 constexpr double kMinimum = 4;     // samples of a burst
 constexpr double kMaxTaken = 0.8;  // share of a sample's noise that a regression is believed to have taken
 constexpr double kWellTold = 0.2;  // share of the mean burst's information below which a burst is not used
-constexpr double kEnoughForATrend = 6;  // degrees of freedom of all gains
-constexpr double kMinShare = 0.1;       // of the variance of bursts, below which a part of it is none
+constexpr double kEnoughForATrend = 6;   // degrees of freedom of all gains
+constexpr double kEnoughForStudent = 4;  // degrees of freedom from which its variance is used
+constexpr double kMinShare = 0.1;        // of the variance of bursts, below which a part of it is none
 
 // Sums over samples of one burst, by the inverse of their noise's variance.
 struct BurstSums {
@@ -235,7 +236,10 @@ class Estimation {
       sum += told[i] * std::min(variances[i], most);
       freedom += told[i];
     }
-    scatter.total = std::sqrt(std::max(sum / freedom, least * least));
+    // Tests and intervals take the width of a prior as known. It is an estimate from few bursts, so that what
+    // it describes has a Student's distribution, whose variance is larger.
+    const double student = freedom > kEnoughForStudent ? freedom / (freedom - 2) : 1;
+    scatter.total = std::sqrt(std::max(student * sum / freedom, least * least));
     for (std::size_t i = 0; i < telling.size(); ++i) {
       const double ratio = std::max(variances[i], 0.0) / (scatter.total * scatter.total);
       scatter.factor[telling[i]] = std::sqrt((kUsual + told[i] * ratio) / (kUsual + told[i]));
