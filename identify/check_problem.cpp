@@ -136,6 +136,13 @@ Status CheckEffects(const Problem& problem) {
   return {};
 }
 
+Status CheckSomethingToFit(const Problem& problem) {
+  for (const Block& block : problem.layout()) {
+    if (block.role == BlockRole::kTrain && block.samples() > 0) return {};
+  }
+  return Fail("no trial with the role train has a channel that is compared: nothing to fit");
+}
+
 Status CheckStructure(const Problem& problem) {
   if (problem.parameters().empty()) return Fail("the problem has no parameter");
   if (problem.layout().empty()) return Fail("the problem has no block: it compares nothing");
@@ -157,6 +164,7 @@ Status CheckProblem(const Problem& problem) {
 
 Status CheckProblem(const Problem& problem, const FitSetup& setup) {
   SINEW_TRY(CheckStructure(problem));
+  SINEW_TRY(CheckSomethingToFit(problem));
   if (setup.parameters.size() != problem.parameters().size())
     return Fail("the setup has {} parameters, the problem {}: it was made for another problem",
                 setup.parameters.size(), problem.parameters().size());

@@ -33,8 +33,6 @@ constexpr double kMinExplained = 0.1;
 Status CheckThatDataSuffice(const Problem& problem, const FitSetup& setup) {
   int rows = 0;
   for (const Block& block : problem.layout()) rows += block.role == BlockRole::kTrain ? block.samples() : 0;
-  if (rows == 0)
-    return Fail("no training trial has a channel that is compared: there is nothing to diagnose");
   if (rows < 2 * static_cast<int>(setup.free.size()) + 20) {
     return Fail("{} samples are too few to fit {} parameters and to judge what is left", rows,
                 setup.free.size());

@@ -219,6 +219,16 @@ TEST(CheckProblem, WhatAModelThrowsIsAnError) {
   ExpectFoundEverywhere(bad, "the model threw at the start values: no table loaded");
 }
 
+TEST(CheckProblem, DataWithoutATrainingTrialArePredictedButNotFitted) {
+  Decay held_out;
+  for (Block& block : held_out.layout_) block.role = BlockRole::kValidate;
+  EXPECT_EQ(ErrorOf(CheckProblem(held_out)), "");
+  const std::string words = "no trial with the role train has a channel that is compared: nothing to fit";
+  EXPECT_EQ(ErrorOf(CheckSomethingToFit(held_out)), words);
+  EXPECT_EQ(ErrorOfIdentify(held_out), words);
+  EXPECT_EQ(ErrorOfDiagnose(held_out), words);
+}
+
 TEST(CheckProblem, AStartThatTheProblemRefusesIsNoFaultOfAFit) {
   Decay refused;
   refused.spoil = [](const Query&, Prediction&) -> Status { return Fail("the step is too long"); };
