@@ -12,6 +12,7 @@
 #include "identify/diagnosis/held_out_validation.h"
 #include "identify/diagnosis/score/quantised_channels.h"
 #include "identify/diagnosis/select/cross_validated_search.h"
+#include "identify/diagnosis/select/equivalent_effects.h"
 #include "identify/diagnosis/tabulation.h"
 #include "identify/equal_noise_view.h"
 #include "identify/error_concentration.h"
@@ -142,6 +143,8 @@ class DiagnosisRun {
     if (state_.held_out.exists() && !state_.selection.causes.empty()) {
       SINEW_ASSIGN(out_.withdrawn, RejectUnsupportedCauses(state_));
     }
+    SINEW_TRY(AddEquivalentEffects(state_));
+    SINEW_TRY(Continue());
     out_.extended_point = state_.selection.model.point;
     SINEW_TRY(Tabulate(state_, out_));
     if (state_.selection.structure_left) {

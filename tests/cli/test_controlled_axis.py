@@ -41,6 +41,18 @@ class ForceIsCompared(ProgramTest):
             self.assertEqual(sum(name.startswith(term + "[") for name in names), 8)
 
 
+class OffsetsOfOneKind(ProgramTest):
+    """Offsets of the reference, of the drive's force and of the position are one and the same in closed loop."""
+
+    def test_none_of_them_is_ruled_out_beside_another(self):
+        write_axis(self.path("axis.h5"), fit="position", reference_offset=0.003, coulomb=2.0)
+        self.succeeds("diagnose", "drive", "--data", "axis.h5", "--out", "why.h5", "--json", "why.json", "--quiet")
+        result = json.loads(self.path("why.json").read_text())
+        stated = {cause["effect"] for cause in result["causes"]} | {other["effect"] for other in result["alternatives"]}
+        self.assertLessEqual({"reference.offset", "torque_offset", "position.offset"}, stated)
+        self.assertEqual(result["verdict"], "ambiguous")
+
+
 class ValidationTrialsOnly(ProgramTest):
     def test_a_run_is_simulated_on_them(self):
         write_axis(self.path("axis.h5"), fit="position")
