@@ -6,6 +6,7 @@
 #include <limits>
 
 #include "identify/derivative_comparison.h"
+#include "identify/distinct_effects.h"
 #include "identify/guarded.h"
 
 namespace sinew {
@@ -159,7 +160,8 @@ Status CheckProblem(const Problem& problem) {
   SINEW_ASSIGN(const FitSetup setup, MakeFitSetup(problem, request));
   const std::vector<bool> blocks(problem.layout().size(), true);
   const std::vector<bool> parameters(problem.parameters().size(), true);
-  return CheckAt(problem, {setup.rest, blocks, parameters}, true);
+  SINEW_TRY(CheckAt(problem, {setup.rest, blocks, parameters}, true));
+  return CheckDistinctEffects(problem);
 }
 
 Status CheckProblem(const Problem& problem, const FitSetup& setup) {

@@ -61,7 +61,7 @@ Result<JacobianReport> CheckJacobian(const Problem& problem, const JacobianOptio
 /// CheckStructure, then one prediction at the start with every derivative: each must be set and finite, and
 /// agree in size and sign with differences (to a tenth). The error names trial, channel, sample and
 /// parameter. A start that the problem itself refuses (Predict returns an Error) is that Error; what it
-/// throws is one.
+/// throws is one. Then CheckDistinctEffects.
 [[nodiscard]] Status CheckProblem(const Problem& problem);
 
 /// The same for a fit, and CheckSomethingToFit: what is free, at its start, on training blocks. A refused

@@ -296,7 +296,20 @@ class DiagnosisRun {
            {static_cast<double>(selection.searched), static_cast<double>(TrainingTrials(problem_).size())},
            {}});
     }
+    WarnOfUnknownNoise();
     if (!state_.held_out.exists()) out_.warnings.push_back({WarningKind::kNoValidationTrial, {}, {}, {}});
+  }
+
+  // Channels whose noise is neither stated nor visible: what is left of them has nothing to be compared with.
+  void WarnOfUnknownNoise() {
+    Warning warning{WarningKind::kNoiseLevelUnknown, {}, {}, {}};
+    const MisfitScale scale(problem_);
+    for (const MisfitScale::Channel& channel : scale.channels()) {
+      if (channel.unknown == NoiseUnknown::kNo) continue;
+      warning.names.push_back(channel.name);
+      warning.names.emplace_back(ToString(channel.unknown));
+    }
+    if (!warning.names.empty()) out_.warnings.push_back(std::move(warning));
   }
 
   const Problem& problem_;
