@@ -5,6 +5,7 @@
 #include "cli/terminal.h"
 #include "datasets/dataset_hash.h"
 #include "datasets/io/dataset_file.h"
+#include "identify/check_problem.h"
 
 namespace sinew {
 namespace {
@@ -131,6 +132,13 @@ Result<Binding> Bind(const BindingOptions& options, bool with_sensor_effects) {
   return Bind(options, [&](const Dataset& data, const YamlReader& settings) {
     return entry->bind(data, settings, with_sensor_effects);
   });
+}
+
+Result<Binding> BindToFit(const BindingOptions& options, bool with_sensor_effects) {
+  SINEW_ASSIGN(Binding binding, Bind(options, with_sensor_effects));
+  const Status fits = CheckSomethingToFit(binding.problem());
+  if (!fits) return Fail("{}: {}", options.data, fits.error().message);
+  return binding;
 }
 
 Result<Binding> Bind(const BindingOptions& options,

@@ -64,6 +64,8 @@ struct Binding {
 
 /// Settings come from --config, or from the file PROBLEM.yaml in the data set.
 Result<Binding> Bind(const BindingOptions& options, bool with_sensor_effects);
+/// The same for commands that fit. Errors, with the data's name: no training trial is compared.
+Result<Binding> BindToFit(const BindingOptions& options, bool with_sensor_effects);
 /// With another way to bind than the registry's. @param bind (data, settings)
 Result<Binding> Bind(const BindingOptions& options,
                      const std::function<Result<BoundProblem>(const Dataset&, const YamlReader&)>& bind);

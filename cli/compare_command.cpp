@@ -60,7 +60,7 @@ StudyOptions ToOptions(const CompareWords& words) {
 Result<int> RunCompare(const CompareWords& words) {
   const auto limit = words.fit.LimitThreads();
   SINEW_TRY(CheckFiles({{words.binding.data, words.binding.config}, {words.out}, words.json}));
-  SINEW_ASSIGN(const Binding binding, Bind(words.binding, !words.fit.release.empty()));
+  SINEW_ASSIGN(const Binding binding, BindToFit(words.binding, !words.fit.release.empty()));
   SINEW_ASSIGN(const FitRequest request, words.fit.Request());
   SINEW_ASSIGN(const FitSetup setup, MakeFitSetup(binding.problem(), request));
   const LeastSquares problem(binding.problem(), setup);

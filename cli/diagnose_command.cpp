@@ -89,7 +89,7 @@ Result<int> RunDiagnose(const DiagnoseWords& words) {
   const auto limit = words.fit.LimitThreads();
   const Program& program = *words.binding.program;
   SINEW_TRY(CheckFiles({{words.binding.data, words.binding.config, words.from}, {words.out}, words.json}));
-  SINEW_ASSIGN(const Binding binding, Bind(words.binding, true));
+  SINEW_ASSIGN(const Binding binding, BindToFit(words.binding, true));
   const Provenance provenance = binding.ToProvenance(words.binding);
   SINEW_ASSIGN(FitRequest request, words.fit.Request());
   std::vector<std::string> notes = binding.bound.notes;

@@ -125,7 +125,7 @@ void PrintFindings(const IdentifyWords& words, const Binding& binding, const Ide
 Result<int> RunIdentify(const IdentifyWords& words) {
   const auto limit = words.fit.LimitThreads();
   SINEW_TRY(CheckFiles({{words.binding.data, words.binding.config}, {words.out}, words.json}));
-  SINEW_ASSIGN(const Binding binding, Bind(words.binding, !words.fit.release.empty()));
+  SINEW_ASSIGN(const Binding binding, BindToFit(words.binding, !words.fit.release.empty()));
   SINEW_ASSIGN(const FitRequest request, words.fit.Request());
   SINEW_ASSIGN(FitSetup setup, MakeFitSetup(binding.problem(), request));
   const Provenance provenance = binding.ToProvenance(words.binding);

@@ -6,6 +6,7 @@
 #include <limits>
 
 #include "identify/derivative_comparison.h"
+#include "identify/distinct_effects.h"
 #include "identify/guarded.h"
 
 namespace sinew {
@@ -136,6 +137,13 @@ Status CheckEffects(const Problem& problem) {
   return {};
 }
 
+Status CheckSomethingToFit(const Problem& problem) {
+  for (const Block& block : problem.layout()) {
+    if (block.role == BlockRole::kTrain && block.samples() > 0) return {};
+  }
+  return Fail("no trial with the role train has a channel that is compared: nothing to fit");
+}
+
 Status CheckStructure(const Problem& problem) {
   if (problem.parameters().empty()) return Fail("the problem has no parameter");
   if (problem.layout().empty()) return Fail("the problem has no block: it compares nothing");
@@ -152,11 +160,13 @@ Status CheckProblem(const Problem& problem) {
   SINEW_ASSIGN(const FitSetup setup, MakeFitSetup(problem, request));
   const std::vector<bool> blocks(problem.layout().size(), true);
   const std::vector<bool> parameters(problem.parameters().size(), true);
-  return CheckAt(problem, {setup.rest, blocks, parameters}, true);
+  SINEW_TRY(CheckAt(problem, {setup.rest, blocks, parameters}, true));
+  return CheckDistinctEffects(problem);
 }
 
 Status CheckProblem(const Problem& problem, const FitSetup& setup) {
   SINEW_TRY(CheckStructure(problem));
+  SINEW_TRY(CheckSomethingToFit(problem));
   if (setup.parameters.size() != problem.parameters().size())
     return Fail("the setup has {} parameters, the problem {}: it was made for another problem",
                 setup.parameters.size(), problem.parameters().size());

@@ -47,6 +47,10 @@ struct JacobianOptions {
 /// finite.
 Result<JacobianReport> CheckJacobian(const Problem& problem, const JacobianOptions& options = {});
 
+/// Whether anything is fitted: a problem is bound, and predicts, without any training trial. Error: no block
+/// of role kTrain has a sample.
+[[nodiscard]] Status CheckSomethingToFit(const Problem& problem);
+
 /// The declaration alone: parameters, layout (sizes, order, indices, finite numbers), effects, ports and
 /// constraints. The error names the block (trial, channel), or the effect, the index and the value.
 [[nodiscard]] Status CheckStructure(const Problem& problem);
@@ -57,11 +61,11 @@ Result<JacobianReport> CheckJacobian(const Problem& problem, const JacobianOptio
 /// CheckStructure, then one prediction at the start with every derivative: each must be set and finite, and
 /// agree in size and sign with differences (to a tenth). The error names trial, channel, sample and
 /// parameter. A start that the problem itself refuses (Predict returns an Error) is that Error; what it
-/// throws is one.
+/// throws is one. Then CheckDistinctEffects.
 [[nodiscard]] Status CheckProblem(const Problem& problem);
 
-/// The same for a fit: what is free in it, at its start, on its training blocks. A refused start passes: the
-/// search reports it. Costs some five evaluations.
+/// The same for a fit, and CheckSomethingToFit: what is free, at its start, on training blocks. A refused
+/// start passes: the search reports it. Costs some five evaluations.
 [[nodiscard]] Status CheckProblem(const Problem& problem, const FitSetup& setup);
 
 }  // namespace sinew

@@ -30,6 +30,8 @@ const char* ToString(WarningKind kind) {
       return "equal_noise";
     case WarningKind::kCrossValidated:
       return "cross_validated";
+    case WarningKind::kNoiseLevelUnknown:
+      return "noise_level_unknown";
     case WarningKind::kNoValidationTrial:
       return "no_validation_trial";
     case WarningKind::kFreeTermExplainsMore:

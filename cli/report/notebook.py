@@ -100,4 +100,4 @@ async def execute(notebook, folder):
                 await manager.shutdown_kernel(now=True)
     for cell in notebook.cells:
         if cell.cell_type == "code" and cell.metadata["name"] == "setup":
-            cell.outputs = []  # what matplotlib says about its cache is nobody's finding
+            cell.outputs = []  # messages of matplotlib about its cache are no findings

@@ -12,6 +12,7 @@
 #include "identify/diagnosis/held_out_validation.h"
 #include "identify/diagnosis/score/quantised_channels.h"
 #include "identify/diagnosis/select/cross_validated_search.h"
+#include "identify/diagnosis/select/equivalent_effects.h"
 #include "identify/diagnosis/tabulation.h"
 #include "identify/equal_noise_view.h"
 #include "identify/error_concentration.h"
@@ -33,8 +34,6 @@ constexpr double kMinExplained = 0.1;
 Status CheckThatDataSuffice(const Problem& problem, const FitSetup& setup) {
   int rows = 0;
   for (const Block& block : problem.layout()) rows += block.role == BlockRole::kTrain ? block.samples() : 0;
-  if (rows == 0)
-    return Fail("no training trial has a channel that is compared: there is nothing to diagnose");
   if (rows < 2 * static_cast<int>(setup.free.size()) + 20) {
     return Fail("{} samples are too few to fit {} parameters and to judge what is left", rows,
                 setup.free.size());
@@ -144,6 +143,8 @@ class DiagnosisRun {
     if (state_.held_out.exists() && !state_.selection.causes.empty()) {
       SINEW_ASSIGN(out_.withdrawn, RejectUnsupportedCauses(state_));
     }
+    SINEW_TRY(AddEquivalentEffects(state_));
+    SINEW_TRY(Continue());
     out_.extended_point = state_.selection.model.point;
     SINEW_TRY(Tabulate(state_, out_));
     if (state_.selection.structure_left) {
@@ -295,7 +296,20 @@ class DiagnosisRun {
            {static_cast<double>(selection.searched), static_cast<double>(TrainingTrials(problem_).size())},
            {}});
     }
+    WarnOfUnknownNoise();
     if (!state_.held_out.exists()) out_.warnings.push_back({WarningKind::kNoValidationTrial, {}, {}, {}});
+  }
+
+  // Channels whose noise is neither stated nor visible: what is left of them has nothing to be compared with.
+  void WarnOfUnknownNoise() {
+    Warning warning{WarningKind::kNoiseLevelUnknown, {}, {}, {}};
+    const MisfitScale scale(problem_);
+    for (const MisfitScale::Channel& channel : scale.channels()) {
+      if (channel.unknown == NoiseUnknown::kNo) continue;
+      warning.names.push_back(channel.name);
+      warning.names.emplace_back(ToString(channel.unknown));
+    }
+    if (!warning.names.empty()) out_.warnings.push_back(std::move(warning));
   }
 
   const Problem& problem_;

@@ -12,7 +12,7 @@ namespace {
 
 constexpr int kLowestOrder = 2;
 constexpr int kHighestOrder = 6;
-constexpr int kMinSamples = 20;
+constexpr int kMinDifferences = kSamplesForNoise - kLowestOrder;
 constexpr double kMedianOfNormal = 0.6744897501960817;  // of |z|, z standard normal
 
 // Squared norm of the coefficients of a difference: the binomial coefficient (2 order over order).
@@ -47,7 +47,7 @@ std::optional<double> DifferenceNoise(const Block& block) {
       for (int i = stretches[s] + order; i < end; ++i)
         magnitudes.push_back(std::abs(differences[static_cast<std::size_t>(i)]));
     }
-    if (magnitudes.size() < kMinSamples) break;
+    if (magnitudes.size() < kMinDifferences) break;
     const double level = Median(magnitudes) / kMedianOfNormal / std::sqrt(SquaredNorm(order));
     smallest = found ? std::min(smallest, level) : level;
     found = true;

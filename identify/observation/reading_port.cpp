@@ -55,9 +55,18 @@ bool IsUsable(const Problem::Signal& signal, const Block& block) {
 
 }  // namespace
 
+std::string ReadingPort::NameOf(const Problem& problem, const std::string& channel) {
+  const auto is_taken = [&](const auto& of_model) { return of_model.name == channel; };
+  const auto& ports = problem.ports();
+  const auto& parameters = problem.parameters();
+  const bool taken = std::any_of(ports.begin(), ports.end(), is_taken) ||
+                     std::any_of(parameters.begin(), parameters.end(), is_taken);
+  return taken ? channel + "_reading" : channel;
+}
+
 ReadingPort::ReadingPort(const Problem& problem, const ChannelSummary& channel,
                          std::vector<Parameter>& parameters)
-    : port_{channel.channel, channel.unit, "something adds to the reading", {}} {
+    : port_{NameOf(problem, channel.channel), channel.unit, "something adds to the reading", {}} {
   const Layout& layout = problem.layout();
   std::vector<Samples> time;
   std::vector<std::vector<Samples>> by_signal;

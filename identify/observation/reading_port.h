@@ -11,9 +11,9 @@
 
 namespace sinew {
 
-/// Port CHANNEL with the terms CHANNEL(time), for the time since the trial's begin (its first sample of any
-/// compared channel), and CHANNEL(SIGNAL) for every signal that Problem::ResidualCovariates names for all
-/// compared blocks of the channel; 8 knots over the signal's range in all of them.
+/// Port CHANNEL (see NameOf) with the terms CHANNEL(time), for the time since the trial's begin (its first
+/// sample of any compared channel), and CHANNEL(SIGNAL) for every signal that Problem::ResidualCovariates
+/// names for all compared blocks of the channel; 8 knots over the signal's range in all of them.
 ///
 /// Signals known at the samples only are interpolated linearly and are constant beyond; gaps (NaN) are
 /// interpolated too. A constant signal gives no term. A signal with the name of the channel itself is taken
@@ -21,6 +21,10 @@ namespace sinew {
 /// the residual.
 class ReadingPort {
  public:
+  /// CHANNEL; CHANNEL_reading where the model itself has a port or a parameter of that name (the joint's
+  /// torque beside a torque sensor), so that terms, their weights and drifts keep names of their own.
+  [[nodiscard]] static std::string NameOf(const Problem& problem, const std::string& channel);
+
   struct Term {
     int first_weight = 0;  ///< index of its first parameter; the others follow
     bool of_reading = false;

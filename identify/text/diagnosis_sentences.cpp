@@ -38,17 +38,34 @@ std::vector<Sentence> Inconclusives(const Diagnosis& d) {
           {SentenceKind::kAdvice, advice, {}}};
 }
 
+// What limits every verdict but "unexplained": channels whose noise level is not known.
+std::string UnknownNoise(const Diagnosis& d) {
+  std::vector<std::string> channels;
+  for (const Warning& w : d.warnings) {
+    for (std::size_t i = 0; w.kind == WarningKind::kNoiseLevelUnknown && i + 1 < w.names.size(); i += 2)
+      channels.push_back(w.names[i]);
+  }
+  if (channels.empty()) return {};
+  return fmt::format(
+      " The noise level of {} is not known, so that this rests on tests of the residual alone: an error that "
+      "resembles noise is not excluded.",
+      And(channels));
+}
+
 std::string VerdictText(const Diagnosis& d) {
   const std::string chance = "(family-wise " + Chance(d.family_p_value) + ")";
   switch (d.verdict) {
     case DiagnosisVerdict::kAdequate:
-      return fmt::format("Adequate: no effect in the library improves the fit beyond chance {}.", chance);
+      return fmt::format("Adequate: no effect in the library improves the fit beyond chance {}.", chance) +
+             UnknownNoise(d);
     case DiagnosisVerdict::kExplained:
       return fmt::format("Misfit beyond chance {}: {}.", chance,
                          d.causes.size() == 1 ? "one known cause explains it"
-                                              : fmt::format("{} known causes explain it", d.causes.size()));
+                                              : fmt::format("{} known causes explain it", d.causes.size())) +
+             UnknownNoise(d);
     case DiagnosisVerdict::kAmbiguous:
-      return fmt::format("Misfit beyond chance {}: more than one known cause could explain it.", chance);
+      return fmt::format("Misfit beyond chance {}: more than one known cause could explain it.", chance) +
+             UnknownNoise(d);
     case DiagnosisVerdict::kUnexplained:
       if (d.strongly_autocorrelated)
         return "Unexplained: the residual is strongly autocorrelated, as noise of instruments rarely is; no "

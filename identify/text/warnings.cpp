@@ -4,6 +4,7 @@
 
 #include "base/numbers.h"
 #include "base/text.h"
+#include "identify/noise/difference_noise.h"
 #include "identify/text/phrases.h"
 
 namespace sinew::text {
@@ -71,6 +72,28 @@ std::string CrossValidated(const Warning& w, const std::vector<LeftOutData>& lef
       Join(groups, "; "), some);
 }
 
+// Which noise is unknown, why, and what would give it.
+std::string NoiseLevelUnknown(const Warning& w) {
+  std::vector<std::string> channels;
+  bool samples_help = false;
+  for (std::size_t i = 0; i + 1 < w.names.size(); i += 2) {
+    const std::string& why = w.names[i + 1];
+    std::string because = "filtered, interpolated or computed: no noise is visible";
+    if (why == "few_samples") because = "too few samples in a row";
+    if (why == "correlated") because = "its noise is correlated";
+    if (why == "constant") because = "it does not change";
+    samples_help = samples_help || why == "few_samples" || why == "smooth";
+    channels.push_back(w.names[i] + " (" + because + ")");
+  }
+  std::string text = fmt::format(
+      "the noise level of {} is neither stated by the data nor visible in them: what the model leaves cannot "
+      "be "
+      "compared with it. The instrument's accuracy (attribute sigma of the channel) would give it",
+      And(channels));
+  if (samples_help) text += fmt::format("; so would {} unfiltered samples in a row", noise::kSamplesForNoise);
+  return text;
+}
+
 std::string Text(const Warning& w, const std::vector<LeftOutData>& left_out) {
   switch (w.kind) {
     case WarningKind::kFailedEvaluations:
@@ -113,6 +136,8 @@ std::string Text(const Warning& w, const std::vector<LeftOutData>& left_out) {
              "models are compared under one noise level per channel, the same in all trials";
     case WarningKind::kCrossValidated:
       return CrossValidated(w, left_out);
+    case WarningKind::kNoiseLevelUnknown:
+      return NoiseLevelUnknown(w);
     case WarningKind::kNoValidationTrial:
       return "there is no validation trial: no gain can be measured, and no cause withdrawn";
     case WarningKind::kFreeTermExplainsMore:

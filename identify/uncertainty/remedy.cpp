@@ -5,6 +5,7 @@
 #include <limits>
 #include <optional>
 
+#include "base/column_space.h"
 #include "base/constants.h"
 #include "base/decompositions.h"
 #include "identify/uncertainty/interval.h"
@@ -52,13 +53,36 @@ std::optional<double> AssumedSigma(const Block& block, const Noise& noise, const
   return sigma;
 }
 
-/// What one block would add, [n x n] in the unit box.
-Matrix BlockInformation(const LeastSquares& problem, const Linearization& at, const Noise& noise, int b,
-                        const Prediction& prediction) {
+/// Position of a parameter in an increasing list; -1 if it is not there.
+int PositionIn(const std::vector<int>& list, int parameter) {
+  const auto found = std::lower_bound(list.begin(), list.end(), parameter);
+  return found != list.end() && *found == parameter ? static_cast<int>(found - list.begin()) : -1;
+}
+
+/// Nuisance parameters (initial states, offsets) that would be free as well if the trial were fitted:
+/// increasing.
+std::vector<int> NuisanceAddedBy(const LeastSquares& problem, const AdditionName& addition) {
+  std::vector<int> added;
+  if (addition.kind != AdditionKind::kTrial) return added;
+  const FitSetup& setup = problem.setup();
+  for (std::size_t i = 0; i < setup.parameters.size(); ++i) {
+    const Parameter& p = setup.parameters[i];
+    const auto index = static_cast<int>(i);
+    if (p.kind == ParameterKind::kNuisance && p.trial == addition.name && !setup.IsFree(index) &&
+        !setup.IsHeld(index))
+      added.push_back(index);
+  }
+  return added;
+}
+
+/// Derivatives of one block's residuals in units of their noise: [rows x n] by the fitted variables (unit
+/// box), then a column for each of `nuisance` (its own unit). No rows if nothing is known of its noise.
+Matrix BlockSlopes(const LeastSquares& problem, const Linearization& at, const Noise& noise, int b,
+                   const std::vector<int>& nuisance, const Prediction& prediction) {
   const Block& block = BlockOf(problem, b);
-  Matrix information = Matrix::Zero(problem.variables(), problem.variables());
+  const Eigen::Index columns = problem.variables() + static_cast<Eigen::Index>(nuisance.size());
   const std::optional<double> sigma = AssumedSigma(block, noise, prediction.values(b));
-  if (!sigma) return information;
+  if (!sigma) return Matrix(0, columns);
   std::vector<int> rows = block.sample;
   double share = 1;  // of the samples that count
   if (rows.empty()) {
@@ -66,24 +90,46 @@ Matrix BlockInformation(const LeastSquares& problem, const Linearization& at, co
     const int samples = FittedSamples(problem, block.trial);
     share = std::min(1.0, static_cast<double>(samples) / block.predictions());
   }
-  Matrix slopes = Matrix::Zero(static_cast<Eigen::Index>(rows.size()), problem.variables());
+  Matrix slopes = Matrix::Zero(static_cast<Eigen::Index>(rows.size()), columns);
   for (std::size_t c = 0; c < block.columns.size(); ++c) {
-    const auto& free = problem.setup().free;
-    const auto found = std::lower_bound(free.begin(), free.end(), block.columns[c]);
-    if (found == free.end() || *found != block.columns[c]) continue;
-    const auto variable = static_cast<int>(found - free.begin());
-    if (at.status[static_cast<std::size_t>(variable)] == VariableStatus::kAtLower ||
-        at.status[static_cast<std::size_t>(variable)] == VariableStatus::kAtUpper) {
+    const int variable = PositionIn(problem.setup().free, block.columns[c]);
+    const int added = PositionIn(nuisance, block.columns[c]);
+    if (variable < 0 && added < 0) continue;
+    if (variable >= 0 && (at.status[static_cast<std::size_t>(variable)] == VariableStatus::kAtLower ||
+                          at.status[static_cast<std::size_t>(variable)] == VariableStatus::kAtUpper)) {
       continue;
     }
+    const Eigen::Index to = variable >= 0 ? variable : problem.variables() + added;
+    const double scale = (variable >= 0 ? at.slopes[variable] : 1) * std::sqrt(share) / *sigma;
     for (std::size_t i = 0; i < rows.size(); ++i) {
-      slopes(static_cast<Eigen::Index>(i), variable) =
-          prediction.derivatives(b)(rows[i], static_cast<Eigen::Index>(c)) * at.slopes[variable] / *sigma;
+      slopes(static_cast<Eigen::Index>(i), to) =
+          prediction.derivatives(b)(rows[i], static_cast<Eigen::Index>(c)) * scale;
     }
   }
-  if (!slopes.allFinite()) return information;
-  information = share * slopes.transpose() * slopes;
-  return information;
+  if (!slopes.allFinite()) return Matrix(0, columns);
+  return slopes;
+}
+
+/// Rows of the priors of these parameters, in the columns of BlockSlopes.
+Matrix PriorSlopes(const LeastSquares& problem, const Linearization& at, const std::vector<int>& nuisance) {
+  Matrix slopes = Matrix::Zero(static_cast<Eigen::Index>(nuisance.size()),
+                               problem.variables() + static_cast<Eigen::Index>(nuisance.size()));
+  for (std::size_t k = 0; k < nuisance.size(); ++k) {
+    const Parameter& p = problem.setup().parameters[static_cast<std::size_t>(nuisance[k])];
+    if (!p.prior) continue;
+    const double unit = p.scale == Scale::kLog ? at.parameters[nuisance[k]] : 1;
+    slopes(static_cast<Eigen::Index>(k), problem.variables() + static_cast<Eigen::Index>(k)) =
+        1 / (unit * p.prior->standard_deviation);
+  }
+  return slopes;
+}
+
+/// What rows add about the first n of their columns [n x n] if the values of all others are fitted as well:
+/// these are projected out.
+Matrix InformationWithout(const Matrix& rows, Eigen::Index n) {
+  const Eigen::Index others = rows.cols() - n;
+  if (others == 0) return Gram(rows);
+  return Gram(ColumnSpace(rows.rightCols(others), kRankTolerance).TakenFrom(rows.leftCols(n)));
 }
 
 /// The addition that a block belongs to; nothing if it is no candidate.
@@ -117,17 +163,20 @@ Result<std::vector<Addition>> PossibleAdditions(const LeastSquares& problem, con
   LeastSquares::Workspace workspace = problem.NewWorkspace();
   SINEW_TRY(problem.problem().Predict({at.parameters, wanted, true, nullptr}, *workspace.problem,
                                       workspace.prediction));
-  for (std::size_t b = 0; b < layout.size(); ++b) {
-    if (!wanted[b]) continue;
-    const Matrix information =
-        BlockInformation(problem, at, noise, static_cast<int>(b), workspace.prediction);
-    const auto same = std::find_if(additions.begin(), additions.end(),
-                                   [&](const Addition& a) { return a.name == *addition_of[b]; });
-    if (same == additions.end()) {
-      additions.push_back({*addition_of[b], information});
-    } else {
-      same->information += information;
+  for (std::size_t first = 0; first < layout.size(); ++first) {
+    const auto is_known = [&](const Addition& a) { return a.name == *addition_of[first]; };
+    if (!wanted[first] || std::any_of(additions.begin(), additions.end(), is_known)) continue;
+    const AdditionName& name = *addition_of[first];
+    const std::vector<int> nuisance = NuisanceAddedBy(problem, name);
+    Matrix rows = PriorSlopes(problem, at, nuisance);
+    for (std::size_t b = first; b < layout.size(); ++b) {
+      if (!wanted[b] || !(*addition_of[b] == name)) continue;
+      const Matrix more =
+          BlockSlopes(problem, at, noise, static_cast<int>(b), nuisance, workspace.prediction);
+      rows.conservativeResize(rows.rows() + more.rows(), Eigen::NoChange);
+      rows.bottomRows(more.rows()) = more;
     }
+    additions.push_back({name, InformationWithout(rows, problem.variables())});
   }
   return additions;
 }

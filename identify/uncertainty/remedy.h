@@ -16,14 +16,15 @@ namespace sinew::uncertainty {
 /// Something that could be measured, or fitted as well.
 struct Addition {
   AdditionName name;
-  Matrix information;  ///< [n x n] that it adds, unit box
+  Matrix information;  ///< [n x n] that it adds about the fitted variables, unit box
 };
 
 /// Every channel of role kPredicted (together over all trials that are fitted), and every trial of role
 /// kValidate. Noise of one sample: Block::sigma; else that of the fitted channel of the same name; else the
 /// median ratio of residual to signal of the fitted channels, times the predicted signal. A channel without
 /// measured samples is taken to deliver as many as the fitted channel of its trial with most. Noise is taken
-/// as independent. Errors: the problem's own.
+/// as independent. A trial's own nuisance parameters would be fitted with it: what they can follow adds
+/// nothing. Errors: the problem's own.
 Result<std::vector<Addition>> PossibleAdditions(const LeastSquares& problem, const Linearization& at,
                                                 const Noise& noise);
 

@@ -264,9 +264,6 @@ Result<ContactData> PrepareContactData(const Dataset& data, const ContactSetting
     return Fail("no trial has a vertical force of the plates {}: expected a channel such as {}_force_y",
                 Join(settings.Plates(), ", "), settings.Plates().front());
   }
-  const bool trains = std::any_of(out.layout.begin(), out.layout.end(),
-                                  [](const Block& block) { return block.role == BlockRole::kTrain; });
-  if (!trains) return Fail("no trial with role train has a force of these plates: nothing to fit");
   // One floor under all stances turns about one point, in their midst, so that a slope is no height.
   std::array<double, 2> middle{};
   for (const std::size_t axis : {0U, 1U}) {

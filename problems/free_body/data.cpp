@@ -371,12 +371,10 @@ Result<FreeBodyData> PrepareFreeBodyData(const Dataset& data, const FreeBodySett
   FreeBodyData out;
   out.body = settings.body;
   out.speed = 0;
-  bool any_training = false;
   std::vector<std::string> in_hand;
   for (const auto& [name, trial] : data.trials) {
     auto read = ReadToss(name, trial, settings, out.notes, in_hand);
     if (!read) return Fail("trial '{}': {}", name, read.error().message);
-    any_training = any_training || trial.role == Role::kTrain;
     Toss& toss = read->toss;
     toss.first_block = static_cast<int>(out.layout.size());
     for (std::size_t i = 1; i < toss.times.size(); ++i)
@@ -386,7 +384,7 @@ Result<FreeBodyData> PrepareFreeBodyData(const Dataset& data, const FreeBodySett
     out.tosses.push_back(std::move(toss));
     AddWindows(out.tosses.back(), read->free, static_cast<int>(out.tosses.size()) - 1, settings, out.windows);
   }
-  if (!any_training) return Fail("no trial has the role train: nothing to fit");
+  if (out.tosses.empty()) return Fail("holds no trial");
   if (!in_hand.empty()) {
     out.notes.push_back("begins in the hand (so many frames are left out): " + Join(in_hand, ", "));
   }

@@ -64,7 +64,7 @@ extern const std::array<const char*, kPoseChannels> kPoseNames;
                                      const Pose* poses);
 
 /// Errors: a channel that is missing or on another grid, a quaternion that is none, too few frames, with the
-/// trial's name; no training trial.
+/// trial's name; no trial.
 Result<FreeBodyData> PrepareFreeBodyData(const Dataset& data, const FreeBodySettings& settings);
 
 }  // namespace sinew

@@ -65,13 +65,11 @@ class Preparation {
         return Fail("the muscle '{}' crosses {} of the joints that are fitted, expected at most {}",
                     out_.muscles[m], out_.muscle_joints[m].size(), kMaxJoints);
     }
-    bool any_training = false;
+    if (data.trials.empty()) return Fail("holds no trial");
     for (const auto& [name, trial] : data.trials) {
       const Status added = Add(name, trial);
       if (!added) return Fail("trial '{}': {}", name, added.error().message);
-      any_training = any_training || trial.role == Role::kTrain;
     }
-    if (!any_training) return Fail("no trial has the role train: nothing to fit");
     AddArmSlopes();
     WeighAlike();
     if (settings_.fibre_range) AddFibreBlocks();

@@ -50,7 +50,7 @@ struct NmsData {
 /// Excitations outside of 0..1 are cut off, with one note for all. Moments are compared where a length was
 /// recorded at the same time.
 /// Errors, with the trial's name: a grid or a channel that is missing, another unit, a gap, a trial without
-/// any measured moment, a moment that does not change; no training trial.
+/// any measured moment, a moment that does not change; no trial.
 /// @param unmeasured muscles whose excitation is not looked for; it is 0.
 Result<NmsData> PrepareNmsData(const Dataset& data, const NmsSettings& settings,
                                const std::vector<std::string>& unmeasured = {});

@@ -167,13 +167,16 @@ class Builder {
                        [&](const NmsParameterSetting& s) { return s.slot == slot; });
   }
   [[nodiscard]] double LargestMoment(std::size_t j) const {
+    double trained = 0;
     double most = 0;
     for (const NmsTrial& trial : data_.trials) {
       const Block& block = data_.layout[static_cast<std::size_t>(trial.first_block) + j];
-      if (block.role != BlockRole::kTrain) continue;
-      for (const double m : block.measured) most = std::max(most, std::abs(m));
+      for (const double m : block.measured) {
+        most = std::max(most, std::abs(m));
+        if (block.role == BlockRole::kTrain) trained = std::max(trained, std::abs(m));
+      }
     }
-    return most;
+    return trained > 0 ? trained : most;
   }
 
   void OfAllMuscles(int parameter, MuscleSlot slot, NmsPlace::Way way, int trial = -1) {

@@ -75,7 +75,7 @@ TEST_F(Hdf5Tree, ReportsWhatIsWrongWithAFile) {
   ASSERT_EQ(mkfifo(Path("pipe.h5").c_str(), 0600), 0);
   for (const std::string& path : {std::string("/dev/null"), Path("pipe.h5")})
     EXPECT_THAT(ReadHdf5(path).error().message, HasSubstr("expected an HDF5 file"))
-        << "nobody would answer a pipe";
+        << "a pipe has no reader, and would block";
 }
 
 TEST_F(Hdf5Tree, ATruncatedFileIsAnErrorAtEveryLength) {

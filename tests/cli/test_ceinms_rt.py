@@ -224,15 +224,15 @@ class CeinmsRt(ProgramTest):
         for name, tendon in (("a.h5", "elastic"), ("b.h5", "equilibrium")):
             with h5py.File(self.path(name)) as file:
                 self.assertIn(f"  tendon: {tendon}\n", file["files/nms.yaml"][()].decode())
-        self.refuses("no such file", model / "Calibration.xml", "--execution", "nobody.xml", "--out", "c.h5")
+        self.refuses("no such file", model / "Calibration.xml", "--execution", "missing.xml", "--out", "c.h5")
         self.write("setup.xml", "<ceinmsCalibration/>")
         self.refuses("setup.xml:1: --execution goes with a calibration of CEINMS-RT", "setup.xml", "--execution", "other.xml", "--out", "c.h5")
 
     def test_wrong_projects_get_one_sentence_and_write_nothing(self):
         for file, old, new, words in (
                 ("Calibration.xml", "model/gait2392.osim", "model/gait.osim", "Calibration.xml:18: <osimFile> names"),
-                ("Calibration.xml", f"<inputSubjectXMLName>{BEFORE}", "<inputSubjectXMLName>nobody.xml",
-                 "Calibration.xml:47: <inputSubjectXMLName> names 'cfg/LowerLimbModel/data/nobody.xml', which is not there"),
+                ("Calibration.xml", f"<inputSubjectXMLName>{BEFORE}", "<inputSubjectXMLName>missing.xml",
+                 "Calibration.xml:47: <inputSubjectXMLName> names 'cfg/LowerLimbModel/data/missing.xml', which is not there"),
                 ("Calibration.xml", "<trialName>walk36", "<trialName>walk99", "Calibration.xml:36: trial 'walk99' names"),
                 ("Calibration.xml", "_single<", "_both<", "Calibration.xml:29: CEINMS-RT has no objective function"),
                 ("Calibration.xml", "<dofs>ankle_angle_r", "<dofs>ankle_angle", "did you mean 'ankle_angle_r'?"),

@@ -60,6 +60,25 @@ class Limits(ProgramTest):
         self.fails(f"{data}: channel 'position' does not vary: nothing to fit", "diagnose", "drive", "--data", data,
                    "--out", "why.h5")
 
+    def test_a_filtered_channel_without_stated_noise_is_said_to_have_no_scale(self):
+        def smooth(q):
+            slow = np.fft.rfft(q - np.linspace(q[0], q[-1], len(q)))
+            slow[len(slow) // 8:] = 0
+            return np.fft.irfft(slow, len(q)) + np.linspace(q[0], q[-1], len(q))
+
+        def filtered(file):
+            self.each_position(smooth)(file)
+            for trial in file["trials"].values():
+                trial["joint/channels/position"].attrs.pop("sigma", None)
+        result, said = self.diagnose(self.data(filtered))
+        known, known_said = self.diagnose(self.data(lambda file: None))
+        facts = [fact for fact in result["warning_facts"] if fact["kind"] == "noise_level_unknown"]
+        self.assertEqual([fact["names"] for fact in facts], [["position", "smooth"]])
+        self.assertIn("the noise level of position (filtered, interpolated or computed: no noise is visible)",
+                      " ".join(said.split()))
+        self.assertNotIn("noise_level_unknown", [fact["kind"] for fact in known["warning_facts"]])
+        self.assertNotIn("noise level", known_said)
+
     def test_gaps_change_nothing_that_matters(self):
         rng = np.random.default_rng(1)
 

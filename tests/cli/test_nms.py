@@ -135,7 +135,7 @@ class CeinmsProject(ProgramTest):
 
     def test_wrong_files_get_one_sentence_and_write_nothing(self):
         for file, old, new, words in (
-                ("csetup_stiff.xml", "<subjectFile>start.xml", "<subjectFile>nobody.xml", "nobody.xml"),
+                ("csetup_stiff.xml", "<subjectFile>start.xml", "<subjectFile>missing.xml", "missing.xml"),
                 ("csetup_stiff.xml", "<ceinmsCalibration>", "<calibrations>", "csetup_stiff.xml:"),
                 ("cal_stiff.xml", "<name>c1</name>", "<name>c3</name>", "parameter 'c3' does not exist"),
                 ("cal_stiff.xml", "0.85 1.15", "1.15 0.85", "not two increasing numbers"),

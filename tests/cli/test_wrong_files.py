@@ -279,7 +279,7 @@ class DataSet(ProgramTest):
             for trial in file["trials"].values():
                 trial.attrs["role"] = "validate"
 
-        self.identify_fails("no trial with role train has a force of these plates: nothing to fit", only_validate)
+        self.identify_fails("no trial with the role train has a channel that is compared: nothing to fit", only_validate)
 
     def test_a_model_with_an_unsupported_part(self):
         with h5py.File(self.path(self.stances())) as file:

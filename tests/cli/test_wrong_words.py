@@ -81,7 +81,7 @@ class Names(ProgramTest):
                    "contact", "--effect", "force_y.gian:factor=1.1", "--out", "new.h5")
 
     def test_effects_to_hide_need_a_number(self):
-        """Without one nothing would be hidden, and nobody would be told."""
+        """Without one nothing would be hidden, and no error would say so."""
         expected = {"contact": "tilted_floor:floor_slope_x=NUMBER,floor_slope_z=NUMBER",
                     "drive": "coulomb_friction:coulomb_torque=NUMBER",
                     "emg_shape": "warp_with_speed:warp_sine=NUMBER,warp_cosine=NUMBER",

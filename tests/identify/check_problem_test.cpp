@@ -213,10 +213,78 @@ TEST(CheckProblem, AnEffectsDerivativeIsCheckedToo) {
   EXPECT_THAT(ErrorOf(CheckProblem(bad)), HasSubstr("the derivative by 'offset' is 0"));
 }
 
+/// Two effects add to y: `first` sin(t), and `second` twice that, or sin(t) and a little of cos(t), or only
+/// where the rate is 1.
+class TwoEffects final : public Problem {
+ public:
+  enum class Second { kSame, kOther, kSameAtTheStart };
+
+  explicit TwoEffects(Second second) : second_(second) {
+    parameters_ = {BaseParameter("rate", "1/s", "of y", 0.1, 5, 1),
+                   EffectParameter("first_size", "m", "of the first", -1, 1, 0, "first"),
+                   EffectParameter("second_size", "m", "of the second", -1, 1, 0, "second")};
+    effects_ = {{"first", Level::kSensor, "the first", "", {1}},
+                {"second", Level::kSensor, "the second", "", {2}}};
+    Block block;
+    block.trial = "one";
+    block.channel = "y";
+    block.unit = "m";
+    for (int i = 0; i < 30; ++i) {
+      block.prediction_time.push_back(0.1 * i);
+      block.sample.push_back(i);
+      block.measured.push_back(std::sin(i));
+    }
+    block.columns = {0, 1, 2};
+    layout_.push_back(std::move(block));
+  }
+  [[nodiscard]] const std::vector<Parameter>& parameters() const override { return parameters_; }
+  [[nodiscard]] const Layout& layout() const override { return layout_; }
+  [[nodiscard]] const std::vector<Effect>& effects() const override { return effects_; }
+  Status Predict(const Query& query, Workspace& /*workspace*/, Prediction& prediction) const override {
+    const Vector& p = query.parameters;
+    for (int i = 0; i < 30; ++i) {
+      const double t = 0.1 * i;
+      const double rate = second_ == Second::kSameAtTheStart ? p[0] : 1;
+      const double other = second_ == Second::kOther ? 0.01 * std::cos(t) : 0;
+      const double slope = 2 * std::sin(rate * t) + other;
+      prediction.values(0)[i] = p[0] * t + p[1] * std::sin(t) + p[2] * slope;
+      if (!query.derivatives) continue;
+      const double by_rate = second_ == Second::kSameAtTheStart ? 2 * t * std::cos(rate * t) : 0;
+      prediction.derivatives(0).row(i) << t + p[2] * by_rate, std::sin(t), slope;
+    }
+    return {};
+  }
+
+ private:
+  Second second_;
+  std::vector<Parameter> parameters_;
+  std::vector<Effect> effects_;
+  Layout layout_;
+};
+
+TEST(CheckProblem, TwoEffectsThatAreOneAreNamed) {
+  EXPECT_EQ(
+      ErrorOf(CheckProblem(TwoEffects(TwoEffects::Second::kSame))),
+      "effects 'first' and 'second' are one: both change every prediction in the same way, whatever the "
+      "parameters; declare one of them, or bring data that tell them apart");
+  EXPECT_EQ(ErrorOf(CheckProblem(TwoEffects(TwoEffects::Second::kOther))), "");
+  EXPECT_EQ(ErrorOf(CheckProblem(TwoEffects(TwoEffects::Second::kSameAtTheStart))), "");
+}
+
 TEST(CheckProblem, WhatAModelThrowsIsAnError) {
   Decay bad;
   bad.spoil = [](const Query&, Prediction&) -> Status { throw std::runtime_error("no table loaded"); };
   ExpectFoundEverywhere(bad, "the model threw at the start values: no table loaded");
+}
+
+TEST(CheckProblem, DataWithoutATrainingTrialArePredictedButNotFitted) {
+  Decay held_out;
+  for (Block& block : held_out.layout_) block.role = BlockRole::kValidate;
+  EXPECT_EQ(ErrorOf(CheckProblem(held_out)), "");
+  const std::string words = "no trial with the role train has a channel that is compared: nothing to fit";
+  EXPECT_EQ(ErrorOf(CheckSomethingToFit(held_out)), words);
+  EXPECT_EQ(ErrorOfIdentify(held_out), words);
+  EXPECT_EQ(ErrorOfDiagnose(held_out), words);
 }
 
 TEST(CheckProblem, AStartThatTheProblemRefusesIsNoFaultOfAFit) {

@@ -7,6 +7,7 @@
 #include <limits>
 
 #include "base/random.h"
+#include "identify/check_problem.h"
 #include "identify/fit_setup.h"
 #include "identify/observation/sensor_effects.h"
 #include "tests/identify/support/error_of.h"
@@ -27,8 +28,9 @@ constexpr double kTrialDuration = 2;
 class SignalProblem final : public Problem {
  public:
   using Signals = std::function<std::vector<Signal>(const Block&)>;
-  SignalProblem(ToyProblem inner, Signals signals) : inner_(std::move(inner)), signals_(std::move(signals)) {
-    ports_.push_back({"torque", "1", "an unknown torque", {}});
+  SignalProblem(ToyProblem inner, Signals signals, std::vector<DiscrepancyTerm> terms = {})
+      : inner_(std::move(inner)), signals_(std::move(signals)) {
+    ports_.push_back({"torque", "1", "an unknown torque", std::move(terms)});
   }
   [[nodiscard]] const std::vector<Parameter>& parameters() const override { return inner_.parameters(); }
   [[nodiscard]] const Layout& layout() const override { return inner_.layout(); }
@@ -196,6 +198,40 @@ TEST(SensorTrials, ThePortComesAfterTheProblemsOwn) {
   const auto setup = MakeFitSetup(problem, request);
   ASSERT_TRUE(setup) << setup.error().message;
   EXPECT_EQ(setup->free.size(), 10U);
+}
+
+TEST(SensorTrials, ThePortOfAReadingIsNamedApartFromAPortOrParameterOfTheModel) {
+  // A torque sensor beside the model's own port "torque", and one of the very quantity "gain" that is fitted.
+  const auto formula = [](const Block&, double t, const Vector& p, Vector* gradient) -> Result<double> {
+    if (gradient != nullptr) *gradient << t, 1 - t, t;
+    return p[0] * t + p[1] * (1 - t) + p[2] * t;
+  };
+  std::vector<Parameter> parameters{MakeParameter("gain", 0, 4, 1)};
+  DiscrepancyTerm term{"torque(time)", "time", "s", {0, 1}, {1, 2}};
+  for (const std::string name : {"torque(time)[0]", "torque(time)[1]"}) {
+    parameters.push_back(MakeParameter(name, -1, 1, 0, ParameterKind::kEffect));
+    parameters.back().effect = term.name;
+  }
+  ToyProblem toy(
+      parameters,
+      {MakeBlock("one", "torque", 50, 1), MakeBlock("one", "gain", 50, 1), MakeBlock("one", "y", 50, 1)},
+      formula);
+  toy.Measure(Values({2, 0, 0}), [](const Block&, int) { return 0.0; });
+  const SensorEffects problem(std::make_unique<SignalProblem>(
+      std::move(toy), [](const Block&) { return std::vector<Problem::Signal>(); },
+      std::vector<DiscrepancyTerm>{term}));
+  EXPECT_EQ(ErrorOf(CheckStructure(problem)), "");
+  std::vector<std::string> names;
+  for (const DiscrepancyPort& port : problem.ports()) {
+    for (const DiscrepancyTerm& one : port.terms) names.push_back(one.name);
+  }
+  EXPECT_EQ(names, (std::vector<std::string>{"torque(time)", "torque_reading(time)", "gain_reading(time)",
+                                             "y(time)"}));
+  FitRequest request;
+  request.release = {"torque_reading(time)"};
+  const auto setup = MakeFitSetup(problem, request);
+  ASSERT_TRUE(setup) << setup.error().message;
+  EXPECT_EQ(setup->parameters[static_cast<std::size_t>(setup->free.back())].effect, "torque_reading(time)");
 }
 
 TEST(SensorTrials, ATermIsTheSameCurveOfItsSignalInEveryTrial) {

@@ -21,7 +21,7 @@ if not info["usable"]:
 elif info["finished"] and not info["converged"]:
     doubts.append(f"The solver stopped before it had converged: {why}.")
 
-if doubts:  # whoever reads on must know
+if doubts:  # they limit everything below
     display(HTML(items(doubts, "warnings")))
 display(HTML(long_list(texts("/run/findings") or ["This run states no findings."], "findings")))
 if texts("/run/warnings"):

@@ -146,7 +146,7 @@ if len(good) > 1:
         strip(axis, np.where(success, runs["values"][:, n], np.nan))
         axis.set_title(name)
         reached = runs["values"][success, n]
-        if 0 < np.ptp(reached) < 0.01 * abs(np.median(reached)):  # a scatter that nobody would call different
+        if 0 < np.ptp(reached) < 0.01 * abs(np.median(reached)):  # a scatter too small to compare solvers by
             axis.set_xlim(sorted(np.median(reached) * np.array([0.99, 1.01])))
         axis.locator_params(axis="x", nbins=4)
         axis.ticklabel_format(axis="x", scilimits=(-3, 4))

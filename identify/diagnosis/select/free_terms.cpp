@@ -83,7 +83,7 @@ class Comparison {
     for (const auto& [signal, values] : signals_) {
       for (const std::string& channel : channels_) {
         const Matrix curve = Curve(values, kFineKnots, channel);
-        if (curve.cols() > 0) Add(channel + "(" + signal + ")", weights_.asDiagonal() * curve);
+        if (curve.cols() > 0) Add(NameOfReading(channel) + "(" + signal + ")", weights_.asDiagonal() * curve);
       }
     }
     const auto& free = base_.refit.setup->free;
@@ -103,6 +103,14 @@ class Comparison {
   }
 
  private:
+  // That of its port, which differs from the channel's where the model has a port of the channel's name.
+  [[nodiscard]] std::string NameOfReading(const std::string& channel) const {
+    const std::string apart = channel + "_reading";
+    const auto& ports = problem_.ports();
+    const bool named =
+        std::any_of(ports.begin(), ports.end(), [&](const auto& p) { return p.name == apart; });
+    return named ? apart : channel;
+  }
   [[nodiscard]] Matrix Whitened(Matrix rows) const {
     for (std::size_t t = 0; t < fit_.train_blocks().size(); ++t) {
       const auto& train = fit_.train_blocks()[t];

@@ -27,6 +27,8 @@ MisfitScale::MisfitScale(const Problem& problem) {
   struct Found {
     std::vector<double> levels;
     bool stated = true;
+    std::size_t smooth = 0;  // of the levels
+    NoiseUnknown why_none = NoiseUnknown::kFewSamples;
   };
   std::map<std::string, Found> found;
   for (const Block& block : problem.layout()) {
@@ -34,18 +36,43 @@ MisfitScale::MisfitScale(const Problem& problem) {
     Found& channel = found[block.channel];
     const auto level = block.sigma ? block.sigma : noise::DifferenceNoise(block);
     channel.stated = channel.stated && block.sigma;
-    if (level) channel.levels.push_back(block.weight * std::max(*level, kLeastShare * Deviation(block)));
+    const double least = kLeastShare * Deviation(block);
+    if (!level) {
+      if (block.noise_memory) channel.why_none = NoiseUnknown::kCorrelated;
+    } else if (*level <= 0 && least <= 0) {
+      channel.why_none = NoiseUnknown::kConstant;
+    } else {
+      channel.levels.push_back(block.weight * std::max(*level, least));
+      if (!block.sigma && *level < least) ++channel.smooth;
+    }
   }
   for (auto& [name, channel] : found) {
-    Channel made{name, 0, NoiseSource::kNone};
+    Channel made{name, 0, NoiseSource::kNone, channel.why_none};
     if (!channel.levels.empty()) {
       const auto middle = channel.levels.begin() + static_cast<std::ptrdiff_t>(channel.levels.size() / 2);
       std::nth_element(channel.levels.begin(), middle, channel.levels.end());
       made.noise = *middle;
       made.source = channel.stated ? NoiseSource::kStated : NoiseSource::kDifferences;
+      made.unknown = 2 * channel.smooth > channel.levels.size() ? NoiseUnknown::kSmooth : NoiseUnknown::kNo;
     }
     channels_.push_back(std::move(made));
   }
+}
+
+const char* ToString(NoiseUnknown why) {
+  switch (why) {
+    case NoiseUnknown::kNo:
+      return "";
+    case NoiseUnknown::kFewSamples:
+      return "few_samples";
+    case NoiseUnknown::kCorrelated:
+      return "correlated";
+    case NoiseUnknown::kConstant:
+      return "constant";
+    case NoiseUnknown::kSmooth:
+      return "smooth";
+  }
+  return "?";
 }
 
 bool StronglyAutocorrelated(const noise::ChannelNoiseModel& channel) {

@@ -14,8 +14,21 @@ namespace sinew::diagnosis {
 enum class NoiseSource {
   kStated,       ///< the data state it
   kDifferences,  ///< DifferenceNoise of the measured signal
-  kNone          ///< neither: the measured signal is smooth, or its noise is known to be correlated
+  kNone          ///< neither, see NoiseUnknown
 };
+
+/// Why the noise of a channel cannot be had from its measurement.
+enum class NoiseUnknown {
+  kNo,          ///< it can
+  kFewSamples,  ///< no trial has 22 samples without a gap
+  kCorrelated,  ///< its noise is known to be correlated, as that of an envelope: differences do not show it
+  kConstant,    ///< it does not change
+  kSmooth  ///< differences show less than a thousandth of what it varies by, which is taken instead: it is
+           ///< filtered, interpolated or computed
+};
+
+/// "", "few_samples", "correlated", "constant", "smooth".
+[[nodiscard]] const char* ToString(NoiseUnknown why);
 
 class MisfitScale {
  public:
@@ -23,6 +36,7 @@ class MisfitScale {
     std::string name;
     double noise = 0;  ///< [unit of the weighted residual] median over the training blocks
     NoiseSource source = NoiseSource::kNone;
+    NoiseUnknown unknown = NoiseUnknown::kNo;
   };
 
   /// Of the training blocks of a problem.

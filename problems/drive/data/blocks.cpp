@@ -18,9 +18,15 @@ struct Spread {
   std::optional<double> least_sigma;
 };
 
-// Over all training blocks of a channel: they share one weight.
-Spread SpreadOf(const DriveData& data, std::size_t channel) {
+bool IsTrained(const DriveData& data) {
+  return std::any_of(data.layout.begin(), data.layout.end(),
+                     [](const Block& block) { return block.role == BlockRole::kTrain; });
+}
+
+// Over all training blocks of a channel, or over all blocks where none is fitted: they share one weight.
+Spread SpreadOf(const DriveData& data, std::size_t channel, bool trained) {
   Spread spread;
+  const auto counts = [&](const Block& block) { return !trained || block.role != BlockRole::kValidate; };
   double sum = 0;
   for (std::size_t b = 0; b < data.layout.size(); ++b) {
     const Block& block = data.layout[b];
@@ -30,7 +36,7 @@ Spread SpreadOf(const DriveData& data, std::size_t channel) {
     } else {
       spread.all_sigma = false;
     }
-    if (block.role == BlockRole::kValidate) continue;
+    if (!counts(block)) continue;
     for (const double value : block.measured) {
       sum += value;
       spread.largest = std::max(spread.largest, std::abs(value));
@@ -43,7 +49,7 @@ Spread SpreadOf(const DriveData& data, std::size_t channel) {
   double variance = 0;  // in two passes: positions far from zero must not lose their digits
   for (std::size_t b = 0; b < data.layout.size(); ++b) {
     if (data.blocks[b].channel != static_cast<int>(channel)) continue;
-    if (data.layout[b].role == BlockRole::kValidate) continue;
+    if (!counts(data.layout[b])) continue;
     for (const double value : data.layout[b].measured) variance += (value - mean) * (value - mean) / n;
   }
   spread.deviation = std::sqrt(variance);
@@ -120,13 +126,16 @@ Status AddBlocks(const Trial& trial, const std::vector<std::string>& fit, int ru
 
 Status WeighBlocks(const std::vector<std::string>& fit, DriveData& out) {
   out.known_noise = true;
+  const bool trained = IsTrained(out);
   std::vector<Spread> spreads;
   for (std::size_t c = 0; c < kDriveChannels.size(); ++c) {
-    spreads.push_back(SpreadOf(out, c));
+    spreads.push_back(SpreadOf(out, c, trained));
     const bool fitted = std::find(fit.begin(), fit.end(), kDriveChannels[c]) != fit.end();
     if (!fitted) continue;
-    if (!(spreads[c].deviation > 1e-12 * spreads[c].largest))
-      return Fail("channel '{}' does not vary: nothing to fit", kDriveChannels[c]);
+    if (!(spreads[c].deviation > 1e-12 * spreads[c].largest)) {
+      if (trained) return Fail("channel '{}' does not vary: nothing to fit", kDriveChannels[c]);
+      spreads[c].deviation = std::max(spreads[c].largest, 1e-12);
+    }
     out.known_noise = out.known_noise && spreads[c].all_sigma;
   }
   out.scales.noise = spreads[0].least_sigma.value_or(0.01 * std::max(spreads[0].deviation, 1e-9));

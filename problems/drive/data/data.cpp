@@ -98,8 +98,9 @@ Result<DriveData> PrepareDriveData(const Dataset& data, const DriveSettings& set
   for (std::size_t r = 0; r < motions.size(); ++r) {
     if (trials[r]->role == Role::kTrain) training.push_back(motions[r]);
   }
-  if (training.empty()) return Fail("no trial has the role train: nothing to fit");
-  out.starts = EstimateDriveStarts(out.joint, out.command, training, out.traits.fixed);
+  // Data that are only predicted have ranges of parameters all the same.
+  out.starts =
+      EstimateDriveStarts(out.joint, out.command, training.empty() ? motions : training, out.traits.fixed);
   MeasureScales(motions, out);
   for (std::size_t r = 0; r < out.runs.size(); ++r) {
     SINEW_TRY(AddBlocks(*trials[r], fit, static_cast<int>(r), motions[r], margin, out));

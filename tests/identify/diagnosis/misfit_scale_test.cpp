@@ -76,6 +76,36 @@ TEST(MisfitScale, IsTheStatedNoiseOrThatOfDifferences) {
   EXPECT_EQ(MisfitScale(second).channels()[0].source, NoiseSource::kDifferences);
 }
 
+TEST(MisfitScale, SaysWhyTheNoiseIsUnknown) {
+  const auto of = [](Block block) {
+    const toy::ToyProblem problem = ProblemWith(std::move(block));
+    return MisfitScale(problem).channels()[0];
+  };
+  EXPECT_EQ(of(Sine(100)).unknown, NoiseUnknown::kNo);
+  const auto none = [&](const Block& block, NoiseUnknown why) {
+    EXPECT_EQ(of(block).source, NoiseSource::kNone) << ToString(why);
+    EXPECT_STREQ(ToString(of(block).unknown), ToString(why));
+    Block stated = block;
+    stated.sigma = 0.01;
+    EXPECT_EQ(of(stated).unknown, NoiseUnknown::kNo) << ToString(why);
+  };
+  none(toy::MakeBlock("trial", "angle", 3, 1), NoiseUnknown::kFewSamples);
+  none(toy::MakeBlock("trial", "angle", 100, 1), NoiseUnknown::kConstant);
+  Block envelope = Sine(100);
+  envelope.noise_memory = 0.1;
+  none(envelope, NoiseUnknown::kCorrelated);
+  // Without noise, and held: every sample ten times.
+  EXPECT_EQ(of(Sine(1000, 1, 0)).unknown, NoiseUnknown::kSmooth);
+  Block held = Sine(1000);
+  for (std::size_t i = 0; i < held.measured.size(); ++i) held.measured[i] = held.measured[i - i % 10];
+  EXPECT_EQ(of(held).unknown, NoiseUnknown::kSmooth);
+}
+
+TEST(MisfitScale, AConstantChannelMakesNoMisfitLarge) {
+  const toy::ToyProblem problem = ProblemWith(toy::MakeBlock("trial", "angle", 100, 1));
+  EXPECT_FALSE(MisfitScale(problem).Dominates(White(1e-6)));
+}
+
 TEST(MisfitScale, AMisfitDominatesAboveTenTimesTheNoise) {
   const toy::ToyProblem problem = ProblemWith(Sine(100));
   const MisfitScale scale(problem);

@@ -1,4 +1,4 @@
-// The search that ends when independent starts agree: how often it looks, and when it believes.
+// The search that ends when independent starts agree: how often it checks, and when it accepts.
 #include "identify/solvers/independent_starts.h"
 
 #include <gtest/gtest.h>

@@ -54,6 +54,25 @@ TEST(DiagnosisSentences, ALawThatContainsTheCauseIsNoAlternative) {
               Contains("more_general_law y.delay friction"));
 }
 
+TEST(DiagnosisSentences, AVerdictSaysOfWhichChannelsTheNoiseIsUnknown) {
+  const auto verdict = [](DiagnosisVerdict is, std::vector<std::string> unknown) {
+    const toy::ToyProblem problem = toy::JointProblem();
+    Diagnosis d = toy::JointDiagnosis(problem);
+    d.verdict = is;
+    if (!unknown.empty()) d.warnings.push_back({WarningKind::kNoiseLevelUnknown, std::move(unknown), {}, {}});
+    for (const Sentence& sentence : Sentences(d)) {
+      if (sentence.kind == SentenceKind::kVerdict) return sentence.text;
+    }
+    return std::string();
+  };
+  for (const DiagnosisVerdict is :
+       {DiagnosisVerdict::kAdequate, DiagnosisVerdict::kExplained, DiagnosisVerdict::kAmbiguous}) {
+    EXPECT_THAT(verdict(is, {"y", "smooth", "z", "constant"}),
+                testing::HasSubstr("The noise level of y and z is not known"));
+    EXPECT_THAT(verdict(is, {}), Not(testing::HasSubstr("noise")));
+  }
+}
+
 TEST(DiagnosisSentences, AChangeWithinChanceIsNotTold) {
   const auto moved = [](double before, double now) {
     return Facts([&](Diagnosis& d) {

@@ -1,7 +1,10 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <cmath>
+#include <string>
+#include <vector>
 
 #include "base/random.h"
 #include "identify/uncertainty/uncertainty.h"
@@ -107,6 +110,55 @@ TEST(Remedy, NamesAValidationTrial) {
   EXPECT_EQ(remedy.kind, RemedyKind::kAdditions);
   ASSERT_FALSE(remedy.options.empty());
   EXPECT_THAT(remedy.options[0].additions, ElementsAre(AdditionName{AdditionKind::kTrial, "slide"}));
+}
+
+// A scale whose zero is not known: `level` acts on no fitted trial, only on the held-out trial "tare", whose
+// own offset is fitted with it and does the same; on "ramp" it acts in proportion to time.
+ToyProblem ScaleProblem(const std::vector<std::string>& held_out, BlockRole role = BlockRole::kValidate) {
+  std::vector<Parameter> parameters{MakeParameter("gain", 0.1, 10, 1), MakeParameter("level", -50, 50, 1)};
+  Layout layout{MakeBlock("load", "y", 50, 1)};
+  for (const std::string& trial : held_out) {
+    layout.push_back(MakeBlock(trial, "y", 50, 1, role));
+    parameters.push_back(MakeParameter("offset@" + trial, -100, 100, 0, ParameterKind::kNuisance));
+    parameters.back().trial = trial;
+  }
+  for (Block& block : layout) block.sigma = 0.1;
+  const auto own = [held_out](const std::string& trial) {
+    return static_cast<Eigen::Index>(2 +
+                                     (std::find(held_out.begin(), held_out.end(), trial) - held_out.begin()));
+  };
+  ToyProblem problem(parameters, layout,
+                     [own](const Block& block, double t, const Vector& p, Vector* gradient) {
+                       const double by_level = block.trial == "load" ? 0 : block.trial == "ramp" ? t : 1;
+                       double value = p[0] * t + p[1] * by_level;
+                       if (gradient != nullptr) (*gradient)[0] = t;
+                       if (gradient != nullptr) (*gradient)[1] = by_level;
+                       if (block.trial == "load") return Result<double>(value);
+                       if (gradient != nullptr) (*gradient)[own(block.trial)] = 1;
+                       value += p[own(block.trial)];
+                       return Result<double>(value);
+                     });
+  Vector truth = Vector::Zero(static_cast<Eigen::Index>(parameters.size()));
+  truth.head(2) << 2, 3;
+  Random random(17);
+  problem.Measure(truth, [&](const Block&, int) { return 0.1 * random.Normal(); });
+  return problem;
+}
+
+TEST(Remedy, ATrialWhoseOwnNuisanceFollowsTheParameterIsNone) {
+  EXPECT_EQ(Analyse(ScaleProblem({"tare"})).parameters[1].remedy.kind, RemedyKind::kNoChannel)
+      << "its offset would be fitted with it";
+  const Remedy remedy = Analyse(ScaleProblem({"tare", "ramp"})).parameters[1].remedy;
+  ASSERT_EQ(remedy.options.size(), 1U);
+  EXPECT_THAT(remedy.options[0].additions, ElementsAre(AdditionName{AdditionKind::kTrial, "ramp"}));
+}
+
+TEST(Remedy, TheErrorIsThatOfAFitOfTheTrialWithItsNuisance) {
+  const Uncertainty before = Analyse(ScaleProblem({"ramp"}));
+  const Uncertainty after = Analyse(ScaleProblem({"ramp"}, BlockRole::kTrain));
+  const Remedy& remedy = before.parameters[1].remedy;
+  ASSERT_EQ(remedy.options.size(), 1U);
+  EXPECT_NEAR(remedy.options[0].std_error / after.parameters[1].std_error, 1, 1e-6) << "the model is linear";
 }
 
 TEST(Remedy, NamesAPairWhenNoSingleChannelIsEnough) {

@@ -164,7 +164,7 @@ TEST(ContactEffects, AtTheirNullTheyChangeNothing) {
       if (columns[c] < 5) {
         EXPECT_EQ(found, Vector(all.derivatives(b).col(column)));
       } else {
-        EXPECT_TRUE(found.array().isNaN().all()) << "a column that nobody asked for";
+        EXPECT_TRUE(found.array().isNaN().all()) << "a column that was not asked for";
       }
       const Vector there = almost.derivatives(b).col(column);
       EXPECT_LT((there - all.derivatives(b).col(column)).norm(), kRounding * (1e-9 + there.norm()));
@@ -253,7 +253,7 @@ TEST(ContactEffects, AFlatSoleFollowsThePowerOfItsDepth) {
 }
 
 // Newton, with the acceleration from positions of the foot a little earlier and later.
-TEST(ContactEffects, AMassThatNobodyModelledHasItsWeightAndItsInertia) {
+TEST(ContactEffects, AnUnmodelledMassHasItsWeightAndItsInertia) {
   constexpr double kStep = 1e-3;  // [s]
   // Coordinates are cubics of time, heights are not quite: the fourth derivative times kStep^2 / 12, and at a
   // knot the jump of the third times kStep / 6.

@@ -195,7 +195,7 @@ TEST(EmgShapeData, ASpeedWithOneCycleIsLeftOut) {
 
 TEST(EmgShapeData, WhatCannotBeUsedIsAnError) {
   const Dataset good = EmgStudy();
-  EXPECT_THAT(ErrorOf(PrepareEmgShapeData(good, EmgSettings(", muscles: [nobody]"))),
+  EXPECT_THAT(ErrorOf(PrepareEmgShapeData(good, EmgSettings(", muscles: [unmeasured]"))),
               HasSubstr("no training trial has a usable signal of any muscle"));
   EXPECT_THAT(ErrorOf(PrepareEmgShapeData(good, EmgSettings(", hold_out: [train_75]"))),
               HasSubstr("hold_out: there is no trial 'train_75'; did you mean 'train_075'?"));

@@ -208,7 +208,7 @@ TEST(OdeProblem, AModelThatThrowsOrIsNotFiniteIsNamedWithTrialTimeAndParameters)
             "trial 'ramp': the model threw: parameter 7 was never declared (3 are)" + with);
 }
 
-/// Declares what it is told to.
+/// Declares what the test asks for.
 class Told final : public OdeProblem<Told, 2> {
  public:
   Told(const Dataset& data, const std::function<void(Told&)>& declare) : OdeProblem(data) { declare(*this); }
