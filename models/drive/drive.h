@@ -80,6 +80,10 @@ enum DriveSlot : int {
   kInverseSpeedLimit,
   kCompression,
   kThermalRate,
+  kWarmUpGain,
+  kWarmUpTime,
+  kSessionRate,
+  kResistanceRate,
   // Timing and transmission.
   kCommandDelay,
   kSensingDelay,

@@ -102,7 +102,7 @@ class DriveIntegrator {
   static constexpr int kMaxEvents = 50;      // reversals and break-aways within one step
 
   [[nodiscard]] DriveHeld<double> PlainHeld() const {
-    return {held_.piece, Value(held_.command), Value(held_.signal)};
+    return {held_.piece, Value(held_.command), Value(held_.signal), held_.on};
   }
   [[nodiscard]] double PlainSpeedAfter(double h) const {
     return DriveStep(actuation_, plain_, PlainHeld(), direction_, Value(time_), h, Value(q_), Value(v_)).v;
@@ -209,7 +209,7 @@ class DriveIntegrator {
           time_moves_ ? DriveStep(actuation_, dynamics_, held_, direction_, time_, T(length), q_, v_)
                       : DriveStep(actuation_, dynamics_, held_, direction_, Value(time_), length, q_, v_);
       using Along = Dual<1>;
-      const DriveHeld<Along> held{held_.piece, Value(held_.command), Value(held_.signal)};
+      const DriveHeld<Along> held{held_.piece, Value(held_.command), Value(held_.signal), held_.on};
       const double slope = DriveStep(actuation_, AlongTime(), held, direction_, Along(Value(time_)),
                                      Along::Variable(length, 0), Along(Value(q_)), Along(Value(v_)))
                                .v.d[0];
@@ -256,7 +256,7 @@ class DriveIntegrator {
     T instant(away);
     if constexpr (kDifferentiates) {
       using Along = Dual<1>;
-      const DriveHeld<Along> along{held.piece, held.command, held.signal};
+      const DriveHeld<Along> along{held.piece, held.command, held.signal, held.on};
       const double slope =
           actuation_.Excess(AlongTime(), along, Along::Variable(away, 0), Along(Value(q_))).d[0];
       if (slope != 0) instant -= Tangent(actuation_.Excess(dynamics_, held_, away, q_)) * (1 / slope);
@@ -306,8 +306,11 @@ class DriveIntegrator {
       ++held.piece;
     }
     const auto motor = actuation_.MotorAt(dynamics_, held, now, q_, v_);
-    DriveSample<T> sample{play_, v_, dynamics_.DriveTorque(motor.command, v_), T(0)};
-    if (dynamics_.joint().electric) sample.current = dynamics_.Current(motor.command, v_);
+    DriveSample<T> sample{play_, v_, T(0), T(0)};
+    if (held.on) {
+      sample.torque = dynamics_.DriveTorque(motor.command, v_, now);
+      if (dynamics_.joint().electric) sample.current = dynamics_.Current(motor.command, v_, now);
+    }
     if (dynamics_.uses()[kCompliance]) sample.position += dynamics_[kCompliance] * sample.torque;
     return sample;
   }

@@ -34,7 +34,8 @@ struct DriveRun {
   std::vector<double> input;       ///< [K] recorded; constant before and after
   std::vector<double> slope;       ///< [K, 1/s] after each sample; 0 after the last, and if the input is held
   bool held = false;
-  double middle = 0;  ///< [s] where the input sensor's drift is zero
+  double middle = 0;   ///< [s] where the input sensor's drift is zero
+  double session = 0;  ///< [s] of t = 0 since the begin of the session
 
   std::array<DriveSeries, kDriveSignals> signals;  ///< by DriveSignal; those that are needed are not empty
   DriveControllerGains gains;

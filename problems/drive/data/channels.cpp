@@ -88,6 +88,9 @@ std::string DescribeDriveChannels() {
          "the\n"
          "                                       change of the error, that of the reference included\n"
          "  inertia, torque_constant, ...        fixes the base parameter of that name\n"
+         "conditions of a trial, optional, in all trials or in none:\n"
+         "  session_time_s         s             when its time 0 was in the session: effect "
+         "gain_over_session\n"
          "files:\n"
          "  drive.yaml                           settings with key `drive` (optional; or give --config)\n";
 }

@@ -27,6 +27,9 @@ struct DriveSignalChannel {
 };
 [[nodiscard]] const std::vector<DriveSignalChannel>& DriveSignalChannels();
 
+/// Condition of a trial: when its time 0 was, since the begin of the session [s].
+inline constexpr const char* kSessionTime = "session_time_s";
+
 /// The name of the one input of a trial. Errors, to follow "trial 'x' ": none, or more than one.
 Result<std::string> InputName(const Trial& trial);
 

@@ -168,6 +168,8 @@ class Bench {
     if (p_[kCommandStep] > 0) torque = std::round(torque / p_[kCommandStep]) * p_[kCommandStep];
     if (p_[kCompression] > 0) torque *= 1 - p_[kCompression] * std::abs(u) / trial_.command_scale;
     if (p_[kThermalRate] != 0) torque *= 1 - p_[kThermalRate] * std::max(0.0, t);
+    if (p_[kWarmUpGain] != 0) torque *= 1 - p_[kWarmUpGain] * std::expm1(-std::max(0.0, t) / p_[kWarmUpTime]);
+    if (p_[kSessionRate] != 0) torque *= 1 + p_[kSessionRate] * (trial_.session + std::max(0.0, t));
     if (p_[kInverseTorqueLimit] > 0) {
       torque = std::clamp(torque, -1 / p_[kInverseTorqueLimit], 1 / p_[kInverseTorqueLimit]);
     }

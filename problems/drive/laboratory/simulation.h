@@ -54,6 +54,7 @@ struct DriveTrial {
   double initial_speed = 0;     ///< [rad/s]
   double command_scale = 1;     ///< [N*m] largest magnitude of the commands of all trials, for compression
   DriveWarming warming;
+  double session = 0;  ///< [s] of the first sample, since the begin of the session
 };
 
 inline constexpr double kDegree = kPi / 180;
@@ -83,7 +84,9 @@ struct DriveRecord {
 /// Dry friction F(q, v, load) sign v, load = |tau + gravity sin q| / 2, is the sum of coulomb, forward or
 /// backward, stribeck exp(-(v / vs)^2), load and directional parts. tau is the command late by command_delay,
 /// blended towards its last sample by hold_fraction, without dead_zone_width, times (1 - compression |u| /
-/// command_scale)(1 - thermal_rate t), clipped at 1 / inverse_torque_limit, and in the direction of motion
+/// command_scale)(1 - thermal_rate t)(1 + warm_up_gain (1 - exp(-t / warm_up_time)))(1 + session_rate
+/// (session
+/// + t)), clipped at 1 / inverse_torque_limit, and in the direction of motion
 /// reduced to zero between 0.9 and 1.0 of the speed limit. The reading is q + compliance tau, behind a play
 /// of backlash_width. A recorded instrument shows gain * low_pass(x(t - time_offset)) + offset + drift (t -
 /// middle).

@@ -43,6 +43,9 @@ constexpr Setting kSettings[] = {
      "1, with mafo: command_delay 0.18 s and coulomb_torque 1.5 N m are hidden in the truth"},
     {"warming", 0, 0, 0, 100,
      "rise of the joint's temperature over all trials [K], which is recorded; 0: neither"},
+    {"session", 0, 0, 0, 1e5,
+     "pause between trials of a session [s], which follow each other; when each began is recorded; 0: "
+     "neither"},
     {"exact", 0, 0, 0, 1,
      "1: position and speed are those of the fitted model itself, without noise, and start at "
      "initial_position@TRIAL, initial_speed@TRIAL (0)"},
@@ -134,6 +137,7 @@ Result<Trial> RecordTrial(const DrivePlan& plan, std::size_t index) {
       NewChannel(pid ? "rad/s" : "N*m", ChannelKind::kInput, record.input);
   if (trial.warming.rise > 0)
     grid.channels["temperature"] = NewChannel("K", ChannelKind::kInput, record.temperature);
+  if (plan.session) result.conditions["session_time_s"] = trial.session;
   if (plan.speed) {
     Random random(Random::StreamSeed(plan.seed, 2000 + index));
     for (double& value : record.speed) value += plan.speed_noise * random.Normal();
@@ -202,7 +206,12 @@ Result<DrivePlan> PlanDrive(const SynthesisRequest& request) {
   }
   if (plan.truth[kFrictionTemperature] != 0 && !is("warming"))
     return Fail("--effect friction_with_temperature: expected together with --set warming=KELVIN");
+  if (plan.truth[kSessionRate] != 0 && !is("session"))
+    return Fail("--effect gain_over_session: expected together with --set session=SECONDS");
   WarmUp(values.at("warming"), values.at("duration"), plan.trials);
+  plan.session = is("session");
+  for (std::size_t i = 0; plan.session && i < plan.trials.size(); ++i)
+    plan.trials[i].session = static_cast<double>(i) * (values.at("duration") + values.at("session"));
   SINEW_ASSIGN(const double scale, CommandScale(WithoutEffects(plan.truth), plan.trials));
   for (DriveTrial& trial : plan.trials) trial.command_scale = scale;
   return plan;

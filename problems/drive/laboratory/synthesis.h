@@ -26,6 +26,7 @@ struct DrivePlan {
   bool known_noise = true;               ///< do the data state the noise level?
   bool orthosis = false;                 ///< the joint is that of the motorised ankle-foot orthosis
   double step = kFineStep;               ///< [s] of the simulation
+  bool session = false;                  ///< is it recorded when each trial began?
   bool exact = false;                    ///< position and speed are those of the fitted model itself
   std::map<std::string, double> starts;  ///< of exact data: initial_position@TRIAL, initial_speed@TRIAL
   std::uint64_t seed = 1;

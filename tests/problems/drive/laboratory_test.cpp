@@ -170,7 +170,10 @@ TEST(DriveLaboratory, EveryHiddenThingShowsInARecordingAndItsNullDoesNot) {
     if (entry.parameter == "clock_rate") value = 0.001;
     if (entry.parameter == "lost_load") hidden[kLostTime] = 2;
     if (entry.unit.rfind("1/", 0) == 0 || entry.unit == "s/rad") value = 5;  // inverse limits
-    if (entry.parameter == "quadratic_load_coefficient" || entry.parameter == "thermal_rate") value = 0.02;
+    if (entry.parameter == "quadratic_load_coefficient" || entry.parameter == "thermal_rate" ||
+        entry.parameter == "session_rate") {
+      value = 0.02;
+    }
     hidden[entry.slot] = value;
     EXPECT_GT(shows(hidden), 1e-4) << entry.parameter;
   }
@@ -371,6 +374,7 @@ TEST(DriveSynthesis, EffectsOfDirectionCommandAndTimeAgreeWithTheFittedModel) {
   const std::vector<std::tuple<std::string, Numbers, double>> cases{
       {"asymmetric_viscous_friction", {{"viscous_asymmetry", -0.02}}, 0.01},
       {"supply_sag", {{"thermal_rate", -0.01}}, 0.01},
+      {"gain_warm_up", {{"warm_up_gain", 0.06}, {"warm_up_time", 2}}, 0.01},
       {"dead_zone", {{"dead_zone_width", 0.02}}, 0.15}};  // its kinks are not located
   for (const auto& [effect, numbers, share] : cases) {
     SynthesisRequest request;
@@ -378,6 +382,17 @@ TEST(DriveSynthesis, EffectsOfDirectionCommandAndTimeAgreeWithTheFittedModel) {
     EXPECT_LT(DistanceToModel(numbers, request), share * kNoise) << effect;
     EXPECT_GT(DistanceToModel({}, request), kNoise) << effect;
   }
+}
+
+TEST(DriveSynthesis, AGainThatChangesOverTheSessionAgreesWithTheFittedModel) {
+  constexpr double kNoise = 0.003;
+  SynthesisRequest request;
+  request.set["session"] = 20;
+  request.effects = {{"gain_over_session", {{"session_rate", 0.0005}}}};
+  EXPECT_LT(DistanceToModel({{"session_rate", 0.0005}}, request), 0.01 * kNoise);
+  EXPECT_GT(DistanceToModel({}, request), kNoise);
+  request.set.clear();
+  EXPECT_THAT(ErrorOf(request), HasSubstr("--set session=SECONDS"));
 }
 
 TEST(DriveLaboratory, AWarmJointHasTheFrictionOfItsTemperature) {
