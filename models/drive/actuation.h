@@ -87,6 +87,17 @@ class DriveActuation {
     return series.values[i] + slope * (t - time[i]);
   }
 
+  /// What is added to the output of a controller at a tick; like the input, held or straight between samples.
+  [[nodiscard]] double DisturbanceAt(double t, double tolerance) const {
+    const auto& [time, values] = run_.disturbance;
+    if (values.empty()) return 0;
+    const auto after = std::upper_bound(time.begin(), time.end(), run_.held ? t + tolerance : t);
+    if (after == time.begin()) return values.front();
+    const auto i = static_cast<std::size_t>(after - time.begin()) - 1;
+    if (run_.held || after == time.end()) return values[i];
+    return values[i] + (values[i + 1] - values[i]) * ((t - time[i]) / (time[i + 1] - time[i]));
+  }
+
   template <class S, class Time>
   [[nodiscard]] Motor<S> MotorAt(const DriveDynamics<S>& dynamics, const DriveHeld<S>& held, const Time& t,
                                  const S& q, const S& v) const {

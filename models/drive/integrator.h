@@ -1,9 +1,9 @@
 // Integrates the joint through one trial, with exact sensitivities if T is Dual<N>.
 //
 // Classical Runge-Kutta of order 4. Steps end where something is discontinuous: at samples of the input (as
-// shifted by command_delay and time_offset), at ticks of a sampled controller, and at reversals. Where such
-// an instant depends on parameters, time itself is a dual number, which is what saltation matrices are made
-// of.
+// shifted by command_delay and time_offset), at ticks of a sampled controller, where the motor is switched
+// off or on, and at reversals. Where such an instant depends on parameters, time itself is a dual number,
+// which is what saltation matrices are made of.
 //
 // Dry friction is a set-valued law: the joint slips in one direction until its speed is zero, which is
 // located by root finding; there it sticks if the break-away friction holds the applied torque, else it slips
@@ -66,10 +66,14 @@ class DriveIntegrator {
     play_ = q_;
     const bool sampled = command_.sampled();
     held_.piece = actuation_.PieceAt(run_.stops[first]);
+    held_.on = run_.OnAt(run_.stops[first]);
+    std::size_t next_switch = static_cast<std::size_t>(
+        std::upper_bound(run_.switches.begin(), run_.switches.end(), run_.stops[first]) -
+        run_.switches.begin());
     int tick = 0;
     for (std::size_t stop = first; stop < end;) {
       double target = run_.stops[stop];
-      enum { kPrediction, kKink, kTick } what = kPrediction;
+      enum { kPrediction, kKink, kTick, kSwitch } what = kPrediction;
       const int next = held_.piece + 1;
       if (!sampled && next < static_cast<int>(run_.input.size()) && actuation_.InputTime(next) < target) {
         what = kKink;
@@ -81,11 +85,21 @@ class DriveIntegrator {
         what = kTick;
         target = std::min(tick * period, target);
       }
+      // The motor is switched before anything else at that time.
+      const double same = sampled ? DriveSampledController<T>::kSameTime * period : 0;
+      if (next_switch < run_.switches.size() && run_.switches[next_switch] <= target + same) {
+        what = kSwitch;
+        target = std::min(run_.switches[next_switch], target);
+      }
       const bool moves = what == kKink && actuation_.shift_moves();
       T instant(target);
       if (moves) instant += Tangent(shift_);
       SINEW_TRY(Advance(instant, moves));
       if (what == kKink) held_.piece = next;
+      if (what == kSwitch) {
+        ++next_switch;
+        held_.on = !held_.on;
+      }
       if (what == kTick) controller_.Tick(tick++, Value(time_), q_, v_, actuation_, held_);
       if (what == kPrediction) sink(stop++, Sample());
     }

@@ -37,9 +37,10 @@ struct DriveTraits {
   bool load_known = false;
   DriveInput input = DriveInput::kTorque;
   DriveControllerKind controller = DriveControllerKind::kNone;
-  bool held = false;         ///< the input is held between samples
-  bool compressible = true;  ///< the largest command of the drive is known
-  bool session = false;      ///< every trial says when in a session it was recorded
+  bool held = false;                ///< the input is held between samples
+  bool compressible = true;         ///< the largest command of the drive is known
+  bool integral_is_fitted = false;  ///< the controller's integral at the begin of each trial
+  bool session = false;             ///< every trial says when in a session it was recorded
   std::string input_channel = "torque";
   std::string input_unit = "N*m";
   std::array<bool, kDriveSignals> signals{};             ///< by DriveSignal: the model has a use for it

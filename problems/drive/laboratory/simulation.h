@@ -23,15 +23,28 @@ namespace sinew {
 enum class DriveControl {
   kTorque,    ///< the command is the torque
   kTracking,  ///< a controller follows the command (positions); the torque it asked for is the recorded input
-  kPidSpeed  ///< the command (speeds) goes to a sampled PID speed controller, which the fitted model contains
+  kPidSpeed,  ///< the command (speeds) goes to a sampled PID speed controller, which the fitted model
+              ///< contains
+  kCascade    ///< the command (positions) goes to a sampled cascade, which the fitted model contains
+};
+
+/// Position controller around a speed controller, as a drive amplifier has it.
+struct DriveCascade {
+  double position_gain = 0;             ///< [1/s]
+  double velocity_gain = 0;             ///< [N*m*s/rad]
+  double velocity_integral = 0;         ///< [N*m/rad]
+  double velocity_filter = 0;           ///< [s]
+  double velocity_feedforward = 0;      ///< [1]
+  double acceleration_feedforward = 0;  ///< [kg*m2]
+  double speed_limit = 0;               ///< [rad/s] 0: none
 };
 
 struct DriveController {
   double kp = 0;
   double ki = 0;
   double kd = 0;
-  double control_period = 0.01;  ///< [s], of kPidSpeed
-  double output_limit = 0;       ///< [N*m], of kPidSpeed
+  double control_period = 0.01;  ///< [s], of kPidSpeed and kCascade
+  double output_limit = 0;       ///< [N*m], of kPidSpeed and kCascade
 };
 
 /// How the joint warms up while it works; its own temperature is that of the room.
@@ -50,9 +63,12 @@ struct DriveTrial {
   double rate = 100;            ///< [Hz]
   DriveControl control = DriveControl::kTorque;
   DriveController controller;
-  double initial_position = 0;  ///< [rad], kDriveLead before the first sample
-  double initial_speed = 0;     ///< [rad/s]
-  double command_scale = 1;     ///< [N*m] largest magnitude of the commands of all trials, for compression
+  DriveCascade cascade;             ///< of kCascade, with the period and the limit of the controller
+  std::vector<double> disturbance;  ///< [N or 0, N*m] of kCascade: added to its output before the limit
+  std::vector<double> motor_on;     ///< [N or 0] 0 from a sample on: the motor gives no torque
+  double initial_position = 0;      ///< [rad], kDriveLead before the first sample
+  double initial_speed = 0;         ///< [rad/s]
+  double command_scale = 1;  ///< [N*m] largest magnitude of the commands of all trials, for compression
   DriveWarming warming;
   double session = 0;  ///< [s] of the first sample, since the begin of the session
 };
