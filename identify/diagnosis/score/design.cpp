@@ -13,6 +13,7 @@ constexpr double kWellSized =
     2.5;  // accepted ratio of a secant's length to kDetectableLength, or its inverse
 constexpr int kSecantTries = 12;
 constexpr double kSingularBase = 1e-8;
+constexpr double kSameAsKnown = 0.97;  // correlation: a declared class
 constexpr double kCompensated = 1e-6;  // share of a column outside the span of the base: they do the same
 
 // Predicts at points near one point, and turns predictions into rows of the training blocks.
@@ -236,8 +237,30 @@ class DesignMaker {
       const int index = candidates_[c].drifting;
       if (index < 0 || !differentiate[static_cast<std::size_t>(index)]) continue;
       const Vector rows = rows_.Derivative(index).cwiseProduct(time);
-      if (rows.norm() > 0) Add(static_cast<int>(c), 0, index, rows);
+      if (!(rows.norm() > 0)) continue;
+      if (held[static_cast<std::size_t>(index)] && IsKnown(rows, base)) continue;
+      Add(static_cast<int>(c), 0, index, rows);
     }
+  }
+
+  // Whether an effect of the library, one number, does the same off the span of the base (supply_sag is the
+  // drift of a drive's gain): then the drift has its name, and is no second finding.
+  [[nodiscard]] bool IsKnown(const Vector& rows, const Matrix& base) const {
+    std::vector<const Made*> known;
+    for (const Made& made : made_) {
+      const Candidate& candidate = candidates_[static_cast<std::size_t>(made.column.candidate)];
+      if (candidate.primary() && candidate.drifting < 0) known.push_back(&made);
+    }
+    Matrix columns = Matrix::Zero(height_, static_cast<Eigen::Index>(known.size()) + 1);
+    columns.col(0).head(rows.size()) = rows;
+    for (std::size_t k = 0; k < known.size(); ++k)
+      columns.col(static_cast<Eigen::Index>(k) + 1) = known[k]->rows;
+    const Matrix left = ColumnSpace(base, kSingularBase).TakenFrom(columns);
+    const double length = left.col(0).norm();
+    for (Eigen::Index k = 1; k < left.cols(); ++k) {
+      if (std::abs(left.col(0).dot(left.col(k))) > kSameAsKnown * length * left.col(k).norm()) return true;
+    }
+    return false;
   }
 
   // [parameters] Held ones among the drifts whose derivative lies in the span of the base.
