@@ -109,6 +109,10 @@ HiddenEffect Directional(double motor, double external) {
                       {{kMotorLoadFriction, motor}, {kExternalLoadFriction, external}}, {}, 1e-3, 1);
 }
 
+HiddenEffect WarmUp(double time, double sign) {
+  return MakeWeighted("gain_warm_up", {{kWarmUpGain, sign}}, {{kWarmUpTime, time}}, 1e-3, 0.8);
+}
+
 HiddenEffect TorqueSaturation(const Extents& extents) {
   return MakeLimit("torque_saturation", kInverseTorqueLimit, extents.torque);
 }
@@ -144,6 +148,7 @@ const std::vector<std::string>& LibraryEffects() {
                                                "torque_offset",
                                                "gain_compression",
                                                "supply_sag",
+                                               "gain_warm_up",
                                                "dead_zone",
                                                "asymmetric_viscous_friction",
                                                "hold",
@@ -197,6 +202,10 @@ HiddenEffect DrawHidden(const std::string& name, const Extents& extents, Random&
     const double period = LogUniform(2 * kPi / 13, 2 * kPi / 1.8, random);
     return Cogging(period, random.Uniform(0, 2 * kPi));
   }
+  if (name == "gain_warm_up") {
+    const double sign = random.Uniform() < 0.5 ? -1 : 1;
+    return WarmUp(LogUniform(0.5, 4, random), sign);
+  }
   if (name == "torque_saturation") return TorqueSaturation(extents);
   if (name == "speed_saturation") return SpeedSaturation(extents);
   if (name == "position.saturation") return PositionSaturation(extents);
@@ -241,6 +250,10 @@ std::vector<std::vector<HiddenEffect>> CandidateColumns(const std::string& name,
     for (const int n : {2, 3, 4, 6, 8, 12}) {
       groups.push_back({Cogging(2 * kPi / n, 0), Cogging(2 * kPi / n, kPi / 2)});
     }
+    return groups;
+  }
+  if (name == "gain_warm_up") {
+    for (const double time : {0.5, 1.0, 2.0, 4.0}) groups.push_back({WarmUp(time, 1)});
     return groups;
   }
   for (const double share : {0.02, 0.06, 0.2}) {

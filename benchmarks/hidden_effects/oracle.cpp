@@ -10,8 +10,11 @@ namespace {
 // Central differences of a smooth simulation whose rounding error is about 1e-14: any small step will do.
 constexpr double kRelativeStep = 1e-4;
 
+// The motion as the fitted model has it: what followed a reference inside it does so again; else the torque
+// that was recorded acts.
 DriveTrial Replay(const DriveTrial& trial, const Vector& input) {
   DriveTrial replay = trial;
+  if (trial.control == DriveControl::kCascade) return replay;
   replay.control = DriveControl::kTorque;
   replay.command.assign(input.data(), input.data() + input.size());
   return replay;
@@ -80,7 +83,7 @@ Result<Oracle> Oracle::Make(const DrivePlan& plan) {
 }
 
 Result<Matrix> Oracle::Change(const DriveTruth& truth) const {
-  const bool closed = plan_.trials.front().control != DriveControl::kTorque;
+  const bool closed = plan_.trials.front().control == DriveControl::kTracking;
   const bool other_input = closed || truth[kInputOffset] != 0 || truth[kInputDrift] != 0 ||
                            truth[kInputGain] != 1 || truth[kInputTimeOffset] != 0 ||
                            truth[kInputLowPass] != 0;

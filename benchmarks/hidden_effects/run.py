@@ -370,7 +370,7 @@ def main():
     parser.add_argument("--cases", type=int, default=100, help="per kind, size and noise")
     parser.add_argument("--sizes", type=numbers, default=[2.0], help="in units of what an oracle just detects")
     parser.add_argument("--noise", type=words, default=["white"], help="of white,ar,other")
-    parser.add_argument("--experiment", choices=["multisine", "trapezoid", "over_the_top"], default="multisine")
+    parser.add_argument("--experiment", choices=["multisine", "trapezoid", "over_the_top", "cascade"], default="multisine")
     parser.add_argument("--effect", action="append", default=[], help="hide this one instead of drawing")
     parser.add_argument("--jobs", type=int, default=2)
     parser.add_argument("--first-seed", type=int, default=1, help="cases of one seed share joint and motion")

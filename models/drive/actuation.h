@@ -16,6 +16,7 @@ struct DriveHeld {
   int piece = -1;  // of the input: after sample `piece`
   S command{0};    // output of a sampled controller
   S signal{0};     // its reference
+  bool on = true;  // the motor; off, it is an open circuit
 };
 
 class DriveActuation {
@@ -86,17 +87,28 @@ class DriveActuation {
     return series.values[i] + slope * (t - time[i]);
   }
 
+  /// What is added to the output of a controller at a tick; like the input, held or straight between samples.
+  [[nodiscard]] double DisturbanceAt(double t, double tolerance) const {
+    const auto& [time, values] = run_.disturbance;
+    if (values.empty()) return 0;
+    const auto after = std::upper_bound(time.begin(), time.end(), run_.held ? t + tolerance : t);
+    if (after == time.begin()) return values.front();
+    const auto i = static_cast<std::size_t>(after - time.begin()) - 1;
+    if (run_.held || after == time.end()) return values[i];
+    return values[i] + (values[i + 1] - values[i]) * ((t - time[i]) / (time[i + 1] - time[i]));
+  }
+
   template <class S, class Time>
   [[nodiscard]] Motor<S> MotorAt(const DriveDynamics<S>& dynamics, const DriveHeld<S>& held, const Time& t,
                                  const S& q, const S& v) const {
-    if (command_.sampled()) return {dynamics.Weakened(held.command, t), held.signal};
+    if (command_.sampled()) return {dynamics.Weakened(held.command, t, run_.session), held.signal};
     const S input = InputAt(dynamics, held.piece, t);
     switch (command_.input) {
       case DriveInput::kTorque:
       case DriveInput::kVoltage:
-        return {dynamics.Weakened(input, t), input};
+        return {dynamics.Weakened(input, t, run_.session), input};
       case DriveInput::kDuty:
-        return {dynamics.Weakened(input, t) * SignalAt(kSupplyVoltage, held.piece, t), input};
+        return {dynamics.Weakened(input, t, run_.session) * SignalAt(kSupplyVoltage, held.piece, t), input};
       case DriveInput::kReference:
         break;
     }
@@ -106,7 +118,7 @@ class DriveActuation {
     S duty = (run_.gains.servo_error_gain * run_.gains.kp) * error;
     if (Value(duty) > 1) duty = S(1);
     if (Value(duty) < -1) duty = S(-1);
-    return {dynamics.Weakened(duty, t) * SignalAt(kSupplyVoltage, held.piece, t), input};
+    return {dynamics.Weakened(duty, t, run_.session) * SignalAt(kSupplyVoltage, held.piece, t), input};
   }
 
   template <class S, class Time>
@@ -115,7 +127,8 @@ class DriveActuation {
                                                          const S& v) const {
     const Motor<S> motor = MotorAt(dynamics, held, t, q, v);
     const auto recorded = [&](DriveSignal signal) { return SignalAt(signal, held.piece, t); };
-    return dynamics.LoadsAt(motor.command, motor.signal, recorded, t, q, v);
+    const S drive = held.on ? dynamics.DriveTorque(motor.command, v, t) : S(0);
+    return dynamics.LoadsAt(drive, motor.signal, recorded, t, q, v);
   }
 
   /// Applied torque minus what holds it, at rest: above 0 it moves.

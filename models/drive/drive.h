@@ -27,6 +27,8 @@
 //   resistance        ohm        logarithmic        electric drives with a known load; else 1 ohm: without a
 //                                                   known load no motion tells the scale
 //   initial_position@TRIAL, initial_speed@TRIAL     nuisance: state at the first time that is predicted
+//   initial_integral@TRIAL  N*m or V               nuisance, if asked for: output of the controller's
+//   integral
 // A constant of the data set with the name of a base parameter fixes it. Effects are listed in
 // problems/drive/effects.cpp.
 //
@@ -80,6 +82,10 @@ enum DriveSlot : int {
   kInverseSpeedLimit,
   kCompression,
   kThermalRate,
+  kWarmUpGain,
+  kWarmUpTime,
+  kSessionRate,
+  kResistanceRate,
   // Timing and transmission.
   kCommandDelay,
   kSensingDelay,
@@ -97,6 +103,7 @@ enum DriveSlot : int {
   // State at the begin.
   kInitialPosition = kFirstTerm + 48,
   kInitialSpeed,
+  kInitialIntegral,  // of a sampled controller
   kDriveSlots
 };
 inline constexpr int kTerms = 4;
@@ -119,6 +126,6 @@ enum DriveSignal : int {
 inline constexpr double kReferenceTemperature = 293.15;
 
 /// Who turns a reference into a command.
-enum class DriveControllerKind { kNone, kPidSpeed, kPidPosition, kServo };
+enum class DriveControllerKind { kNone, kPidSpeed, kPidPosition, kCascade, kServo };
 
 }  // namespace sinew

@@ -74,14 +74,16 @@ class DriveDynamics {
     T applied;  ///< sum of all of them
   };
 
-  /// Current [A] of an electric drive under a voltage.
-  [[nodiscard]] T Current(const T& voltage, const T& v) const {
-    return (voltage - volts_per_speed_ * v) / numbers_[kResistance];
+  /// Current [A] of an electric drive under a voltage. @param t since the trial's begin [s]
+  template <class Time>
+  [[nodiscard]] T Current(const T& voltage, const T& v, const Time& t) const {
+    return Warmed((voltage - volts_per_speed_ * v) / numbers_[kResistance], t);
   }
 
-  /// Loss of gain of whatever the command is: dead zone, compression, sag.
+  /// Change of gain of whatever the command is: dead zone, compression, and what changes with time.
+  /// @param t since the trial's begin [s]. @param session of the trial's begin, since that of the session [s]
   template <class Time>
-  [[nodiscard]] T Weakened(const T& command, const Time& t) const {
+  [[nodiscard]] T Weakened(const T& command, const Time& t, double session) const {
     T acting = command;
     if (uses_[kDeadZone]) {
       const T beyond = Abs(command) - numbers_[kDeadZone];
@@ -91,12 +93,18 @@ class DriveDynamics {
       acting = acting * (1.0 - numbers_[kCompression] * (Abs(command) * (1 / joint_->largest_command)));
     }
     if (uses_[kThermalRate]) acting = acting * (1.0 - numbers_[kThermalRate] * t);
+    if (uses_[kWarmUpGain]) {
+      const T left = Exp(-(t / numbers_[kWarmUpTime]));
+      acting = acting * (1.0 + numbers_[kWarmUpGain] * (1.0 - left));
+    }
+    if (uses_[kSessionRate]) acting = acting * (1.0 + numbers_[kSessionRate] * (session + t));
     return acting;
   }
 
-  /// tau for a torque or voltage that reaches the motor.
-  [[nodiscard]] T DriveTorque(const T& command, const T& v) const {
-    T tau = joint_->electric ? torque_per_volt_ * (command - volts_per_speed_ * v)
+  /// tau for a torque or voltage that reaches the motor. @param t since the trial's begin [s]
+  template <class Time>
+  [[nodiscard]] T DriveTorque(const T& command, const T& v, const Time& t) const {
+    T tau = joint_->electric ? Warmed(torque_per_volt_ * (command - volts_per_speed_ * v), t)
                              : numbers_[kDriveGain] * command;
     if (uses_[kInverseTorqueLimit]) {
       const T& x = numbers_[kInverseTorqueLimit];
@@ -113,13 +121,14 @@ class DriveDynamics {
     return tau;
   }
 
-  /// @param t since the trial's begin [s]. @param signal the command as the port sees it.
-  /// @param recorded gives the value of a DriveSignal at t; asked only for those that an effect in use needs
+  /// @param drive torque of the drive. @param signal the command as the port sees it.
+  /// @param recorded gives the value of a DriveSignal at t; asked only for those that an effect in use needs.
+  /// @param t since the trial's begin [s]
   template <class Time, class Recorded>
-  [[nodiscard]] Loads LoadsAt(const T& command, const T& signal, const Recorded& recorded, const Time& t,
+  [[nodiscard]] Loads LoadsAt(const T& drive, const T& signal, const Recorded& recorded, const Time& t,
                               const T& q, const T& v) const {
     Loads loads;
-    loads.drive = DriveTorque(command, v);
+    loads.drive = drive;
     loads.gravity = Gravity(q);
     T& sum = loads.applied;
     T viscous = numbers_[kViscousFriction];
@@ -176,6 +185,12 @@ class DriveDynamics {
     if (!joint_->rotary) return T(joint_->incline_force);
     if (joint_->load_known) return joint_->load_gravity * Sin(q);
     return numbers_[kGravityTorque] * Sin(q);
+  }
+
+  // A current [A], or what is proportional to it, through a winding whose resistance changes with time.
+  template <class Time>
+  [[nodiscard]] T Warmed(const T& current, const Time& t) const {
+    return uses_[kResistanceRate] ? current / (1.0 + numbers_[kResistanceRate] * t) : current;
   }
 
   [[nodiscard]] T Stribeck(const T& v, int velocity) const {

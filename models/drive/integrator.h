@@ -1,9 +1,9 @@
 // Integrates the joint through one trial, with exact sensitivities if T is Dual<N>.
 //
 // Classical Runge-Kutta of order 4. Steps end where something is discontinuous: at samples of the input (as
-// shifted by command_delay and time_offset), at ticks of a sampled controller, and at reversals. Where such
-// an instant depends on parameters, time itself is a dual number, which is what saltation matrices are made
-// of.
+// shifted by command_delay and time_offset), at ticks of a sampled controller, where the motor is switched
+// off or on, and at reversals. Where such an instant depends on parameters, time itself is a dual number,
+// which is what saltation matrices are made of.
 //
 // Dry friction is a set-valued law: the joint slips in one direction until its speed is zero, which is
 // located by root finding; there it sticks if the break-away friction holds the applied torque, else it slips
@@ -66,10 +66,14 @@ class DriveIntegrator {
     play_ = q_;
     const bool sampled = command_.sampled();
     held_.piece = actuation_.PieceAt(run_.stops[first]);
+    held_.on = run_.OnAt(run_.stops[first]);
+    std::size_t next_switch = static_cast<std::size_t>(
+        std::upper_bound(run_.switches.begin(), run_.switches.end(), run_.stops[first]) -
+        run_.switches.begin());
     int tick = 0;
     for (std::size_t stop = first; stop < end;) {
       double target = run_.stops[stop];
-      enum { kPrediction, kKink, kTick } what = kPrediction;
+      enum { kPrediction, kKink, kTick, kSwitch } what = kPrediction;
       const int next = held_.piece + 1;
       if (!sampled && next < static_cast<int>(run_.input.size()) && actuation_.InputTime(next) < target) {
         what = kKink;
@@ -81,11 +85,21 @@ class DriveIntegrator {
         what = kTick;
         target = std::min(tick * period, target);
       }
+      // The motor is switched before anything else at that time.
+      const double same = sampled ? DriveSampledController<T>::kSameTime * period : 0;
+      if (next_switch < run_.switches.size() && run_.switches[next_switch] <= target + same) {
+        what = kSwitch;
+        target = std::min(run_.switches[next_switch], target);
+      }
       const bool moves = what == kKink && actuation_.shift_moves();
       T instant(target);
       if (moves) instant += Tangent(shift_);
       SINEW_TRY(Advance(instant, moves));
       if (what == kKink) held_.piece = next;
+      if (what == kSwitch) {
+        ++next_switch;
+        held_.on = !held_.on;
+      }
       if (what == kTick) controller_.Tick(tick++, Value(time_), q_, v_, actuation_, held_);
       if (what == kPrediction) sink(stop++, Sample());
     }
@@ -102,7 +116,7 @@ class DriveIntegrator {
   static constexpr int kMaxEvents = 50;      // reversals and break-aways within one step
 
   [[nodiscard]] DriveHeld<double> PlainHeld() const {
-    return {held_.piece, Value(held_.command), Value(held_.signal)};
+    return {held_.piece, Value(held_.command), Value(held_.signal), held_.on};
   }
   [[nodiscard]] double PlainSpeedAfter(double h) const {
     return DriveStep(actuation_, plain_, PlainHeld(), direction_, Value(time_), h, Value(q_), Value(v_)).v;
@@ -209,7 +223,7 @@ class DriveIntegrator {
           time_moves_ ? DriveStep(actuation_, dynamics_, held_, direction_, time_, T(length), q_, v_)
                       : DriveStep(actuation_, dynamics_, held_, direction_, Value(time_), length, q_, v_);
       using Along = Dual<1>;
-      const DriveHeld<Along> held{held_.piece, Value(held_.command), Value(held_.signal)};
+      const DriveHeld<Along> held{held_.piece, Value(held_.command), Value(held_.signal), held_.on};
       const double slope = DriveStep(actuation_, AlongTime(), held, direction_, Along(Value(time_)),
                                      Along::Variable(length, 0), Along(Value(q_)), Along(Value(v_)))
                                .v.d[0];
@@ -256,7 +270,7 @@ class DriveIntegrator {
     T instant(away);
     if constexpr (kDifferentiates) {
       using Along = Dual<1>;
-      const DriveHeld<Along> along{held.piece, held.command, held.signal};
+      const DriveHeld<Along> along{held.piece, held.command, held.signal, held.on};
       const double slope =
           actuation_.Excess(AlongTime(), along, Along::Variable(away, 0), Along(Value(q_))).d[0];
       if (slope != 0) instant -= Tangent(actuation_.Excess(dynamics_, held_, away, q_)) * (1 / slope);
@@ -306,8 +320,11 @@ class DriveIntegrator {
       ++held.piece;
     }
     const auto motor = actuation_.MotorAt(dynamics_, held, now, q_, v_);
-    DriveSample<T> sample{play_, v_, dynamics_.DriveTorque(motor.command, v_), T(0)};
-    if (dynamics_.joint().electric) sample.current = dynamics_.Current(motor.command, v_);
+    DriveSample<T> sample{play_, v_, T(0), T(0)};
+    if (held.on) {
+      sample.torque = dynamics_.DriveTorque(motor.command, v_, now);
+      if (dynamics_.joint().electric) sample.current = dynamics_.Current(motor.command, v_, now);
+    }
     if (dynamics_.uses()[kCompliance]) sample.position += dynamics_[kCompliance] * sample.torque;
     return sample;
   }

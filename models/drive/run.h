@@ -1,6 +1,7 @@
 // One trial as the integrator needs it: times from its begin, the input, and what is known of the controller.
 #pragma once
 
+#include <algorithm>
 #include <array>
 #include <string>
 #include <vector>
@@ -19,7 +20,16 @@ struct DriveSeries {
 struct DriveControllerGains {
   double kp = 0;
   double ki = 0;
-  double kd = 0;                  ///< acts on the change of the error, that of the reference included
+  double kd = 0;  ///< acts on the change of the error, that of the reference included
+
+  double position_gain = 0;             ///< [1/s] of a cascade: wanted speed per error of position
+  double velocity_gain = 0;             ///< [N*m*s/rad or V*s/rad] output per error of speed
+  double velocity_integral = 0;         ///< [N*m/rad or V/rad] output per integral of the error of speed
+  double velocity_filter = 0;           ///< [s] of the differenced position; 0: none
+  double velocity_feedforward = 0;      ///< [1] of the reference's speed
+  double acceleration_feedforward = 0;  ///< [kg*m2 or V*s2/rad] output per acceleration of the reference
+  double speed_limit = 0;               ///< [rad/s] of the wanted speed; 0: none
+
   double control_period = 0.001;  ///< [s]
   double output_limit = 0;        ///< [N*m or V] 0: none
   double servo_error_gain = 0;    ///< [1/rad per unit of kp]
@@ -34,13 +44,23 @@ struct DriveRun {
   std::vector<double> input;       ///< [K] recorded; constant before and after
   std::vector<double> slope;       ///< [K, 1/s] after each sample; 0 after the last, and if the input is held
   bool held = false;
-  double middle = 0;  ///< [s] where the input sensor's drift is zero
+  double middle = 0;   ///< [s] where the input sensor's drift is zero
+  double session = 0;  ///< [s] of t = 0 since the begin of the session
 
   std::array<DriveSeries, kDriveSignals> signals;  ///< by DriveSignal; those that are needed are not empty
+  DriveSeries disturbance;       ///< [N*m or V] added to the output of a sampled controller; empty: none
+  bool on_at_begin = true;       ///< the motor
+  std::vector<double> switches;  ///< [s, increasing, above 0] where it is switched off and on in turn
   DriveControllerGains gains;
 
   double initial_position = 0;  ///< starts of the nuisance values
   double initial_speed = 0;
+
+  /// Whether the motor is on from t on.
+  [[nodiscard]] bool OnAt(double t) const {
+    const auto passed = std::upper_bound(switches.begin(), switches.end(), t) - switches.begin();
+    return on_at_begin == (passed % 2 == 0);
+  }
 };
 
 /// What is alike in all trials.
@@ -52,7 +72,8 @@ struct DriveCommand {
   double most_speed = 1e6;
 
   [[nodiscard]] bool sampled() const {
-    return controller == DriveControllerKind::kPidSpeed || controller == DriveControllerKind::kPidPosition;
+    return controller == DriveControllerKind::kPidSpeed || controller == DriveControllerKind::kPidPosition ||
+           controller == DriveControllerKind::kCascade;
   }
 };
 

@@ -2,10 +2,10 @@
 #pragma once
 
 #include <algorithm>
-#include <cmath>
 #include <vector>
 
 #include "models/drive/actuation.h"
+#include "models/drive/control_law.h"
 
 namespace sinew {
 
@@ -24,7 +24,11 @@ class DriveSampledController {
   /// @param history scratch of the size DriveHistorySize. All must outlive this.
   DriveSampledController(const DriveCommand& command, const DriveControllerGains& gains,
                          const DriveDynamics<T>& dynamics, DriveHistory<T>& history)
-      : command_(command), gains_(gains), dynamics_(dynamics), history_(history) {}
+      : command_(command),
+        gains_(gains),
+        dynamics_(dynamics),
+        history_(history),
+        law_(command.controller, gains, dynamics[kInitialIntegral]) {}
 
   /// A share of the control period: times that differ by less are the same. Recorded times jitter.
   static constexpr double kSameTime = 1e-4;
@@ -33,20 +37,10 @@ class DriveSampledController {
   /// @param now time of the tick [s]. @param held gets the output and the reference.
   void Tick(int tick, double now, const T& q, const T& v, const DriveActuation& actuation,
             DriveHeld<T>& held) {
-    const T reference =
-        actuation.InputAt(dynamics_, actuation.PieceOfTick(now, kSameTime * gains_.control_period), now);
+    const double tolerance = kSameTime * gains_.control_period;
+    const T reference = actuation.InputAt(dynamics_, actuation.PieceOfTick(now, tolerance), now);
     const T seen = Feedback(tick, command_.controller == DriveControllerKind::kPidSpeed ? v : q);
-    const T error = reference - seen;
-    const T grown = integral_ + gains_.control_period * error;
-    T output = gains_.kp * error + gains_.ki * grown;
-    if (tick > 0) output += (gains_.kd / gains_.control_period) * (error - last_error_);
-    const double limit = gains_.output_limit;
-    const bool clipped = limit > 0 && std::abs(Value(output)) > limit;
-    if (clipped) output = T(Value(output) > 0 ? limit : -limit);
-    // Anti-windup by conditional integration: the integral never grows further into the limit.
-    if (!clipped || Value(output) * Value(error) * gains_.ki <= 0) integral_ = grown;
-    last_error_ = error;
-    held.command = output;
+    held.command = law_.Output({reference, seen, v, actuation.DisturbanceAt(now, tolerance), held.on});
     held.signal = reference;
   }
 
@@ -69,8 +63,7 @@ class DriveSampledController {
   const DriveControllerGains& gains_;
   const DriveDynamics<T>& dynamics_;
   DriveHistory<T>& history_;
-  T integral_{0};
-  T last_error_{0};
+  DriveControlLaw<T> law_;
 };
 
 }  // namespace sinew

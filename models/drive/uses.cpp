@@ -55,6 +55,7 @@ double FastestRate(const DriveNumbers& p, const DriveJoint& joint, const DriveCo
   double volts = 1;
   if (joint.electric) {
     volts = joint.gear_ratio * p[kTorqueConstant] / p[kResistance];
+    volts /= 1 + std::min(0.0, p[kResistanceRate]) * run.stops.back();
     damping += volts * joint.gear_ratio * p[kTorqueConstant];
   }
   if (command.controller == DriveControllerKind::kServo) {

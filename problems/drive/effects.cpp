@@ -229,6 +229,29 @@ void AddDrive(const DriveTraits& is, const DriveScales& s, const Units& unit, Bu
                   "the same motion at the begin and at the end of a long trial")
       .TwoSided(kThermalRate, "thermal_rate", "1/s", "share of the gain lost per second; negative: gained",
                 0.9 / s.duration);
+  add.BeginEffect("gain_warm_up", Level::kRobot,
+                  "the drive's gain settles from the begin of each trial to its final value",
+                  "the same motion again and again from a cold start")
+      .TwoSided(kWarmUpGain, "warm_up_gain", "1",
+                "share of the initial gain gained in the end; negative: lost", 0.9)
+      .Number(kWarmUpTime, "warm_up_time", "s", "time after which 1/e of the change is left",
+              0.01 * s.duration, 0.5 * s.duration, 0.2 * s.duration)
+      .Probes({0.05 * s.duration, 0.1 * s.duration, 0.2 * s.duration, 0.4 * s.duration});
+  if (is.session) {
+    add.BeginEffect("gain_over_session", Level::kRobot,
+                    "the drive's gain changes over the session, from trial to trial",
+                    "the same motion in the first and in the last trial of a session")
+        .TwoSided(kSessionRate, "session_rate", "1/s",
+                  "share of the gain at the begin of the session gained per second; negative: lost",
+                  0.9 / s.session);
+  }
+  if (is.electric) {
+    add.BeginEffect("winding_warms", Level::kRobot,
+                    "the resistance of the winding changes with time (it warms up)",
+                    "a measured current at the begin and at the end of a long trial")
+        .TwoSided(kResistanceRate, "resistance_rate", "1/s", "share of the resistance gained per second",
+                  0.9 / s.duration);
+  }
   add.BeginEffect("command_delay", Level::kRobot, "the drive responds to its command with a delay",
                   "a trigger that all instruments record, then one sharp command, at a high sampling rate")
       .Is(Occurrence::kCommon)
@@ -306,6 +329,7 @@ DriveParameterList ListDriveParameters(const DriveTraits& is, const DriveScales&
   // Numbers that must not be zero where their effect does not exist.
   list.resting[kInputGain] = 1;
   list.resting[kCoggingPeriod] = 1;
+  list.resting[kWarmUpTime] = 1;
   return list;
 }
 

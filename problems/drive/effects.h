@@ -26,6 +26,7 @@ struct DriveScales {
   double highest_command = 1;
   double duration = 10;  ///< [s] of the longest trial
   double shortest = 10;  ///< [s] of the shortest
+  double session = 0;    ///< [s] of all trials and the time between them, if they say when they were recorded
   double noise = 1e-3;   ///< [rad] of the position, or a hundredth of its spread if it is not stated
 };
 
@@ -36,8 +37,10 @@ struct DriveTraits {
   bool load_known = false;
   DriveInput input = DriveInput::kTorque;
   DriveControllerKind controller = DriveControllerKind::kNone;
-  bool held = false;         ///< the input is held between samples
-  bool compressible = true;  ///< the largest command of the drive is known
+  bool held = false;                ///< the input is held between samples
+  bool compressible = true;         ///< the largest command of the drive is known
+  bool integral_is_fitted = false;  ///< the controller's integral at the begin of each trial
+  bool session = false;             ///< every trial says when in a session it was recorded
   std::string input_channel = "torque";
   std::string input_unit = "N*m";
   std::array<bool, kDriveSignals> signals{};             ///< by DriveSignal: the model has a use for it

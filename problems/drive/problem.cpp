@@ -29,6 +29,7 @@ void DriveProblem::ListParameters() {
   for (std::size_t term = 0; term < list_.ports.front().terms.size(); ++term)
     data_.joint.knots[term] = list_.ports.front().terms[term].knots;
   const DriveScales& s = data_.scales;
+  states_ = data_.traits.integral_is_fitted ? 3 : 2;
   first_segment_.assign(data_.runs.size() + 1, segments_.size());
   for (std::size_t g = segments_.size(); g-- > 0;) first_segment_[segments_[g].run] = g;
   for (std::size_t r = 0; r < data_.runs.size(); ++r) {
@@ -58,6 +59,14 @@ void DriveProblem::ListParameters() {
       p.lower = p.start - 3 * s.speed;
       p.upper = p.start + 3 * s.speed;
       list_.parameters.push_back(p);
+      if (states_ < 3) continue;
+      p.name = name + "_integral@" + run.trial;
+      p.unit = data_.traits.electric ? "V" : data_.traits.rotary ? "N*m" : "N";
+      p.meaning = "output of the controller's integral " + where;
+      p.start = 0;
+      p.upper = run.gains.output_limit > 0 ? run.gains.output_limit : 3 * s.motor_command;
+      p.lower = -p.upper;
+      list_.parameters.push_back(p);
     }
   }
   blocks_of_run_.assign(data_.runs.size(), {});
@@ -68,8 +77,7 @@ void DriveProblem::ListParameters() {
     columns.clear();
     for (std::size_t i = 0; i < shared_; ++i) columns.push_back(static_cast<int>(i));
     for (std::size_t g = first_segment_[run]; g < first_segment_[run + 1]; ++g) {
-      columns.push_back(segments_[g].state);
-      columns.push_back(segments_[g].state + 1);
+      for (std::size_t k = 0; k < states_; ++k) columns.push_back(segments_[g].state + static_cast<int>(k));
     }
   }
   if (data_.command.sampled() && list_.index[kSensingDelay] >= 0) {
@@ -131,6 +139,7 @@ std::unique_ptr<Problem::Workspace> DriveProblem::NewWorkspace() const {
 int DriveProblem::IndexOf(int slot, const Segment& segment) const {
   if (slot == kInitialPosition) return segment.state;
   if (slot == kInitialSpeed) return segment.state + 1;
+  if (slot == kInitialIntegral) return states_ > 2 ? segment.state + 2 : -1;
   return list_.index[static_cast<std::size_t>(slot)];
 }
 
@@ -177,6 +186,7 @@ Status DriveProblem::Integrate(const Stretch& stretch, const Vector& parameters,
     numbers[at] = index < 0 ? list_.resting[at] : parameters[index];
     if (slot == kInitialPosition) numbers[at] = stretch.position;
     if (slot == kInitialSpeed) numbers[at] = stretch.speed;
+    if (slot == kInitialIntegral) numbers[at] = stretch.integral;
     variables[at] = T(numbers[at]);
   }
   std::array<bool, kDriveSlots> differentiated{};
@@ -226,9 +236,10 @@ Status DriveProblem::IntegrateLanes(const Stretch& stretch, const Vector& parame
 Status DriveProblem::PredictSegment(const Segment& segment, const Query& query, Scratch& scratch,
                                     Prediction& prediction) const {
   // Columns of the states of the other segments of this run, which this one does not depend on.
-  const std::size_t first_state =
-      shared_ + 2 * (static_cast<std::size_t>(&segment - segments_.data()) - first_segment_[segment.run]);
-  const std::size_t columns = shared_ + 2 * (first_segment_[segment.run + 1] - first_segment_[segment.run]);
+  const std::size_t first_state = shared_ + states_ * (static_cast<std::size_t>(&segment - segments_.data()) -
+                                                       first_segment_[segment.run]);
+  const std::size_t columns =
+      shared_ + states_ * (first_segment_[segment.run + 1] - first_segment_[segment.run]);
   auto& lanes = scratch.lanes;
   lanes.clear();
   for (int slot = 0; slot < kDriveSlots; ++slot) {
@@ -237,8 +248,12 @@ Status DriveProblem::PredictSegment(const Segment& segment, const Query& query, 
     const int own = index - segment.state;
     lanes.emplace_back(slot, own < 0 ? index : static_cast<int>(first_state) + own);
   }
-  const Stretch stretch{segment.run, segment.first, segment.end, query.parameters[segment.state],
-                        query.parameters[segment.state + 1]};
+  const Stretch stretch{segment.run,
+                        segment.first,
+                        segment.end,
+                        query.parameters[segment.state],
+                        query.parameters[segment.state + 1],
+                        states_ > 2 ? query.parameters[segment.state + 2] : 0};
   return InPasses(
       scratch, [&](auto type, std::size_t first_lane, std::size_t count, auto& history) -> Status {
         using T = decltype(type);

@@ -59,7 +59,7 @@ class DriveProblem final : public Problem {
     std::size_t end = 0;    ///< stop after its last
     double position = 0;    ///< start of its state
     double speed = 0;
-    int state = 0;  ///< index of its first parameter, the position; the speed follows
+    int state = 0;  ///< index of its first parameter, the position; the others follow
   };
   /// Stops from `first` to before `end`, from a state; the state is that of variables 0 and 1 of `lanes`.
   struct Stretch {
@@ -68,6 +68,7 @@ class DriveProblem final : public Problem {
     std::size_t end = 0;
     double position = 0;
     double speed = 0;
+    double integral = 0;  ///< output of the controller's integral
   };
   explicit DriveProblem(DriveData data);
   void ListParameters();
@@ -100,6 +101,7 @@ class DriveProblem final : public Problem {
   DriveData data_;
   DriveParameterList list_;
   std::size_t shared_ = 0;  ///< parameters before the nuisance values
+  std::size_t states_ = 2;  ///< nuisance values per segment: position, speed, and integral if it is fitted
   std::vector<std::vector<int>> blocks_of_run_;
   std::vector<Segment> segments_;           ///< in the order of the runs, then of time
   std::vector<std::size_t> first_segment_;  ///< [runs + 1] of each run

@@ -7,8 +7,19 @@
 namespace sinew {
 
 const std::vector<std::string> kDriveChannels{"position", "speed", "torque", "current"};
-const std::vector<std::string> kDriveControllerNumbers{
-    "kp", "ki", "kd", "control_period", "output_limit", "servo_error_gain"};
+const std::vector<std::string> kDriveControllerNumbers{"kp",
+                                                       "ki",
+                                                       "kd",
+                                                       "position_gain",
+                                                       "velocity_gain",
+                                                       "velocity_integral",
+                                                       "velocity_filter",
+                                                       "velocity_feedforward",
+                                                       "acceleration_feedforward",
+                                                       "speed_limit",
+                                                       "control_period",
+                                                       "output_limit",
+                                                       "servo_error_gain"};
 
 namespace {
 
@@ -25,18 +36,55 @@ Result<std::size_t> ReadChoice(const YamlReader& yaml, const std::string& key,
   return static_cast<std::size_t>(found - names.begin());
 }
 
-Result<DriveControllerSettings> ReadController(const YamlReader& yaml) {
+struct ControllerKind {
+  const char* name;
+  DriveControllerKind kind;
+  std::vector<std::string> keys;  // that it knows besides its kind
+};
+
+const std::vector<ControllerKind>& ControllerKinds() {
+  static const std::vector<std::string> kPid{
+      "kp", "ki", "kd", "control_period", "output", "output_limit", "initial_integral"};
+  static const std::vector<ControllerKind> kKinds{
+      {"servo", DriveControllerKind::kServo, {"kp", "servo_error_gain"}},
+      {"pid_position", DriveControllerKind::kPidPosition, kPid},
+      {"pid_speed", DriveControllerKind::kPidSpeed, kPid},
+      {"cascade",
+       DriveControllerKind::kCascade,
+       {"position_gain", "velocity_gain", "velocity_integral", "velocity_filter", "velocity_feedforward",
+        "acceleration_feedforward", "speed_limit", "control_period", "output", "output_limit",
+        "initial_integral"}}};
+  return kKinds;
+}
+
+// A number that this controller has no use for is a mistake, not a detail.
+Status OnlyKeysOf(const ControllerKind& kind, const YamlReader& yaml) {
   std::vector<std::string> known = kDriveControllerNumbers;
-  known.insert(known.end(), {"kind", "output"});
+  known.insert(known.end(), {"kind", "output", "initial_integral"});
   SINEW_TRY(yaml.OnlyKeys(known));
+  for (const std::string& key : known) {
+    const bool used = key == "kind" || std::find(kind.keys.begin(), kind.keys.end(), key) != kind.keys.end();
+    if (used || !yaml.Has(key)) continue;
+    SINEW_ASSIGN(const YamlReader value, yaml.At(key));
+    return FailAt(value.file(), value.line(), "controller: {} has no '{}', expected {}", kind.name, key,
+                  Join(kind.keys, ", "));
+  }
+  return {};
+}
+
+Result<DriveControllerSettings> ReadController(const YamlReader& yaml) {
   SINEW_TRY(yaml.At("kind"));
+  std::vector<std::string> names;
+  for (const ControllerKind& kind : ControllerKinds()) names.emplace_back(kind.name);
+  SINEW_ASSIGN(const auto chosen, ReadChoice(yaml, "kind", names));
+  const ControllerKind& kind = ControllerKinds()[chosen];
+  SINEW_TRY(OnlyKeysOf(kind, yaml));
   DriveControllerSettings controller;
-  SINEW_ASSIGN(const auto kind, ReadChoice(yaml, "kind", {"servo", "pid_position", "pid_speed"}));
-  controller.kind = kind == 0   ? DriveControllerKind::kServo
-                    : kind == 1 ? DriveControllerKind::kPidPosition
-                                : DriveControllerKind::kPidSpeed;
+  controller.kind = kind.kind;
   SINEW_ASSIGN(const auto output, ReadChoice(yaml, "output", {"torque", "voltage"}));
   controller.gives_voltage = output == 1;
+  SINEW_ASSIGN(const auto integral, ReadChoice(yaml, "initial_integral", {"zero", "fitted"}));
+  controller.integral_is_fitted = integral == 1;
   for (const std::string& name : kDriveControllerNumbers) {
     if (!yaml.Has(name)) continue;
     SINEW_ASSIGN(const YamlReader value, yaml.At(name));

@@ -92,7 +92,7 @@ Status DriveWindows::Shoot(const shooting::Window& window, const Vector& paramet
   }
   shot.Prepare(count, 2, static_cast<Eigen::Index>(free.size()), window.joined, derivatives);
   const DriveProblem::Stretch stretch{window.trial, window.first, window.joined ? window.end + 1 : window.end,
-                                      state[0], state[1]};
+                                      state[0],     state[1],     0};
   SINEW_TRY(problem_.IntegrateLanes(
       stretch, parameters, lanes, *workspace_,
       [&](std::size_t stop, int channel, double value, const double* slopes, std::size_t first,

@@ -34,7 +34,26 @@ const std::map<std::string, Exact> kExact{
        {"dynamic_friction", 0.55},
        {"viscous_friction", 0.45}}}},
     {"drive",
-     {{{"exact", 1}, {"speed", 1}, {"train", 2}, {"validate", 1}, {"duration", 2}, {"warming", 20}},
+     {{{"exact", 1},
+       {"speed", 1},
+       {"train", 2},
+       {"validate", 1},
+       {"duration", 2},
+       {"warming", 20},
+       {"session", 5}},
+      {{"inertia", 0.034}, {"viscous_friction", 0.061}, {"gravity_torque", 0.52}}}},
+    {"drive_cascade",
+     {{{"exact", 1},
+       {"speed", 1},
+       {"train", 1},
+       {"validate", 1},
+       {"duration", 2},
+       {"cascade", 2},
+       {"disturbance", 0.1},
+       {"motor_off", 0.5}},
+      {{"inertia", 0.034}, {"viscous_friction", 0.061}, {"gravity_torque", 0.52}}}},
+    {"drive_cascade_without_integral",
+     {{{"exact", 1}, {"speed", 1}, {"train", 1}, {"validate", 1}, {"duration", 2}, {"cascade", 1}},
       {{"inertia", 0.034}, {"viscous_friction", 0.061}, {"gravity_torque", 0.52}}}},
     {"emg_shape",
      {{{"exact", 1}, {"speeds", 3}, {"muscles", 2}, {"moments", 0}, {"train", 2}, {"validate", 1}},
@@ -63,24 +82,28 @@ const std::map<std::string, Exact> kExact{
 struct Case {
   const ProblemEntry* entry;
   bool with_sensor_effects;
+  std::string variant = {};  // of the data; empty: the ordinary ones
+
+  [[nodiscard]] std::string name() const { return entry->name + variant; }
 };
 
 void PrintTo(const Case& which, std::ostream* stream) {
-  *stream << which.entry->name << (which.with_sensor_effects ? " with sensors" : "");
+  *stream << which.name() << (which.with_sensor_effects ? " with sensors" : "");
 }
 
 class ConformanceTest : public testing::TestWithParam<Case> {
  protected:
   void SetUp() override {
-    ASSERT_EQ(kExact.count(Entry().name), 1U)
+    ASSERT_EQ(kExact.count(GetParam().name()), 1U)
         << "tell this suite how to ask for exact data of " << Entry().name;
-    if (kExact.at(Entry().name).fits_states && GetParam().with_sensor_effects)
+    if (Expected().fits_states && GetParam().with_sensor_effects)
       GTEST_SKIP() << "sensors are effects of the problem itself";
     problem_ = Bind(GetParam().with_sensor_effects);
     ASSERT_NE(problem_, nullptr);
   }
 
   static const ProblemEntry& Entry() { return *GetParam().entry; }
+  static const Exact& Expected() { return kExact.at(GetParam().name()); }
 
   static std::unique_ptr<Problem> Bind(bool with_sensor_effects) {
     const Dataset& data = Data();
@@ -129,7 +152,7 @@ class ConformanceTest : public testing::TestWithParam<Case> {
 
   [[nodiscard]] Vector Truth() const {
     Vector truth = RestPoint(*problem_);
-    for (const auto& [name, value] : kExact.at(Entry().name).truth) {
+    for (const auto& [name, value] : Expected().truth) {
       truth[FindParameter(problem_->parameters(), name).value()] = value;
     }
     return truth;
@@ -140,16 +163,16 @@ class ConformanceTest : public testing::TestWithParam<Case> {
  private:
   static const Dataset& Data() {
     static std::map<std::string, Dataset> made;
-    const auto found = made.find(Entry().name);
+    const auto found = made.find(GetParam().name());
     if (found != made.end()) return found->second;
-    const Exact& exact = kExact.at(Entry().name);
+    const Exact& exact = Expected();
     SynthesisRequest request;
     request.set = exact.experiment;
     request.set.insert(exact.truth.begin(), exact.truth.end());
     request.noise = 0;
     auto data = Entry().synthesize(request);
     EXPECT_TRUE(data) << data.error().message;
-    return made[Entry().name] = data ? std::move(*data) : Dataset{};
+    return made[GetParam().name()] = data ? std::move(*data) : Dataset{};
   }
 };
 
@@ -205,7 +228,7 @@ TEST_P(ConformanceTest, ParametersLayoutAndEffectsAreValid) {
 TEST_P(ConformanceTest, JacobianAgreesWithDifferences) {
   constexpr double kTolerance = 1e-6;  // of differences, see CheckJacobian
   constexpr int kRounds = 10;
-  if (kExact.at(Entry().name).fits_states) GTEST_SKIP() << "its derivatives have a test of their own";
+  if (Expected().fits_states) GTEST_SKIP() << "its derivatives have a test of their own";
   Random random(1);
   JacobianCheck total;
   std::vector<int> missed(problem_->parameters().size());  // rounds
@@ -225,7 +248,7 @@ TEST_P(ConformanceTest, JacobianAgreesWithDifferences) {
   std::printf("%d of %d columns compared, worst relative difference %.2e\n", total.compared, total.columns,
               total.worst);
   EXPECT_LT(total.worst, kTolerance);
-  EXPECT_GE(total.compared, kExact.at(Entry().name).least_compared * total.columns);
+  EXPECT_GE(total.compared, Expected().least_compared * total.columns);
   for (std::size_t i = 0; i < missed.size(); ++i) {
     const Parameter& p = problem_->parameters()[i];
     // Over a third of its samples have a kink in the bare problem; with sensors it is compared.
@@ -238,7 +261,7 @@ TEST_P(ConformanceTest, JacobianAgreesWithDifferences) {
 
 TEST_P(ConformanceTest, ResidualIsZeroAtTheTruth) {
   // Of the largest measured value: the same sums in the same order, or what a search leaves.
-  const double tolerance = kExact.at(Entry().name).fits_states ? 1e-6 : 1e-9;
+  const double tolerance = Expected().fits_states ? 1e-6 : 1e-9;
   const Prediction prediction = Predict(*problem_, Truth());
   double worst = 0;
   for (int b = 0; b < BlockCount(); ++b) {
@@ -392,6 +415,9 @@ std::vector<Case> Cases() {
   for (const ProblemEntry& entry : ProblemRegistry()) {
     cases.push_back({&entry, false});
     cases.push_back({&entry, true});
+    if (entry.name != "drive") continue;
+    for (const char* variant : {"_cascade", "_cascade_without_integral"})
+      cases.push_back({&entry, false, variant});
   }
   static const ProblemEntry kSpring = SpringEntry();
   cases.push_back({&kSpring, false});
@@ -400,7 +426,7 @@ std::vector<Case> Cases() {
 }
 
 INSTANTIATE_TEST_SUITE_P(Problems, ConformanceTest, testing::ValuesIn(Cases()), [](const auto& which) {
-  return which.param.entry->name + (which.param.with_sensor_effects ? "_with_sensors" : "");
+  return which.param.name() + (which.param.with_sensor_effects ? "_with_sensors" : "");
 });
 
 }  // namespace

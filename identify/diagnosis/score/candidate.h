@@ -27,7 +27,8 @@ struct Candidate {
   std::vector<Probe> probes;  ///< at least one
   /// >= 0: index of a parameter of the model that may change with time within a trial (a fluctuation test,
   /// Zeileis, Hornik 2007). There is no parameter to release then: the column that is scored and fitted is
-  /// the parameter's derivative times TimeInTrial, and only if the parameter is free.
+  /// the parameter's derivative times TimeInTrial, and only if the parameter is free, or if the free ones
+  /// compensate a constant change of it.
   int drifting = -1;
 
   /// True for known effects that all trials share: the part of the library that is tried first.

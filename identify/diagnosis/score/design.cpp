@@ -2,6 +2,9 @@
 
 #include <algorithm>
 #include <cmath>
+#include <optional>
+
+#include "base/column_space.h"
 
 namespace sinew::diagnosis {
 namespace {
@@ -9,6 +12,9 @@ namespace {
 constexpr double kWellSized =
     2.5;  // accepted ratio of a secant's length to kDetectableLength, or its inverse
 constexpr int kSecantTries = 12;
+constexpr double kSingularBase = 1e-8;
+constexpr double kSameAsKnown = 0.97;  // correlation: a declared class
+constexpr double kCompensated = 1e-6;  // share of a column outside the span of the base: they do the same
 
 // Predicts at points near one point, and turns predictions into rows of the training blocks.
 class Rows {
@@ -103,7 +109,7 @@ class DesignMaker {
       most_probes = std::max(most_probes, candidate.probes.size());
     for (std::size_t probe = 0; probe < most_probes; ++probe) AddDerivatives(probe);
     for (std::size_t c = 0; c < candidates_.size(); ++c) AddSecants(static_cast<int>(c));
-    AddDrifts();
+    AddDrifts(design.base);
 
     Order();
     design.candidates.resize(height_, static_cast<Eigen::Index>(made_.size()));
@@ -211,14 +217,16 @@ class DesignMaker {
     if (best.size() > 0) Add(c, probe, index, best);
   }
 
-  void AddDrifts() {
-    std::vector<bool> differentiate(fit_.setup().parameters.size(), false);
-    bool any = false;
+  // Drifts of parameters that are free; and of those that are not because a constant change of them does what
+  // the free ones can do (the gain of a drive of unknown scale): their change with time is something else.
+  void AddDrifts(const Matrix& base) {
+    const std::vector<bool> held = HeldThatDrift(base);
+    std::vector<bool> differentiate = held;
     for (const Candidate& candidate : candidates_) {
-      if (candidate.drifting < 0 || !fit_.setup().IsFree(candidate.drifting)) continue;
-      differentiate[static_cast<std::size_t>(candidate.drifting)] = true;
-      any = true;
+      if (candidate.drifting >= 0 && fit_.setup().IsFree(candidate.drifting))
+        differentiate[static_cast<std::size_t>(candidate.drifting)] = true;
     }
+    const bool any = std::find(differentiate.begin(), differentiate.end(), true) != differentiate.end();
     if (!any || !rows_.Predict(point_, &differentiate)) return;
     Vector time = Vector::Zero(rows_.Values().size());
     for (const auto& train : fit_.train_blocks()) {
@@ -229,8 +237,66 @@ class DesignMaker {
       const int index = candidates_[c].drifting;
       if (index < 0 || !differentiate[static_cast<std::size_t>(index)]) continue;
       const Vector rows = rows_.Derivative(index).cwiseProduct(time);
-      if (rows.norm() > 0) Add(static_cast<int>(c), 0, index, rows);
+      if (!(rows.norm() > 0)) continue;
+      if (held[static_cast<std::size_t>(index)] && IsKnown(rows, base)) continue;
+      Add(static_cast<int>(c), 0, index, rows);
     }
+  }
+
+  // Whether an effect of the library, one number, does the same off the span of the base (supply_sag is the
+  // drift of a drive's gain): then the drift has its name, and is no second finding.
+  [[nodiscard]] bool IsKnown(const Vector& rows, const Matrix& base) const {
+    std::vector<const Made*> known;
+    for (const Made& made : made_) {
+      const Candidate& candidate = candidates_[static_cast<std::size_t>(made.column.candidate)];
+      if (candidate.primary() && candidate.drifting < 0) known.push_back(&made);
+    }
+    Matrix columns = Matrix::Zero(height_, static_cast<Eigen::Index>(known.size()) + 1);
+    columns.col(0).head(rows.size()) = rows;
+    for (std::size_t k = 0; k < known.size(); ++k)
+      columns.col(static_cast<Eigen::Index>(k) + 1) = known[k]->rows;
+    const Matrix left = ColumnSpace(base, kSingularBase).TakenFrom(columns);
+    const double length = left.col(0).norm();
+    for (Eigen::Index k = 1; k < left.cols(); ++k) {
+      if (std::abs(left.col(0).dot(left.col(k))) > kSameAsKnown * length * left.col(k).norm()) return true;
+    }
+    return false;
+  }
+
+  // [parameters] Held ones among the drifts whose derivative lies in the span of the base.
+  [[nodiscard]] std::vector<bool> HeldThatDrift(const Matrix& base) {
+    const std::size_t count = fit_.setup().parameters.size();
+    std::vector<bool> drift(count, false);
+    std::vector<int> held;
+    for (const Candidate& candidate : candidates_) {
+      const int index = candidate.drifting;
+      if (index >= 0 && !fit_.setup().IsFree(index) && !(parameter(index).null_step > 0))
+        held.push_back(index);
+    }
+    if (held.empty()) return drift;
+    Matrix columns = Matrix::Zero(height_, static_cast<Eigen::Index>(held.size()));
+    for (std::size_t k = 0; k < held.size(); ++k) {
+      const auto at = static_cast<Eigen::Index>(k);
+      // Mostly the effect is a candidate itself, and the column is there already.
+      const auto made = std::find_if(made_.begin(), made_.end(),
+                                     [&](const Made& m) { return m.column.parameter == held[k]; });
+      if (made != made_.end()) {
+        columns.col(at) = made->rows;
+        continue;
+      }
+      std::vector<bool> one(count, false);
+      one[static_cast<std::size_t>(held[k])] = true;
+      if (!rows_.Predict(point_, &one)) continue;
+      const Vector derivative = rows_.Derivative(held[k]);
+      columns.col(at).head(derivative.size()) = derivative;
+    }
+    const Vector before = columns.colwise().norm();
+    const Vector left = ColumnSpace(base, kSingularBase).TakenFrom(columns).colwise().norm();
+    for (std::size_t k = 0; k < held.size(); ++k) {
+      const auto at = static_cast<Eigen::Index>(k);
+      drift[static_cast<std::size_t>(held[k])] = before[at] > 0 && left[at] <= kCompensated * before[at];
+    }
+    return drift;
   }
 
   // Sorts the columns by candidate and probe.

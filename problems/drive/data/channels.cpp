@@ -73,6 +73,10 @@ std::string DescribeDriveChannels() {
          "  reference              rad, rad/s (linear: m, m/s)   of the known controller, see drive.yaml\n"
          "input besides it (kind: input), optional, in every trial, without gaps:\n"
          "  temperature            K (or degC)   of the joint: effect friction_with_temperature\n"
+         "input besides it (kind: input), optional, in any trial, without gaps:\n"
+         "  motor_on               1             0 where the motor is off: no torque, no current; held "
+         "between samples\n"
+         "  disturbance            N*m, N or V   added to the output of a sampled controller\n"
          "measured, any sampling, gaps are left out; position or speed is needed:\n"
          "  position               rad or m      determines whether the joint is rotary or linear\n"
          "  speed                  rad/s or m/s\n"
@@ -87,7 +91,11 @@ std::string DescribeDriveChannels() {
          "  kp, ki, kd, ...                      of the controller; also conditions of a trial; kd acts on "
          "the\n"
          "                                       change of the error, that of the reference included\n"
+         "  position_gain, ...                   of a cascade, see drive.yaml in docs/drive.md\n"
          "  inertia, torque_constant, ...        fixes the base parameter of that name\n"
+         "conditions of a trial, optional, in all trials or in none:\n"
+         "  session_time_s         s             when its time 0 was in the session: effect "
+         "gain_over_session\n"
          "files:\n"
          "  drive.yaml                           settings with key `drive` (optional; or give --config)\n";
 }

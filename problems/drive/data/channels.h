@@ -27,6 +27,14 @@ struct DriveSignalChannel {
 };
 [[nodiscard]] const std::vector<DriveSignalChannel>& DriveSignalChannels();
 
+/// Condition of a trial: when its time 0 was, since the begin of the session [s].
+inline constexpr const char* kSessionTime = "session_time_s";
+
+/// Inputs besides the command: what is added to the output of a sampled controller, and whether the motor is
+/// on (1) or off (0: no torque, no current).
+inline constexpr const char* kDisturbance = "disturbance";
+inline constexpr const char* kMotorOn = "motor_on";
+
 /// The name of the one input of a trial. Errors, to follow "trial 'x' ": none, or more than one.
 Result<std::string> InputName(const Trial& trial);
 

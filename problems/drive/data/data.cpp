@@ -62,6 +62,35 @@ void MeasureScales(const std::vector<DriveMotion>& motions, DriveData& data) {
   data.command.most_speed = 1e5 * s.speed;
 }
 
+// When in the session each trial was recorded, counted from the first; times of a trial count from its own.
+Status FindSession(const Dataset& data, DriveData& out) {
+  double first = INFINITY;
+  double last = -INFINITY;
+  std::string without;
+  std::string with;
+  for (DriveRun& run : out.runs) {
+    const auto& conditions = data.trials.at(run.trial).conditions;
+    const auto found = conditions.find(kSessionTime);
+    (found == conditions.end() ? without : with) = run.trial;
+    if (found == conditions.end()) continue;
+    if (!std::isfinite(found->second))
+      return Fail("trial '{}': condition {} is not a finite number", run.trial, kSessionTime);
+    run.session = found->second + run.begin;
+    first = std::min(first, run.session);
+    last = std::max(last, run.session);
+  }
+  out.traits.session = without.empty() && last > first;
+  if (!without.empty() && !with.empty()) {
+    return Fail("trial '{}' has the condition {}, trial '{}' has not: expected it in all trials or in none",
+                with, kSessionTime, without);
+  }
+  for (DriveRun& run : out.runs) {
+    run.session = out.traits.session ? run.session - first : 0;
+    out.scales.session = std::max(out.scales.session, run.session + run.stops.back());
+  }
+  return {};
+}
+
 }  // namespace
 
 Result<DriveData> PrepareDriveData(const Dataset& data, const DriveSettings& settings, double margin) {
@@ -89,6 +118,7 @@ Result<DriveData> PrepareDriveData(const Dataset& data, const DriveSettings& set
     out.runs.push_back(std::move(run));
     trials.push_back(&trial);
   }
+  SINEW_TRY(FindSession(data, out));
   std::vector<DriveMotion> motions;
   for (std::size_t r = 0; r < out.runs.size(); ++r) {
     SINEW_ASSIGN(DriveMotion motion, MotionOf(*trials[r], out.runs[r]));

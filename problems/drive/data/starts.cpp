@@ -4,6 +4,7 @@
 #include <cmath>
 
 #include "base/decompositions.h"
+#include "models/drive/control_law.h"
 
 namespace sinew {
 namespace {
@@ -53,7 +54,16 @@ Row Window(const DriveMotion& motion, const std::vector<double>& command, std::s
   return row;
 }
 
-std::vector<Row> Rows(const DriveCommand& command, const std::vector<DriveMotion>& motions) {
+// Whether the motor is on at every one of these samples.
+bool IsOn(const DriveMotion& motion, std::size_t first, std::size_t last) {
+  for (std::size_t i = first; i <= last; ++i) {
+    if (!motion.run->OnAt(motion.time[i])) return false;
+  }
+  return true;
+}
+
+// @param electric damping by the motor is part of the equation: only where it is on
+std::vector<Row> Rows(const DriveCommand& command, bool electric, const std::vector<DriveMotion>& motions) {
   constexpr double kWindow = 0.4;  // [s] long against sampling and noise, short against the motion
   constexpr std::size_t kMinimum = 12;
   std::vector<Row> rows;
@@ -66,7 +76,7 @@ std::vector<Row> Rows(const DriveCommand& command, const std::vector<DriveMotion
         ++last;
       }
       if (last >= motion.time.size()) break;
-      rows.push_back(Window(motion, torque, first, last));
+      if (!electric || IsOn(motion, first, last)) rows.push_back(Window(motion, torque, first, last));
       first += std::max<std::size_t>((last - first) / 4, 1);
     }
   }
@@ -124,26 +134,21 @@ std::vector<double> ReplayCommand(const DriveCommand& command, const DriveMotion
   };
   std::vector<double> replayed;
   if (command.sampled()) {
-    const DriveControllerGains& gains = run.gains;
-    double integral = 0;
-    double last = 0;
+    DriveControlLaw<double> law(command.controller, run.gains, 0);
+    const bool of_speed = command.controller == DriveControllerKind::kPidSpeed;
     double output = 0;
     int tick = 0;
     for (const double t : motion.time) {
-      for (; tick * gains.control_period <= t; ++tick) {
-        const double now = tick * gains.control_period;
-        const bool of_speed = command.controller == DriveControllerKind::kPidSpeed;
-        const double error =
-            recorded(now) - Interpolate(motion.time, of_speed ? motion.speed : motion.position, now);
-        const double grown = integral + gains.control_period * error;
-        output = gains.kp * error + gains.ki * grown;
-        if (tick > 0) output += gains.kd * (error - last) / gains.control_period;
-        const bool clipped = gains.output_limit > 0 && std::abs(output) > gains.output_limit;
-        if (clipped) output = std::copysign(gains.output_limit, output);
-        if (!clipped || output * error * gains.ki <= 0) integral = grown;
-        last = error;
+      for (; tick * run.gains.control_period <= t; ++tick) {
+        const double now = tick * run.gains.control_period;
+        output = law.Output(
+            {recorded(now), Interpolate(motion.time, of_speed ? motion.speed : motion.position, now),
+             motion.speed.front(),
+             run.disturbance.values.empty() ? 0
+                                            : Interpolate(run.disturbance.time, run.disturbance.values, now),
+             run.OnAt(now)});
       }
-      replayed.push_back(output);
+      replayed.push_back(run.OnAt(t) ? output : 0);
     }
     return replayed;
   }
@@ -155,7 +160,7 @@ std::vector<double> ReplayCommand(const DriveCommand& command, const DriveMotion
       const double duty = run.gains.servo_error_gain * run.gains.kp * (u - motion.position[i]);
       u = std::clamp(duty, -1.0, 1.0) * supply(t);
     }
-    replayed.push_back(u);
+    replayed.push_back(run.OnAt(t) ? u : 0);
   }
   return replayed;
 }
@@ -185,7 +190,7 @@ DriveStarts EstimateDriveStarts(const DriveJoint& joint, const DriveCommand& com
   starts[kViscousFriction] = 0.1 * torque / most_speed;
   starts[kGravityTorque] = 0;
 
-  const std::vector<Row> rows = Rows(command, motions);
+  const std::vector<Row> rows = Rows(command, joint.electric, motions);
   const auto n = static_cast<Eigen::Index>(rows.size());
   const bool hangs = joint.rotary && !joint.load_known;
   // Unknowns: with a known load the scale is that of the load; without, that of the command.

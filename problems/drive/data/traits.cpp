@@ -79,6 +79,7 @@ Status FindInput(const DriveSettings& settings, DriveTraits& traits) {
                                     : DriveInput::kTorque;
   traits.electric = traits.input == DriveInput::kVoltage || traits.input == DriveInput::kDuty ||
                     kind == DriveControllerKind::kServo || (closed && settings.controller.gives_voltage);
+  traits.integral_is_fitted = settings.controller.integral_is_fitted;
   traits.held = settings.hold;
   traits.signals[kSupplyVoltage] = traits.input == DriveInput::kDuty || kind == DriveControllerKind::kServo;
   return {};

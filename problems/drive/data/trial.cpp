@@ -30,25 +30,101 @@ Status ReadGains(const Dataset& data, const DriveSettings& settings, const Trial
     if (given != settings.controller.numbers.end()) return given->second;
     return ConstantOf(data, name);
   };
-  const auto kp = number("kp");
-  if (!kp)
-    return Fail("the controller has no kp: give it in drive.controller, as a constant or as a condition");
-  run.gains.kp = *kp;
+  const auto needed = [&](const char* name, double& value) -> Status {
+    const auto found = number(name);
+    if (!found) {
+      return Fail("the controller has no {}: give it in drive.controller, as a constant or as a condition",
+                  name);
+    }
+    value = *found;
+    return {};
+  };
+  DriveControllerGains& gains = run.gains;
+  if (kind == DriveControllerKind::kCascade) {
+    SINEW_TRY(needed("position_gain", gains.position_gain));
+    SINEW_TRY(needed("velocity_gain", gains.velocity_gain));
+    gains.velocity_feedforward = number("velocity_feedforward").value_or(0);
+    gains.acceleration_feedforward = number("acceleration_feedforward").value_or(0);
+    const std::vector<std::pair<const char*, double*>> not_negative{
+        {"velocity_integral", &gains.velocity_integral},
+        {"velocity_filter", &gains.velocity_filter},
+        {"speed_limit", &gains.speed_limit}};
+    for (const auto& [name, value] : not_negative) {
+      *value = number(name).value_or(0);
+      if (!(*value >= 0)) return Fail("{} is {}, expected at least 0", name, *value);
+    }
+    for (const auto& [name, value] :
+         {std::pair("position_gain", gains.position_gain), std::pair("velocity_gain", gains.velocity_gain)}) {
+      if (!(value > 0)) return Fail("{} is {}, expected above 0", name, value);
+    }
+  } else {
+    SINEW_TRY(needed("kp", gains.kp));
+    gains.ki = number("ki").value_or(0);
+    gains.kd = number("kd").value_or(0);
+  }
   // Dynamixel: 4096 steps per turn, gain 1/256 of a PWM of 885 at most.
   constexpr double kDynamixel = 4096 / (2 * 3.14159265358979323846) / (256 * 885);
-  run.gains.servo_error_gain = number("servo_error_gain").value_or(kDynamixel);
-  run.gains.ki = number("ki").value_or(0);
-  run.gains.kd = number("kd").value_or(0);
-  run.gains.output_limit = number("output_limit").value_or(0);
+  gains.servo_error_gain = number("servo_error_gain").value_or(kDynamixel);
+  gains.output_limit = number("output_limit").value_or(0);
   if (kind == DriveControllerKind::kServo) return {};
   const auto period = number("control_period");
   if (!period) return Fail("the controller has no control_period: give it in drive.controller, in seconds");
-  run.gains.control_period = *period;
+  gains.control_period = *period;
   if (!(*period >= 1e-5 && *period <= 10))
     return Fail("control_period is {} s, expected 1e-5 to 10 s", *period);
-  if (run.gains.output_limit < 0) {
-    return Fail("output_limit is {}, expected above 0, or 0 for none", run.gains.output_limit);
+  if (gains.output_limit < 0)
+    return Fail("output_limit is {}, expected above 0, or 0 for none", gains.output_limit);
+  const bool cascade = kind == DriveControllerKind::kCascade;
+  if (settings.controller.integral_is_fitted && (cascade ? gains.velocity_integral : gains.ki) == 0) {
+    return Fail("initial_integral is to be fitted, but {} is 0: the controller has no integral",
+                cascade ? "velocity_integral" : "ki");
   }
+  return {};
+}
+
+// What is added to the output of the controller.
+Status ReadDisturbance(const DriveTraits& traits, const Trial& trial, DriveRun& run) {
+  const Grid* grid = nullptr;
+  const Channel* channel = InputIn(trial, kDisturbance, &grid);
+  if (channel == nullptr) return {};
+  const bool sampled =
+      traits.controller != DriveControllerKind::kNone && traits.controller != DriveControllerKind::kServo;
+  if (!sampled) {
+    return Fail(
+        "'{}' is added to the output of a sampled controller (pid_speed, pid_position, cascade), but {}",
+        kDisturbance,
+        traits.controller == DriveControllerKind::kServo
+            ? "the controller is a servo"
+            : fmt::format("the joint is driven by '{}'", traits.input_channel));
+  }
+  const std::string unit = traits.electric ? "V" : traits.rotary ? "N*m" : "N";
+  if (channel->unit != unit)
+    return Fail("'{}' has unit '{}', expected {}, that of the controller's output", kDisturbance,
+                channel->unit, unit);
+  SINEW_TRY(NoGaps(*channel, *grid, kDisturbance));
+  run.disturbance = {grid->time, channel->values};
+  return {};
+}
+
+// When the motor is switched, in absolute times. A value holds from its sample to the next.
+Status ReadSwitches(const Trial& trial, DriveRun& run) {
+  const Grid* grid = nullptr;
+  const Channel* channel = InputIn(trial, kMotorOn, &grid);
+  if (channel == nullptr) {
+    if (MeasuredIn(trial, kMotorOn, &grid) == nullptr) return {};
+    return Fail("channel '{}' is marked measured, not input; import it with kind: input", kMotorOn);
+  }
+  if (channel->unit != "1") return Fail("'{}' has unit '{}', expected 1", kMotorOn, channel->unit);
+  SINEW_TRY(NoGaps(*channel, *grid, kMotorOn));
+  for (std::size_t i = 0; i < channel->values.size(); ++i) {
+    const double value = channel->values[i];
+    if (value != 0 && value != 1) {
+      return Fail("'{}' is {} at t = {:.6g} s, expected 0 (the motor is off) or 1", kMotorOn, value,
+                  grid->time[i]);
+    }
+    if (i > 0 && value != channel->values[i - 1]) run.switches.push_back(grid->time[i]);
+  }
+  run.on_at_begin = channel->values.front() == 1;
   return {};
 }
 
@@ -132,6 +208,8 @@ Result<DriveRun> ReadDriveRun(const Dataset& data, const DriveSettings& settings
   Status read = ReadInput(settings, traits, trial, run);
   if (read) read = ReadSignals(data, traits, trial, run);
   if (read) read = ReadGains(data, settings, trial, run);
+  if (read) read = ReadDisturbance(traits, trial, run);
+  if (read) read = ReadSwitches(trial, run);
   if (!read) return Fail("trial '{}': {}", name, read.error().message);
   const std::string torque = traits.rotary ? "torque" : "force";
   std::set<double> sampled;
@@ -150,11 +228,15 @@ Result<DriveRun> ReadDriveRun(const Dataset& data, const DriveSettings& settings
   }
   run.stops = StopsOf({sampled.begin(), sampled.end()}, run.input_time);
   run.begin = run.stops.front();
-  std::vector<std::vector<double>*> all_times{&run.stops, &run.input_time};
+  std::vector<std::vector<double>*> all_times{&run.stops, &run.input_time, &run.disturbance.time,
+                                              &run.switches};
   for (DriveSeries& series : run.signals) all_times.push_back(&series.time);
   for (auto* times : all_times) {
     for (double& t : *times) t -= run.begin;
   }
+  run.on_at_begin = run.OnAt(0);
+  const auto begun = std::upper_bound(run.switches.begin(), run.switches.end(), 0.0);
+  run.switches.erase(run.switches.begin(), begun);
   run.middle = 0.5 * run.stops.back();
   return run;
 }

@@ -144,6 +144,33 @@ DriveTrial DrawTrapezoid(const DriveTruth& nominal, double duration, double rate
   return trial;
 }
 
+DriveTrial DrawCascaded(const DriveTruth& nominal, bool integral, double disturbance, double duration,
+                        double rate, Random& random) {
+  const double inertia = nominal[kInertia];
+  DriveTrial trial = DrawTrapezoid(nominal, duration, rate, random);
+  // It rests for a moment: what a controller does before its record begins is not known to who reads it.
+  const std::size_t rest = std::min(Samples(0.1, rate), trial.command.size());
+  trial.command.insert(trial.command.begin(), rest, trial.command.front());
+  trial.command.resize(trial.command.size() - rest);
+  trial.control = DriveControl::kCascade;
+  trial.controller = {};
+  trial.controller.control_period = 0.005;
+  trial.controller.output_limit = 3 * nominal[kGravityTorque] + 30 * inertia;
+  trial.cascade.position_gain = 10;
+  trial.cascade.velocity_gain = 40 * inertia;
+  trial.cascade.velocity_integral = integral ? 400 * inertia : 0;
+  trial.cascade.velocity_filter = 0.005;
+  trial.cascade.velocity_feedforward = 0.8;
+  trial.cascade.acceleration_feedforward = 0.5 * inertia;
+  if (disturbance > 0) {
+    trial.disturbance = DrawShape({0.5, kFastest}, duration, rate, random);
+    double largest = 0;
+    for (const double value : trial.disturbance) largest = std::max(largest, std::abs(value));
+    for (double& value : trial.disturbance) value *= disturbance / largest;
+  }
+  return trial;
+}
+
 DriveTrial DrawRest(double duration, double rate, Random& random) {
   DriveTrial trial;
   trial.rate = rate;

@@ -20,6 +20,13 @@ DriveTrial DrawOverTheTop(const DriveTruth& nominal, double duration, double rat
 /// controller that is tuned for the joint of `nominal`.
 DriveTrial DrawTrapezoid(const DriveTruth& nominal, double duration, double rate, Random& random);
 
+/// The moves of DrawTrapezoid as references of a cascade that is tuned for the joint of `nominal`, 200 ticks
+/// per second, limited to three times its gravity torque and what its fastest move takes. @param integral
+/// P/PI instead of P/P.
+/// @param disturbance [N*m] amplitude of six sines between 0.5 and 3 Hz that are added to its output
+DriveTrial DrawCascaded(const DriveTruth& nominal, bool integral, double disturbance, double duration,
+                        double rate, Random& random);
+
 /// One more trial that a diagnosis may suggest, each of them to excite what the motions above do not.
 
 /// Zero torque: the joint is released at a drawn angle between 0.1 and 0.3 rad, on a drawn side, swings out

@@ -81,6 +81,8 @@ class Bench {
         v_before_(v_),
         play_(q_),
         speeds_(static_cast<std::size_t>(std::floor(truth[kSensingDelay] / h)) + 2, v_),
+        positions_(speeds_.size(), q_),
+        wanted_before_(trial.command.front()),
         has_friction_(truth[kCoulombTorque] > 0 || truth[kForwardFriction] > 0 ||
                       truth[kBackwardFriction] > 0 || truth[kStribeckTorque] > 0 || truth[kWearRate] > 0 ||
                       truth[kTightSpotTorque] > 0),
@@ -91,14 +93,14 @@ class Bench {
                      truth[kCoggingSin] != 0 || truth[kCubicStiffness] != 0 || truth[kHumTorque] != 0 ||
                      truth[kBumpTorque] != 0) {}
 
-  // One step from t under a command u (before the drive's own faults).
-  void Step(double t, double u) {
+  // One step from t under a command u (before the drive's own faults), or without a motor.
+  void Step(double t, double u, bool on) {
     const double middle = t + 0.5 * h_;
     const double q = q_ + 0.5 * h_ * v_;
     const double speed = v_ + 0.5 * (v_ - v_before_);  // about the middle of the step
     const double left = p_[kLostLoad] > 0 && middle > p_[kLostTime] ? 1 - p_[kLostLoad] : 1;
     const double gravity = (p_[kGravityTorque] * left + p_[kShiftRate] * middle) * std::sin(q);
-    torque_ = Actuate(u, speed, middle);
+    torque_ = on ? Actuate(u, speed, middle) : 0;
     double force = torque_ - gravity + p_[kOffsetTorque];
     if (has_further_) force += Further(q, middle);
     if (p_[kHysteresisTorque] > 0) force -= Hysteresis();
@@ -122,6 +124,7 @@ class Bench {
     q_ = q + 0.5 * h_ * v_;
     travelled_ += h_ * std::abs(v_);
     speeds_[++steps_ % speeds_.size()] = v_;
+    positions_[steps_ % speeds_.size()] = q_;
   }
 
   // What the position sensor faces.
@@ -136,17 +139,43 @@ class Bench {
     return seen;
   }
 
-  // The known controller's output at a tick.
-  double PidSpeed(double reference) {
+  // The known controller's output at a tick. A motor that is off resets the integral.
+  double PidSpeed(double reference, bool on) {
     const DriveController& c = trial_.controller;
-    const double error = reference - SpeedAgo(p_[kSensingDelay]);
+    const double error = reference - Ago(speeds_, p_[kSensingDelay]);
     const double slope = ticked_ ? (error - error_) / c.control_period : 0;
     ticked_ = true;
     error_ = error;
     const double integral = integral_ + error * c.control_period;
     const double output = c.kp * error + c.ki * integral + c.kd * slope;
-    if (std::abs(output) <= c.output_limit || output * error < 0) integral_ = integral;
+    if (!on) integral_ = 0;
+    if (on && (std::abs(output) <= c.output_limit || output * error < 0)) integral_ = integral;
     return std::clamp(output, -c.output_limit, c.output_limit);
+  }
+
+  // That of the cascade, with what is added to it.
+  double Cascade(double reference, double disturbance, bool on) {
+    const DriveCascade& c = trial_.cascade;
+    const double period = trial_.controller.control_period;
+    const double limit = trial_.controller.output_limit;
+    const double seen = Ago(positions_, p_[kSensingDelay]);
+    if (!ticked_) estimate_ = v_;
+    if (ticked_)
+      estimate_ = (c.velocity_filter * estimate_ + (seen - seen_before_)) / (c.velocity_filter + period);
+    const double pace = (reference - wanted_before_) / period;
+    double speed = c.position_gain * (reference - seen) + c.velocity_feedforward * pace;
+    if (c.speed_limit > 0) speed = std::clamp(speed, -c.speed_limit, c.speed_limit);
+    const double error = speed - estimate_;
+    const double sum = integral_ + error * period;
+    const double push = c.acceleration_feedforward * (pace - pace_before_) / period;
+    const double output = c.velocity_gain * error + c.velocity_integral * sum + push + disturbance;
+    ticked_ = true;
+    seen_before_ = seen;
+    wanted_before_ = reference;
+    pace_before_ = pace;
+    if (!on) integral_ = 0;
+    if (on && (!(limit > 0) || std::abs(output) <= limit || output * error < 0)) integral_ = sum;
+    return limit > 0 ? std::clamp(output, -limit, limit) : output;
   }
 
   // The laboratory's own position controller: PD with a slow integral.
@@ -168,6 +197,8 @@ class Bench {
     if (p_[kCommandStep] > 0) torque = std::round(torque / p_[kCommandStep]) * p_[kCommandStep];
     if (p_[kCompression] > 0) torque *= 1 - p_[kCompression] * std::abs(u) / trial_.command_scale;
     if (p_[kThermalRate] != 0) torque *= 1 - p_[kThermalRate] * std::max(0.0, t);
+    if (p_[kWarmUpGain] != 0) torque *= 1 - p_[kWarmUpGain] * std::expm1(-std::max(0.0, t) / p_[kWarmUpTime]);
+    if (p_[kSessionRate] != 0) torque *= 1 + p_[kSessionRate] * (trial_.session + std::max(0.0, t));
     if (p_[kInverseTorqueLimit] > 0) {
       torque = std::clamp(torque, -1 / p_[kInverseTorqueLimit], 1 / p_[kInverseTorqueLimit]);
     }
@@ -216,13 +247,13 @@ class Bench {
     return level;
   }
 
-  [[nodiscard]] double SpeedAgo(double delay) const {
+  [[nodiscard]] double Ago(const std::vector<double>& ring, double delay) const {
     const double back = delay / h_;
-    const auto whole = std::min(static_cast<std::size_t>(back), speeds_.size() - 2);
+    const auto whole = std::min(static_cast<std::size_t>(back), ring.size() - 2);
     const double rest = back - static_cast<double>(whole);
-    const std::size_t at = steps_ + speeds_.size() - whole;
-    const double newer = speeds_[at % speeds_.size()];
-    return newer + rest * (speeds_[(at - 1) % speeds_.size()] - newer);
+    const std::size_t at = steps_ + ring.size() - whole;
+    const double newer = ring[at % ring.size()];
+    return newer + rest * (ring[(at - 1) % ring.size()] - newer);
   }
 
   const DriveTruth& p_;
@@ -239,7 +270,12 @@ class Bench {
   double error_ = 0;
   bool ticked_ = false;
   std::size_t steps_ = 0;
-  std::vector<double> speeds_;  // the last ones, as a ring
+  std::vector<double> speeds_;     // the last ones, as a ring
+  std::vector<double> positions_;  // likewise
+  double wanted_before_;           // of the cascade: the last tick's reference, its slope, what was seen, and
+  double pace_before_ = 0;         // the estimated speed
+  double seen_before_ = 0;
+  double estimate_ = 0;
   bool has_friction_;
   bool has_load_friction_;
   bool has_further_;
@@ -263,7 +299,13 @@ Result<DriveRecord> SimulateDrive(const DriveTruth& truth, const DriveTrial& tri
 
   Bench bench(truth, trial, h);
   const bool tracking = trial.control == DriveControl::kTracking;
-  const bool pid = trial.control == DriveControl::kPidSpeed;
+  const bool cascade = trial.control == DriveControl::kCascade;
+  const bool pid = trial.control == DriveControl::kPidSpeed || cascade;  // sampled
+  const auto series = [&](const std::vector<double>& values, double otherwise) {
+    return Line(values.empty() ? std::vector<double>(trial.command.size(), otherwise) : values, trial.rate);
+  };
+  const Line disturbance = series(trial.disturbance, 0);
+  const Line motor = series(trial.motor_on, 1);
   // The command itself, or the torque that the tracking controller commands: what it computes at a sample is
   // reached, on a straight line, at the next.
   Line command(tracking ? std::vector<double>(trial.command.size(), 0.0) : trial.command, trial.rate);
@@ -293,10 +335,12 @@ Result<DriveRecord> SimulateDrive(const DriveTruth& truth, const DriveTrial& tri
     double u = command.At(at);
     if (truth[kHoldFraction] > 0) u += truth[kHoldFraction] * (command.Held(at) - u);
     if (pid) {
-      if (i % ticks == 0) pid_torque = bench.PidSpeed(u);
+      const bool on = motor.Held(t) > 0;
+      if (i % ticks == 0)
+        pid_torque = cascade ? bench.Cascade(u, disturbance.At(t), on) : bench.PidSpeed(u, on);
       u = pid_torque;
     }
-    bench.Step(t, u);
+    bench.Step(t, u, motor.Held(t + 0.5 * h) > 0);
     seen[i + 1] = bench.Reading();
   }
   record.position = Record(seen, t0, h, count, trial.rate, truth[kPositionTimeOffset], truth[kClockRate],

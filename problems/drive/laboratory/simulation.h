@@ -23,15 +23,28 @@ namespace sinew {
 enum class DriveControl {
   kTorque,    ///< the command is the torque
   kTracking,  ///< a controller follows the command (positions); the torque it asked for is the recorded input
-  kPidSpeed  ///< the command (speeds) goes to a sampled PID speed controller, which the fitted model contains
+  kPidSpeed,  ///< the command (speeds) goes to a sampled PID speed controller, which the fitted model
+              ///< contains
+  kCascade    ///< the command (positions) goes to a sampled cascade, which the fitted model contains
+};
+
+/// Position controller around a speed controller, as a drive amplifier has it.
+struct DriveCascade {
+  double position_gain = 0;             ///< [1/s]
+  double velocity_gain = 0;             ///< [N*m*s/rad]
+  double velocity_integral = 0;         ///< [N*m/rad]
+  double velocity_filter = 0;           ///< [s]
+  double velocity_feedforward = 0;      ///< [1]
+  double acceleration_feedforward = 0;  ///< [kg*m2]
+  double speed_limit = 0;               ///< [rad/s] 0: none
 };
 
 struct DriveController {
   double kp = 0;
   double ki = 0;
   double kd = 0;
-  double control_period = 0.01;  ///< [s], of kPidSpeed
-  double output_limit = 0;       ///< [N*m], of kPidSpeed
+  double control_period = 0.01;  ///< [s], of kPidSpeed and kCascade
+  double output_limit = 0;       ///< [N*m], of kPidSpeed and kCascade
 };
 
 /// How the joint warms up while it works; its own temperature is that of the room.
@@ -50,10 +63,14 @@ struct DriveTrial {
   double rate = 100;            ///< [Hz]
   DriveControl control = DriveControl::kTorque;
   DriveController controller;
-  double initial_position = 0;  ///< [rad], kDriveLead before the first sample
-  double initial_speed = 0;     ///< [rad/s]
-  double command_scale = 1;     ///< [N*m] largest magnitude of the commands of all trials, for compression
+  DriveCascade cascade;             ///< of kCascade, with the period and the limit of the controller
+  std::vector<double> disturbance;  ///< [N or 0, N*m] of kCascade: added to its output before the limit
+  std::vector<double> motor_on;     ///< [N or 0] 0 from a sample on: the motor gives no torque
+  double initial_position = 0;      ///< [rad], kDriveLead before the first sample
+  double initial_speed = 0;         ///< [rad/s]
+  double command_scale = 1;  ///< [N*m] largest magnitude of the commands of all trials, for compression
   DriveWarming warming;
+  double session = 0;  ///< [s] of the first sample, since the begin of the session
 };
 
 inline constexpr double kDegree = kPi / 180;
@@ -83,7 +100,9 @@ struct DriveRecord {
 /// Dry friction F(q, v, load) sign v, load = |tau + gravity sin q| / 2, is the sum of coulomb, forward or
 /// backward, stribeck exp(-(v / vs)^2), load and directional parts. tau is the command late by command_delay,
 /// blended towards its last sample by hold_fraction, without dead_zone_width, times (1 - compression |u| /
-/// command_scale)(1 - thermal_rate t), clipped at 1 / inverse_torque_limit, and in the direction of motion
+/// command_scale)(1 - thermal_rate t)(1 + warm_up_gain (1 - exp(-t / warm_up_time)))(1 + session_rate
+/// (session
+/// + t)), clipped at 1 / inverse_torque_limit, and in the direction of motion
 /// reduced to zero between 0.9 and 1.0 of the speed limit. The reading is q + compliance tau, behind a play
 /// of backlash_width. A recorded instrument shows gain * low_pass(x(t - time_offset)) + offset + drift (t -
 /// middle).

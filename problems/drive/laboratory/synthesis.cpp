@@ -38,11 +38,20 @@ constexpr Setting kSettings[] = {
     {"excitation", 0, 0, 0, 2,
      "0: sum of sines; 1: trapezoidal moves in closed loop, torque recorded; 2: sum of sines with peaks of 2 "
      "to 4 times the gravity torque, which turn the joint over"},
+    {"cascade", 0, 0, 0, 2,
+     "1: trapezoidal moves of the reference, followed by a cascade of position and speed controller (P/P) "
+     "that "
+     "is in drive.yaml; 2: its speed controller has an integral (P/PI)"},
+    {"disturbance", 0, 0, 0, 1e3, "with cascade: amplitude of a sum of sines added to its output [N*m]"},
+    {"motor_off", 0, 0, 0, 1000, "the motor is off for so long at the end of each trial [s]"},
     {"mafo", 0, 1, 0, 1, "1: the five trials of the motorised ankle-foot orthosis"},
     {"hidden", 0, 0, 0, 1,
      "1, with mafo: command_delay 0.18 s and coulomb_torque 1.5 N m are hidden in the truth"},
     {"warming", 0, 0, 0, 100,
      "rise of the joint's temperature over all trials [K], which is recorded; 0: neither"},
+    {"session", 0, 0, 0, 1e5,
+     "pause between trials of a session [s], which follow each other; when each began is recorded; 0: "
+     "neither"},
     {"exact", 0, 0, 0, 1,
      "1: position and speed are those of the fitted model itself, without noise, and start at "
      "initial_position@TRIAL, initial_speed@TRIAL (0)"},
@@ -64,7 +73,7 @@ Result<Values> ReadSettings(const SynthesisRequest& request) {
   for (const auto& [name, value] : request.set) {
     if (IsStart(name)) continue;
     SINEW_ASSIGN(const Setting* setting, FindSetting(kSettings, name, value));
-    const bool fixed = name == "train" || name == "validate" || name == "excitation";
+    const bool fixed = name == "train" || name == "validate" || name == "excitation" || name == "cascade";
     if (orthosis && fixed && value != setting->of_orthosis) {
       return Fail("--set {}={}: the trials of the orthosis (mafo=1) are fixed", name, value);
     }
@@ -97,6 +106,16 @@ std::string SettingsText(const DrivePlan& plan) {
         "    output_limit: {}\n",
         c.kp, c.ki, c.kd, c.control_period, c.output_limit);
   }
+  if (plan.cascade) {
+    const DriveTrial& trial = plan.trials.front();
+    const DriveCascade& c = trial.cascade;
+    text += fmt::format(
+        "  controller:\n    kind: cascade\n    position_gain: {}\n    velocity_gain: {}\n"
+        "    velocity_integral: {}\n    velocity_filter: {}\n    velocity_feedforward: {}\n"
+        "    acceleration_feedforward: {}\n    control_period: {}\n    output_limit: {}\n",
+        c.position_gain, c.velocity_gain, c.velocity_integral, c.velocity_filter, c.velocity_feedforward,
+        c.acceleration_feedforward, trial.controller.control_period, trial.controller.output_limit);
+  }
   return text;
 }
 
@@ -105,6 +124,15 @@ void WarmUp(double rise, double duration, std::vector<DriveTrial>& trials) {
   const double session = duration * static_cast<double>(trials.size());
   for (std::size_t i = 0; i < trials.size(); ++i)
     trials[i].warming = {rise, session / 3, duration * static_cast<double>(i)};
+}
+
+// Without a motor for so long at the end.
+void SwitchOff(double seconds, DriveTrial& trial) {
+  if (!(seconds > 0)) return;
+  const auto off = static_cast<std::size_t>(std::lround(seconds * trial.rate));
+  trial.motor_on.assign(trial.command.size(), 1.0);
+  std::fill(trial.motor_on.end() - static_cast<std::ptrdiff_t>(std::min(off + 1, trial.motor_on.size())),
+            trial.motor_on.end(), 0.0);
 }
 
 Channel NewChannel(const std::string& unit, ChannelKind kind, const Vector& values) {
@@ -130,10 +158,18 @@ Result<Trial> RecordTrial(const DrivePlan& plan, std::size_t index) {
     grid.channels["position"].sigma = plan.position_noise.sigma;
   }
   const bool pid = trial.control == DriveControl::kPidSpeed;
-  grid.channels[pid ? "reference" : "torque"] =
-      NewChannel(pid ? "rad/s" : "N*m", ChannelKind::kInput, record.input);
+  grid.channels[pid || plan.cascade ? "reference" : "torque"] = NewChannel(pid            ? "rad/s"
+                                                                           : plan.cascade ? "rad"
+                                                                                          : "N*m",
+                                                                           ChannelKind::kInput, record.input);
+  const auto add_input = [&](const char* name, const char* unit, const std::vector<double>& values) {
+    if (!values.empty()) grid.channels[name] = {unit, ChannelKind::kInput, {}, values};
+  };
+  add_input("disturbance", "N*m", trial.disturbance);
+  add_input("motor_on", "1", trial.motor_on);
   if (trial.warming.rise > 0)
     grid.channels["temperature"] = NewChannel("K", ChannelKind::kInput, record.temperature);
+  if (plan.session) result.conditions["session_time_s"] = trial.session;
   if (plan.speed) {
     Random random(Random::StreamSeed(plan.seed, 2000 + index));
     for (double& value : record.speed) value += plan.speed_noise * random.Normal();
@@ -146,7 +182,8 @@ Result<Trial> RecordTrial(const DrivePlan& plan, std::size_t index) {
     result.conditions["first_speed_rad_per_s"] = std::abs(command[1]);
     result.conditions["second_speed_rad_per_s"] = std::abs(command.back());
   } else {
-    result.task = trial.control == DriveControl::kTracking ? "moves between angles" : "sum of sines";
+    const bool moves = trial.control == DriveControl::kTracking || plan.cascade;
+    result.task = moves ? "moves between angles" : "sum of sines";
   }
   return result;
 }
@@ -178,7 +215,16 @@ Result<DrivePlan> PlanDrive(const SynthesisRequest& request) {
     plan.truth[kCommandDelay] = 0.18;
     plan.truth[kCoulombTorque] = 1.5;
   }
-  SINEW_TRY(HideEffects(request.effects, plan.orthosis ? "reference" : "torque", plan.truth));
+  plan.cascade = is("cascade");
+  if (plan.cascade && is("excitation"))
+    return Fail("--set excitation={}: expected without cascade, which has moves of its own",
+                values.at("excitation"));
+  if (is("disturbance") && !plan.cascade)
+    return Fail("--set disturbance={}: expected together with cascade", values.at("disturbance"));
+  if (values.at("motor_off") >= values.at("duration"))
+    return Fail("--set motor_off={}: expected less than the duration of a trial, {} s",
+                values.at("motor_off"), values.at("duration"));
+  SINEW_TRY(HideEffects(request.effects, plan.orthosis || plan.cascade ? "reference" : "torque", plan.truth));
   if (plan.orthosis) {
     plan.trials = OrthosisTrials(values);
   } else {
@@ -189,6 +235,11 @@ Result<DrivePlan> PlanDrive(const SynthesisRequest& request) {
       if (values.at("excitation") == 2) {
         plan.trials.push_back(DrawOverTheTop(nominal, values.at("duration"), values.at("rate"), random));
         plan.step = kOverTheTopStep;
+        continue;
+      }
+      if (plan.cascade) {
+        plan.trials.push_back(DrawCascaded(nominal, values.at("cascade") == 2, values.at("disturbance"),
+                                           values.at("duration"), values.at("rate"), random));
         continue;
       }
       if (is("excitation")) {
@@ -202,7 +253,13 @@ Result<DrivePlan> PlanDrive(const SynthesisRequest& request) {
   }
   if (plan.truth[kFrictionTemperature] != 0 && !is("warming"))
     return Fail("--effect friction_with_temperature: expected together with --set warming=KELVIN");
+  if (plan.truth[kSessionRate] != 0 && !is("session"))
+    return Fail("--effect gain_over_session: expected together with --set session=SECONDS");
   WarmUp(values.at("warming"), values.at("duration"), plan.trials);
+  for (DriveTrial& trial : plan.trials) SwitchOff(values.at("motor_off"), trial);
+  plan.session = is("session");
+  for (std::size_t i = 0; plan.session && i < plan.trials.size(); ++i)
+    plan.trials[i].session = static_cast<double>(i) * (values.at("duration") + values.at("session"));
   SINEW_ASSIGN(const double scale, CommandScale(WithoutEffects(plan.truth), plan.trials));
   for (DriveTrial& trial : plan.trials) trial.command_scale = scale;
   return plan;
@@ -221,6 +278,10 @@ Result<double> CommandScale(const DriveTruth& truth, const std::vector<DriveTria
   for (const DriveTrial& trial : trials) {
     if (trial.control == DriveControl::kTorque) {
       for (const double value : trial.command) scale = std::max(scale, std::abs(value));
+      continue;
+    }
+    if (trial.controller.output_limit > 0) {  // what a known controller can command at most
+      scale = std::max(scale, trial.controller.output_limit);
       continue;
     }
     SINEW_ASSIGN(const DriveRecord record, SimulateDrive(truth, trial, kSignatureStep));

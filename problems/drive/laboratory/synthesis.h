@@ -25,7 +25,9 @@ struct DrivePlan {
   bool speed = false;                    ///< is the speed recorded too?
   bool known_noise = true;               ///< do the data state the noise level?
   bool orthosis = false;                 ///< the joint is that of the motorised ankle-foot orthosis
+  bool cascade = false;                  ///< the joint follows positions under a cascade
   double step = kFineStep;               ///< [s] of the simulation
+  bool session = false;                  ///< is it recorded when each trial began?
   bool exact = false;                    ///< position and speed are those of the fitted model itself
   std::map<std::string, double> starts;  ///< of exact data: initial_position@TRIAL, initial_speed@TRIAL
   std::uint64_t seed = 1;
@@ -38,7 +40,8 @@ Result<DrivePlan> PlanDrive(const SynthesisRequest& request);
 /// What `joint` alone would do: every other entry at its null.
 [[nodiscard]] DriveTruth WithoutEffects(const DriveTruth& joint);
 
-/// Largest magnitude of the torque that the trials command, with that truth. Errors: those of SimulateDrive.
+/// Largest magnitude of the torque that the trials command, with that truth; of a known controller its limit.
+/// Errors: those of SimulateDrive.
 Result<double> CommandScale(const DriveTruth& truth, const std::vector<DriveTrial>& trials);
 
 /// Draws the position noise of one trial of the plan.

@@ -65,7 +65,7 @@ DriveScales ScalesOf(double torque, double speed, double position, double durati
   scales.torque = scales.command = scales.motor_command = torque;
   scales.speed = speed;
   scales.position = position;
-  scales.duration = scales.shortest = duration;
+  scales.duration = scales.shortest = scales.session = duration;
   return scales;
 }
 
@@ -73,6 +73,7 @@ DriveScales ScalesOf(double torque, double speed, double position, double durati
 ParameterList Library(const std::string& input, const DriveScales& scales) {
   DriveTraits traits;
   traits.signals.fill(true);
+  traits.session = true;
   traits.input_channel = input;
   if (input == "reference") {
     traits.input = DriveInput::kReference;
@@ -140,6 +141,7 @@ DriveTruth::DriveTruth() {
   truth[kStribeckVelocity] = 0.1;
   truth[kStribeckLoadVelocity] = 0.1;
   truth[kCoggingPeriod] = 1;
+  truth[kWarmUpTime] = 1;
   for (const OutsiderNumber& outsider : kOutsiders) truth[outsider.slot] = outsider.null;
 }
 

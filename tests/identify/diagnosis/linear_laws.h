@@ -41,6 +41,7 @@ class LinearLaws final : public Problem {
     bool starts = false;  ///< a nuisance value per trial that decays with exp(-time)
     /// Effect lopsided: u|u| for u > 0 and for u < 0 with a size of its own each; it contains quadratic.
     bool lopsided = false;
+    bool scale = false;  ///< effect scale: adds a share of the whole law, which gain and rate can do too
     double held_out_share = 1;  ///< of the effects, in held-out trials
     int knots = 8;              ///< of y(u) and y(time)
     bool free_offset = false;   ///< the offset of all trials is a base parameter, no effect
@@ -57,6 +58,7 @@ class LinearLaws final : public Problem {
       Add("lopsided_left", -5, 5, 0, "lopsided");
       effects_.back().parameters.push_back(static_cast<int>(parameters_.size()) - 1);
     }
+    if (truth.scale) AddEffect("scale", -5, 5);
     if (truth.starts) AddStarts(train + validate);
     if (truth.reading_step) AddEffect("y.quantisation", 0, 1);
     Random random(seed);
@@ -273,6 +275,7 @@ class LinearLaws final : public Problem {
     if (name == "lopsided_left") return u > 0 ? 0 : -u * u;
     if (name == "step_size") return u > 0 ? 1 : -1;
     if (name == "drift_size") return time - 5;
+    if (name == "scale_size") return p[0] * u + p[1] * slopes_[b][i];
     if (name.rfind("start@", 0) == 0) return std::exp(-time);
     if (name == "y.quantisation_size") return 0;
     if (name == "offset_size" || !parameters_[static_cast<std::size_t>(index)].trial.empty()) return 1;

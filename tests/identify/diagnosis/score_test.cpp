@@ -4,6 +4,7 @@
 #include <gtest/gtest.h>
 
 #include <cstdio>
+#include <optional>
 #include <string>
 
 #include "identify/diagnosis/fit/refit.h"
@@ -76,6 +77,25 @@ TEST(Score, CoarseCurvesHaveNoWindows) {
   const Scored scored = ScoresOf(LinearLaws(Bump(8), 3));
   EXPECT_NE(StrongestOf(scored, false), nullptr);
   EXPECT_EQ(StrongestOf(scored, true), nullptr);
+}
+
+// What gain and rate can do too is no finding; that it changes with time is something else.
+TEST(Drift, IsScoredOfAHeldParameterThatTheBaseCompensates) {
+  LinearLaws::Truth truth;
+  truth.scale = true;
+  const LinearLaws problem(truth, 5);
+  const Scored scored = ScoresOf(problem);
+  const auto statistic = [&](const std::string& name) -> std::optional<double> {
+    for (const Score& score : scored.table.scores) {
+      if (scored.candidates[static_cast<std::size_t>(score.candidate)].effect == name) return score.statistic;
+    }
+    return {};
+  };
+  EXPECT_FALSE(statistic("scale"));
+  EXPECT_TRUE(statistic("scale_size(time)"));
+  EXPECT_TRUE(statistic("gain(time)"));
+  EXPECT_TRUE(statistic("step"));
+  EXPECT_FALSE(statistic("step_size(time)")) << "it is no part of the model";
 }
 
 }  // namespace

@@ -63,6 +63,92 @@ TEST(DriveClosedLoop, SampledSpeedControlIsItsRecursion) {
   EXPECT_NEAR(answer.Values("speed")[400], -1, 0.1);  // it settles slowly
 }
 
+// The loop of a cascade once more, for a pure inertia; with the motor off from 2 to 2.5 s.
+TEST(DriveClosedLoop, ACascadeIsItsRecursion) {
+  Bench bench;
+  bench.input = "reference";
+  bench.input_unit = "rad";
+  bench.settings =
+      "controller: {kind: cascade, position_gain: 8, velocity_gain: 3, velocity_integral: 10, "
+      "velocity_filter: "
+      "0.015, velocity_feedforward: 0.7, acceleration_feedforward: 0.1, speed_limit: 1.5, control_period: "
+      "0.01, "
+      "output_limit: 4, initial_integral: fitted}";
+  bench.command = [](double t) { return t < 1 ? 0.2 * t * t : t < 1.5 ? 1.2 : 0.3; };
+  bench.inputs["disturbance"] = {"N*m", [](double t) { return 0.3 * std::sin(5 * t); }};
+  bench.inputs["motor_on"] = {
+      "1", [](double t) { return std::lround(100 * t) < 200 || std::lround(100 * t) >= 250 ? 1.0 : 0.0; }};
+  constexpr double kMass = 0.2;
+  const auto problem = BindBench(bench);
+  const auto answer = PredictDrive(*problem, DrivePoint(*problem, {{"inertia", kMass},
+                                                                   {"viscous_friction", 0},
+                                                                   {"gravity_torque", 0},
+                                                                   {"initial_position@swing", 0.1},
+                                                                   {"initial_speed@swing", 0.4},
+                                                                   {"initial_integral@swing", 0.25}}));
+  double q = 0.1;
+  double v = 0.4;
+  double sum = 0.25 / 10;  // of the speed error
+  double speed = v;        // as the controller estimates it
+  double seen = q;
+  std::vector<double> wanted;
+  bool paced = false;
+  bool limited = false;
+  for (int i = 0; i <= 400; ++i) {
+    const double t = i / 100.0;
+    if (i > 0) speed = (0.015 * speed + (q - seen)) / (0.015 + 0.01);
+    seen = q;
+    wanted.push_back(bench.command(t));
+    const auto pace = [&](std::size_t k) { return k == 0 ? 0 : 100 * (wanted[k] - wanted[k - 1]); };
+    const auto k = static_cast<std::size_t>(i);
+    double target = 8 * (wanted[k] - q) + 0.7 * pace(k);
+    paced = paced || std::abs(target) > 1.5;
+    target = std::min(std::max(target, -1.5), 1.5);
+    const double error = target - speed;
+    double u = 3 * error + 10 * (sum + 0.01 * error) + 0.3 * std::sin(5 * t);
+    if (i > 1) u += 0.1 * 100 * (pace(k) - pace(k - 1));
+    limited = limited || std::abs(u) > 4;
+    const bool on = i < 200 || i >= 250;
+    if (!on) {
+      sum = 0;
+      u = 0;
+    } else if (std::abs(u) <= 4 || u * error <= 0) {
+      sum += 0.01 * error;
+    }
+    u = std::min(std::max(u, -4.0), 4.0);
+    constexpr double kTolerance = 1e-10;  // rounding, over 400 ticks
+    ASSERT_NEAR(answer.Values("position")[i], q, kTolerance) << "sample " << i;
+    ASSERT_NEAR(answer.Values("speed")[i], v, kTolerance) << "sample " << i;
+    ASSERT_NEAR(answer.Values("torque")[i], u, 100 * kTolerance) << "sample " << i;
+    q += 0.01 * v + 0.5 * 1e-4 * u / kMass;
+    v += 0.01 * u / kMass;
+  }
+  EXPECT_TRUE(paced);
+  EXPECT_TRUE(limited);
+}
+
+// An open winding: neither torque nor braking by the back-EMF, whatever the voltage.
+TEST(DriveOpenLoop, AMotorThatIsOffLeavesTheJointFree) {
+  Bench bench;
+  bench.input = "voltage";
+  bench.input_unit = "V";
+  bench.command = [](double) { return 12.0; };
+  bench.constants = {{"resistance", 2}};
+  bench.inputs["motor_on"] = {"1", [](double t) { return t < 0.995 ? 1.0 : 0.0; }};
+  const auto problem = BindBench(bench);
+  const auto answer = PredictDrive(*problem, DrivePoint(*problem, {{"inertia", 0.5},
+                                                                   {"viscous_friction", 0.2},
+                                                                   {"gravity_torque", 0},
+                                                                   {"torque_constant", 0.3}}));
+  const Vector speed = answer.Values("speed");
+  EXPECT_GT(answer.Values("torque")[99], 0.1);
+  for (int i = 100; i <= 400; ++i) {
+    ASSERT_EQ(answer.Values("torque")[i], 0);
+    ASSERT_EQ(answer.Values("current")[i], 0);
+    ASSERT_NEAR(speed[i], speed[100] * std::exp(-0.2 / 0.5 * (i - 100) / 100.0), 1e-10);
+  }
+}
+
 // A free joint under a torque that is a little wrong: the position leaves, and that is said.
 TEST(DriveOpenLoop, ADriftIsSaid) {
   Bench bench;

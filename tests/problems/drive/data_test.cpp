@@ -149,6 +149,76 @@ TEST(DriveData, AReferenceNeedsItsControllerAndAServoItsSupply) {
             "drive.controller needs the input 'reference', but the trials are driven by 'torque'");
 }
 
+Bench Cascade(const std::string& more) {
+  Bench bench = Swing();
+  bench.input = "reference";
+  bench.input_unit = "rad";
+  bench.settings = "controller: {kind: cascade, control_period: 0.01" + more + "}";
+  return bench;
+}
+
+TEST(DriveData, ACascadeNeedsItsGains) {
+  const std::string where = ": give it in drive.controller, as a constant or as a condition";
+  EXPECT_EQ(ErrorOf(BenchData(Cascade(""))), "trial 'swing': the controller has no position_gain" + where);
+  EXPECT_EQ(ErrorOf(BenchData(Cascade(", position_gain: 8"))),
+            "trial 'swing': the controller has no velocity_gain" + where);
+  const std::string gains = ", position_gain: 8, velocity_gain: 0.4";
+  EXPECT_EQ(ErrorOf(BenchData(Cascade(gains))), "");
+  EXPECT_EQ(ErrorOf(BenchData(Cascade(", position_gain: 8, velocity_gain: 0"))),
+            "trial 'swing': velocity_gain is 0, expected above 0");
+  EXPECT_EQ(ErrorOf(BenchData(Cascade(gains + ", velocity_filter: -1"))),
+            "trial 'swing': velocity_filter is -1, expected at least 0");
+  EXPECT_EQ(ErrorOf(BenchData(Cascade(gains + ", initial_integral: fitted"))),
+            "trial 'swing': initial_integral is to be fitted, but velocity_integral is 0: the controller has "
+            "no integral");
+  EXPECT_EQ(ErrorOf(BenchData(Cascade(gains + ", velocity_integral: 2, initial_integral: fitted"))), "");
+}
+
+TEST(DriveData, ADisturbanceNeedsAControllerThatTakesIt) {
+  Bench bench = Cascade(", position_gain: 8, velocity_gain: 0.4");
+  bench.inputs["disturbance"] = {"V", [](double) { return 0.1; }};
+  EXPECT_EQ(ErrorOf(BenchData(bench)),
+            "trial 'swing': 'disturbance' has unit 'V', expected N*m, that of the controller's output");
+  bench.inputs["disturbance"].unit = "N*m";
+  EXPECT_EQ(ErrorOf(BenchData(bench)), "");
+  Bench open = Swing();
+  open.inputs = bench.inputs;
+  EXPECT_EQ(ErrorOf(BenchData(open)),
+            "trial 'swing': 'disturbance' is added to the output of a sampled controller (pid_speed, "
+            "pid_position, cascade), but the joint is driven by 'torque'");
+}
+
+TEST(DriveData, AMotorIsOnOrOff) {
+  Bench bench = Swing();
+  bench.inputs["motor_on"] = {"1", [](double t) { return t < 1 ? 1.0 : 0.5; }};
+  EXPECT_EQ(ErrorOf(BenchData(bench)),
+            "trial 'swing': 'motor_on' is 0.5 at t = 1 s, expected 0 (the motor is off) or 1");
+  bench.inputs["motor_on"] = {"V", [](double) { return 1.0; }};
+  EXPECT_EQ(ErrorOf(BenchData(bench)), "trial 'swing': 'motor_on' has unit 'V', expected 1");
+  bench.inputs["motor_on"] = {"1", [](double t) { return t < 1 ? 1.0 : 0.0; }};
+  Dataset data = BenchData(bench);
+  EXPECT_EQ(ErrorOf(data), "");
+  Joint(data).channels["motor_on"].kind = ChannelKind::kMeasured;
+  EXPECT_EQ(ErrorOf(data),
+            "trial 'swing': channel 'motor_on' is marked measured, not input; import it with kind: input");
+}
+
+TEST(DriveData, AllTrialsOrNoneSayWhenTheyBegan) {
+  Dataset data = BenchData(Swing());
+  data.trials["later"] = data.trials["swing"];
+  data.trials["later"].conditions["session_time_s"] = 60;
+  EXPECT_EQ(
+      ErrorOf(data),
+      "trial 'later' has the condition session_time_s, trial 'swing' has not: expected it in all trials "
+      "or in none");
+  data.trials["swing"].conditions["session_time_s"] = 10;
+  const auto problem = BindDriveData(data);
+  ASSERT_TRUE(problem) << problem.error().message;
+  EXPECT_TRUE(FindParameter((*problem)->parameters(), "session_rate"));
+  EXPECT_EQ((*problem)->data().runs[0].session, 50) << "of the trial 'later', since the first began";
+  EXPECT_FALSE(FindParameter(BindBench(Swing())->parameters(), "session_rate"));
+}
+
 TEST(DriveData, SettingsAreReadStrictly) {
   const auto error = [](const std::string& text) {
     const auto yaml = YamlReader::Parse(text, "drive.yaml");
@@ -161,6 +231,14 @@ TEST(DriveData, SettingsAreReadStrictly) {
             "drive.yaml:1: fit: channel 'posision' does not exist; did you mean 'position'?");
   EXPECT_EQ(error("hold: zer"), "drive.yaml:1: hold: 'zer' does not exist; did you mean 'zero'?");
   EXPECT_EQ(error("{}"), "");
+  EXPECT_EQ(error("controller: {kind: cascad}"),
+            "drive.yaml:1: kind: 'cascad' does not exist; did you mean 'cascade'?");
+  EXPECT_EQ(error("controller: {kind: servo, kp: 1, velocity_gain: 2}"),
+            "drive.yaml:1: controller: servo has no 'velocity_gain', expected kp, servo_error_gain");
+  EXPECT_THAT(error("controller: {kind: cascade, kp: 1}"),
+              testing::HasSubstr("controller: cascade has no 'kp', expected position_gain, velocity_gain"));
+  EXPECT_THAT(error("controller: {kind: cascade, positiongain: 1}"),
+              testing::HasSubstr("unknown key 'positiongain'; did you mean 'position_gain'?"));
   const auto force = ReadDriveSettings(*YamlReader::Parse("fit: [position, force]", "drive.yaml"));
   ASSERT_TRUE(force) << force.error().message;
   EXPECT_EQ(force->fit, (std::vector<std::string>{"position", "torque"})) << "they name the same";

@@ -170,7 +170,10 @@ TEST(DriveLaboratory, EveryHiddenThingShowsInARecordingAndItsNullDoesNot) {
     if (entry.parameter == "clock_rate") value = 0.001;
     if (entry.parameter == "lost_load") hidden[kLostTime] = 2;
     if (entry.unit.rfind("1/", 0) == 0 || entry.unit == "s/rad") value = 5;  // inverse limits
-    if (entry.parameter == "quadratic_load_coefficient" || entry.parameter == "thermal_rate") value = 0.02;
+    if (entry.parameter == "quadratic_load_coefficient" || entry.parameter == "thermal_rate" ||
+        entry.parameter == "session_rate") {
+      value = 0.02;
+    }
     hidden[entry.slot] = value;
     EXPECT_GT(shows(hidden), 1e-4) << entry.parameter;
   }
@@ -371,6 +374,7 @@ TEST(DriveSynthesis, EffectsOfDirectionCommandAndTimeAgreeWithTheFittedModel) {
   const std::vector<std::tuple<std::string, Numbers, double>> cases{
       {"asymmetric_viscous_friction", {{"viscous_asymmetry", -0.02}}, 0.01},
       {"supply_sag", {{"thermal_rate", -0.01}}, 0.01},
+      {"gain_warm_up", {{"warm_up_gain", 0.06}, {"warm_up_time", 2}}, 0.01},
       {"dead_zone", {{"dead_zone_width", 0.02}}, 0.15}};  // its kinks are not located
   for (const auto& [effect, numbers, share] : cases) {
     SynthesisRequest request;
@@ -378,6 +382,63 @@ TEST(DriveSynthesis, EffectsOfDirectionCommandAndTimeAgreeWithTheFittedModel) {
     EXPECT_LT(DistanceToModel(numbers, request), share * kNoise) << effect;
     EXPECT_GT(DistanceToModel({}, request), kNoise) << effect;
   }
+}
+
+TEST(DriveSynthesis, ACascadeAgreesWithTheFittedModelFarBelowTheNoise) {
+  constexpr double kNoise = 0.003;
+  const std::map<std::string, std::map<std::string, double>> effects{
+      {"coulomb_friction", {{"coulomb_torque", 0.1}}},
+      {"sensing_delay", {{"sensing_delay", 0.01}}},  // between ticks the model is straight
+      {"command_delay", {{"command_delay", 0.023}}},
+      {"gain_compression", {{"compression", 0.3}}},
+      {"reference.gain", {{"reference.gain", 1.05}}}};
+  for (const double kind : {1.0, 2.0}) {
+    SynthesisRequest request;
+    request.set = {{"cascade", kind}, {"disturbance", 0.1}};
+    EXPECT_LT(DistanceToModel({}, request), 0.01 * kNoise) << kind;
+    request.set["motor_off"] = 2;
+    EXPECT_LT(DistanceToModel({}, request), 0.02 * kNoise) << kind << ", motor off";
+    request.set.erase("motor_off");
+    for (const auto& [effect, numbers] : effects) {
+      request.effects = {{effect, numbers}};
+      EXPECT_LT(DistanceToModel(numbers, request), 0.1 * kNoise) << kind << ", " << effect;
+      EXPECT_GT(DistanceToModel({}, request), kNoise) << kind << ", " << effect;
+    }
+  }
+}
+
+TEST(DriveSynthesis, AMotorThatIsOffAgreesWithTheFittedModelInEveryDrive) {
+  constexpr double kNoise = 0.003;
+  SynthesisRequest request;
+  request.set["motor_off"] = 3;
+  EXPECT_LT(DistanceToModel({}, request), 0.01 * kNoise);
+  const double with = DistanceToModel({{"coulomb_torque", 0.05}}, request);
+  EXPECT_GT(with, kNoise) << "it swings freely: friction shows";
+  request.effects = {{"coulomb_friction", {{"coulomb_torque", 0.05}}}};
+  EXPECT_LT(DistanceToModel({{"coulomb_torque", 0.05}}, request), 0.1 * kNoise);
+}
+
+TEST(DriveSynthesis, SettingsOfACascadeThatDoNotGoTogetherAreErrors) {
+  SynthesisRequest request;
+  request.set = {{"disturbance", 0.1}};
+  EXPECT_EQ(ErrorOf(request), "--set disturbance=0.1: expected together with cascade");
+  request.set = {{"cascade", 1}, {"excitation", 1}};
+  EXPECT_EQ(ErrorOf(request), "--set excitation=1: expected without cascade, which has moves of its own");
+  request.set = {{"motor_off", 10}};
+  EXPECT_EQ(ErrorOf(request), "--set motor_off=10: expected less than the duration of a trial, 10 s");
+  request.set = {{"mafo", 1}, {"cascade", 1}};
+  EXPECT_EQ(ErrorOf(request), "--set cascade=1: the trials of the orthosis (mafo=1) are fixed");
+}
+
+TEST(DriveSynthesis, AGainThatChangesOverTheSessionAgreesWithTheFittedModel) {
+  constexpr double kNoise = 0.003;
+  SynthesisRequest request;
+  request.set["session"] = 20;
+  request.effects = {{"gain_over_session", {{"session_rate", 0.0005}}}};
+  EXPECT_LT(DistanceToModel({{"session_rate", 0.0005}}, request), 0.01 * kNoise);
+  EXPECT_GT(DistanceToModel({}, request), kNoise);
+  request.set.clear();
+  EXPECT_THAT(ErrorOf(request), HasSubstr("--set session=SECONDS"));
 }
 
 TEST(DriveLaboratory, AWarmJointHasTheFrictionOfItsTemperature) {

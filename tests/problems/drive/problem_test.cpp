@@ -182,6 +182,29 @@ TEST(DriveProblem, VoltageDriveReachesItsNoLoadSpeed) {
   }
 }
 
+TEST(DriveProblem, AWindingThatWarmsUpDelaysTheNoLoadSpeed) {
+  Bench bench;
+  bench.input = "voltage";
+  bench.input_unit = "V";
+  bench.command = [](double) { return 12.0; };
+  bench.constants = {{"resistance", 2}, {"gear_ratio", 5}};
+  const auto problem = BindBench(bench);
+  constexpr double kGrowth = 0.1;  // [1/s] of the resistance
+  const auto answer = PredictDrive(*problem, DrivePoint(*problem, {{"inertia", 0.5},
+                                                                   {"viscous_friction", 0},
+                                                                   {"gravity_torque", 0},
+                                                                   {"torque_constant", 0.3},
+                                                                   {"resistance_rate", kGrowth}}));
+  // M dv/dt = N kt / (R (1 + growth t)) (u - N kt v)
+  const double rate = 1.5 * 1.5 / (2 * 0.5);
+  for (int i = 0; i <= 400; ++i) {
+    const double warm = 1 + kGrowth * 0.01 * i;
+    const double left = std::pow(warm, -rate / kGrowth);
+    EXPECT_NEAR(answer.Values("speed")[i], 12 / 1.5 * (1 - left), 1e-8);  // (rate h)^4 / 120
+    EXPECT_NEAR(answer.Values("current")[i], 12 * left / (2 * warm), 1e-8);
+  }
+}
+
 // Laws that must agree although they are written elsewhere.
 TEST(DriveProblem, EffectsThatMeanTheSameAgree) {
   Bench bench;

@@ -83,6 +83,8 @@ std::map<std::string, double> EveryEffect() {
           {"offset_torque", 0.02},
           {"compression", 0.1},
           {"thermal_rate", 0.01},
+          {"warm_up_gain", -0.1},
+          {"warm_up_time", 0.8},
           {"command_delay", 0.0133},
           {"hold_fraction", 0.3},
           {"transmission_compliance", 0.02},
@@ -175,6 +177,7 @@ TEST(DriveSensitivity, OfAServoWithASensingDelay) {
                                  {"viscous_friction", 0.01},
                                  {"torque_constant", 0.3},
                                  {"resistance", 4.5},
+                                 {"resistance_rate", 0.05},
                                  {"coulomb_torque", 0.01},
                                  {"sensing_delay", 0.005},
                                  {"command_delay", 0.013},
@@ -198,6 +201,48 @@ TEST(DriveSensitivity, OfASampledControllerWithLimitAndDelay) {
                                  {"compression", 0.1},
                                  {"initial_position@swing", 0.2},
                                  {"initial_speed@swing", 0.5}});
+}
+
+TEST(DriveSensitivity, OfACascadeWhoseMotorIsSwitched) {
+  Bench bench;
+  bench.input = "reference";
+  bench.input_unit = "rad";
+  bench.command = [](double t) { return Slow(t) - Slow(0); };
+  bench.settings =
+      "controller: {kind: cascade, position_gain: 12, velocity_gain: 1.2, velocity_integral: 8, "
+      "velocity_filter: 0.003, velocity_feedforward: 0.9, acceleration_feedforward: 0.02, control_period: "
+      "0.004, speed_limit: 2, output_limit: 0.6, initial_integral: fitted}";
+  bench.inputs["disturbance"] = {"N*m", [](double t) { return 0.1 * std::sin(9 * t); }};
+  bench.inputs["motor_on"] = {"1", [](double t) { return t < 2.5 || t >= 3 ? 1.0 : 0.0; }};
+  ExpectExactDerivatives(bench, {{"inertia", 0.03},
+                                 {"viscous_friction", 0.05},
+                                 {"gravity_torque", 0.3},
+                                 {"coulomb_torque", 0.05},
+                                 {"sensing_delay", 0.0066},
+                                 {"command_delay", 0.013},
+                                 {"compression", 0.1},
+                                 {"reference.gain", 1.1},
+                                 {"initial_position@swing", 0.2},
+                                 {"initial_speed@swing", 0.5},
+                                 {"initial_integral@swing", 0.1}});
+}
+
+TEST(DriveSensitivity, OfAServoWhoseMotorIsOff) {
+  Bench bench;
+  bench.input = "reference";
+  bench.input_unit = "rad";
+  bench.command = Slow;
+  bench.settings = "controller: {kind: servo, kp: 100}";
+  bench.constants = {{"load_mass", 0.5}, {"load_length", 0.1}, {"supply_voltage", 7.4}};
+  bench.inputs["motor_on"] = {"1", [](double t) { return t < 2 ? 1.0 : 0.0; }};
+  ExpectExactDerivatives(bench, {{"inertia", 0.002},
+                                 {"viscous_friction", 0.01},
+                                 {"torque_constant", 0.1},
+                                 {"resistance", 4.5},
+                                 {"coulomb_torque", 0.01},
+                                 {"motor_load_friction", 0.1},
+                                 {"initial_position@swing", 0.2},
+                                 {"initial_speed@swing", 0.1}});
 }
 
 TEST(DriveSensitivity, OfADeadZone) {

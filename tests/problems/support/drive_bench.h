@@ -26,6 +26,11 @@ struct Bench {
   std::string settings;  // more of drive.yaml
   std::map<std::string, double> constants;
   std::vector<double> times;  // instead of rate and duration
+  struct Input {
+    std::string unit;
+    std::function<double(double)> value;
+  };
+  std::map<std::string, Input> inputs;  // besides the command
 };
 
 /// What is "measured" is any motion: the tests ask what is predicted.
@@ -49,6 +54,12 @@ inline Dataset BenchData(const Bench& bench) {
     Channel& speed = grid.channels["speed"];
     speed.unit = bench.rotary ? "rad/s" : "m/s";
     for (const double t : grid.time) speed.values.push_back(-4 * std::sin(5 * t));
+  }
+  for (const auto& [name, further] : bench.inputs) {
+    Channel& channel = grid.channels[name];
+    channel.unit = further.unit;
+    channel.kind = ChannelKind::kInput;
+    for (const double t : grid.time) channel.values.push_back(further.value(t));
   }
   for (const auto& [name, value] : bench.constants) data.constants[name] = {value, "1"};
   data.files["drive.yaml"] =
