@@ -232,6 +232,7 @@ void AddDrive(const DriveTraits& is, const DriveScales& s, const Units& unit, Bu
   add.BeginEffect("gain_warm_up", Level::kRobot,
                   "the drive's gain settles from the begin of each trial to its final value",
                   "the same motion again and again from a cold start")
+      .Is(Occurrence::kRare)
       .TwoSided(kWarmUpGain, "warm_up_gain", "1",
                 "share of the initial gain gained in the end; negative: lost", 0.9)
       .Number(kWarmUpTime, "warm_up_time", "s", "time after which 1/e of the change is left",
