@@ -52,9 +52,6 @@ const std::map<std::string, Exact> kExact{
        {"disturbance", 0.1},
        {"motor_off", 0.5}},
       {{"inertia", 0.034}, {"viscous_friction", 0.061}, {"gravity_torque", 0.52}}}},
-    {"drive_cascade_without_integral",
-     {{{"exact", 1}, {"speed", 1}, {"train", 1}, {"validate", 1}, {"duration", 2}, {"cascade", 1}},
-      {{"inertia", 0.034}, {"viscous_friction", 0.061}, {"gravity_torque", 0.52}}}},
     {"emg_shape",
      {{{"exact", 1}, {"speeds", 3}, {"muscles", 2}, {"moments", 0}, {"train", 2}, {"validate", 1}},
       {{"lead", 0.12}, {"lat_gas_r.amplitude_exponent", 0.6}, {"med_gas_r.amplitude_exponent", -0.3}}}},
@@ -416,8 +413,7 @@ std::vector<Case> Cases() {
     cases.push_back({&entry, false});
     cases.push_back({&entry, true});
     if (entry.name != "drive") continue;
-    for (const char* variant : {"_cascade", "_cascade_without_integral"})
-      cases.push_back({&entry, false, variant});
+    cases.push_back({&entry, false, "_cascade"});
   }
   static const ProblemEntry kSpring = SpringEntry();
   cases.push_back({&kSpring, false});
