@@ -27,8 +27,8 @@ enum class WarningKind {
   kCrossValidated,  ///< causes chosen by the prediction of trials left out of the fit (Diagnosis::left_out):
                     ///< numbers {training trials searched, training trials}
   kEqualNoise,      ///< models are compared under equal noise, not under the objective of the problem
-  kNoiseLevelUnknown,  ///< of channels: names {channel, why (few_samples, correlated, constant, smooth)},
-                       ///< then those of other channels
+  kNoiseLevelUnknown,     ///< of channels: names {channel, why (few_samples, correlated, constant, smooth)},
+                          ///< then those of other channels
   kNoValidationTrial,     ///< no gain can be measured
   kFreeTermExplainsMore,  ///< than the causes, so that these are not its explanation: names {term}; numbers
                           ///< {by the term, by the causes: predicted delta LR less the price of each}
