@@ -39,7 +39,7 @@ Result<std::size_t> ReadChoice(const YamlReader& yaml, const std::string& key,
 struct ControllerKind {
   const char* name;
   DriveControllerKind kind;
-  std::vector<std::string> keys;  // that it knows besides its kind
+  std::vector<std::string> keys;  // that it may have besides its kind
 };
 
 const std::vector<ControllerKind>& ControllerKinds() {

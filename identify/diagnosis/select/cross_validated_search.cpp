@@ -37,6 +37,7 @@ constexpr int kMaxSearchedSamples = 6000;
 constexpr std::size_t kBeam = 3;  // sets that are extended
 constexpr std::size_t kMaxSearchedCauses = 6;
 constexpr std::size_t kMostCauses = 8;  // of the answer
+constexpr std::size_t kMaxChoices = 8;  // of a set, each after further fits around it; mostly 2 to 4
 constexpr double kStillGains = 0.97;    // error over the best one before, for the search to go on
 constexpr double kSubstitute = 1.05;    // error of a substitute over that of the answer, at most
 constexpr double kFarOff = 1.25;        // fitted error of what is no substitute over that of the answer
@@ -70,6 +71,16 @@ EditedView Searched(const Problem& problem) {
 CrossValidatedSearch::Set With(CrossValidatedSearch::Set set, int c) {
   set.insert(std::lower_bound(set.begin(), set.end(), c), c);
   return set;
+}
+
+bool IsOneLess(const CrossValidatedSearch::Set& smaller, const CrossValidatedSearch::Set& set) {
+  return smaller.size() + 1 == set.size() &&
+         std::includes(set.begin(), set.end(), smaller.begin(), smaller.end());
+}
+
+// @pre IsOneLess
+int CauseBeyond(const CrossValidatedSearch::Set& smaller, const CrossValidatedSearch::Set& set) {
+  return *std::mismatch(smaller.begin(), smaller.end(), set.begin()).second;
 }
 
 // By the error of left-out data; sets of the same error, as of an effect that changes nothing, by size.
@@ -200,10 +211,7 @@ void CrossValidatedSearch::Polish(std::vector<Trial>& sets) const {
       starts[i].push_back(std::move(start));
     }
     for (const Trial& smaller : judged_) {
-      const bool one_less = smaller.released.size() + 1 == sets[i].released.size() &&
-                            std::includes(sets[i].released.begin(), sets[i].released.end(),
-                                          smaller.released.begin(), smaller.released.end());
-      if (!one_less) continue;
+      if (!IsOneLess(smaller.released, sets[i].released)) continue;
       // The parameters of the further cause as they are.
       const FitSetup theirs = refitter_.SetupWith(smaller.released);
       Vector start = smaller.point;
@@ -307,9 +315,6 @@ Result<std::vector<CrossValidatedSearch::Substitute>> CrossValidatedSearch::Find
   std::vector<std::pair<int, int>> exchanged;  // cause, candidate
   for (const Trial& less : OneLess(of)) {
     if (!std::isfinite(less.fitted_error)) continue;
-    Set cause;
-    std::set_difference(of.released.begin(), of.released.end(), less.released.begin(), less.released.end(),
-                        std::back_inserter(cause));
     Refit refit = searched_refitter_.FitOrdinary(less.released, {less.point}, kTolerance);
     if (!refit.usable()) continue;
     SINEW_ASSIGN(const ScoredModel scored,
@@ -317,12 +322,11 @@ Result<std::vector<CrossValidatedSearch::Substitute>> CrossValidatedSearch::Find
     for (const int c : Promising(scored, of.released)) {
       sets.push_back({With(less.released, c), {}, 0, 0, {}});
       starts.push_back(RefitStarts(scored, candidates_, c));
-      exchanged.emplace_back(cause.front(), c);
+      exchanged.emplace_back(CauseBeyond(less.released, of.released), c);
     }
   }
   FitAll(sets, starts, kRoughTolerance, 1);
   std::vector<Substitute> found;
-  std::vector<std::size_t> near;
   for (std::size_t i = 0; i < sets.size(); ++i) {
     // The fitted error is the smaller one: what is far off there is far off on left-out data, too.
     if (sets[i].fitted_error > kFarOff * of.fitted_error) sets[i].fitted_error = kInfinite;
@@ -395,15 +399,12 @@ Result<CrossValidatedSearch::Trial> CrossValidatedSearch::Choose(Shares& shares)
   std::set<Set> completed;
   for (;;) {
     const Trial chosen = judged_[ChooseSet(Judged())];
-    if (!completed.insert(chosen.released).second || Interrupted()) {
+    if (!completed.insert(chosen.released).second || completed.size() > kMaxChoices || Interrupted()) {
       shares.clear();
       for (const Trial& less : judged_) {
-        if (less.released.size() + 1 != chosen.released.size()) continue;
-        Set cause;
-        std::set_difference(chosen.released.begin(), chosen.released.end(), less.released.begin(),
-                            less.released.end(), std::back_inserter(cause));
-        if (cause.size() == 1)
-          shares.emplace_back(cause.front(), chosen.left_out_error / less.left_out_error);
+        if (IsOneLess(less.released, chosen.released))
+          shares.emplace_back(CauseBeyond(less.released, chosen.released),
+                              chosen.left_out_error / less.left_out_error);
       }
       return chosen;
     }
