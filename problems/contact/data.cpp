@@ -6,10 +6,12 @@
 #include <map>
 #include <numeric>
 
+#include "base/constants.h"
 #include "base/text.h"
 #include "models/multibody/coordinate_trajectory.h"
 #include "models/multibody/multibody_model.h"
 #include "models/multibody/osim_reader.h"
+#include "problems/contact/plate_samples.h"
 
 namespace sinew {
 namespace {
@@ -35,6 +37,7 @@ std::string UnitOf(const std::string& channel) {
 }
 
 struct Model {
+  OsimModel osim;
   MultibodyModel multibody;
   std::vector<int> bodies;  // of each region
 };
@@ -56,12 +59,16 @@ Result<Model> LoadModel(const Dataset& data, const ContactSettings& settings) {
     if (!index) return Fail("contact region '{}': {}", region.region.name, index.error().message);
     bodies.push_back(*index);
   }
-  return Model{std::move(multibody), std::move(bodies)};
+  return Model{osim, std::move(multibody), std::move(bodies)};
 }
 
 // The grid that holds coordinates of the model, as a trajectory. Samples at the ends where a coordinate is
 // missing are left out; a gap inside is an error, because a spline across it would be an invention.
-Result<CoordinateTrajectory> FitMotion(const Trial& trial, const MultibodyModel& model) {
+struct RecordedMotion {
+  CoordinateTrajectory trajectory;
+  std::vector<double> time;  // of its samples
+};
+Result<RecordedMotion> FitMotion(const Trial& trial, const MultibodyModel& model) {
   const Grid* best = nullptr;
   std::vector<std::string> best_names;
   for (const auto& [grid_name, grid] : trial.grids) {
@@ -99,7 +106,24 @@ Result<CoordinateTrajectory> FitMotion(const Trial& trial, const MultibodyModel&
   }
   const std::vector<double> time(best->time.begin() + static_cast<std::ptrdiff_t>(first),
                                  best->time.begin() + static_cast<std::ptrdiff_t>(last));
-  return CoordinateTrajectory::Fit(model, time, best_names, values);
+  SINEW_ASSIGN(auto trajectory, CoordinateTrajectory::Fit(model, time, best_names, values));
+  return RecordedMotion{std::move(trajectory), time};
+}
+
+// Frames of the motion while the plate records, continued by `margin` on both sides as far as there are any.
+Result<std::vector<double>> Frames(const Grid& forces, const std::vector<double>& motion, double margin) {
+  std::vector<double> time;
+  for (const double t : motion) {
+    if (t >= forces.time.front() - margin && t <= forces.time.back() + margin) time.push_back(t);
+  }
+  constexpr std::size_t kFewest = 8;
+  if (time.size() < kFewest) {
+    return Fail(
+        "{} frames of the motion ({:.4g} .. {:.4g} s) while there are forces ({:.4g} .. {:.4g} s); expected "
+        "at least {}",
+        time.size(), motion.front(), motion.back(), forces.time.front(), forces.time.back(), kFewest);
+  }
+  return time;
 }
 
 // Times of the force plate within the motion, continued by `margin` on both sides in steps of its median
@@ -158,25 +182,25 @@ Result<double> WeightOf(const Block& block, ContactObjective objective) {
   return 1.0;
 }
 
-// Measured samples of a channel at the prediction times; gaps and, for the centre of pressure, light feet are
-// left out.
-void AddMeasurement(const Grid& grid, const Channel& channel, const std::string& plate, bool is_cop,
-                    double force_share, Block& block) {
-  const auto force = grid.channels.find(plate + "_force_y");
-  double most = 0;
-  if (is_cop && force != grid.channels.end()) {
-    for (const double f : force->second.values) most = std::isfinite(f) ? std::max(most, f) : most;
+// The level to which a block is weighed by its likelihood.
+void SetAccuracy(const ContactSettings& settings, const Stance& stance, Block& block) {
+  const ContactAccuracy& accuracy = settings.accuracy;
+  const std::optional<double>& stated = block.unit == "N"   ? accuracy.force
+                                        : block.unit == "m" ? accuracy.cop
+                                                            : accuracy.moment;
+  if (stated) {
+    block.sigma = stated;
+    return;
   }
-  std::size_t p = 0;
-  for (std::size_t i = 0; i < grid.time.size(); ++i) {
-    while (p < block.prediction_time.size() && block.prediction_time[p] < grid.time[i]) ++p;
-    if (p == block.prediction_time.size()) break;
-    if (block.prediction_time[p] != grid.time[i] || !std::isfinite(channel.values[i])) continue;
-    if (is_cop && !(most > 0 && force->second.values[i] > force_share * most)) continue;
-    block.sample.push_back(static_cast<int>(p));
-    block.measured.push_back(channel.values[i]);
-  }
-  block.sigma = channel.sigma;
+  if (block.sigma || !settings.motion_errors) return;
+  // No law of a few parameters follows a foot closer than this, and no plate is so bad.
+  constexpr double kForceShare = 0.005;  // of the greatest vertical force
+  constexpr double kLengthShare = 0.01;  // of the sole's length
+  const double force = kForceShare * stance.greatest_force;
+  if (!(force > 0)) return;
+  block.sigma = block.unit == "N"   ? force
+                : block.unit == "m" ? kLengthShare * stance.length
+                                    : 0.5 * force * stance.length;
 }
 
 Status AddBlocks(const Trial& trial, const ContactSettings& settings, Stance& stance, ContactData& out) {
@@ -187,7 +211,14 @@ Status AddBlocks(const Trial& trial, const ContactSettings& settings, Stance& st
     for (int k = 0; k < kContactParametersPerGroup; ++k) all_columns.push_back(first + k);
     for (int k = 0; k < 2; ++k) normal_columns.push_back(first + k);
   }
-  const std::vector<int> effect_columns = out.effects.ColumnsOf(stance.plate);
+  std::vector<int> shared_columns;  // that every channel depends on
+  if (settings.fits_sole_height()) {
+    const int first = static_cast<int>(settings.Groups().size()) * kContactParametersPerGroup;
+    for (const Stance::Part& part : stance.parts) shared_columns.push_back(first + part.group);
+  }
+  for (const int column : out.effects.ColumnsOf(stance.plate)) shared_columns.push_back(column);
+  for (int k = 0; k < stance.motion_errors.parameters(); ++k)
+    shared_columns.push_back(stance.motion_errors.first + k);
   for (std::size_t c = 0; c < kContactChannels.size(); ++c) {
     const std::string& kind = kContactChannels[c];
     const bool fitted = std::find(settings.fit.begin(), settings.fit.end(), kind) != settings.fit.end();
@@ -198,14 +229,16 @@ Status AddBlocks(const Trial& trial, const ContactSettings& settings, Stance& st
     block.unit = UnitOf(kind);
     block.prediction_time = stance.time;
     block.columns = FeelsFriction(kind) ? all_columns : normal_columns;
-    block.columns.insert(block.columns.end(), effect_columns.begin(), effect_columns.end());
+    block.columns.insert(block.columns.end(), shared_columns.begin(), shared_columns.end());
     block.role = !fitted                      ? BlockRole::kPredicted
                  : trial.role == Role::kTrain ? BlockRole::kTrain
                                               : BlockRole::kValidate;
     const auto found = trial.Find(block.channel);
     if (found) {
-      AddMeasurement(*found.grid, *found.channel, stance.plate, kind.rfind("cop", 0) == 0,
-                     settings.cop_force_share, block);
+      const auto add = settings.motion_errors ? AddAverages : AddSamples;
+      add(*found.grid, *found.channel, stance.plate, kind.rfind("cop", 0) == 0, settings.cop_force_share,
+          block);
+      SetAccuracy(settings, stance, block);
     }
     if (fitted) {
       if (block.measured.empty()) {
@@ -214,7 +247,7 @@ Status AddBlocks(const Trial& trial, const ContactSettings& settings, Stance& st
       }
       SINEW_ASSIGN(block.weight, WeightOf(block, settings.objective));
       const std::size_t recorded = found.channel->values.size();
-      if (block.measured.size() < recorded) {
+      if (!settings.motion_errors && block.measured.size() < recorded) {
         out.notes.push_back(
             fmt::format("trial '{}': {} of {} samples of '{}' are not compared (gaps, no motion there, or a "
                         "light foot)",
@@ -227,6 +260,39 @@ Status AddBlocks(const Trial& trial, const ContactSettings& settings, Stance& st
   return {};
 }
 
+// Deviations of the foot's pose, with the prior that was set or that its markers say.
+void AddMotionErrors(const Trial& trial, const Model& model, const MotionErrorSettings& settings,
+                     Stance& stance, ContactData& out) {
+  // Of a foot without markers (Leardini et al. 2005; Jackson et al. 2016: 3 to 6 mm, 0.5 to 2 degrees).
+  constexpr double kPosition = 0.005;
+  constexpr double kRotation = 0.035;
+  constexpr double kJoint = 0.1;  // [rad] few markers, if any, are beyond the joint
+  stance.markers = MeasuredMarkers(trial, model.osim, model.multibody, stance.foot, stance.time);
+  const MarkerAccuracy markers = AccuracyOf(stance.markers, stance.foot);
+  const double position = settings.position.value_or(markers.position > 0 ? markers.position : kPosition);
+  const double rotation = settings.rotation.value_or(markers.rotation > 0 ? markers.rotation : kRotation);
+  StanceMotionErrors& errors = stance.motion_errors;
+  for (int c = 0; c < kPoseComponents; ++c) {
+    if (c == kJointAngle && !stance.foot.has_joint) continue;
+    errors.components.push_back(c);
+    errors.deviation[static_cast<std::size_t>(c)] = c <= kShiftZ  ? position
+                                                    : c <= kTurnZ ? rotation
+                                                                  : settings.joint.value_or(kJoint);
+  }
+  errors.basis = MotionErrorBasis::Make(stance.time, settings.correlation_time, settings.cutoff);
+  errors.first = out.next_parameter;
+  out.next_parameter += errors.parameters();
+  out.notes.push_back(
+      fmt::format("trial '{}', {}: the foot's pose may deviate by {:.1f} mm and {:.1f} degrees (standard "
+                  "deviations of the "
+                  "prior, {})",
+                  stance.trial, stance.plate, 1e3 * position, rotation * 180 / kPi,
+                  settings.position && settings.rotation ? std::string("as set")
+                  : markers.markers > 0 ? fmt::format("from the residuals of {} markers on it, {:.1f} mm",
+                                                      markers.markers, 1e3 * markers.residual)
+                                        : std::string("without markers on it")));
+}
+
 Status AddTrial(const std::string& name, const Trial& trial, const Model& model,
                 const ContactSettings& settings, double margin, ContactData& out) {
   std::vector<std::string> plates;
@@ -234,15 +300,22 @@ Status AddTrial(const std::string& name, const Trial& trial, const Model& model,
     if (trial.Find(plate + "_force_y")) plates.push_back(plate);
   }
   if (plates.empty()) return {};
-  SINEW_ASSIGN(const CoordinateTrajectory motion, FitMotion(trial, model.multibody));
+  SINEW_ASSIGN(const RecordedMotion recorded, FitMotion(trial, model.multibody));
+  const CoordinateTrajectory& motion = recorded.trajectory;
   if (!motion.held().empty()) {
     out.notes.push_back(fmt::format("trial '{}': no data for {}: held at the model's default", name,
                                     Join(motion.held(), ", ")));
   }
   for (const std::string& plate : plates) {
-    SINEW_ASSIGN(auto time, PredictionTimes(*trial.Find(plate + "_force_y").grid, motion, margin));
+    const auto vertical = trial.Find(plate + "_force_y");
+    SINEW_ASSIGN(auto time, settings.motion_errors ? Frames(*vertical.grid, recorded.time, margin)
+                                                   : PredictionTimes(*vertical.grid, motion, margin));
     SINEW_ASSIGN(Stance stance,
                  MakeStance(name, plate, std::move(time), motion, model.multibody, model.bodies, settings));
+    for (const double f : vertical.channel->values) {
+      if (std::isfinite(f)) stance.greatest_force = std::max(stance.greatest_force, f);
+    }
+    if (settings.motion_errors) AddMotionErrors(trial, model, *settings.motion_errors, stance, out);
     SINEW_TRY(AddBlocks(trial, settings, stance, out));
     out.stances.push_back(std::move(stance));
   }
@@ -254,8 +327,9 @@ Status AddTrial(const std::string& name, const Trial& trial, const Model& model,
 Result<ContactData> PrepareContactData(const Dataset& data, const ContactSettings& settings, double margin) {
   SINEW_ASSIGN(const Model model, LoadModel(data, settings));
   ContactData out;
-  out.effects = ContactEffectList(static_cast<int>(settings.Groups().size()) * kContactParametersPerGroup,
-                                  settings.Plates());
+  const int per_group = kContactParametersPerGroup + (settings.fits_sole_height() ? 1 : 0);
+  out.effects = ContactEffectList(static_cast<int>(settings.Groups().size()) * per_group, settings.Plates());
+  out.next_parameter = out.effects.end();
   for (const auto& [name, trial] : data.trials) {
     const Status status = AddTrial(name, trial, model, settings, margin, out);
     if (!status) return Fail("trial '{}': {}", name, status.error().message);

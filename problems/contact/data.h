@@ -14,9 +14,11 @@ namespace sinew {
 
 struct ContactData {
   std::vector<Stance> stances;
-  /// `columns` count base parameters, five per group, in the order of the groups; then those of `effects`.
+  /// `columns` count base parameters, five per group, in the order of the groups; a sole height per group if
+  /// it is fitted; then those of `effects`; then motion errors, stance by stance.
   Layout layout;
   ContactEffectList effects;
+  int next_parameter = 0;          ///< index after those of motion errors, which follow the effects
   std::vector<std::string> notes;  ///< coordinates that rest at their default, samples that were left out
 };
 

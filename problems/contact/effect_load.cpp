@@ -128,10 +128,11 @@ void AddVertical(const EffectKinematics& kinematics, const EffectRegion& region,
   }
 }
 
-// Adds one region's load and derivatives, as if its weight were 1.
+// Adds one region's load and derivatives, as if its weight were 1. `by_spring` is nullptr or set.
 void AddRegion(const EffectKinematics& kinematics, const EffectRegion& region, int instant,
                const ElasticFoundation& bed, const ContactEffectValues& effects, ContactLoad& load,
-               ContactLoadJacobian& by_bed, ContactEffectJacobian& by_effect) {
+               ContactLoadJacobian& by_bed, ContactEffectJacobian& by_effect,
+               std::vector<SpringGradient>* by_spring) {
   const ContactKinematics& k = region.kinematics;
   const TiltedFloor floor(kinematics, effects);
   const BedEffects bed_effects{effects[kStiffnessExponent], effects[kFloorCompliance]};
@@ -142,6 +143,7 @@ void AddRegion(const EffectKinematics& kinematics, const EffectRegion& region, i
   const double rate_by_rise = (floor.slope(0) * slip_by_rise[0] + floor.slope(1) * slip_by_rise[1]) * up;
   const auto first = t * static_cast<std::size_t>(k.faces);
   for (std::size_t f = 0; f < static_cast<std::size_t>(k.faces); ++f) {
+    if (by_spring != nullptr) (*by_spring)[f].setZero();
     const RaisedFace face = floor.At(region, instant, first + f);
     if (!(face.depth > 0)) continue;
     const Pressure p = PressureAt(bed, bed_effects, face.depth, face.rate);
@@ -187,6 +189,31 @@ void AddRegion(const EffectKinematics& kinematics, const EffectRegion& region, i
       by_effect.col(static_cast<Eigen::Index>(kFloorSlopeX + axis)) +=
           face.lever[axis] * by_rise + by_tilt * unit + normal * turned;
     }
+    if (by_spring == nullptr) continue;
+
+    // The place and the motion of the spring itself.
+    SpringGradient& gradient = (*by_spring)[f];
+    const double rise = face.depth * floor.norm() - k.depth[first + f];
+    const double force_x = normal * unit[kForceX];
+    const double force_z = normal * unit[kForceZ];
+    const ContactLoad by_rate = (area * p.by_rate * up) * unit;
+    const auto by_slip_along = [&](double along_x, double along_z) -> ContactLoad {
+      const double along = face.slip_x * along_x + face.slip_z * along_z;
+      return lever.Of(-drag * along_x - drag_slope * along * face.slip_x, 0,
+                      -drag * along_z - drag_slope * along * face.slip_z);
+    };
+    gradient.col(kDepth) = (area * p.by_depth * up) * unit;
+    gradient.col(kRate) = by_rate;
+    gradient.col(kSlipX) = normal * by_slip_along(1, 0) + floor.slope(0) * by_rate;
+    gradient.col(kSlipZ) = normal * by_slip_along(0, 1) + floor.slope(1) * by_rate;
+    gradient.col(kTurningX) = rise * gradient.col(kSlipZ);
+    gradient.col(kTurningZ) = -rise * gradient.col(kSlipX);
+    gradient.col(kPointX) = floor.slope(0) * by_rise;
+    gradient(kMomentY, kPointX) -= force_z;
+    gradient(kFirstMomentX, kPointX) += normal * up;
+    gradient.col(kPointZ) = floor.slope(1) * by_rise;
+    gradient(kMomentY, kPointZ) += force_x;
+    gradient(kFirstMomentZ, kPointZ) += normal * up;
   }
 }
 
@@ -195,13 +222,15 @@ void AddRegion(const EffectKinematics& kinematics, const EffectRegion& region, i
 void ComputeEffectLoad(const EffectKinematics& kinematics, int instant,
                        const std::vector<ElasticFoundation>& beds, const ContactEffectValues& effects,
                        const EffectLoadQuery& query, EffectLoad& load) {
+  std::size_t next = 0;  // of by_spring
   const auto add = [&](const EffectRegion& region, ContactLoad& sum, ContactLoadJacobian& by_bed,
                        ContactEffectJacobian& by_effect) {
     const ElasticFoundation& bed = beds[static_cast<std::size_t>(region.part)];
     if (query.vertical_only) {
       AddVertical(kinematics, region, instant, bed, effects, query.derivatives, sum, by_bed, by_effect);
     } else {
-      AddRegion(kinematics, region, instant, bed, effects, sum, by_bed, by_effect);
+      AddRegion(kinematics, region, instant, bed, effects, sum, by_bed, by_effect,
+                query.springs ? &load.by_spring[next++] : nullptr);
     }
   };
   load.load.setZero();
@@ -213,7 +242,12 @@ void ComputeEffectLoad(const EffectKinematics& kinematics, int instant,
   for (std::size_t edge = 0; edge < kinematics.edges.size(); ++edge) {
     const std::size_t effect = kToeRegion + edge;
     const double weight = effects[effect];
-    if (weight == 0 && !query.edges) continue;
+    if (weight == 0 && !query.edges) {
+      if (query.springs) {
+        for (SpringGradient& gradient : load.by_spring[next++]) gradient.setZero();
+      }
+      continue;
+    }
     for (const EffectRegion& region : kinematics.edges[edge]) {
       const auto part = static_cast<std::size_t>(region.part);
       ContactLoad whole = ContactLoad::Zero();
@@ -224,6 +258,8 @@ void ComputeEffectLoad(const EffectKinematics& kinematics, int instant,
       load.by_part[part] += weight * by_bed;
       load.by_effect += weight * by_effect;
       load.by_effect.col(static_cast<Eigen::Index>(effect)) += whole;
+      if (!query.springs) continue;
+      for (SpringGradient& gradient : load.by_spring[next - 1]) gradient *= weight;
     }
   }
   // A plate measures the load on it: the mass counts while a spring is compressed.

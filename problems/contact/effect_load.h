@@ -43,6 +43,20 @@ struct EffectKinematics {
   double transition_velocity = 0.01;       ///< [m/s]
 };
 
+/// Derivatives of the load of one spring for what its place and motion decide: SpringQuantity.
+enum SpringQuantity {
+  kDepth,
+  kRate,
+  kSlipX,
+  kSlipZ,
+  kPointX,
+  kPointZ,
+  kTurningX,
+  kTurningZ,
+  kSpringQuantities
+};
+using SpringGradient = Eigen::Matrix<double, 6, kSpringQuantities>;
+
 using ContactEffectJacobian = Eigen::Matrix<double, 6, static_cast<int>(kContactEffects)>;
 
 /// Load and derivatives of one instant.
@@ -50,6 +64,8 @@ struct EffectLoad {
   ContactLoad load = ContactLoad::Zero();
   std::vector<ContactLoadJacobian> by_part;  ///< [parts] for k, c, mu_s, mu_d, mu_v of each
   ContactEffectJacobian by_effect = ContactEffectJacobian::Zero();
+  /// [regions, then edges][faces] with EffectLoadQuery::springs: zero for a spring that does not touch.
+  std::vector<std::vector<SpringGradient>> by_spring;
 };
 
 /// What of an EffectLoad is asked for; the rest of it is not to be used.
@@ -57,6 +73,7 @@ struct EffectLoadQuery {
   bool vertical_only = false;  ///< the vertical force alone: no friction, no moments
   bool derivatives = true;     ///< of the vertical force; with the others they always come
   bool edges = false;          ///< strips of weight 0 too, for the derivative of the weight
+  bool springs = false;        ///< EffectLoad::by_spring, which has the right size; not with vertical_only
 };
 
 /// Fills `load`, whose by_part has the right size. Allocates nothing.

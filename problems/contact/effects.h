@@ -48,6 +48,10 @@ class ContactEffectList {
   /// Index of PLATE.height_offset, -1 if there is but one plate.
   [[nodiscard]] int OwnHeight(const std::string& plate) const;
   [[nodiscard]] int first() const { return first_; }
+  /// Index after the last one.
+  [[nodiscard]] int end() const {
+    return first_ + static_cast<int>(kContactEffects) + static_cast<int>(plates_.size());
+  }
 
  private:
   int first_ = 0;

@@ -4,14 +4,16 @@
 #include <array>
 #include <cmath>
 #include <limits>
+#include <optional>
+
+#include "problems/contact/plate_channels.h"
+#include "problems/contact/posed_load.h"
 
 namespace sinew {
 namespace {
 
 constexpr std::size_t kChannels = ContactProblem::kChannels;
 
-// Order of kContactChannels.
-enum PlateChannel { kFx, kFy, kFz, kCopX, kCopZ, kFreeMoment };
 // Parameters of a group that each channel depends on: normal forces depend on stiffness and dissipation only.
 constexpr std::array<Eigen::Index, kChannels> kColumnsPerGroup{5, 2, 5, 2, 2, 5};
 
@@ -20,43 +22,9 @@ WrenchParts PartsFor(const std::array<bool, kChannels>& wanted) {
   return wanted[kFx] || wanted[kFz] ? WrenchParts::kForce : WrenchParts::kVertical;
 }
 
-// Channels of a plate from the load on it, and the derivative of each for one parameter from that of the
-// load.
-struct PlateChannels {
-  std::array<double, kChannels> value{};
-
-  PlateChannels(const ContactLoad& load, const std::array<double, 2>& resting_cop) : load_(load) {
-    presses_ = load[kForceY] > 0;
-    value[kFx] = load[kForceX];
-    value[kFy] = load[kForceY];
-    value[kFz] = load[kForceZ];
-    value[kCopX] = presses_ ? load[kFirstMomentX] / load[kForceY] : resting_cop[0];
-    value[kCopZ] = presses_ ? load[kFirstMomentZ] / load[kForceY] : resting_cop[1];
-    // The moment about the vertical through the centre of pressure.
-    value[kFreeMoment] = load[kMomentY] - (value[kCopZ] * load[kForceX] - value[kCopX] * load[kForceZ]);
-  }
-
-  [[nodiscard]] std::array<double, kChannels> Derivative(const ContactLoad& d) const {
-    std::array<double, kChannels> slope{};
-    slope[kFx] = d[kForceX];
-    slope[kFy] = d[kForceY];
-    slope[kFz] = d[kForceZ];
-    if (presses_) {
-      slope[kCopX] = (d[kFirstMomentX] - value[kCopX] * d[kForceY]) / load_[kForceY];
-      slope[kCopZ] = (d[kFirstMomentZ] - value[kCopZ] * d[kForceY]) / load_[kForceY];
-    }
-    slope[kFreeMoment] = d[kMomentY] - (slope[kCopZ] * load_[kForceX] + value[kCopZ] * d[kForceX] -
-                                        slope[kCopX] * load_[kForceZ] - value[kCopX] * d[kForceZ]);
-    return slope;
-  }
-
- private:
-  const ContactLoad& load_;
-  bool presses_ = false;
-};
-
 // The parameters of the groups, then those of the effects.
-ParameterList List(const ContactSettings& settings, const ContactEffectList& effects) {
+ParameterList List(const ContactSettings& settings, const ContactEffectList& effects,
+                   const std::vector<Stance>& stances) {
   struct Kind {
     const char* name;
     const char* unit;
@@ -91,7 +59,24 @@ ParameterList List(const ContactSettings& settings, const ContactEffectList& eff
       add.Add(std::move(p));
     }
   }
+  if (settings.fits_sole_height()) {
+    const ParameterRange& range = settings.parameters.at("sole_height");
+    for (const std::string& group : groups) {
+      Parameter p = BaseParameter(groups.size() == 1 ? "sole_height" : group + ".sole_height", "m",
+                                  "height of the sole on the foot above where its regions draw it",
+                                  range.lower, range.upper, range.start);
+      add.Add(std::move(p));
+    }
+  }
   effects.Declare(add);
+  for (const Stance& stance : stances) {
+    // A trial that has one plate is name enough.
+    const bool alone = std::count_if(stances.begin(), stances.end(),
+                                     [&](const Stance& other) { return other.trial == stance.trial; }) == 1;
+    for (Parameter& p :
+         stance.motion_errors.Declare(stance.trial, alone ? stance.trial : stance.trial + "/" + stance.plate))
+      add.Add(std::move(p));
+  }
   return list;
 }
 
@@ -101,7 +86,7 @@ std::vector<Parameter> DefaultContactParameters() {
   ContactSettings settings;
   settings.parameters = DefaultContactRanges();
   settings.regions.emplace_back();
-  return List(settings, ContactEffectList(kContactParametersPerGroup, {})).parameters;
+  return List(settings, ContactEffectList(kContactParametersPerGroup, {}), {}).parameters;
 }
 
 // Scratch of one thread and one stance.
@@ -110,6 +95,10 @@ struct ContactProblem::Scratch {
   std::vector<ContactLoadJacobian> by_part;  // of the fast path
   std::vector<ElasticFoundation> beds;       // per part
   EffectLoad with_effects;
+  std::optional<PosedFoot> posed;  // where springs move
+  std::vector<double> heights;     // per part
+  ContactPoseJacobian by_pose;
+  std::vector<ContactLoad> by_height;  // per part
   ContactEffectValues effects{};
   bool at_null = true;
   bool differentiates_effects = false;
@@ -121,7 +110,9 @@ struct ContactProblem::ContactWorkspace final : Problem::Workspace {
 };
 
 ContactProblem::ContactProblem(ContactSettings settings, ContactData data)
-    : settings_(std::move(settings)), data_(std::move(data)), list_(List(settings_, data_.effects)) {}
+    : settings_(std::move(settings)),
+      data_(std::move(data)),
+      list_(List(settings_, data_.effects, data_.stances)) {}
 
 Result<std::unique_ptr<ContactProblem>> ContactProblem::Make(const Dataset& data, ContactSettings settings,
                                                              double margin) {
@@ -140,6 +131,12 @@ std::unique_ptr<Problem::Workspace> ContactProblem::NewWorkspace() const {
     scratch.by_part.resize(stance.parts.size());
     scratch.beds.resize(stance.parts.size());
     scratch.with_effects.by_part.resize(stance.parts.size());
+    scratch.heights.assign(stance.parts.size(), 0.0);
+    scratch.by_height.resize(stance.parts.size());
+    if (!settings_.moves_springs()) continue;
+    scratch.posed.emplace(stance.kinematics);
+    for (const FootMotion::Springs& springs : stance.foot.springs)
+      scratch.with_effects.by_spring.emplace_back(springs.position.size());
   }
   return workspace;
 }
@@ -181,6 +178,10 @@ Status ContactProblem::Predict(const Query& query, Workspace& workspace, Predict
       scratch.differentiates_effects |= query.Differentiates(first + i);
     scratch.differentiates_edges = query.Differentiates(first + static_cast<int>(kToeRegion)) ||
                                    query.Differentiates(first + static_cast<int>(kHeelRegion));
+    if (settings_.fits_sole_height()) {
+      for (std::size_t p = 0; p < stance.parts.size(); ++p)
+        scratch.heights[p] = query.parameters[SoleHeightIndex(stance.parts[p].group)];
+    }
     for (int t = 0; t < static_cast<int>(stance.time.size()); ++t) {
       PredictInstant(stance, t, wanted, query, scratch, prediction);
     }
@@ -190,13 +191,22 @@ Status ContactProblem::Predict(const Query& query, Workspace& workspace, Predict
 
 void ContactProblem::PredictInstant(const Stance& stance, int t, const std::array<bool, kChannels>& wanted,
                                     const Query& query, Scratch& scratch, Prediction& prediction) const {
-  if (!scratch.at_null || scratch.differentiates_effects) {
+  const bool posed = scratch.posed.has_value();
+  if (posed) {
+    const PoseDeviation deviation = stance.motion_errors.At(query.parameters, t);
+    scratch.posed->Place(stance.kinematics, stance.foot, settings_.floor.height, t, deviation,
+                         scratch.heights, query.derivatives);
+    const EffectLoadQuery load_query{false, query.derivatives, scratch.differentiates_edges,
+                                     query.derivatives};
+    ComputeEffectLoad(scratch.posed->kinematics(), 0, scratch.beds, scratch.effects, load_query,
+                      scratch.with_effects);
+  } else if (!scratch.at_null || scratch.differentiates_effects) {
     const EffectLoadQuery load_query{PartsFor(wanted) == WrenchParts::kVertical, query.derivatives,
                                      scratch.differentiates_edges};
     ComputeEffectLoad(stance.kinematics, t, scratch.beds, scratch.effects, load_query, scratch.with_effects);
   }
   ContactLoad load = ContactLoad::Zero();
-  if (scratch.at_null) {
+  if (scratch.at_null && !posed) {
     const WrenchParts parts = PartsFor(wanted);
     for (std::size_t p = 0; p < stance.parts.size(); ++p) {
       stance.parts[p].sums.Add(t, scratch.beds[p], parts, scratch.sums[p], load,
@@ -211,7 +221,7 @@ void ContactProblem::PredictInstant(const Stance& stance, int t, const std::arra
   }
   if (!query.derivatives) return;
 
-  const auto& by_part = scratch.at_null ? scratch.by_part : scratch.with_effects.by_part;
+  const auto& by_part = scratch.at_null && !posed ? scratch.by_part : scratch.with_effects.by_part;
   for (std::size_t p = 0; p < stance.parts.size(); ++p) {
     for (Eigen::Index k = 0; k < kContactParametersPerGroup; ++k) {
       const auto slope = channels.Derivative(by_part[p].col(k));
@@ -222,17 +232,57 @@ void ContactProblem::PredictInstant(const Stance& stance, int t, const std::arra
       }
     }
   }
+  if (posed) DifferentiatePose(stance, t, wanted, query, channels, scratch, prediction);
   if (!scratch.differentiates_effects) return;
+  const Eigen::Index heights =
+      settings_.fits_sole_height() ? static_cast<Eigen::Index>(stance.parts.size()) : 0;
   const bool own_height = data_.effects.OwnHeight(stance.plate) >= 0;
   for (std::size_t e = 0; e < kContactEffects; ++e) {
     const auto slope = channels.Derivative(scratch.with_effects.by_effect.col(static_cast<Eigen::Index>(e)));
     for (std::size_t c = 0; c < kChannels; ++c) {
       if (!wanted[c]) continue;
       auto derivatives = prediction.derivatives(stance.blocks[c]);
-      const Eigen::Index first = static_cast<Eigen::Index>(stance.parts.size()) * kColumnsPerGroup[c];
+      const Eigen::Index first =
+          static_cast<Eigen::Index>(stance.parts.size()) * kColumnsPerGroup[c] + heights;
       derivatives(t, first + static_cast<Eigen::Index>(e)) = slope[c];
       if (e == kHeightOffset && own_height)
         derivatives(t, first + static_cast<Eigen::Index>(kContactEffects)) = slope[c];
+    }
+  }
+}
+
+void ContactProblem::DifferentiatePose(const Stance& stance, int t, const std::array<bool, kChannels>& wanted,
+                                       const Query& query, const PlateChannels& channels, Scratch& scratch,
+                                       Prediction& prediction) const {
+  scratch.posed->Differentiate(stance.foot, scratch.with_effects, scratch.by_pose, scratch.by_height);
+  const auto parts = static_cast<Eigen::Index>(stance.parts.size());
+  Eigen::Index heights = 0;
+  if (settings_.fits_sole_height()) {
+    heights = parts;
+    for (Eigen::Index p = 0; p < parts; ++p) {
+      const auto slope = channels.Derivative(scratch.by_height[static_cast<std::size_t>(p)]);
+      for (std::size_t c = 0; c < kChannels; ++c) {
+        if (wanted[c])
+          prediction.derivatives(stance.blocks[c])(t, parts * kColumnsPerGroup[c] + p) = slope[c];
+      }
+    }
+  }
+  const StanceMotionErrors& errors = stance.motion_errors;
+  if (errors.components.empty() || !query.Differentiates(errors.first)) return;
+  const auto effects =
+      static_cast<Eigen::Index>(kContactEffects) + (data_.effects.OwnHeight(stance.plate) >= 0 ? 1 : 0);
+  const Eigen::Index weights = errors.weights();
+  for (std::size_t i = 0; i < errors.components.size(); ++i) {
+    const int component = errors.components[i];
+    const double deviation = errors.deviation[static_cast<std::size_t>(component)];
+    const auto by_value = channels.Derivative(deviation * scratch.by_pose.col(component));
+    const auto by_rate = channels.Derivative(deviation * scratch.by_pose.col(kPoseComponents + component));
+    for (std::size_t c = 0; c < kChannels; ++c) {
+      if (!wanted[c]) continue;
+      const Eigen::Index first =
+          parts * kColumnsPerGroup[c] + heights + effects + static_cast<Eigen::Index>(i) * weights;
+      prediction.derivatives(stance.blocks[c]).row(t).segment(first, weights) =
+          by_value[c] * errors.basis.value.row(t) + by_rate[c] * errors.basis.rate.row(t);
     }
   }
 }
@@ -284,64 +334,6 @@ std::string ContactProblem::objective() const {
       return "half the sum over channels of mean squared error / variance of the channel";
     case ContactObjective::kLikelihood:
       return "half the sum of squared errors / noise variance";
-  }
-  return {};
-}
-
-Status ContactProblem::WriteDetails(const Vector& parameters, Hdf5Node& details) const {
-  const auto groups = settings_.Groups();
-  for (const Stance& stance : data_.stances) {
-    const ContactEffectValues effects = EffectsOn(stance.plate, parameters);
-    for (std::size_t r = 0; r < stance.regions.size(); ++r) {
-      const EffectRegion& prepared = stance.kinematics.regions[r];
-      const ContactKinematics& kinematics = prepared.kinematics;
-      const ContactRegionSettings& settings = settings_.regions[static_cast<std::size_t>(stance.regions[r])];
-      const ContactMesh& mesh = settings.region.mesh;
-      const int group =
-          static_cast<int>(std::find(groups.begin(), groups.end(), settings.group) - groups.begin());
-      const ElasticFoundation foundation = Foundation(parameters, group);
-
-      const std::vector<int> faces = settings.region.SpringFaceIndices();
-      const auto in_body = [&](const Vec3& point) {
-        return Vec3(settings.region.position + settings.region.rotation * point);
-      };
-      std::vector<double> outline;
-      for (const int face : faces) {
-        for (const int corner : mesh.faces[static_cast<std::size_t>(face)]) {
-          const Vec3 point = in_body(mesh.vertices[static_cast<std::size_t>(corner)]);
-          outline.push_back(point.x());
-          outline.push_back(point.z());
-        }
-      }
-      std::vector<double> pressure;
-      std::vector<double> slip;
-      std::vector<double> centre;
-      std::vector<FaceLoad> loads;
-      for (int t = 0; t < kinematics.instants; ++t) {
-        ComputeFaceLoads(stance.kinematics, prepared, t, foundation, effects, loads);
-        double total = 0;
-        Vec3 moment = Vec3::Zero();
-        for (std::size_t i = 0; i < faces.size(); ++i) {
-          const double force = loads[i].pressure * kinematics.area[i];
-          pressure.push_back(loads[i].pressure);
-          slip.push_back(loads[i].slip);
-          total += force;
-          moment += force * in_body(mesh.Centre(faces[i]));
-        }
-        centre.push_back(total > 0 ? moment.x() / total : std::numeric_limits<double>::quiet_NaN());
-        centre.push_back(total > 0 ? moment.z() / total : std::numeric_limits<double>::quiet_NaN());
-      }
-      const auto instants = static_cast<std::size_t>(kinematics.instants);
-      Hdf5Node& node = details.At("contact/" + stance.trial + "/" + settings.region.name);
-      node.attributes["body"] = settings.body;
-      node.attributes["plate"] = settings.plate;
-      node.attributes["group"] = settings.group;
-      node.At("time").SetVector(stance.time);
-      node.At("outline").data = Hdf5Array{{faces.size(), 3, 2}, std::move(outline)};
-      node.At("pressure").SetMatrix(instants, faces.size(), std::move(pressure));
-      node.At("slip").SetMatrix(instants, faces.size(), std::move(slip));
-      node.At("centre_of_pressure").SetMatrix(instants, 2, std::move(centre));
-    }
   }
   return {};
 }

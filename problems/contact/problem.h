@@ -15,6 +15,8 @@
 
 namespace sinew {
 
+class PlateChannels;
+
 /// Parameters per group of regions: stiffness, dissipation, static_friction, dynamic_friction,
 /// viscous_friction; named so if there is one group, else GROUP.stiffness and so on. Channels per plate:
 /// force_x, force_y, force_z, cop_x, cop_z, moment_y. The fitted ones are compared with the measurement; the
@@ -55,6 +57,13 @@ class ContactProblem final : public Problem {
   struct ContactWorkspace;
   void PredictInstant(const Stance& stance, int t, const std::array<bool, kChannels>& wanted,
                       const Query& query, Scratch& scratch, Prediction& prediction) const;
+  void DifferentiatePose(const Stance& stance, int t, const std::array<bool, kChannels>& wanted,
+                         const Query& query, const PlateChannels& channels, Scratch& scratch,
+                         Prediction& prediction) const;
+  [[nodiscard]] int SoleHeightIndex(int group) const {
+    const int groups = data_.effects.first() / (kContactParametersPerGroup + 1);
+    return groups * kContactParametersPerGroup + group;
+  }
   [[nodiscard]] ContactEffectValues EffectsOn(const std::string& plate, const Vector& parameters) const;
 
   ContactSettings settings_;

@@ -19,6 +19,9 @@ const std::map<std::string, ParameterRange> kDefaultRanges{
     {"dynamic_friction", {0, 15, 0.5}}, {"viscous_friction", {0, 15, 0.1}},
 };
 
+// Where a model's foot has its sole is known to a few centimetres.
+constexpr ParameterRange kRangeOfSoleHeight{-0.05, 0.05, 0};
+
 Result<Vec3> ReadVec3(const YamlReader& yaml, const std::string& key, const Vec3& fallback) {
   if (!yaml.Has(key)) return fallback;
   SINEW_ASSIGN(const YamlReader value, yaml.At(key));
@@ -115,7 +118,8 @@ Result<ContactRegionSettings> ReadRegion(const YamlReader& yaml,
 }
 
 Result<ContactObjective> ReadObjective(const YamlReader& yaml) {
-  SINEW_ASSIGN(const std::string name, yaml.TextOr("objective", "normalised"));
+  const bool likelihood = yaml.Has("motion_errors");
+  SINEW_ASSIGN(const std::string name, yaml.TextOr("objective", likelihood ? "likelihood" : "normalised"));
   const std::vector<std::string> names{"thesis", "normalised", "likelihood"};
   const auto found = std::find(names.begin(), names.end(), name);
   if (found == names.end()) {
@@ -123,13 +127,25 @@ Result<ContactObjective> ReadObjective(const YamlReader& yaml) {
     return FailAt(yaml.file(), value.line(), "objective '{}' does not exist{}", name,
                   Suggestion(name, names));
   }
+  if (likelihood && name != "likelihood") {
+    SINEW_ASSIGN(const YamlReader value, yaml.At("objective"));
+    return FailAt(
+        yaml.file(), value.line(),
+        "objective '{}': motion_errors are weighed against forces by the accuracy of both, which takes "
+        "objective likelihood",
+        name);
+  }
   return static_cast<ContactObjective>(found - names.begin());
 }
+
+const char* const kSoleHeightKey = "sole_height";
 
 Status ReadRanges(const YamlReader& yaml, std::map<std::string, ParameterRange>& ranges) {
   std::vector<std::string> names;
   for (const auto& [name, range] : ranges) names.push_back(name);
+  names.emplace_back(kSoleHeightKey);
   SINEW_TRY(yaml.OnlyKeys(names));
+  if (yaml.Has(kSoleHeightKey)) ranges[kSoleHeightKey] = kRangeOfSoleHeight;
   for (auto& [name, range] : ranges) {
     if (!yaml.Has(name)) continue;
     SINEW_ASSIGN(const YamlReader entry, yaml.At(name));
@@ -137,7 +153,7 @@ Status ReadRanges(const YamlReader& yaml, std::map<std::string, ParameterRange>&
     SINEW_ASSIGN(range.lower, entry.NumberOr("lower", range.lower));
     SINEW_ASSIGN(range.upper, entry.NumberOr("upper", range.upper));
     SINEW_ASSIGN(range.start, entry.NumberOr("start", range.start));
-    if (range.lower < 0) {
+    if (range.lower < 0 && name != kSoleHeightKey) {
       return FailAt(entry.file(), entry.line(),
                     "{}: lower {}, expected 0 or more: nothing physical is negative here", name, range.lower);
     }
@@ -147,6 +163,20 @@ Status ReadRanges(const YamlReader& yaml, std::map<std::string, ParameterRange>&
     }
   }
   return {};
+}
+
+Result<ContactAccuracy> ReadAccuracy(const YamlReader& yaml) {
+  SINEW_TRY(yaml.OnlyKeys({"force", "cop", "moment"}));
+  ContactAccuracy accuracy;
+  for (const auto& [key, target] : {std::pair{"force", &accuracy.force}, std::pair{"cop", &accuracy.cop},
+                                    std::pair{"moment", &accuracy.moment}}) {
+    if (!yaml.Has(key)) continue;
+    SINEW_ASSIGN(const YamlReader entry, yaml.At(key));
+    SINEW_ASSIGN(const double value, entry.Number());
+    if (!(value > 0)) return FailAt(entry.file(), entry.line(), "{}: {}, expected above 0", key, value);
+    *target = value;
+  }
+  return accuracy;
 }
 
 template <class Member>
@@ -186,7 +216,7 @@ std::vector<std::string> ContactSettings::Plates() const {
 Result<ContactSettings> ReadContactSettings(const YamlReader& yaml,
                                             const std::map<std::string, std::string>& files) {
   SINEW_TRY(yaml.OnlyKeys({"model", "floor_height", "floor_velocity", "transition_velocity", "objective",
-                           "fit", "cop_force_share", "regions", "parameters"}));
+                           "fit", "cop_force_share", "motion_errors", "accuracy", "regions", "parameters"}));
   ContactSettings settings;
   settings.parameters = kDefaultRanges;
   SINEW_ASSIGN(settings.model, yaml.TextOr("model", settings.model));
@@ -205,6 +235,14 @@ Result<ContactSettings> ReadContactSettings(const YamlReader& yaml,
                   settings.transition_velocity);
   }
   SINEW_ASSIGN(settings.objective, ReadObjective(yaml));
+  if (yaml.Has("motion_errors")) {
+    SINEW_ASSIGN(const YamlReader errors, yaml.At("motion_errors"));
+    SINEW_ASSIGN(settings.motion_errors, ReadMotionErrors(errors));
+  }
+  if (yaml.Has("accuracy")) {
+    SINEW_ASSIGN(const YamlReader accuracy, yaml.At("accuracy"));
+    SINEW_ASSIGN(settings.accuracy, ReadAccuracy(accuracy));
+  }
   if (yaml.Has("fit")) {
     SINEW_ASSIGN(const YamlReader fit, yaml.At("fit"));
     SINEW_ASSIGN(settings.fit, fit.Texts());

@@ -3,12 +3,14 @@
 #pragma once
 
 #include <map>
+#include <optional>
 #include <string>
 #include <vector>
 
 #include "base/error.h"
 #include "base/yaml_reader.h"
 #include "models/contact/elastic_foundation.h"
+#include "problems/contact/motion_errors.h"
 
 namespace sinew {
 
@@ -36,6 +38,14 @@ struct ParameterRange {
   double start = 0;
 };
 
+/// To what each kind of channel is weighed by the objective kLikelihood where its noise level is not stated,
+/// and instead of it where this is: errors of the model count too.
+struct ContactAccuracy {
+  std::optional<double> force;   ///< [N]
+  std::optional<double> cop;     ///< centre of pressure [m]
+  std::optional<double> moment;  ///< free moment [N m]
+};
+
 struct ContactSettings {
   std::string model = "model.osim";   ///< name of the .osim among the files of the data set
   Floor floor;                        ///< height [m], and velocity of a treadmill's belt [m/s]
@@ -45,8 +55,16 @@ struct ContactSettings {
   /// The centre of pressure means nothing under a light foot: it is compared where the vertical force exceeds
   /// this share of its maximum.
   double cop_force_share = 0.1;
+  /// The pose of every foot may deviate from the recorded one; nothing: the motion is exact.
+  std::optional<MotionErrorSettings> motion_errors;
+  ContactAccuracy accuracy;
   std::vector<ContactRegionSettings> regions;
-  /// By name within a group: stiffness, dissipation, static_friction, dynamic_friction, viscous_friction.
+  /// A group's sole lies higher or lower on the foot than its regions say, by parameter sole_height.
+  [[nodiscard]] bool fits_sole_height() const { return parameters.count("sole_height") > 0; }
+  /// Springs do not stay where the recorded motion has them.
+  [[nodiscard]] bool moves_springs() const { return motion_errors || fits_sole_height(); }
+  /// By name within a group: stiffness, dissipation, static_friction, dynamic_friction, viscous_friction and,
+  /// if it is to be fitted, sole_height.
   std::map<std::string, ParameterRange> parameters;
 
   [[nodiscard]] std::vector<std::string> Groups() const;

@@ -106,15 +106,23 @@ Result<Stance> MakeStance(const std::string& trial, const std::string& plate, st
     kinematics.foot_position.push_back(body.position);
     kinematics.foot_acceleration.push_back(body.acceleration);
   }
+  std::vector<FootRegion> foot_regions;
+  for (std::size_t i = 0; i < regions.size(); ++i)
+    foot_regions.push_back({regions[i], bodies[static_cast<std::size_t>(stance.regions[i])]});
   constexpr double kShare = 0.2;               // of the foot's length that a strip beyond its end has
   constexpr std::array<int, 2> kStrips{4, 7};  // squares of it along x and z
   const Ends ends = FindEnds(regions, motion_of, deepest_instant);
+  stance.length = ends.at[0] - ends.at[1];
+  std::array<ContactRegion, 2> edges;
   for (const std::size_t end : {0U, 1U}) {
     const auto of = static_cast<std::size_t>(ends.region[end]);
-    SINEW_ASSIGN(const ContactRegion edge,
-                 EdgeRegion(*regions[of], end == 0, kShare * (ends.at[0] - ends.at[1]), kStrips));
+    SINEW_ASSIGN(edges[end], EdgeRegion(*regions[of], end == 0, kShare * stance.length, kStrips));
     kinematics.edges[end].push_back(
-        Prepare(edge, kinematics.regions[of].part, motion_of[of], settings.floor));
+        Prepare(edges[end], kinematics.regions[of].part, motion_of[of], settings.floor));
+    foot_regions.push_back({&edges[end], foot_regions[of].body});
+  }
+  if (settings.moves_springs()) {
+    SINEW_ASSIGN(stance.foot, RecordedFootMotion(stance.time, motion, model, foot_regions));
   }
   return stance;
 }

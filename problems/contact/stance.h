@@ -9,6 +9,9 @@
 #include "models/multibody/coordinate_trajectory.h"
 #include "models/multibody/multibody_model.h"
 #include "problems/contact/effect_load.h"
+#include "problems/contact/foot_markers.h"
+#include "problems/contact/foot_motion.h"
+#include "problems/contact/motion_errors.h"
 #include "problems/contact/settings.h"
 
 namespace sinew {
@@ -23,9 +26,14 @@ struct Stance {
   };
   std::vector<Part> parts;
   EffectKinematics kinematics;          ///< every face, touching or not
+  FootMotion foot;                      ///< the same springs, to be moved
+  FootMarkers markers;                  ///< only with motion errors
+  StanceMotionErrors motion_errors;     ///< no components: none
   std::vector<int> regions;             ///< [kinematics.regions] index of each into ContactSettings::regions
   std::array<double, 2> middle{};       ///< x, z [m] of the springs where the sole is deepest
   std::array<double, 2> resting_cop{};  ///< x, z [m]: used as the centre of pressure without contact
+  double greatest_force = 0;            ///< measured vertically [N]
+  double length = 0;                    ///< of the sole, between its outermost springs along x or z [m]
   std::array<int, 6> blocks{};          ///< index into the layout of each of kContactChannels
 };
 

@@ -1,0 +1,68 @@
+// Pressures, slip and centre of pressure under every region, for the pictures of a report.
+#include <algorithm>
+#include <limits>
+
+#include "problems/contact/posed_load.h"
+#include "problems/contact/problem.h"
+
+namespace sinew {
+
+Status ContactProblem::WriteDetails(const Vector& parameters, Hdf5Node& details) const {
+  const auto groups = settings_.Groups();
+  for (const Stance& stance : data_.stances) {
+    const ContactEffectValues effects = EffectsOn(stance.plate, parameters);
+    for (std::size_t r = 0; r < stance.regions.size(); ++r) {
+      const EffectRegion& prepared = stance.kinematics.regions[r];
+      const ContactKinematics& kinematics = prepared.kinematics;
+      const ContactRegionSettings& settings = settings_.regions[static_cast<std::size_t>(stance.regions[r])];
+      const ContactMesh& mesh = settings.region.mesh;
+      const int group =
+          static_cast<int>(std::find(groups.begin(), groups.end(), settings.group) - groups.begin());
+      const ElasticFoundation foundation = Foundation(parameters, group);
+
+      const std::vector<int> faces = settings.region.SpringFaceIndices();
+      const auto in_body = [&](const Vec3& point) {
+        return Vec3(settings.region.position + settings.region.rotation * point);
+      };
+      std::vector<double> outline;
+      for (const int face : faces) {
+        for (const int corner : mesh.faces[static_cast<std::size_t>(face)]) {
+          const Vec3 point = in_body(mesh.vertices[static_cast<std::size_t>(corner)]);
+          outline.push_back(point.x());
+          outline.push_back(point.z());
+        }
+      }
+      std::vector<double> pressure;
+      std::vector<double> slip;
+      std::vector<double> centre;
+      std::vector<FaceLoad> loads;
+      for (int t = 0; t < kinematics.instants; ++t) {
+        ComputeFaceLoads(stance.kinematics, prepared, t, foundation, effects, loads);
+        double total = 0;
+        Vec3 moment = Vec3::Zero();
+        for (std::size_t i = 0; i < faces.size(); ++i) {
+          const double force = loads[i].pressure * kinematics.area[i];
+          pressure.push_back(loads[i].pressure);
+          slip.push_back(loads[i].slip);
+          total += force;
+          moment += force * in_body(mesh.Centre(faces[i]));
+        }
+        centre.push_back(total > 0 ? moment.x() / total : std::numeric_limits<double>::quiet_NaN());
+        centre.push_back(total > 0 ? moment.z() / total : std::numeric_limits<double>::quiet_NaN());
+      }
+      const auto instants = static_cast<std::size_t>(kinematics.instants);
+      Hdf5Node& node = details.At("contact/" + stance.trial + "/" + settings.region.name);
+      node.attributes["body"] = settings.body;
+      node.attributes["plate"] = settings.plate;
+      node.attributes["group"] = settings.group;
+      node.At("time").SetVector(stance.time);
+      node.At("outline").data = Hdf5Array{{faces.size(), 3, 2}, std::move(outline)};
+      node.At("pressure").SetMatrix(instants, faces.size(), std::move(pressure));
+      node.At("slip").SetMatrix(instants, faces.size(), std::move(slip));
+      node.At("centre_of_pressure").SetMatrix(instants, 2, std::move(centre));
+    }
+  }
+  return {};
+}
+
+}  // namespace sinew

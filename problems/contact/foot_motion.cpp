@@ -1,0 +1,104 @@
+#include "problems/contact/foot_motion.h"
+
+#include <Eigen/Geometry>
+#include <algorithm>
+#include <optional>
+
+namespace sinew {
+namespace {
+
+// The axis about which a coordinate turns body `other` against body `first`, if it does.
+Result<JointAxis> AxisOf(const MultibodyModel& model, const Vector& values, int coordinate, int first,
+                         int other) {
+  constexpr double kStill = 1e-9;  // [rad/s] of a unit rate
+  Vector rates = Vector::Zero(values.size());
+  rates[coordinate] = 1;
+  SINEW_ASSIGN(const auto moving, model.BodyMotionAt(values, rates, {first, other}));
+  const Vec3 spin = moving[1].angular_velocity - moving[0].angular_velocity;
+  if (spin.norm() < kStill) return JointAxis{};
+  const Vec3 carried =
+      moving[0].velocity + moving[0].angular_velocity.cross(moving[1].position - moving[0].position);
+  const Vec3 velocity = moving[1].velocity - carried;
+  return JointAxis{spin.normalized(), moving[1].position + spin.cross(velocity) / spin.squaredNorm()};
+}
+
+// The one coordinate that turns `other` against `first`; nothing if there is none or several.
+Result<std::optional<int>> JointBetween(const MultibodyModel& model, const Vector& values, int first,
+                                        int other) {
+  std::optional<int> found;
+  for (int c = 0; c < static_cast<int>(model.coordinate_names().size()); ++c) {
+    if (model.IsDependent(c)) continue;
+    SINEW_ASSIGN(const JointAxis axis, AxisOf(model, values, c, first, other));
+    if (axis.direction.isZero()) continue;
+    if (found) return std::optional<int>();
+    found = c;
+  }
+  return found;
+}
+
+}  // namespace
+
+Result<FootMotion> RecordedFootMotion(const std::vector<double>& times, const CoordinateTrajectory& motion,
+                                      const MultibodyModel& model, const std::vector<FootRegion>& regions) {
+  FootMotion foot;
+  for (const FootRegion& region : regions) foot.indices.push_back(region.body);
+  std::sort(foot.indices.begin(), foot.indices.end());
+  foot.indices.erase(std::unique(foot.indices.begin(), foot.indices.end()), foot.indices.end());
+  foot.bodies.resize(foot.indices.size());
+
+  SINEW_ASSIGN(const auto motions, model.BodyMotions(times, motion, foot.indices));
+  for (const auto& at_instant : motions) {
+    for (std::size_t b = 0; b < foot.bodies.size(); ++b) foot.bodies[b].motion.push_back(at_instant[b]);
+  }
+  const Vector first_values = motion.At(times.front()).values;
+  for (std::size_t b = 0; b < foot.bodies.size(); ++b) {
+    FootMotion::Body& body = foot.bodies[b];
+    body.axis.resize(times.size());
+    if (b == 0) continue;
+    SINEW_ASSIGN(const auto joint, JointBetween(model, first_values, foot.indices[0], foot.indices[b]));
+    if (!joint) continue;
+    foot.has_joint = true;
+    for (std::size_t t = 0; t < times.size(); ++t) {
+      SINEW_ASSIGN(body.axis[t],
+                   AxisOf(model, motion.At(times[t]).values, *joint, foot.indices[0], foot.indices[b]));
+    }
+  }
+
+  for (const FootRegion& region : regions) {
+    FootMotion::Springs springs;
+    springs.body = static_cast<int>(std::find(foot.indices.begin(), foot.indices.end(), region.body) -
+                                    foot.indices.begin());
+    springs.up = region.region->rotation * Vec3::UnitY();
+    for (const int face : region.region->SpringFaceIndices()) {
+      springs.position.emplace_back(region.region->position +
+                                    region.region->rotation * region.region->mesh.Centre(face));
+    }
+    foot.springs.push_back(std::move(springs));
+  }
+
+  // The centre: where the sole is on average, at the first instant's angle of the foot's joint.
+  Vec3 sum = Vec3::Zero();
+  std::size_t count = 0;
+  const BodyMotion& first = foot.bodies.front().motion.front();
+  for (const FootMotion::Springs& springs : foot.springs) {
+    const BodyMotion& body = foot.bodies[static_cast<std::size_t>(springs.body)].motion.front();
+    for (const Vec3& position : springs.position) sum += body.position + body.rotation * position;
+    count += springs.position.size();
+  }
+  foot.centre_B = first.rotation.transpose() * (sum / static_cast<double>(count) - first.position);
+  for (const BodyMotion& body : foot.bodies.front().motion) {
+    const Vec3 arm = body.rotation * foot.centre_B;
+    foot.centre.emplace_back(body.position + arm);
+    foot.centre_velocity.emplace_back(body.velocity + body.angular_velocity.cross(arm));
+  }
+  return foot;
+}
+
+BodyMotion DeviatedBody(const FootMotion& foot, std::size_t body, std::size_t instant,
+                        const PoseDeviation& deviation, const FootTurn& turn, PoseJacobian* jacobian) {
+  const FootMotion::Body& of = foot.bodies[body];
+  return DeviatedMotion(deviation, turn, of.motion[instant], of.axis[instant], foot.centre[instant],
+                        foot.centre_velocity[instant], jacobian);
+}
+
+}  // namespace sinew

@@ -1,0 +1,51 @@
+// The recorded motion of a foot's bodies and springs, ready to be deviated from at every instant.
+#pragma once
+
+#include <vector>
+
+#include "base/error.h"
+#include "models/contact/elastic_foundation.h"
+#include "models/contact/pose_deviation.h"
+#include "models/multibody/coordinate_trajectory.h"
+#include "models/multibody/multibody_model.h"
+
+namespace sinew {
+
+/// One foot during one stance.
+struct FootMotion {
+  struct Body {
+    std::vector<BodyMotion> motion;  ///< [T] as recorded
+    std::vector<JointAxis> axis;     ///< [T] between the first body and this one
+  };
+  /// Springs of a region in the frame of its body.
+  struct Springs {
+    int body = 0;                ///< index into `bodies`
+    std::vector<Vec3> position;  ///< [faces, m]
+    Vec3 up = Vec3::UnitY();     ///< from the sole into the foot
+  };
+  std::vector<int> indices;      ///< [bodies] of the model
+  std::vector<Body> bodies;      ///< the first one carries the foot's centre
+  std::vector<Springs> springs;  ///< [regions of the stance, then its edges]
+  Vec3 centre_B = Vec3::Zero();  ///< mean of the springs, in the frame of the first body [m]
+  std::vector<Vec3> centre;      ///< [T, m, ground]
+  std::vector<Vec3> centre_velocity;
+  bool has_joint = false;  ///< a body beyond the first moves about one axis
+};
+
+/// A region of the foot and its body in the model.
+struct FootRegion {
+  const ContactRegion* region = nullptr;
+  int body = 0;  ///< index of the model
+};
+
+/// @param regions of the stance, then strips beyond its ends; the body that the model names first is the
+/// foot's first one. Errors: those of MultibodyModel::BodyMotions.
+Result<FootMotion> RecordedFootMotion(const std::vector<double>& times, const CoordinateTrajectory& motion,
+                                      const MultibodyModel& model, const std::vector<FootRegion>& regions);
+
+/// Motion of a body of the foot under a deviation; `turn` is that of the deviation.
+[[nodiscard]] BodyMotion DeviatedBody(const FootMotion& foot, std::size_t body, std::size_t instant,
+                                      const PoseDeviation& deviation, const FootTurn& turn,
+                                      PoseJacobian* jacobian);
+
+}  // namespace sinew

@@ -1,0 +1,45 @@
+// The load on a plate from a foot whose pose deviates from the recorded one, and whose sole may be lower or
+// higher on the foot than drawn: kinematics are computed anew at every instant. Exact derivatives.
+#pragma once
+
+#include <vector>
+
+#include "problems/contact/effect_load.h"
+#include "problems/contact/foot_motion.h"
+
+namespace sinew {
+
+/// Derivatives of a ContactLoad for the values, then the rates, of a PoseDeviation.
+using ContactPoseJacobian = Eigen::Matrix<double, 6, 2 * kPoseComponents>;
+
+/// Scratch of one thread and one stance; holds the kinematics of one instant.
+class PosedFoot {
+ public:
+  /// @param recorded kinematics of the stance, whose areas and parts are kept
+  explicit PosedFoot(const EffectKinematics& recorded);
+
+  /// Places every spring. @param sole_height [parts, m] of the soles above where they are drawn
+  void Place(const EffectKinematics& recorded, const FootMotion& foot, double floor_height, int instant,
+             const PoseDeviation& deviation, const std::vector<double>& sole_height, bool derivatives);
+
+  /// Kinematics of that instant, as instant 0: for ComputeEffectLoad.
+  [[nodiscard]] const EffectKinematics& kinematics() const { return posed_; }
+
+  /// After Place with derivatives, and ComputeEffectLoad with EffectLoadQuery::springs.
+  /// @param by_height [parts] set
+  void Differentiate(const FootMotion& foot, const EffectLoad& load, ContactPoseJacobian& by_pose,
+                     std::vector<ContactLoad>& by_height) const;
+
+ private:
+  /// Regions, then edges.
+  [[nodiscard]] EffectRegion& Region(std::size_t index);
+  [[nodiscard]] const EffectRegion& Region(std::size_t index) const;
+
+  EffectKinematics posed_;
+  std::vector<BodyMotion> motion_;       // [bodies]
+  std::vector<PoseJacobian> jacobians_;  // [bodies]
+  std::vector<double> sole_height_;      // [parts]
+  double floor_height_ = 0;
+};
+
+}  // namespace sinew

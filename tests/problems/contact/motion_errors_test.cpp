@@ -1,0 +1,163 @@
+#include "problems/contact/motion_errors.h"
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <cmath>
+
+#include "base/random.h"
+#include "problems/contact/plate_samples.h"
+#include "tests/problems/support/jacobian_check.h"
+#include "tests/problems/support/stepping_data.h"
+#include "tests/support/allocation_counter.h"
+
+namespace sinew {
+namespace {
+
+using testing::ElementsAre;
+using testing::HasSubstr;
+
+const char* const kFitsAll = "fit: [force_x, force_y, force_z, cop_x, cop_z, moment_y]";
+
+// The robot's contact.yaml with more keys and all channels of the force.
+std::string Moving(const std::string& keys) {
+  std::string text = SettingsText(ExactData(), kFitsVertical, std::string(kFitsForce) + "\n  " + keys);
+  const std::string objective = "objective: thesis";
+  text.replace(text.find(objective), objective.size(), "objective: likelihood\n  accuracy: {force: 1}");
+  return text;
+}
+const char* const kErrors =
+    "motion_errors: {position: 0.0002, rotation: 0.002, correlation_time: 0.2, cutoff: 3}";
+
+std::vector<double> Times(double rate, double length) {
+  std::vector<double> times;
+  for (double t = 0; t <= length + 1e-9; t += 1 / rate) times.push_back(t);
+  return times;
+}
+
+TEST(MotionErrors, CurvesHaveUnitVarianceAndTheStatedCorrelation) {
+  const std::vector<double> times = Times(100, 2);
+  const MotionErrorBasis basis = MotionErrorBasis::Make(times, 0.2, 10);
+  const Matrix covariance = basis.value * basis.value.transpose();
+  EXPECT_NEAR(covariance.trace() / static_cast<double>(times.size()), 1, 1e-12);
+  double worst = 0;
+  for (Eigen::Index i = 20; i + 20 < covariance.rows(); ++i) {
+    EXPECT_NEAR(covariance(i, i), 1, 0.05);
+    worst = std::max(worst, std::abs(covariance(i, i + 20) - 0.483));  // after 0.2 s
+  }
+  EXPECT_LT(worst, 0.05);
+}
+
+TEST(MotionErrors, RatesAreTheDerivativesOfTheCurves) {
+  const double step = 1e-4;
+  const std::vector<double> times = Times(1 / step, 0.6);
+  const MotionErrorBasis basis = MotionErrorBasis::Make(times, 0.1, 12);
+  const Eigen::Index n = basis.value.rows();
+  const Matrix differences = (basis.value.bottomRows(n - 2) - basis.value.topRows(n - 2)) / (2 * step);
+  EXPECT_LT((differences - basis.rate.middleRows(1, n - 2)).cwiseAbs().maxCoeff(),
+            1e-4 * basis.rate.cwiseAbs().maxCoeff());
+}
+
+TEST(MotionErrors, WithoutDeviationTheFootIsWhereItWasRecorded) {
+  const auto still = MakeContact(ExactData(), SettingsText(ExactData(), kFitsVertical, kFitsForce)).value();
+  const auto moving = MakeContact(ExactData(), Moving(std::string(kErrors) + "\n  ")).value();
+  Vector truth = RestPoint(*moving);
+  truth.head(5) = TruthOf(*still).head(5);
+  const Prediction expected = PredictEverything(*still, TruthOf(*still));
+  const Prediction found = PredictEverything(*moving, truth);
+  int compared = 0;
+  for (std::size_t s = 0; s < still->data().stances.size(); ++s) {
+    const Stance& a = still->data().stances[s];
+    const Stance& b = moving->data().stances[s];
+    for (std::size_t c = 0; c < a.blocks.size(); ++c) {
+      for (std::size_t i = 0; i < b.time.size(); ++i) {
+        // The plate of this robot samples with the motion.
+        const auto at = std::find_if(a.time.begin(), a.time.end(),
+                                     [&](double t) { return std::abs(t - b.time[i]) < 1e-9; });
+        if (at == a.time.end()) continue;
+        const double value = expected.values(a.blocks[c])[at - a.time.begin()];
+        EXPECT_NEAR(found.values(b.blocks[c])[static_cast<Eigen::Index>(i)], value,
+                    1e-8 * (1 + std::abs(value)));
+        ++compared;
+      }
+    }
+  }
+  EXPECT_GT(compared, 300);
+}
+
+TEST(MotionErrors, JacobianAgreesWithDifferences) {
+  const auto problem =
+      MakeContact(ExactData(), Moving(kErrors) + "    sole_height: {lower: -0.0003, upper: 0.0003}\n")
+          .value();
+  ASSERT_GT(problem->parameters().size(), 100U);
+  Random random(1);
+  ExpectJacobianAgrees(*problem, random);
+}
+
+TEST(MotionErrors, PredictAllocatesNothingInSteadyState) {
+#ifdef SINEW_COUNTS_ALLOCATIONS
+  const auto problem = MakeContact(ExactData(), Moving(kErrors)).value();
+  Prediction prediction(problem->layout());
+  const auto workspace = problem->NewWorkspace();
+  const std::vector<bool> all(problem->layout().size(), true);
+  Random random(1);
+  const Vector parameters = RandomInside(*problem, 0, random);
+  ASSERT_TRUE(problem->Predict({parameters, all, true, nullptr}, *workspace, prediction));
+  const long before = Allocations();
+  ASSERT_TRUE(problem->Predict({parameters, all, true, nullptr}, *workspace, prediction));
+  EXPECT_EQ(Allocations() - before, 0);
+#else
+  GTEST_SKIP() << "this build has an allocator of its own";
+#endif
+}
+
+TEST(MotionErrors, MarkersGiveThePrior) {
+  const auto problem = MakeContact(ExactData(), Moving("motion_errors: {}")).value();
+  const StanceMotionErrors& errors = problem->data().stances.front().motion_errors;
+  // The robot's markers lie where its encoders have them, to rounding.
+  EXPECT_LT(errors.deviation[kShiftX], 1e-6);
+  EXPECT_GT(errors.deviation[kShiftX], 0);
+  EXPECT_FALSE(problem->data().stances.front().markers.markers.empty());
+}
+
+TEST(MotionErrors, SettingsThatCannotBeAreSaid) {
+  const auto message = [](const std::string& keys) {
+    const auto settings = ParseContactSettings(ExactData(), Moving(keys));
+    return settings ? "none" : settings.error().message;
+  };
+  EXPECT_THAT(message("motion_errors: {position: 0}"), HasSubstr("position: 0, expected above 0"));
+  EXPECT_THAT(message("motion_errors: {speed: 1}"), HasSubstr("speed"));
+  EXPECT_THAT(message("motion_errors: {cutoff: 1e9}"), HasSubstr("expected at most 200"));
+  const std::string thesis =
+      SettingsText(ExactData(), "fit: [force_y]", "fit: [force_y]\n  motion_errors: {}");
+  const auto refused = ParseContactSettings(ExactData(), thesis);
+  ASSERT_FALSE(refused);
+  EXPECT_THAT(refused.error().message, HasSubstr("takes objective likelihood"));
+}
+
+TEST(PlateSamples, AveragesOverAFrameAndWeighsTheCentreOfPressure) {
+  Grid grid;
+  for (int i = 0; i < 40; ++i) grid.time.push_back(0.01 * i);
+  Channel force{"N", ChannelKind::kMeasured, 2.0, std::vector<double>(40)};
+  Channel cop{"m", ChannelKind::kMeasured, std::nullopt, std::vector<double>(40)};
+  for (std::size_t i = 0; i < 40; ++i) {
+    force.values[i] = i % 2 == 0 ? 100 : 300;
+    cop.values[i] = i % 2 == 0 ? 1 : 2;
+  }
+  force.values[33] = std::nan("");
+  grid.channels["p_force_y"] = force;
+  grid.channels["p_cop_x"] = cop;
+  Block block;
+  block.prediction_time = {0.06, 0.10, 0.14, 0.18, 0.22, 0.26, 0.30, 0.34};  // frames of four samples
+  AddAverages(grid, force, "p", false, 0.1, block);
+  EXPECT_THAT(block.sample, ElementsAre(0, 1, 2, 3, 4, 5, 6));  // the last has a gap
+  for (const double value : block.measured) EXPECT_DOUBLE_EQ(value, 200);
+  EXPECT_DOUBLE_EQ(*block.sigma, 1);
+  Block centre;
+  centre.prediction_time = block.prediction_time;
+  AddAverages(grid, cop, "p", true, 0.1, centre);
+  for (const double value : centre.measured) EXPECT_DOUBLE_EQ(value, 1.75);
+}
+
+}  // namespace
+}  // namespace sinew
