@@ -1,5 +1,7 @@
 #include "identify/problem.h"
 
+#include "identify/alternative_prediction.h"
+
 namespace sinew {
 
 const char* ToString(Occurrence occurrence) {
@@ -59,6 +61,10 @@ std::optional<Vector> Problem::ImprovedStart(const std::vector<int>& /*free*/,
 }
 
 std::vector<DerivedQuantity> Problem::DerivedQuantities() const {
+  return {};
+}
+
+std::vector<AlternativePrediction> Problem::Alternatives(const Vector& /*parameters*/) const {
   return {};
 }
 

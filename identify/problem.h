@@ -35,6 +35,8 @@ struct Query {
   }
 };
 
+struct AlternativePrediction;
+
 /// A model with all its known effects, bound to the data of some trials. Immutable after construction: every
 /// const member may be called from several threads.
 class Problem {
@@ -156,6 +158,10 @@ class Problem {
   /// Figures of merit beside the cost. @param predicted [layout size][predictions of the block] Default:
   /// none.
   [[nodiscard]] virtual std::vector<FigureOfMerit> FiguresOfMerit(const std::vector<Vector>& predicted) const;
+
+  /// Other predictions of the same blocks, whose errors are reported beside the answer's. @param parameters
+  /// [P] of the answer. Default: none.
+  [[nodiscard]] virtual std::vector<AlternativePrediction> Alternatives(const Vector& parameters) const;
 
   /// A signal that the residual of a block may depend on, besides time: a measured channel or an input of its
   /// trial, at the block's samples.

@@ -5,6 +5,7 @@
 #include <string>
 #include <vector>
 
+#include "identify/alternative_prediction.h"
 #include "identify/problem.h"
 
 namespace sinew {
@@ -32,6 +33,9 @@ class ProblemView : public Problem {
   [[nodiscard]] std::vector<FigureOfMerit> FiguresOfMerit(
       const std::vector<Vector>& predicted) const override {
     return inner_.FiguresOfMerit(predicted);
+  }
+  [[nodiscard]] std::vector<AlternativePrediction> Alternatives(const Vector& parameters) const override {
+    return inner_.Alternatives(parameters);
   }
   [[nodiscard]] std::vector<Signal> ResidualCovariates(int block) const override {
     return inner_.ResidualCovariates(block);

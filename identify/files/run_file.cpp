@@ -87,6 +87,25 @@ void WriteUncertainty(const FitSetup& setup, const Uncertainty& uncertainty, Hdf
   node.At("singular_values").SetVector({s.data(), s.data() + s.size()});
 }
 
+void WriteAlternatives(const Identification& identification, Hdf5Node& root) {
+  if (identification.alternatives.empty()) return;
+  std::vector<std::string> prediction, trial, channel;
+  std::vector<double> rmse;
+  for (const AlternativeQuality& alternative : identification.alternatives) {
+    for (const FitQuality& quality : alternative.quality) {
+      prediction.push_back(alternative.name);
+      trial.push_back(quality.trial);
+      channel.push_back(quality.channel);
+      rmse.push_back(quality.rmse);
+    }
+  }
+  Hdf5Node& node = root.At("alternatives");
+  node.At("prediction").data = std::move(prediction);
+  node.At("trial").data = std::move(trial);
+  node.At("channel").data = std::move(channel);
+  node.At("rmse").SetVector(std::move(rmse));
+}
+
 void WriteDerived(const Identification& identification, Hdf5Node& root) {
   if (!identification.figures.empty()) {
     Hdf5Node& node = root.At("figures");
@@ -190,6 +209,7 @@ Result<Hdf5Node> RunTree(const Problem& problem, const Identification& identific
   files::WritePredictions(problem.layout(), identification.prediction, root);
   WriteUncertainty(identification.setup, identification.uncertainty, root.At("uncertainty"));
   WriteDerived(identification, root);
+  WriteAlternatives(identification, root);
   SINEW_TRY(problem.WriteDetails(identification.parameters, root.At("details")));
   return root;
 }

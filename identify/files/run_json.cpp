@@ -30,6 +30,21 @@ Json FromDirection(const OpenDirection& direction) {
   return {{"lost", direction.lost}, {"changes", changes}};
 }
 
+Json FromQualities(const std::vector<FitQuality>& qualities) {
+  Json json = Json::array();
+  for (const FitQuality& q : qualities) {
+    json.push_back({{"trial", q.trial},
+                    {"role", ToString(q.role)},
+                    {"channel", q.channel},
+                    {"unit", q.unit},
+                    {"rmse", Finite(q.rmse)},
+                    {"mae", Finite(q.mae)},
+                    {"r2", Finite(q.r2)},
+                    {"n", q.n}});
+  }
+  return json;
+}
+
 Json FromRun(const Problem& problem, const Identification& identification, const Provenance& provenance) {
   Json json = ResultHead("sinew.run/1", provenance);
   json["solver"] = identification.solver;
@@ -78,17 +93,11 @@ Json FromRun(const Problem& problem, const Identification& identification, const
          {"remedy_kind", ToString(v.remedy.kind)},
          {"remedies", FromOptions(v.remedy.options)}});
   }
-  json["fit"] = Json::array();
-  for (const FitQuality& q : identification.prediction.quality) {
-    json["fit"].push_back({{"trial", q.trial},
-                           {"role", ToString(q.role)},
-                           {"channel", q.channel},
-                           {"unit", q.unit},
-                           {"rmse", Finite(q.rmse)},
-                           {"mae", Finite(q.mae)},
-                           {"r2", Finite(q.r2)},
-                           {"n", q.n}});
-  }
+  json["fit"] = FromQualities(identification.prediction.quality);
+  json["alternatives"] = Json::array();
+  for (const AlternativeQuality& alternative : identification.alternatives)
+    json["alternatives"].push_back(
+        {{"prediction", alternative.name}, {"fit", FromQualities(alternative.quality)}});
   json["open_directions"] = Json::array();
   for (const OpenDirection& direction : identification.uncertainty.directions)
     json["open_directions"].push_back(FromDirection(direction));

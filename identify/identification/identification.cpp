@@ -85,6 +85,7 @@ Result<Identification> Identify(const Problem& problem, FitSetup setup, Identifi
   out.pooled_fit = out.prediction.pooled;
   out.derived = DeriveResults(problem, out.setup, out.parameters, out.uncertainty);
   out.figures = problem.FiguresOfMerit(out.prediction.values);
+  out.alternatives = CompareAlternatives(problem, out.parameters);
   return out;
 }
 

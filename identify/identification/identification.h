@@ -7,6 +7,7 @@
 #include <vector>
 
 #include "base/error.h"
+#include "identify/alternative_prediction.h"
 #include "identify/execution/evaluator.h"
 #include "identify/fit_quality.h"
 #include "identify/fit_setup.h"
@@ -50,7 +51,8 @@ struct Identification {
   FullPrediction prediction;           ///< empty if the answer is not usable
   std::vector<FitQuality> pooled_fit;  ///< per role and quantity, of what the fit, or the last step, compares
   std::vector<DerivedResult> derived;
-  std::vector<FigureOfMerit> figures;  ///< empty if the answer is not usable
+  std::vector<AlternativeQuality> alternatives;  ///< errors of other predictions, see Problem::Alternatives
+  std::vector<FigureOfMerit> figures;            ///< empty if the answer is not usable
   std::vector<Warning> warnings;
   std::vector<FinishedStep> steps;  ///< the earlier steps of a stepwise fit
 };

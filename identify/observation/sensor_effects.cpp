@@ -329,6 +329,17 @@ std::optional<Vector> SensorEffects::ImprovedStart(const std::vector<int>& free,
   return all;
 }
 
+std::vector<AlternativePrediction> SensorEffects::Alternatives(const Vector& parameters) const {
+  auto alternatives = inner_->Alternatives(parameters.head(inner_parameters_));
+  for (AlternativePrediction& alternative : alternatives) {
+    if (alternative.parameters.size() == 0) continue;
+    Vector all = parameters;
+    all.head(inner_parameters_) = alternative.parameters;
+    alternative.parameters = std::move(all);
+  }
+  return alternatives;
+}
+
 Status SensorEffects::WriteDetails(const Vector& parameters, Hdf5Node& details) const {
   return inner_->WriteDetails(parameters.head(inner_parameters_), details);
 }

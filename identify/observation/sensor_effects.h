@@ -10,6 +10,7 @@
 #include <string>
 #include <vector>
 
+#include "identify/alternative_prediction.h"
 #include "identify/observation/delay_line.h"
 #include "identify/observation/reading_port.h"
 #include "identify/observation/sensor_parameters.h"
@@ -53,6 +54,7 @@ class SensorEffects final : public Problem {
   [[nodiscard]] std::vector<DerivedQuantity> DerivedQuantities() const override {
     return inner_->DerivedQuantities();
   }
+  [[nodiscard]] std::vector<AlternativePrediction> Alternatives(const Vector& parameters) const override;
   [[nodiscard]] std::vector<FigureOfMerit> FiguresOfMerit(
       const std::vector<Vector>& predicted) const override {
     return inner_->FiguresOfMerit(predicted);

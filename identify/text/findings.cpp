@@ -226,6 +226,28 @@ void Add(const FitSetup& setup, const Uncertainty& uncertainty, const std::vecto
   }
 }
 
+// "Vertical force, held out: 4.6 N; predicted from the recorded motion alone 217 N; ..."
+std::vector<Sentence> Alternatives(const Identification& identification) {
+  std::vector<Sentence> sentences;
+  if (identification.alternatives.empty()) return sentences;
+  for (const FitQuality& own : identification.pooled_fit) {
+    if (own.role == BlockRole::kPredicted) continue;
+    std::string sentence =
+        fmt::format("{}, {}: {}", Capitalised(own.channel),
+                    own.role == BlockRole::kTrain ? "fitted" : "held out", WithUnit(own.rmse, own.unit, 2));
+    bool compared = false;
+    for (const AlternativeQuality& alternative : identification.alternatives) {
+      for (const FitQuality& other : alternative.pooled) {
+        if (other.role != own.role || other.channel != own.channel) continue;
+        sentence += fmt::format("; predicted {} {}", alternative.name, WithUnit(other.rmse, other.unit, 2));
+        compared = true;
+      }
+    }
+    if (compared) sentences.push_back({SentenceKind::kPrediction, sentence + ".", {own.channel}});
+  }
+  return sentences;
+}
+
 }  // namespace
 
 std::vector<Sentence> Findings(const Identification& identification) {
@@ -234,6 +256,7 @@ std::vector<Sentence> Findings(const Identification& identification) {
     Add(step.setup, step.uncertainty, step.derived, step.pooled_fit, {}, step.name, findings);
   Add(identification.setup, identification.uncertainty, identification.derived, identification.pooled_fit,
       identification.prediction.quality, "", findings);
+  for (Sentence& sentence : Alternatives(identification)) findings.push_back(std::move(sentence));
   return findings;
 }
 

@@ -11,6 +11,8 @@
 #include "models/multibody/coordinate_trajectory.h"
 #include "models/multibody/multibody_model.h"
 #include "models/multibody/osim_reader.h"
+#include "problems/contact/marker_blocks.h"
+#include "problems/contact/motion_priors.h"
 #include "problems/contact/plate_samples.h"
 
 namespace sinew {
@@ -203,6 +205,16 @@ void SetAccuracy(const ContactSettings& settings, const Stance& stance, Block& b
                                     : 0.5 * force * stance.length;
 }
 
+// Errors of a marker last as long as those of the pose: the level at which as many independent samples would
+// say as much.
+double MarkerLevel(const ContactSettings& settings, const Stance& stance) {
+  const double accuracy = settings.accuracy.marker.value_or(kMarkerAccuracy);
+  if (!settings.motion_errors) return accuracy;
+  const double step =
+      (stance.time.back() - stance.time.front()) / static_cast<double>(stance.time.size() - 1);
+  return accuracy * std::sqrt(DependentSamples(settings.motion_errors->correlation_time, step));
+}
+
 Status AddBlocks(const Trial& trial, const ContactSettings& settings, Stance& stance, ContactData& out) {
   std::vector<int> all_columns;
   std::vector<int> normal_columns;
@@ -217,8 +229,8 @@ Status AddBlocks(const Trial& trial, const ContactSettings& settings, Stance& st
     for (const Stance::Part& part : stance.parts) shared_columns.push_back(first + part.group);
   }
   for (const int column : out.effects.ColumnsOf(stance.plate)) shared_columns.push_back(column);
-  for (int k = 0; k < stance.motion_errors.parameters(); ++k)
-    shared_columns.push_back(stance.motion_errors.first + k);
+  const std::vector<int> motion_columns = stance.motion_errors.Columns();
+  shared_columns.insert(shared_columns.end(), motion_columns.begin(), motion_columns.end());
   for (std::size_t c = 0; c < kContactChannels.size(); ++c) {
     const std::string& kind = kContactChannels[c];
     const bool fitted = std::find(settings.fit.begin(), settings.fit.end(), kind) != settings.fit.end();
@@ -257,40 +269,29 @@ Status AddBlocks(const Trial& trial, const ContactSettings& settings, Stance& st
     stance.blocks[c] = static_cast<int>(out.layout.size());
     out.layout.push_back(std::move(block));
   }
+  AddMarkerBlocks(stance, motion_columns,
+                  trial.role == Role::kTrain ? BlockRole::kTrain : BlockRole::kValidate,
+                  MarkerLevel(settings, stance), out.layout);
   return {};
 }
 
-// Deviations of the foot's pose, with the prior that was set or that its markers say.
-void AddMotionErrors(const Trial& trial, const Model& model, const MotionErrorSettings& settings,
-                     Stance& stance, ContactData& out) {
-  // Of a foot without markers (Leardini et al. 2005; Jackson et al. 2016: 3 to 6 mm, 0.5 to 2 degrees).
-  constexpr double kPosition = 0.005;
-  constexpr double kRotation = 0.035;
-  constexpr double kJoint = 0.1;  // [rad] few markers, if any, are beyond the joint
-  stance.markers = MeasuredMarkers(trial, model.osim, model.multibody, stance.foot, stance.time);
-  const MarkerAccuracy markers = AccuracyOf(stance.markers, stance.foot);
-  const double position = settings.position.value_or(markers.position > 0 ? markers.position : kPosition);
-  const double rotation = settings.rotation.value_or(markers.rotation > 0 ? markers.rotation : kRotation);
-  StanceMotionErrors& errors = stance.motion_errors;
-  for (int c = 0; c < kPoseComponents; ++c) {
-    if (c == kJointAngle && !stance.foot.has_joint) continue;
-    errors.components.push_back(c);
-    errors.deviation[static_cast<std::size_t>(c)] = c <= kShiftZ  ? position
-                                                    : c <= kTurnZ ? rotation
-                                                                  : settings.joint.value_or(kJoint);
+// The greatest vertical force, and from when to when the plate is loaded.
+void FindLoad(const Grid& grid, const Channel& force, Stance& stance) {
+  constexpr double kLoaded = 0.02;  // of the greatest force
+  for (const double f : force.values) {
+    if (std::isfinite(f)) stance.greatest_force = std::max(stance.greatest_force, f);
   }
-  errors.basis = MotionErrorBasis::Make(stance.time, settings.correlation_time, settings.cutoff);
-  errors.first = out.next_parameter;
-  out.next_parameter += errors.parameters();
-  out.notes.push_back(
-      fmt::format("trial '{}', {}: the foot's pose may deviate by {:.1f} mm and {:.1f} degrees (standard "
-                  "deviations of the "
-                  "prior, {})",
-                  stance.trial, stance.plate, 1e3 * position, rotation * 180 / kPi,
-                  settings.position && settings.rotation ? std::string("as set")
-                  : markers.markers > 0 ? fmt::format("from the residuals of {} markers on it, {:.1f} mm",
-                                                      markers.markers, 1e3 * markers.residual)
-                                        : std::string("without markers on it")));
+  bool any = false;
+  for (std::size_t i = 0; i < grid.time.size(); ++i) {
+    const double t = grid.time[i];
+    if (!(force.values[i] > kLoaded * stance.greatest_force) || t < stance.time.front() ||
+        t > stance.time.back())
+      continue;
+    if (!any) stance.loaded[0] = t;
+    stance.loaded[1] = t;
+    any = true;
+  }
+  if (!(stance.loaded[1] > stance.loaded[0])) stance.loaded = {stance.time.front(), stance.time.back()};
 }
 
 Status AddTrial(const std::string& name, const Trial& trial, const Model& model,
@@ -312,11 +313,9 @@ Status AddTrial(const std::string& name, const Trial& trial, const Model& model,
                                                    : PredictionTimes(*vertical.grid, motion, margin));
     SINEW_ASSIGN(Stance stance,
                  MakeStance(name, plate, std::move(time), motion, model.multibody, model.bodies, settings));
-    for (const double f : vertical.channel->values) {
-      if (std::isfinite(f)) stance.greatest_force = std::max(stance.greatest_force, f);
-    }
-    if (settings.motion_errors) AddMotionErrors(trial, model, *settings.motion_errors, stance, out);
-    SINEW_TRY(AddBlocks(trial, settings, stance, out));
+    FindLoad(*vertical.grid, *vertical.channel, stance);
+    if (settings.motion_errors)
+      stance.markers = MeasuredMarkers(trial, model.osim, model.multibody, stance.foot, stance.time);
     out.stances.push_back(std::move(stance));
   }
   return {};
@@ -337,6 +336,12 @@ Result<ContactData> PrepareContactData(const Dataset& data, const ContactSetting
   if (out.stances.empty()) {
     return Fail("no trial has a vertical force of the plates {}: expected a channel such as {}_force_y",
                 Join(settings.Plates(), ", "), settings.Plates().front());
+  }
+  if (settings.motion_errors)
+    AddMotionErrors(*settings.motion_errors, out.stances, out.next_parameter, out.notes);
+  for (Stance& stance : out.stances) {
+    const Status status = AddBlocks(data.trials.at(stance.trial), settings, stance, out);
+    if (!status) return Fail("trial '{}': {}", stance.trial, status.error().message);
   }
   // One floor under all stances turns about one point, in their midst, so that a slope is no height.
   std::array<double, 2> middle{};

@@ -7,9 +7,53 @@
 
 namespace sinew {
 
+namespace {
+
+// How far the pose moved, and what the markers say of that.
+void WriteMotionErrors(const Stance& stance, const Vector& parameters, Hdf5Node& details) {
+  const StanceMotionErrors& errors = stance.motion_errors;
+  if (errors.terms.empty()) return;
+  Hdf5Node& node = details.At("motion_errors/" + stance.trial + "/" + stance.plate);
+  std::vector<std::string> names;
+  std::vector<double> prior;
+  for (const int c : errors.components) {
+    names.emplace_back(ToString(static_cast<PoseComponent>(c)));
+    prior.push_back(errors.deviation[static_cast<std::size_t>(c)]);
+  }
+  std::vector<double> values;
+  std::vector<double> before;
+  std::vector<double> after;
+  for (std::size_t t = 0; t < stance.time.size(); ++t) {
+    const PoseDeviation deviation = errors.At(parameters, static_cast<int>(t));
+    for (const int c : errors.components) values.push_back(deviation.value[static_cast<std::size_t>(c)]);
+    const FootTurn turn(deviation);
+    for (const FootMarkers::Marker& marker : stance.markers.markers) {
+      const FootMotion::Body& body = stance.foot.bodies[marker.body];
+      before.push_back(FootMarkers::Residual(marker, body.motion[t], t).norm());
+      after.push_back(FootMarkers::Residual(
+                          marker, DeviatedBody(stance.foot, marker.body, t, deviation, turn, nullptr), t)
+                          .norm());
+    }
+  }
+  std::vector<std::string> markers;
+  for (const FootMarkers::Marker& marker : stance.markers.markers) markers.push_back(marker.name);
+  const std::size_t instants = stance.time.size();
+  node.At("time").SetVector(stance.time);
+  node.At("prior").SetVector(std::move(prior));
+  node.At("component").data = std::move(names);
+  node.At("deviation").SetMatrix(instants, errors.components.size(), std::move(values));
+  if (markers.empty()) return;
+  node.At("marker_distance_recorded").SetMatrix(instants, markers.size(), std::move(before));
+  node.At("marker_distance_deviated").SetMatrix(instants, markers.size(), std::move(after));
+  node.At("marker").data = std::move(markers);
+}
+
+}  // namespace
+
 Status ContactProblem::WriteDetails(const Vector& parameters, Hdf5Node& details) const {
   const auto groups = settings_.Groups();
   for (const Stance& stance : data_.stances) {
+    WriteMotionErrors(stance, parameters, details);
     const ContactEffectValues effects = EffectsOn(stance.plate, parameters);
     for (std::size_t r = 0; r < stance.regions.size(); ++r) {
       const EffectRegion& prepared = stance.kinematics.regions[r];

@@ -3,6 +3,7 @@
 #include <fmt/format.h>
 
 #include <Eigen/Cholesky>
+#include <Eigen/Geometry>
 #include <algorithm>
 #include <cmath>
 
@@ -43,14 +44,21 @@ const char* ToString(PoseComponent component) {
   return kNames[static_cast<std::size_t>(component)];
 }
 
+double DependentSamples(double correlation_time, double step) {
+  // Of (1 + s) exp(-s), s = sqrt(3) lag / correlation_time, over positive and negative lags: 4 / sqrt(3).
+  return std::max(1.0, 4 / std::sqrt(3.0) * correlation_time / step);
+}
+
 Result<MotionErrorSettings> ReadMotionErrors(const YamlReader& yaml) {
-  SINEW_TRY(yaml.OnlyKeys({"position", "rotation", "joint", "correlation_time", "cutoff"}));
+  SINEW_TRY(yaml.OnlyKeys({"position", "rotation", "joint", "between_steps", "correlation_time", "cutoff"}));
   MotionErrorSettings settings;
   SINEW_ASSIGN(settings.position, Positive(yaml, "position"));
   SINEW_ASSIGN(settings.rotation, Positive(yaml, "rotation"));
   SINEW_ASSIGN(settings.joint, Positive(yaml, "joint"));
   SINEW_ASSIGN(const auto correlation_time, Positive(yaml, "correlation_time"));
   SINEW_ASSIGN(const auto cutoff, Positive(yaml, "cutoff"));
+  SINEW_ASSIGN(const auto between_steps, Positive(yaml, "between_steps"));
+  settings.between_steps = between_steps.value_or(settings.between_steps);
   settings.correlation_time = correlation_time.value_or(settings.correlation_time);
   settings.cutoff = cutoff.value_or(settings.cutoff);
   constexpr double kHighest = 200;  // [Hz]: an hour of such curves would fill any memory
@@ -59,25 +67,12 @@ Result<MotionErrorSettings> ReadMotionErrors(const YamlReader& yaml) {
   return settings;
 }
 
-MotionErrorBasis MotionErrorBasis::Make(const std::vector<double>& times, double correlation_time,
-                                        double cutoff) {
-  const double first = times.front();
-  const double length = times.back() - first;
-  const int intervals = std::max(1, static_cast<int>(std::ceil(2 * cutoff * length)));
+MotionErrorBasis MotionErrorBasis::Make(const std::vector<double>& times, double from, double to,
+                                        double correlation_time, double cutoff, double stretch) {
+  const double length = to - from;
+  const int intervals = std::max(1, static_cast<int>(std::ceil(2 * cutoff * length - 1e-9)));
   const double spacing = length / intervals;
   const int count = intervals + kOrder - 1;
-  const auto rows = static_cast<Eigen::Index>(times.size());
-  Matrix value = Matrix::Zero(rows, count);
-  Matrix rate = Matrix::Zero(rows, count);
-  for (Eigen::Index t = 0; t < rows; ++t) {
-    const double at = (times[static_cast<std::size_t>(t)] - first) / spacing;
-    const int interval = std::clamp(static_cast<int>(at), 0, intervals - 1);
-    const LocalSplines local = SplinesAt(at - interval);
-    for (int k = 0; k < kOrder; ++k) {
-      value(t, interval + k) = local.value[static_cast<std::size_t>(k)];
-      rate(t, interval + k) = local.slope[static_cast<std::size_t>(k)] / spacing;
-    }
-  }
   Matrix covariance(count, count);
   for (int i = 0; i < count; ++i) {
     for (int j = 0; j < count; ++j) {
@@ -86,44 +81,94 @@ MotionErrorBasis MotionErrorBasis::Make(const std::vector<double>& times, double
     }
   }
   const Matrix root = Eigen::LLT<Matrix>(covariance).matrixL();
-  MotionErrorBasis basis{value * root, rate * root};
+  const auto spline_rows = [&](double time, Eigen::Ref<Matrix> value, Eigen::Ref<Matrix> rate) {
+    const double at = std::clamp((time - from) / spacing, 0.0, static_cast<double>(intervals));
+    const int interval = std::min(static_cast<int>(at), intervals - 1);
+    const LocalSplines local = SplinesAt(at - interval);
+    const bool inside = time >= from && time <= to;
+    for (int k = 0; k < kOrder; ++k) {
+      value(0, interval + k) = local.value[static_cast<std::size_t>(k)];
+      rate(0, interval + k) = inside ? stretch * local.slope[static_cast<std::size_t>(k)] / spacing : 0.0;
+    }
+  };
   // Splines smooth what their weights do; the curve's mean variance is to be 1.
-  const double scale = std::sqrt(static_cast<double>(rows)) / basis.value.norm();
-  basis.value *= scale;
-  basis.rate *= scale;
-  return basis;
+  constexpr int kGrid = 200;
+  Matrix grid = Matrix::Zero(kGrid, count);
+  Matrix unused = Matrix::Zero(1, count);
+  for (int i = 0; i < kGrid; ++i)
+    spline_rows(from + (i + 0.5) * length / kGrid, grid.middleRows(i, 1), unused);
+  const double scale = std::sqrt(static_cast<double>(kGrid)) / (grid * root).norm();
+
+  const auto rows = static_cast<Eigen::Index>(times.size());
+  Matrix value = Matrix::Zero(rows, count);
+  Matrix rate = Matrix::Zero(rows, count);
+  for (Eigen::Index t = 0; t < rows; ++t)
+    spline_rows(times[static_cast<std::size_t>(t)], value.middleRows(t, 1), rate.middleRows(t, 1));
+  return {scale * value * root, scale * rate * root};
+}
+
+std::vector<int> StanceMotionErrors::Columns() const {
+  std::vector<int> columns;
+  for (const PoseTerm& term : terms) {
+    for (int k = 0; k < term.weights(); ++k) columns.push_back(term.first + k);
+  }
+  return columns;
+}
+
+int StanceMotionErrors::weights() const {
+  int count = 0;
+  for (const PoseTerm& term : terms) count += term.weights();
+  return count;
+}
+
+std::array<int, 2> StanceMotionErrors::OwnRange() const {
+  if (terms.empty()) return {0, 0};
+  const PoseTerm& last = terms.back();
+  return {terms[static_cast<std::size_t>(own)].first, last.first + last.weights()};
 }
 
 PoseDeviation StanceMotionErrors::At(const Vector& parameters, int instant) const {
   PoseDeviation pose;
-  Eigen::Index at = first;
-  for (const int component : components) {
-    const auto weights_of = parameters.segment(at, weights());
-    const auto c = static_cast<std::size_t>(component);
-    pose.value[c] = deviation[c] * basis.value.row(instant).dot(weights_of);
-    pose.rate[c] = deviation[c] * basis.rate.row(instant).dot(weights_of);
-    at += weights();
+  Eigen::Map<Eigen::Matrix<double, kPoseComponents, 1>> value(pose.value.data());
+  Eigen::Map<Eigen::Matrix<double, kPoseComponents, 1>> rate(pose.rate.data());
+  for (const PoseTerm& term : terms) {
+    const auto weights_of = parameters.segment(term.first, term.weights());
+    value += term.basis.value.row(instant).dot(weights_of) * term.direction;
+    rate += term.basis.rate.row(instant).dot(weights_of) * term.direction;
   }
   return pose;
 }
 
-std::vector<Parameter> StanceMotionErrors::Declare(const std::string& trial,
-                                                   const std::string& stance) const {
+std::vector<Parameter> DeclareWeights(PoseComponent component, int weights, const std::string& trial,
+                                      const std::string& stance) {
   constexpr double kReach = 8;  // standard deviations
   std::vector<Parameter> declared;
-  for (const int component : components) {
-    const char* name = ToString(static_cast<PoseComponent>(component));
-    for (int k = 0; k < weights(); ++k) {
-      Parameter p = BaseParameter(fmt::format("{}[{}]@{}", name, k, stance), "1",
-                                  "weight of a curve by which the foot's pose differs from the recorded one",
-                                  -kReach, kReach, 0);
-      p.kind = ParameterKind::kNuisance;
-      p.trial = trial;
-      p.prior = GaussianPrior{0, 1};
-      declared.push_back(std::move(p));
-    }
+  for (int k = 0; k < weights; ++k) {
+    Parameter p = BaseParameter(
+        fmt::format("{}[{}]{}", ToString(component), k, stance.empty() ? "" : "@" + stance), "1",
+        "weight of a curve by which the foot's pose differs from the recorded one", -kReach, kReach, 0);
+    p.kind = ParameterKind::kNuisance;
+    p.trial = trial;
+    p.prior = GaussianPrior{0, 1};
+    declared.push_back(std::move(p));
   }
   return declared;
+}
+
+std::array<Eigen::Matrix<double, kPoseComponents, 1>, kPoseComponents> FootDirections(const Vec3& forward,
+                                                                                      double side) {
+  // Forward, up and to the side; a mirror turns the third axis of a position, the others of a rotation.
+  const Vec3 up = Vec3::UnitY();
+  const std::array<Vec3, 3> axes{forward, up, forward.cross(up)};
+  std::array<Eigen::Matrix<double, kPoseComponents, 1>, kPoseComponents> directions;
+  for (auto& direction : directions) direction.setZero();
+  for (int axis = 0; axis < 3; ++axis) {
+    const auto a = static_cast<std::size_t>(axis);
+    directions[kShiftX + a].segment<3>(kShiftX) = (axis == 2 ? side : 1) * axes[a];
+    directions[kTurnX + a].segment<3>(kTurnX) = (axis == 2 ? 1 : side) * axes[a];
+  }
+  directions[kJointAngle][kJointAngle] = 1;
+  return directions;
 }
 
 }  // namespace sinew

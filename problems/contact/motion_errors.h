@@ -19,9 +19,15 @@ struct MotionErrorSettings {
   std::optional<double> position;  ///< along each axis [m]
   std::optional<double> rotation;  ///< about each axis [rad]
   std::optional<double> joint;     ///< of the angle of the foot's joint [rad]
-  double correlation_time = 0.2;   ///< [s] after which errors have a correlation of 0.48
-  double cutoff = 10;              ///< [Hz] highest frequency: knots are half its period apart
+  /// Standard deviation of what differs from step to step over that of what all steps have in common.
+  double between_steps = 0.4;
+  double correlation_time = 0.2;  ///< [s] after which errors have a correlation of 0.48
+  double cutoff = 10;             ///< [Hz] highest frequency: knots are half its period apart
 };
+
+/// Samples of an error with this correlation time, `step` apart, that count as one independent sample: the
+/// integral of the correlation over the step.
+[[nodiscard]] double DependentSamples(double correlation_time, double step);
 
 /// Of the map under `motion_errors`. Errors: unknown keys, numbers not above 0, with file and line.
 Result<MotionErrorSettings> ReadMotionErrors(const YamlReader& yaml);
@@ -34,27 +40,48 @@ struct MotionErrorBasis {
   Matrix value;  ///< [T x K]
   Matrix rate;   ///< [T x K, 1/s]
 
-  /// @param times [T, increasing, T >= 2]
-  static MotionErrorBasis Make(const std::vector<double>& times, double correlation_time, double cutoff);
+  /// @param times [T, increasing, s] within `from` .. `to`; those outside have the value at that end, and no
+  /// rate @param stretch by which `rate` is multiplied, for times that are phases of a movement
+  static MotionErrorBasis Make(const std::vector<double>& times, double from, double to,
+                               double correlation_time, double cutoff, double stretch = 1);
 };
 
-/// Deviations of one stance.
-struct StanceMotionErrors {
-  std::vector<int> components;                      ///< of PoseComponent that may deviate
-  std::array<double, kPoseComponents> deviation{};  ///< standard deviation of each [m, rad]
-  MotionErrorBasis basis;
-  int first = -1;  ///< index of the first parameter; they follow component by component
-
+/// A smooth curve in one direction of the pose.
+struct PoseTerm {
+  Eigen::Matrix<double, kPoseComponents, 1> direction;  ///< for a weight of one standard deviation [m, rad]
+  MotionErrorBasis basis;                               ///< at the stance's instants
+  int first = -1;                                       ///< index of its first weight
   [[nodiscard]] int weights() const { return static_cast<int>(basis.value.cols()); }
-  [[nodiscard]] int parameters() const { return static_cast<int>(components.size()) * weights(); }
-
-  /// At one instant. @param parameters [P]
-  [[nodiscard]] PoseDeviation At(const Vector& parameters, int instant) const;
-
-  /// Nuisance parameters COMPONENT[k]@STANCE in the order above, each a standard normal weight.
-  /// @param stance as messages call it: trial and plate
-  [[nodiscard]] std::vector<Parameter> Declare(const std::string& trial, const std::string& stance) const;
 };
+
+/// Deviations of one stance: those that all stances have in common, then its own.
+struct StanceMotionErrors {
+  std::vector<int> components;                      ///< of PoseComponent that may deviate; none: exact motion
+  std::array<double, kPoseComponents> deviation{};  ///< standard deviation of each, of its own part [m, rad]
+  std::array<double, kPoseComponents> common{};     ///< of the part that all stances have in common
+  std::vector<PoseTerm> terms;                      ///< weights in increasing order
+  int own = 0;                                      ///< index of the first own term
+
+  /// Indices of all weights, increasing.
+  [[nodiscard]] std::vector<int> Columns() const;
+  /// Number of all weights.
+  [[nodiscard]] int weights() const;
+  /// Indices of its own weights: from the first to before the second.
+  [[nodiscard]] std::array<int, 2> OwnRange() const;
+
+  /// At one instant. @param parameters [P] @param own false: only what all stances have in common
+  [[nodiscard]] PoseDeviation At(const Vector& parameters, int instant) const;
+};
+
+/// Nuisance parameters of one curve, each a standard normal weight: NAME[k], and @STANCE after it if it is a
+/// stance's own. @param trial empty: of all stances
+[[nodiscard]] std::vector<Parameter> DeclareWeights(PoseComponent component, int weights,
+                                                    const std::string& trial, const std::string& stance);
+
+/// The directions, in ground axes, of components in the frame of a foot that looks along a heading, mirrored
+/// for a left foot. @param forward horizontal unit vector @param side 1 or -1
+[[nodiscard]] std::array<Eigen::Matrix<double, kPoseComponents, 1>, kPoseComponents> FootDirections(
+    const Vec3& forward, double side);
 
 /// "shift_x", ..., "turn_z", "joint".
 [[nodiscard]] const char* ToString(PoseComponent component);

@@ -6,6 +6,7 @@
 #include <limits>
 #include <optional>
 
+#include "problems/contact/marker_blocks.h"
 #include "problems/contact/plate_channels.h"
 #include "problems/contact/posed_load.h"
 
@@ -69,13 +70,28 @@ ParameterList List(const ContactSettings& settings, const ContactEffectList& eff
     }
   }
   effects.Declare(add);
+  if (!stances.empty()) {
+    const StanceMotionErrors& errors = stances.front().motion_errors;
+    for (int i = 0; i < errors.own; ++i) {
+      const auto component = static_cast<PoseComponent>(errors.components[static_cast<std::size_t>(i)]);
+      for (Parameter& p :
+           DeclareWeights(component, errors.terms[static_cast<std::size_t>(i)].weights(), "", ""))
+        add.Add(std::move(p));
+    }
+  }
   for (const Stance& stance : stances) {
     // A trial that has one plate is name enough.
     const bool alone = std::count_if(stances.begin(), stances.end(),
                                      [&](const Stance& other) { return other.trial == stance.trial; }) == 1;
-    for (Parameter& p :
-         stance.motion_errors.Declare(stance.trial, alone ? stance.trial : stance.trial + "/" + stance.plate))
-      add.Add(std::move(p));
+    const std::string name = alone ? stance.trial : stance.trial + "/" + stance.plate;
+    const StanceMotionErrors& errors = stance.motion_errors;
+    for (std::size_t i = static_cast<std::size_t>(errors.own); i < errors.terms.size(); ++i) {
+      const auto component =
+          static_cast<PoseComponent>(errors.components[i - static_cast<std::size_t>(errors.own)]);
+      for (Parameter& p : DeclareWeights(component, errors.terms[i].weights(), stance.trial, name))
+        add.Add(std::move(p));
+    }
+    for (Parameter& p : DeclareMarkerOffsets(stance, name)) add.Add(std::move(p));
   }
   return list;
 }
@@ -163,6 +179,10 @@ Status ContactProblem::Predict(const Query& query, Workspace& workspace, Predict
     std::array<bool, kChannels> wanted{};
     for (std::size_t c = 0; c < kChannels; ++c)
       wanted[c] = query.blocks[static_cast<std::size_t>(stance.blocks[c])];
+    if (!stance.motion_errors.terms.empty()) {
+      for (int t = 0; t < static_cast<int>(stance.time.size()); ++t)
+        PredictMarkers(stance, t, stance.motion_errors.At(query.parameters, t), query, prediction);
+    }
     if (std::find(wanted.begin(), wanted.end(), true) == wanted.end()) continue;
 
     Scratch& scratch = scratches[s];
@@ -268,22 +288,23 @@ void ContactProblem::DifferentiatePose(const Stance& stance, int t, const std::a
     }
   }
   const StanceMotionErrors& errors = stance.motion_errors;
-  if (errors.components.empty() || !query.Differentiates(errors.first)) return;
-  const auto effects =
-      static_cast<Eigen::Index>(kContactEffects) + (data_.effects.OwnHeight(stance.plate) >= 0 ? 1 : 0);
-  const Eigen::Index weights = errors.weights();
-  for (std::size_t i = 0; i < errors.components.size(); ++i) {
-    const int component = errors.components[i];
-    const double deviation = errors.deviation[static_cast<std::size_t>(component)];
-    const auto by_value = channels.Derivative(deviation * scratch.by_pose.col(component));
-    const auto by_rate = channels.Derivative(deviation * scratch.by_pose.col(kPoseComponents + component));
-    for (std::size_t c = 0; c < kChannels; ++c) {
-      if (!wanted[c]) continue;
-      const Eigen::Index first =
-          parts * kColumnsPerGroup[c] + heights + effects + static_cast<Eigen::Index>(i) * weights;
-      prediction.derivatives(stance.blocks[c]).row(t).segment(first, weights) =
-          by_value[c] * errors.basis.value.row(t) + by_rate[c] * errors.basis.rate.row(t);
+  if (errors.terms.empty()) return;
+  Eigen::Index at = heights + static_cast<Eigen::Index>(kContactEffects) +
+                    (data_.effects.OwnHeight(stance.plate) >= 0 ? 1 : 0);
+  for (const PoseTerm& term : errors.terms) {
+    const Eigen::Index weights = term.weights();
+    if (query.Differentiates(term.first)) {
+      const ContactLoad value = scratch.by_pose.leftCols<kPoseComponents>() * term.direction;
+      const ContactLoad rate = scratch.by_pose.rightCols<kPoseComponents>() * term.direction;
+      const auto by_value = channels.Derivative(value);
+      const auto by_rate = channels.Derivative(rate);
+      for (std::size_t c = 0; c < kChannels; ++c) {
+        if (!wanted[c]) continue;
+        prediction.derivatives(stance.blocks[c]).row(t).segment(parts * kColumnsPerGroup[c] + at, weights) =
+            by_value[c] * term.basis.value.row(t) + by_rate[c] * term.basis.rate.row(t);
+      }
     }
+    at += weights;
   }
 }
 

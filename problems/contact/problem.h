@@ -4,10 +4,12 @@
 
 #include <array>
 #include <memory>
+#include <optional>
 #include <string>
 #include <vector>
 
 #include "datasets/dataset.h"
+#include "identify/alternative_prediction.h"
 #include "identify/problem.h"
 #include "problems/contact/data.h"
 #include "problems/contact/effects.h"
@@ -36,9 +38,19 @@ class ContactProblem final : public Problem {
   [[nodiscard]] std::unique_ptr<Workspace> NewWorkspace() const override;
   Status Predict(const Query& query, Workspace& workspace, Prediction& prediction) const override;
   [[nodiscard]] std::string objective() const override;
+  /// With motion errors: springs that touch or leave the floor bend the cost at as many places as there are
+  /// springs and instants; a search cannot settle between two of them more closely than this.
+  [[nodiscard]] double cost_noise_level() const override { return settings_.motion_errors ? 1e-6 : 0; }
   /// Per trial and region: outline of the faces, pressure and slip of each at every instant, centre of
   /// pressure.
   Status WriteDetails(const Vector& parameters, Hdf5Node& details) const override;
+  /// With motion errors: their deviations are followed from small ones on.
+  [[nodiscard]] std::optional<Vector> ImprovedStart(const std::vector<int>& free,
+                                                    const std::vector<bool>& compared,
+                                                    const Vector& parameters) const override;
+  /// With motion errors: the recorded motion alone, without the deviations of each stance; and the mean
+  /// measured curve of the fitted stances over the duration of a stance, mirrored for the other foot.
+  [[nodiscard]] std::vector<AlternativePrediction> Alternatives(const Vector& parameters) const override;
   /// The plate's measured vertical force, and depth and slip speed of the deepest spring.
   [[nodiscard]] std::vector<Signal> ResidualCovariates(int block) const override;
 
@@ -57,6 +69,8 @@ class ContactProblem final : public Problem {
   struct ContactWorkspace;
   void PredictInstant(const Stance& stance, int t, const std::array<bool, kChannels>& wanted,
                       const Query& query, Scratch& scratch, Prediction& prediction) const;
+  /// The deviations that each trial has of its own, fitted to the markers on its feet alone.
+  [[nodiscard]] Vector FitToMarkers(const Vector& parameters) const;
   void DifferentiatePose(const Stance& stance, int t, const std::array<bool, kChannels>& wanted,
                          const Query& query, const PlateChannels& channels, Scratch& scratch,
                          Prediction& prediction) const;

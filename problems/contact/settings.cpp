@@ -166,10 +166,11 @@ Status ReadRanges(const YamlReader& yaml, std::map<std::string, ParameterRange>&
 }
 
 Result<ContactAccuracy> ReadAccuracy(const YamlReader& yaml) {
-  SINEW_TRY(yaml.OnlyKeys({"force", "cop", "moment"}));
+  SINEW_TRY(yaml.OnlyKeys({"force", "cop", "moment", "marker"}));
   ContactAccuracy accuracy;
-  for (const auto& [key, target] : {std::pair{"force", &accuracy.force}, std::pair{"cop", &accuracy.cop},
-                                    std::pair{"moment", &accuracy.moment}}) {
+  for (const auto& [key, target] :
+       {std::pair{"force", &accuracy.force}, std::pair{"cop", &accuracy.cop},
+        std::pair{"moment", &accuracy.moment}, std::pair{"marker", &accuracy.marker}}) {
     if (!yaml.Has(key)) continue;
     SINEW_ASSIGN(const YamlReader entry, yaml.At(key));
     SINEW_ASSIGN(const double value, entry.Number());

@@ -123,6 +123,13 @@ Result<Stance> MakeStance(const std::string& trial, const std::string& plate, st
   }
   if (settings.moves_springs()) {
     SINEW_ASSIGN(stance.foot, RecordedFootMotion(stance.time, motion, model, foot_regions));
+    SINEW_ASSIGN(const auto standing,
+                 model.BodyMotionAt(model.default_values(), Vector::Zero(model.default_values().size()),
+                                    {stance.foot.indices.front()}));
+    stance.side = standing.front().position.z() < 0 ? -1 : 1;
+    Vec3 forward = stance.foot.bodies.front().motion[stance.time.size() / 2].rotation * Vec3::UnitX();
+    forward.y() = 0;
+    if (forward.norm() > 0) stance.forward = forward.normalized();
   }
   return stance;
 }

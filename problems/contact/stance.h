@@ -32,6 +32,9 @@ struct Stance {
   std::vector<int> regions;             ///< [kinematics.regions] index of each into ContactSettings::regions
   std::array<double, 2> middle{};       ///< x, z [m] of the springs where the sole is deepest
   std::array<double, 2> resting_cop{};  ///< x, z [m]: used as the centre of pressure without contact
+  double side = 1;                      ///< 1, -1: of the model's two feet, by the side of its middle
+  Vec3 forward = Vec3::UnitX();         ///< horizontal direction of the foot in the middle of the stance
+  std::array<double, 2> loaded{};       ///< from when to when the plate is loaded [s]
   double greatest_force = 0;            ///< measured vertically [N]
   double length = 0;                    ///< of the sole, between its outermost springs along x or z [m]
   std::array<int, 6> blocks{};          ///< index into the layout of each of kContactChannels
