@@ -3,14 +3,7 @@
 #include <array>
 #include <cmath>
 #include <optional>
-#include <set>
-#include <string>
-#include <utility>
 
-#include "identify/fit_setup.h"
-#include "identify/least_squares.h"
-#include "identify/role_view.h"
-#include "identify/solvers/local_fit.h"
 #include "problems/contact/plate_channels.h"
 #include "problems/contact/problem.h"
 
@@ -52,41 +45,6 @@ std::optional<Curve> MeasuredCurve(const Block& block, const std::array<double, 
 
 }  // namespace
 
-Vector ContactProblem::FitToMarkers(const Vector& parameters) const {
-  constexpr long kEvaluations = 20;  // positions of markers are nearly linear in the weights
-  Vector answer = parameters;
-  std::set<std::string> trials;
-  for (const Stance& stance : data_.stances) {
-    if (!stance.markers.markers.empty()) trials.insert(stance.trial);
-  }
-  for (const std::string& trial : trials) {
-    std::set<std::pair<std::string, std::string>> compared;
-    for (const Stance& stance : data_.stances) {
-      if (stance.trial != trial) continue;
-      for (const FootMarkers::Marker& marker : stance.markers.markers) {
-        for (const int block : marker.blocks)
-          compared.emplace(trial, data_.layout[static_cast<std::size_t>(block)].channel);
-      }
-    }
-    const RoleView markers(*this, [&](const Block& block) {
-      const bool fitted = compared.count({block.trial, block.channel}) > 0 && !block.measured.empty();
-      return fitted ? BlockRole::kTrain : BlockRole::kPredicted;
-    });
-    FitSetup setup;
-    setup.parameters = list_.parameters;
-    setup.rest = answer;
-    for (std::size_t i = 0; i < setup.parameters.size(); ++i) {
-      const Parameter& p = setup.parameters[i];
-      if (p.kind == ParameterKind::kNuisance && p.trial == trial) setup.free.push_back(static_cast<int>(i));
-    }
-    const LeastSquares fit(markers, setup);
-    solvers::LocalFit search(fit);
-    const auto outcome = search.Minimize(fit.Variables(answer), -1, {0, 1e-6}, kEvaluations);
-    if (outcome.failure.empty()) answer = fit.Parameters(outcome.x);
-  }
-  return answer;
-}
-
 std::vector<AlternativePrediction> ContactProblem::Alternatives(const Vector& parameters) const {
   std::vector<AlternativePrediction> alternatives;
   if (!settings_.motion_errors) return alternatives;
@@ -96,7 +54,6 @@ std::vector<AlternativePrediction> ContactProblem::Alternatives(const Vector& pa
     const auto [from, to] = stance.motion_errors.OwnRange();
     recorded.parameters.segment(from, to - from).setZero();
   }
-  recorded.parameters = FitToMarkers(recorded.parameters);
   alternatives.push_back(std::move(recorded));
 
   AlternativePrediction mean{"by the mean curve of the fitted stances", {}, {}};

@@ -11,9 +11,10 @@
 #include "models/multibody/coordinate_trajectory.h"
 #include "models/multibody/multibody_model.h"
 #include "models/multibody/osim_reader.h"
-#include "problems/contact/marker_blocks.h"
+#include "problems/contact/marker_pose.h"
 #include "problems/contact/motion_priors.h"
 #include "problems/contact/plate_samples.h"
+#include "problems/contact/smooth_motion.h"
 
 namespace sinew {
 namespace {
@@ -205,16 +206,6 @@ void SetAccuracy(const ContactSettings& settings, const Stance& stance, Block& b
                                     : 0.5 * force * stance.length;
 }
 
-// Errors of a marker last as long as those of the pose: the level at which as many independent samples would
-// say as much.
-double MarkerLevel(const ContactSettings& settings, const Stance& stance) {
-  const double accuracy = settings.accuracy.marker.value_or(kMarkerAccuracy);
-  if (!settings.motion_errors) return accuracy;
-  const double step =
-      (stance.time.back() - stance.time.front()) / static_cast<double>(stance.time.size() - 1);
-  return accuracy * std::sqrt(DependentSamples(settings.motion_errors->correlation_time, step));
-}
-
 Status AddBlocks(const Trial& trial, const ContactSettings& settings, Stance& stance, ContactData& out) {
   std::vector<int> all_columns;
   std::vector<int> normal_columns;
@@ -269,9 +260,6 @@ Status AddBlocks(const Trial& trial, const ContactSettings& settings, Stance& st
     stance.blocks[c] = static_cast<int>(out.layout.size());
     out.layout.push_back(std::move(block));
   }
-  AddMarkerBlocks(stance, motion_columns,
-                  trial.role == Role::kTrain ? BlockRole::kTrain : BlockRole::kValidate,
-                  MarkerLevel(settings, stance), out.layout);
   return {};
 }
 
@@ -314,8 +302,18 @@ Status AddTrial(const std::string& name, const Trial& trial, const Model& model,
     SINEW_ASSIGN(Stance stance,
                  MakeStance(name, plate, std::move(time), motion, model.multibody, model.bodies, settings));
     FindLoad(*vertical.grid, *vertical.channel, stance);
-    if (settings.motion_errors)
+    if (settings.motion_errors) {
       stance.markers = MeasuredMarkers(trial, model.osim, model.multibody, stance.foot, stance.time);
+      const MarkerPose by_markers = MoveToMarkers(stance.time, stance.foot, stance.markers);
+      SmoothMotion(stance.time, settings.motion_errors->cutoff, stance.foot);
+      if (!stance.markers.markers.empty())
+        out.notes.push_back(fmt::format(
+            "trial '{}', {}: the {} markers on the foot lie {:.1f} mm from the recorded motion, {:.1f} mm "
+            "from the "
+            "foot's own, which differs from it by {:.1f} mm and {:.1f} degrees (root mean squares)",
+            stance.trial, stance.plate, stance.markers.markers.size(), 1e3 * by_markers.residual_recorded,
+            1e3 * by_markers.residual, 1e3 * by_markers.shift, by_markers.turn * 180 / kPi));
+    }
     out.stances.push_back(std::move(stance));
   }
   return {};

@@ -33,9 +33,8 @@ FootMarkers MeasuredMarkers(const Trial& trial, const OsimModel& model, const Mu
     const auto y = trial.Find(marker.name + "_y");
     const auto z = trial.Find(marker.name + "_z");
     if (!x || !y || !z) continue;
-    FootMarkers::Marker measured{marker.name,     static_cast<std::size_t>(of_foot - foot.indices.begin()),
-                                 marker.location, {},
-                                 {-1, -1, -1},    -1};
+    FootMarkers::Marker measured{
+        marker.name, static_cast<std::size_t>(of_foot - foot.indices.begin()), marker.location, {}};
     for (const double t : times) {
       measured.measured.emplace_back(ValueAt(*x.grid, *x.channel, t), ValueAt(*y.grid, *y.channel, t),
                                      ValueAt(*z.grid, *z.channel, t));

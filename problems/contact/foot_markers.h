@@ -2,7 +2,6 @@
 // deviation of the pose leaves them.
 #pragma once
 
-#include <array>
 #include <string>
 #include <vector>
 
@@ -15,11 +14,9 @@ namespace sinew {
 struct FootMarkers {
   struct Marker {
     std::string name;
-    std::size_t body = 0;                   ///< index into FootMotion::bodies
-    Vec3 location = Vec3::Zero();           ///< in its frame [m]
-    std::vector<Vec3> measured;             ///< [T, m] NaN where it was not seen
-    std::array<int, 3> blocks{-1, -1, -1};  ///< index into the layout of its axes
-    int first_offset = -1;                  ///< index of the first of three parameters: its place
+    std::size_t body = 0;          ///< index into FootMotion::bodies
+    Vec3 location = Vec3::Zero();  ///< in its frame [m]
+    std::vector<Vec3> measured;    ///< [T, m] NaN where it was not seen
   };
   std::vector<Marker> markers;
 

@@ -86,12 +86,18 @@ Result<FootMotion> RecordedFootMotion(const std::vector<double>& times, const Co
     count += springs.position.size();
   }
   foot.centre_B = first.rotation.transpose() * (sum / static_cast<double>(count) - first.position);
-  for (const BodyMotion& body : foot.bodies.front().motion) {
-    const Vec3 arm = body.rotation * foot.centre_B;
-    foot.centre.emplace_back(body.position + arm);
-    foot.centre_velocity.emplace_back(body.velocity + body.angular_velocity.cross(arm));
-  }
+  foot.PlaceCentre();
   return foot;
+}
+
+void FootMotion::PlaceCentre() {
+  centre.clear();
+  centre_velocity.clear();
+  for (const BodyMotion& body : bodies.front().motion) {
+    const Vec3 arm = body.rotation * centre_B;
+    centre.emplace_back(body.position + arm);
+    centre_velocity.emplace_back(body.velocity + body.angular_velocity.cross(arm));
+  }
 }
 
 BodyMotion DeviatedBody(const FootMotion& foot, std::size_t body, std::size_t instant,

@@ -28,6 +28,11 @@ LocalSplines SplinesAt(double u) {
           {-v * v / 2, (9 * u * u - 12 * u) / 6, -(9 * v * v - 12 * v) / 6, u * u / 2}};
 }
 
+// Between equidistant knots half a period of the cutoff apart.
+int Intervals(double length, double cutoff) {
+  return std::max(1, static_cast<int>(std::ceil(2 * cutoff * length - 1e-9)));
+}
+
 Result<std::optional<double>> Positive(const YamlReader& yaml, const std::string& key) {
   if (!yaml.Has(key)) return std::optional<double>();
   SINEW_ASSIGN(const YamlReader entry, yaml.At(key));
@@ -42,11 +47,6 @@ const char* ToString(PoseComponent component) {
   static constexpr std::array<const char*, kPoseComponents> kNames{"shift_x", "shift_y", "shift_z", "turn_x",
                                                                    "turn_y",  "turn_z",  "joint"};
   return kNames[static_cast<std::size_t>(component)];
-}
-
-double DependentSamples(double correlation_time, double step) {
-  // Of (1 + s) exp(-s), s = sqrt(3) lag / correlation_time, over positive and negative lags: 4 / sqrt(3).
-  return std::max(1.0, 4 / std::sqrt(3.0) * correlation_time / step);
 }
 
 Result<MotionErrorSettings> ReadMotionErrors(const YamlReader& yaml) {
@@ -67,11 +67,31 @@ Result<MotionErrorSettings> ReadMotionErrors(const YamlReader& yaml) {
   return settings;
 }
 
+MotionErrorBasis MotionErrorBasis::Splines(const std::vector<double>& times, double from, double to,
+                                           double cutoff, double stretch) {
+  const int intervals = Intervals(to - from, cutoff);
+  const double spacing = (to - from) / intervals;
+  const auto rows = static_cast<Eigen::Index>(times.size());
+  MotionErrorBasis basis{Matrix::Zero(rows, intervals + kOrder - 1),
+                         Matrix::Zero(rows, intervals + kOrder - 1)};
+  for (Eigen::Index t = 0; t < rows; ++t) {
+    const double time = times[static_cast<std::size_t>(t)];
+    const double at = std::clamp((time - from) / spacing, 0.0, static_cast<double>(intervals));
+    const int interval = std::min(static_cast<int>(at), intervals - 1);
+    const LocalSplines local = SplinesAt(at - interval);
+    const bool inside = time >= from && time <= to;
+    for (int k = 0; k < kOrder; ++k) {
+      basis.value(t, interval + k) = local.value[static_cast<std::size_t>(k)];
+      if (inside) basis.rate(t, interval + k) = stretch * local.slope[static_cast<std::size_t>(k)] / spacing;
+    }
+  }
+  return basis;
+}
+
 MotionErrorBasis MotionErrorBasis::Make(const std::vector<double>& times, double from, double to,
                                         double correlation_time, double cutoff, double stretch) {
-  const double length = to - from;
-  const int intervals = std::max(1, static_cast<int>(std::ceil(2 * cutoff * length - 1e-9)));
-  const double spacing = length / intervals;
+  const int intervals = Intervals(to - from, cutoff);
+  const double spacing = (to - from) / intervals;
   const int count = intervals + kOrder - 1;
   Matrix covariance(count, count);
   for (int i = 0; i < count; ++i) {
@@ -81,30 +101,16 @@ MotionErrorBasis MotionErrorBasis::Make(const std::vector<double>& times, double
     }
   }
   const Matrix root = Eigen::LLT<Matrix>(covariance).matrixL();
-  const auto spline_rows = [&](double time, Eigen::Ref<Matrix> value, Eigen::Ref<Matrix> rate) {
-    const double at = std::clamp((time - from) / spacing, 0.0, static_cast<double>(intervals));
-    const int interval = std::min(static_cast<int>(at), intervals - 1);
-    const LocalSplines local = SplinesAt(at - interval);
-    const bool inside = time >= from && time <= to;
-    for (int k = 0; k < kOrder; ++k) {
-      value(0, interval + k) = local.value[static_cast<std::size_t>(k)];
-      rate(0, interval + k) = inside ? stretch * local.slope[static_cast<std::size_t>(k)] / spacing : 0.0;
-    }
-  };
   // Splines smooth what their weights do; the curve's mean variance is to be 1.
   constexpr int kGrid = 200;
-  Matrix grid = Matrix::Zero(kGrid, count);
-  Matrix unused = Matrix::Zero(1, count);
-  for (int i = 0; i < kGrid; ++i)
-    spline_rows(from + (i + 0.5) * length / kGrid, grid.middleRows(i, 1), unused);
-  const double scale = std::sqrt(static_cast<double>(kGrid)) / (grid * root).norm();
-
-  const auto rows = static_cast<Eigen::Index>(times.size());
-  Matrix value = Matrix::Zero(rows, count);
-  Matrix rate = Matrix::Zero(rows, count);
-  for (Eigen::Index t = 0; t < rows; ++t)
-    spline_rows(times[static_cast<std::size_t>(t)], value.middleRows(t, 1), rate.middleRows(t, 1));
-  return {scale * value * root, scale * rate * root};
+  std::vector<double> grid;
+  for (int i = 0; i < kGrid; ++i) grid.push_back(from + (i + 0.5) * (to - from) / kGrid);
+  const double scale =
+      std::sqrt(static_cast<double>(kGrid)) / (Splines(grid, from, to, cutoff).value * root).norm();
+  MotionErrorBasis basis = Splines(times, from, to, cutoff, stretch);
+  basis.value = scale * basis.value * root;
+  basis.rate = scale * basis.rate * root;
+  return basis;
 }
 
 std::vector<int> StanceMotionErrors::Columns() const {

@@ -25,10 +25,6 @@ struct MotionErrorSettings {
   double cutoff = 10;             ///< [Hz] highest frequency: knots are half its period apart
 };
 
-/// Samples of an error with this correlation time, `step` apart, that count as one independent sample: the
-/// integral of the correlation over the step.
-[[nodiscard]] double DependentSamples(double correlation_time, double step);
-
 /// Of the map under `motion_errors`. Errors: unknown keys, numbers not above 0, with file and line.
 Result<MotionErrorSettings> ReadMotionErrors(const YamlReader& yaml);
 
@@ -44,6 +40,9 @@ struct MotionErrorBasis {
   /// rate @param stretch by which `rate` is multiplied, for times that are phases of a movement
   static MotionErrorBasis Make(const std::vector<double>& times, double from, double to,
                                double correlation_time, double cutoff, double stretch = 1);
+  /// The splines themselves, without weights: values, and rates times `stretch`.
+  static MotionErrorBasis Splines(const std::vector<double>& times, double from, double to, double cutoff,
+                                  double stretch = 1);
 };
 
 /// A smooth curve in one direction of the pose.

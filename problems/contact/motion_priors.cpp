@@ -100,10 +100,6 @@ void AddMotionErrors(const MotionErrorSettings& settings, std::vector<Stance>& s
       errors.terms[i].first = next_parameter;
       next_parameter += errors.terms[i].weights();
     }
-    for (FootMarkers::Marker& marker : stance.markers.markers) {
-      marker.first_offset = next_parameter;
-      next_parameter += 3;
-    }
   }
   notes.push_back(fmt::format(
       "the pose of a foot may deviate from the recorded one by {:.1f} mm and {:.1f} degrees (standard "

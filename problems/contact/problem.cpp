@@ -6,7 +6,6 @@
 #include <limits>
 #include <optional>
 
-#include "problems/contact/marker_blocks.h"
 #include "problems/contact/plate_channels.h"
 #include "problems/contact/posed_load.h"
 
@@ -91,7 +90,6 @@ ParameterList List(const ContactSettings& settings, const ContactEffectList& eff
       for (Parameter& p : DeclareWeights(component, errors.terms[i].weights(), stance.trial, name))
         add.Add(std::move(p));
     }
-    for (Parameter& p : DeclareMarkerOffsets(stance, name)) add.Add(std::move(p));
   }
   return list;
 }
@@ -179,10 +177,6 @@ Status ContactProblem::Predict(const Query& query, Workspace& workspace, Predict
     std::array<bool, kChannels> wanted{};
     for (std::size_t c = 0; c < kChannels; ++c)
       wanted[c] = query.blocks[static_cast<std::size_t>(stance.blocks[c])];
-    if (!stance.motion_errors.terms.empty()) {
-      for (int t = 0; t < static_cast<int>(stance.time.size()); ++t)
-        PredictMarkers(stance, t, stance.motion_errors.At(query.parameters, t), query, prediction);
-    }
     if (std::find(wanted.begin(), wanted.end(), true) == wanted.end()) continue;
 
     Scratch& scratch = scratches[s];

@@ -69,8 +69,6 @@ class ContactProblem final : public Problem {
   struct ContactWorkspace;
   void PredictInstant(const Stance& stance, int t, const std::array<bool, kChannels>& wanted,
                       const Query& query, Scratch& scratch, Prediction& prediction) const;
-  /// The deviations that each trial has of its own, fitted to the markers on its feet alone.
-  [[nodiscard]] Vector FitToMarkers(const Vector& parameters) const;
   void DifferentiatePose(const Stance& stance, int t, const std::array<bool, kChannels>& wanted,
                          const Query& query, const PlateChannels& channels, Scratch& scratch,
                          Prediction& prediction) const;

@@ -166,11 +166,10 @@ Status ReadRanges(const YamlReader& yaml, std::map<std::string, ParameterRange>&
 }
 
 Result<ContactAccuracy> ReadAccuracy(const YamlReader& yaml) {
-  SINEW_TRY(yaml.OnlyKeys({"force", "cop", "moment", "marker"}));
+  SINEW_TRY(yaml.OnlyKeys({"force", "cop", "moment"}));
   ContactAccuracy accuracy;
-  for (const auto& [key, target] :
-       {std::pair{"force", &accuracy.force}, std::pair{"cop", &accuracy.cop},
-        std::pair{"moment", &accuracy.moment}, std::pair{"marker", &accuracy.marker}}) {
+  for (const auto& [key, target] : {std::pair{"force", &accuracy.force}, std::pair{"cop", &accuracy.cop},
+                                    std::pair{"moment", &accuracy.moment}}) {
     if (!yaml.Has(key)) continue;
     SINEW_ASSIGN(const YamlReader entry, yaml.At(key));
     SINEW_ASSIGN(const double value, entry.Number());

@@ -44,7 +44,6 @@ struct ContactAccuracy {
   std::optional<double> force;   ///< [N]
   std::optional<double> cop;     ///< centre of pressure [m]
   std::optional<double> moment;  ///< free moment [N m]
-  std::optional<double> marker;  ///< on a foot, with motion errors [m]
 };
 
 struct ContactSettings {
