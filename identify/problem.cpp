@@ -68,7 +68,8 @@ std::vector<AlternativePrediction> Problem::Alternatives(const Vector& /*paramet
   return {};
 }
 
-std::vector<FigureOfMerit> Problem::FiguresOfMerit(const std::vector<Vector>& /*predicted*/) const {
+std::vector<FigureOfMerit> Problem::FiguresOfMerit(const Vector& /*parameters*/,
+                                                   const std::vector<Vector>& /*predicted*/) const {
   return {};
 }
 

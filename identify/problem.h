@@ -155,9 +155,10 @@ class Problem {
   /// Functions of the parameters that are reported with the fit, see DerivedQuantity. Default: none.
   [[nodiscard]] virtual std::vector<DerivedQuantity> DerivedQuantities() const;
 
-  /// Figures of merit beside the cost. @param predicted [layout size][predictions of the block] Default:
-  /// none.
-  [[nodiscard]] virtual std::vector<FigureOfMerit> FiguresOfMerit(const std::vector<Vector>& predicted) const;
+  /// Figures of merit beside the cost. @param parameters [P] @param predicted [layout size][predictions of
+  /// the block] Default: none.
+  [[nodiscard]] virtual std::vector<FigureOfMerit> FiguresOfMerit(const Vector& parameters,
+                                                                  const std::vector<Vector>& predicted) const;
 
   /// Other predictions of the same blocks, whose errors are reported beside the answer's. @param parameters
   /// [P] of the answer. Default: none.

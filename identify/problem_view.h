@@ -31,8 +31,8 @@ class ProblemView : public Problem {
     return inner_.DerivedQuantities();
   }
   [[nodiscard]] std::vector<FigureOfMerit> FiguresOfMerit(
-      const std::vector<Vector>& predicted) const override {
-    return inner_.FiguresOfMerit(predicted);
+      const Vector& parameters, const std::vector<Vector>& predicted) const override {
+    return inner_.FiguresOfMerit(parameters, predicted);
   }
   [[nodiscard]] std::vector<AlternativePrediction> Alternatives(const Vector& parameters) const override {
     return inner_.Alternatives(parameters);

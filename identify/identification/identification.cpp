@@ -84,7 +84,7 @@ Result<Identification> Identify(const Problem& problem, FitSetup setup, Identifi
   for (Warning& warning : problem.WarningsAt(out.parameters)) out.warnings.push_back(std::move(warning));
   out.pooled_fit = out.prediction.pooled;
   out.derived = DeriveResults(problem, out.setup, out.parameters, out.uncertainty);
-  out.figures = problem.FiguresOfMerit(out.prediction.values);
+  out.figures = problem.FiguresOfMerit(out.parameters, out.prediction.values);
   out.alternatives = CompareAlternatives(problem, out.parameters);
   return out;
 }

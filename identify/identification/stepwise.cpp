@@ -106,7 +106,8 @@ Result<Identification> IdentifyStepwise(const Problem& problem, const FitRequest
     if (!usable && !last) fit.result.stop.test = step.name + ": " + fit.result.stop.test;
     if (usable) {
       SINEW_ASSIGN(fit.prediction, PredictAll(problem, fit.parameters));
-      fit.figures = problem.FiguresOfMerit(fit.prediction.values);
+      fit.figures = problem.FiguresOfMerit(fit.parameters, fit.prediction.values);
+      fit.alternatives = CompareAlternatives(problem, fit.parameters);
     }
     fit.steps = std::move(steps);
     fit.warnings = std::move(warnings);

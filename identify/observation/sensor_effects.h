@@ -56,8 +56,8 @@ class SensorEffects final : public Problem {
   }
   [[nodiscard]] std::vector<AlternativePrediction> Alternatives(const Vector& parameters) const override;
   [[nodiscard]] std::vector<FigureOfMerit> FiguresOfMerit(
-      const std::vector<Vector>& predicted) const override {
-    return inner_->FiguresOfMerit(predicted);
+      const Vector& parameters, const std::vector<Vector>& predicted) const override {
+    return inner_->FiguresOfMerit(parameters.head(inner_parameters_), predicted);
   }
   [[nodiscard]] std::unique_ptr<Workspace> NewWorkspace() const override;
   Status Predict(const Query& query, Workspace& workspace, Prediction& prediction) const override;

@@ -215,9 +215,10 @@ Status AddBlocks(const Trial& trial, const ContactSettings& settings, Stance& st
     for (int k = 0; k < 2; ++k) normal_columns.push_back(first + k);
   }
   std::vector<int> shared_columns;  // that every channel depends on
-  if (settings.fits_sole_height()) {
-    const int first = static_cast<int>(settings.Groups().size()) * kContactParametersPerGroup;
-    for (const Stance::Part& part : stance.parts) shared_columns.push_back(first + part.group);
+  const auto groups = static_cast<int>(settings.Groups().size());
+  int place = groups * kContactParametersPerGroup;
+  for (std::size_t p = 0; p < settings.SolePlaces().size(); ++p, place += groups) {
+    for (const Stance::Part& part : stance.parts) shared_columns.push_back(place + part.group);
   }
   for (const int column : out.effects.ColumnsOf(stance.plate)) shared_columns.push_back(column);
   const std::vector<int> motion_columns = stance.motion_errors.Columns();
@@ -324,7 +325,7 @@ Status AddTrial(const std::string& name, const Trial& trial, const Model& model,
 Result<ContactData> PrepareContactData(const Dataset& data, const ContactSettings& settings, double margin) {
   SINEW_ASSIGN(const Model model, LoadModel(data, settings));
   ContactData out;
-  const int per_group = kContactParametersPerGroup + (settings.fits_sole_height() ? 1 : 0);
+  const int per_group = kContactParametersPerGroup + static_cast<int>(settings.SolePlaces().size());
   out.effects = ContactEffectList(static_cast<int>(settings.Groups().size()) * per_group, settings.Plates());
   out.next_parameter = out.effects.end();
   for (const auto& [name, trial] : data.trials) {

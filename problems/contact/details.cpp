@@ -1,13 +1,26 @@
 // Pressures, slip and centre of pressure under every region, for the pictures of a report.
-#include <algorithm>
-#include <limits>
+#include <fmt/format.h>
 
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <optional>
+
+#include "base/constants.h"
 #include "problems/contact/posed_load.h"
 #include "problems/contact/problem.h"
 
 namespace sinew {
 
 namespace {
+
+// Only what all stances have in common.
+Vector WithoutOwn(const StanceMotionErrors& errors, const Vector& parameters) {
+  Vector common = parameters;
+  const auto [from, to] = errors.OwnRange();
+  common.segment(from, to - from).setZero();
+  return common;
+}
 
 // How far the pose moved, and what the markers say of that.
 void WriteMotionErrors(const Stance& stance, const Vector& parameters, Hdf5Node& details) {
@@ -18,14 +31,21 @@ void WriteMotionErrors(const Stance& stance, const Vector& parameters, Hdf5Node&
   std::vector<double> prior;
   for (const int c : errors.components) {
     names.emplace_back(ToString(static_cast<PoseComponent>(c)));
-    prior.push_back(errors.deviation[static_cast<std::size_t>(c)]);
+    prior.push_back(std::hypot(errors.deviation[static_cast<std::size_t>(c)],
+                               errors.common[static_cast<std::size_t>(c)]));
   }
   std::vector<double> values;
+  std::vector<double> common;
+  const Vector without_own = WithoutOwn(errors, parameters);
   std::vector<double> before;
   std::vector<double> after;
   for (std::size_t t = 0; t < stance.time.size(); ++t) {
     const PoseDeviation deviation = errors.At(parameters, static_cast<int>(t));
-    for (const int c : errors.components) values.push_back(deviation.value[static_cast<std::size_t>(c)]);
+    const PoseDeviation shared = errors.At(without_own, static_cast<int>(t));
+    for (const int c : errors.components) {
+      values.push_back(deviation.value[static_cast<std::size_t>(c)]);
+      common.push_back(shared.value[static_cast<std::size_t>(c)]);
+    }
     const FootTurn turn(deviation);
     for (const FootMarkers::Marker& marker : stance.markers.markers) {
       const FootMotion::Body& body = stance.foot.bodies[marker.body];
@@ -41,6 +61,7 @@ void WriteMotionErrors(const Stance& stance, const Vector& parameters, Hdf5Node&
   node.At("time").SetVector(stance.time);
   node.At("prior").SetVector(std::move(prior));
   node.At("component").data = std::move(names);
+  node.At("common").SetMatrix(instants, errors.components.size(), std::move(common));
   node.At("deviation").SetMatrix(instants, errors.components.size(), std::move(values));
   if (markers.empty()) return;
   node.At("marker_distance_recorded").SetMatrix(instants, markers.size(), std::move(before));
@@ -55,6 +76,10 @@ Status ContactProblem::WriteDetails(const Vector& parameters, Hdf5Node& details)
   for (const Stance& stance : data_.stances) {
     WriteMotionErrors(stance, parameters, details);
     const ContactEffectValues effects = EffectsOn(stance.plate, parameters);
+    // Where springs move, the kinematics of one instant after the other.
+    std::optional<PosedFoot> posed;
+    if (settings_.moves_springs()) posed.emplace(stance.kinematics);
+    const std::vector<Vec3> places = SolePlaces(stance, parameters);
     for (std::size_t r = 0; r < stance.regions.size(); ++r) {
       const EffectRegion& prepared = stance.kinematics.regions[r];
       const ContactKinematics& kinematics = prepared.kinematics;
@@ -81,7 +106,14 @@ Status ContactProblem::WriteDetails(const Vector& parameters, Hdf5Node& details)
       std::vector<double> centre;
       std::vector<FaceLoad> loads;
       for (int t = 0; t < kinematics.instants; ++t) {
-        ComputeFaceLoads(stance.kinematics, prepared, t, foundation, effects, loads);
+        if (posed) {
+          posed->Place(stance.kinematics, stance.foot, settings_.floor.height, t,
+                       stance.motion_errors.At(parameters, t), places, stance.side, false);
+          ComputeFaceLoads(posed->kinematics(), posed->kinematics().regions[r], 0, foundation, effects,
+                           loads);
+        } else {
+          ComputeFaceLoads(stance.kinematics, prepared, t, foundation, effects, loads);
+        }
         double total = 0;
         Vec3 moment = Vec3::Zero();
         for (std::size_t i = 0; i < faces.size(); ++i) {
@@ -107,6 +139,36 @@ Status ContactProblem::WriteDetails(const Vector& parameters, Hdf5Node& details)
     }
   }
   return {};
+}
+
+std::vector<FigureOfMerit> ContactProblem::FiguresOfMerit(const Vector& parameters,
+                                                          const std::vector<Vector>& /*predicted*/) const {
+  std::vector<FigureOfMerit> figures;
+  for (const Stance& stance : data_.stances) {
+    const StanceMotionErrors& errors = stance.motion_errors;
+    if (errors.terms.empty()) continue;
+    for (const bool turn : {false, true}) {
+      const double scale = turn ? 180 / kPi : 1e3;
+      double squares = 0;
+      double largest = 0;
+      for (std::size_t t = 0; t < stance.time.size(); ++t) {
+        const PoseDeviation deviation = errors.At(parameters, static_cast<int>(t));
+        const double* first = deviation.value.data() + (turn ? kTurnX : kShiftX);
+        const Vec3 vector(first[0], first[1], first[2]);
+        squares += vector.squaredNorm() / 3;
+        largest = std::max(largest, vector.cwiseAbs().maxCoeff());
+      }
+      const auto component = static_cast<std::size_t>(turn ? kTurnX : kShiftX);
+      figures.push_back(
+          {(turn ? "rotation of the foot in " : "shift of the foot in ") + stance.trial,
+           fmt::format("{}, root mean square {} an axis; largest {:.2g}, standard deviation of the "
+                       "prior {:.2g}",
+                       turn ? "degrees" : "mm", turn ? "about" : "along", scale * largest,
+                       scale * std::hypot(errors.deviation[component], errors.common[component])),
+           scale * std::sqrt(squares / static_cast<double>(stance.time.size()))});
+    }
+  }
+  return figures;
 }
 
 }  // namespace sinew

@@ -68,7 +68,7 @@ Result<FootMotion> RecordedFootMotion(const std::vector<double>& times, const Co
     FootMotion::Springs springs;
     springs.body = static_cast<int>(std::find(foot.indices.begin(), foot.indices.end(), region.body) -
                                     foot.indices.begin());
-    springs.up = region.region->rotation * Vec3::UnitY();
+    springs.axes = region.region->rotation;
     for (const int face : region.region->SpringFaceIndices()) {
       springs.position.emplace_back(region.region->position +
                                     region.region->rotation * region.region->mesh.Centre(face));

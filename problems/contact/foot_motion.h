@@ -19,9 +19,13 @@ struct FootMotion {
   };
   /// Springs of a region in the frame of its body.
   struct Springs {
-    int body = 0;                ///< index into `bodies`
-    std::vector<Vec3> position;  ///< [faces, m]
-    Vec3 up = Vec3::UnitY();     ///< from the sole into the foot
+    int body = 0;                  ///< index into `bodies`
+    std::vector<Vec3> position;    ///< [faces, m]
+    Mat3 axes = Mat3::Identity();  ///< of the region: forward, from the sole into the foot, to its right
+    /// Where they move if the sole lies elsewhere, by SolePlace [m]. @param side 1, -1 of a left foot
+    [[nodiscard]] Vec3 Moved(const Vec3& place, double side) const {
+      return axes * Vec3(place.x(), place.y(), side * place.z());
+    }
   };
   std::vector<int> indices;      ///< [bodies] of the model
   std::vector<Body> bodies;      ///< the first one carries the foot's centre

@@ -43,8 +43,9 @@ MarkerAccuracy PooledAccuracy(const std::vector<Stance>& stances) {
 void AddMotionErrors(const MotionErrorSettings& settings, std::vector<Stance>& stances, int& next_parameter,
                      std::vector<std::string>& notes) {
   const MarkerAccuracy markers = PooledAccuracy(stances);
-  const double position = settings.position.value_or(markers.position > 0 ? markers.position : kPosition);
-  const double rotation = settings.rotation.value_or(markers.rotation > 0 ? markers.rotation : kRotation);
+  // Markers that a rigid foot follows exactly say nothing of how the foot bends, or moves in its shoe.
+  const double position = settings.position.value_or(std::max(markers.position, kPosition));
+  const double rotation = settings.rotation.value_or(std::max(markers.rotation, kRotation));
   const double joint = settings.joint.value_or(kJoint);
   const bool has_joint =
       std::any_of(stances.begin(), stances.end(), [](const Stance& stance) { return stance.foot.has_joint; });

@@ -43,13 +43,14 @@ EffectRegion& PosedFoot::Region(std::size_t index) {
 }
 
 void PosedFoot::Place(const EffectKinematics& recorded, const FootMotion& foot, double floor_height,
-                      int instant, const PoseDeviation& deviation, const std::vector<double>& sole_height,
-                      bool derivatives) {
+                      int instant, const PoseDeviation& deviation, const std::vector<Vec3>& sole_place,
+                      double side, bool derivatives) {
   const auto t = static_cast<std::size_t>(instant);
   // The mass that a plate feels besides the springs moves as recorded.
   posed_.foot_position[0] = recorded.foot_position[t];
   posed_.foot_acceleration[0] = recorded.foot_acceleration[t];
-  sole_height_ = sole_height;
+  sole_place_ = sole_place;
+  side_ = side;
   floor_height_ = floor_height;
   motion_.resize(foot.bodies.size());
   jacobians_.resize(foot.bodies.size());
@@ -64,9 +65,9 @@ void PosedFoot::Place(const EffectKinematics& recorded, const FootMotion& foot, 
     ContactKinematics& k = region.kinematics;
     region.turning_x[0] = body.angular_velocity.x();
     region.turning_z[0] = body.angular_velocity.z();
-    const Vec3 raised = sole_height[static_cast<std::size_t>(region.part)] * springs.up;
+    const Vec3 moved = springs.Moved(sole_place[static_cast<std::size_t>(region.part)], side);
     for (std::size_t f = 0; f < springs.position.size(); ++f) {
-      const Vec3 arm = body.rotation * (springs.position[f] + raised);
+      const Vec3 arm = body.rotation * (springs.position[f] + moved);
       const Vec3 lever(arm.x(), floor_height - body.position.y(), arm.z());
       const Vec3 velocity = body.velocity + body.angular_velocity.cross(lever);
       k.depth[f] = lever.y() - arm.y();
@@ -80,9 +81,9 @@ void PosedFoot::Place(const EffectKinematics& recorded, const FootMotion& foot, 
 }
 
 void PosedFoot::Differentiate(const FootMotion& foot, const EffectLoad& load, ContactPoseJacobian& by_pose,
-                              std::vector<ContactLoad>& by_height) const {
+                              std::vector<ContactPlaceJacobian>& by_place) const {
   by_pose.setZero();
-  for (ContactLoad& column : by_height) column.setZero();
+  for (ContactPlaceJacobian& jacobian : by_place) jacobian.setZero();
   for (std::size_t r = 0; r < foot.springs.size(); ++r) {
     const FootMotion::Springs& springs = foot.springs[r];
     const auto b = static_cast<std::size_t>(springs.body);
@@ -90,13 +91,14 @@ void PosedFoot::Differentiate(const FootMotion& foot, const EffectLoad& load, Co
     const Vec3& spin = body.angular_velocity;
     const EffectRegion& region = Region(r);
     const auto part = static_cast<std::size_t>(region.part);
-    const Vec3 up = body.rotation * springs.up;
-    const Vec3 raised = sole_height_[part] * springs.up;
+    Mat3 axes = body.rotation * springs.axes;
+    axes.col(kSoleOutward) *= side_;
+    const Vec3 moved = springs.Moved(sole_place_[part], side_);
     Eigen::Matrix<double, 6, 12> by_motion = Eigen::Matrix<double, 6, 12>::Zero();
     for (std::size_t f = 0; f < springs.position.size(); ++f) {
       const SpringGradient& g = load.by_spring[r][f];
       if (g.isZero(0)) continue;
-      const Vec3 arm = body.rotation * (springs.position[f] + raised);
+      const Vec3 arm = body.rotation * (springs.position[f] + moved);
       const Vec3 lever(arm.x(), floor_height_ - body.position.y(), arm.z());
       // The load for the velocity at the floor; for the lever of that velocity; for the spring's place, by
       // which the lever moves along x and z too.
@@ -121,7 +123,8 @@ void PosedFoot::Differentiate(const FootMotion& foot, const EffectLoad& load, Co
       by_motion.col(9) += lever.y() * vz - lever.z() * vy + g.col(kTurningX);
       by_motion.col(10) += lever.z() * vx - lever.x() * vz;
       by_motion.col(11) += lever.x() * vy - lever.y() * vx + g.col(kTurningZ);
-      by_height[part] += up.x() * x + up.y() * y + up.z() * z;
+      for (int place = 0; place < kSolePlaces; ++place)
+        by_place[part].col(place) += axes(0, place) * x + axes(1, place) * y + axes(2, place) * z;
     }
     by_pose += by_motion * jacobians_[b];
   }

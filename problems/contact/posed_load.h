@@ -6,11 +6,15 @@
 
 #include "problems/contact/effect_load.h"
 #include "problems/contact/foot_motion.h"
+#include "problems/contact/settings.h"
 
 namespace sinew {
 
 /// Derivatives of a ContactLoad for the values, then the rates, of a PoseDeviation.
 using ContactPoseJacobian = Eigen::Matrix<double, 6, 2 * kPoseComponents>;
+
+/// Derivatives of a ContactLoad for the place of a sole on the foot, by SolePlace.
+using ContactPlaceJacobian = Eigen::Matrix<double, 6, kSolePlaces>;
 
 /// Scratch of one thread and one stance; holds the kinematics of one instant.
 class PosedFoot {
@@ -18,17 +22,19 @@ class PosedFoot {
   /// @param recorded kinematics of the stance, whose areas and parts are kept
   explicit PosedFoot(const EffectKinematics& recorded);
 
-  /// Places every spring. @param sole_height [parts, m] of the soles above where they are drawn
+  /// Places every spring. @param sole_place [parts][SolePlace, m] of the soles from where they are drawn
+  /// @param side of the foot, see Stance
   void Place(const EffectKinematics& recorded, const FootMotion& foot, double floor_height, int instant,
-             const PoseDeviation& deviation, const std::vector<double>& sole_height, bool derivatives);
+             const PoseDeviation& deviation, const std::vector<Vec3>& sole_place, double side,
+             bool derivatives);
 
   /// Kinematics of that instant, as instant 0: for ComputeEffectLoad.
   [[nodiscard]] const EffectKinematics& kinematics() const { return posed_; }
 
   /// After Place with derivatives, and ComputeEffectLoad with EffectLoadQuery::springs.
-  /// @param by_height [parts] set
+  /// @param by_place [parts] set: a column per SolePlace
   void Differentiate(const FootMotion& foot, const EffectLoad& load, ContactPoseJacobian& by_pose,
-                     std::vector<ContactLoad>& by_height) const;
+                     std::vector<ContactPlaceJacobian>& by_place) const;
 
  private:
   /// Regions, then edges.
@@ -38,7 +44,8 @@ class PosedFoot {
   EffectKinematics posed_;
   std::vector<BodyMotion> motion_;       // [bodies]
   std::vector<PoseJacobian> jacobians_;  // [bodies]
-  std::vector<double> sole_height_;      // [parts]
+  std::vector<Vec3> sole_place_;         // [parts]
+  double side_ = 1;
   double floor_height_ = 0;
 };
 

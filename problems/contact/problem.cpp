@@ -59,11 +59,12 @@ ParameterList List(const ContactSettings& settings, const ContactEffectList& eff
       add.Add(std::move(p));
     }
   }
-  if (settings.fits_sole_height()) {
-    const ParameterRange& range = settings.parameters.at("sole_height");
+  for (const int place : settings.SolePlaces()) {
+    const std::string name = kSolePlaceNames[static_cast<std::size_t>(place)];
+    const ParameterRange& range = settings.parameters.at(name);
     for (const std::string& group : groups) {
-      Parameter p = BaseParameter(groups.size() == 1 ? "sole_height" : group + ".sole_height", "m",
-                                  "height of the sole on the foot above where its regions draw it",
+      Parameter p = BaseParameter(groups.size() == 1 ? name : group + "." + name, "m",
+                                  "place of the sole on the foot, from where its regions draw it",
                                   range.lower, range.upper, range.start);
       add.Add(std::move(p));
     }
@@ -110,9 +111,9 @@ struct ContactProblem::Scratch {
   std::vector<ElasticFoundation> beds;       // per part
   EffectLoad with_effects;
   std::optional<PosedFoot> posed;  // where springs move
-  std::vector<double> heights;     // per part
+  std::vector<Vec3> places;        // of the soles, per part
   ContactPoseJacobian by_pose;
-  std::vector<ContactLoad> by_height;  // per part
+  std::vector<ContactPlaceJacobian> by_place;  // per part
   ContactEffectValues effects{};
   bool at_null = true;
   bool differentiates_effects = false;
@@ -125,6 +126,7 @@ struct ContactProblem::ContactWorkspace final : Problem::Workspace {
 
 ContactProblem::ContactProblem(ContactSettings settings, ContactData data)
     : settings_(std::move(settings)),
+      places_(settings_.SolePlaces()),
       data_(std::move(data)),
       list_(List(settings_, data_.effects, data_.stances)) {}
 
@@ -145,8 +147,8 @@ std::unique_ptr<Problem::Workspace> ContactProblem::NewWorkspace() const {
     scratch.by_part.resize(stance.parts.size());
     scratch.beds.resize(stance.parts.size());
     scratch.with_effects.by_part.resize(stance.parts.size());
-    scratch.heights.assign(stance.parts.size(), 0.0);
-    scratch.by_height.resize(stance.parts.size());
+    scratch.places.assign(stance.parts.size(), Vec3::Zero());
+    scratch.by_place.resize(stance.parts.size());
     if (!settings_.moves_springs()) continue;
     scratch.posed.emplace(stance.kinematics);
     for (const FootMotion::Springs& springs : stance.foot.springs)
@@ -168,6 +170,15 @@ ContactEffectValues ContactProblem::EffectsOn(const std::string& plate, const Ve
   const int own = data_.effects.OwnHeight(plate);
   if (own >= 0) values[kHeightOffset] += parameters[own];
   return values;
+}
+
+std::vector<Vec3> ContactProblem::SolePlaces(const Stance& stance, const Vector& parameters) const {
+  std::vector<Vec3> places(stance.parts.size(), Vec3::Zero());
+  for (std::size_t slot = 0; slot < places_.size(); ++slot) {
+    for (std::size_t p = 0; p < stance.parts.size(); ++p)
+      places[p][places_[slot]] = parameters[PlaceIndex(slot, stance.parts[p].group)];
+  }
+  return places;
 }
 
 Status ContactProblem::Predict(const Query& query, Workspace& workspace, Prediction& prediction) const {
@@ -192,9 +203,9 @@ Status ContactProblem::Predict(const Query& query, Workspace& workspace, Predict
       scratch.differentiates_effects |= query.Differentiates(first + i);
     scratch.differentiates_edges = query.Differentiates(first + static_cast<int>(kToeRegion)) ||
                                    query.Differentiates(first + static_cast<int>(kHeelRegion));
-    if (settings_.fits_sole_height()) {
+    for (std::size_t slot = 0; slot < places_.size(); ++slot) {
       for (std::size_t p = 0; p < stance.parts.size(); ++p)
-        scratch.heights[p] = query.parameters[SoleHeightIndex(stance.parts[p].group)];
+        scratch.places[p][places_[slot]] = query.parameters[PlaceIndex(slot, stance.parts[p].group)];
     }
     for (int t = 0; t < static_cast<int>(stance.time.size()); ++t) {
       PredictInstant(stance, t, wanted, query, scratch, prediction);
@@ -208,8 +219,8 @@ void ContactProblem::PredictInstant(const Stance& stance, int t, const std::arra
   const bool posed = scratch.posed.has_value();
   if (posed) {
     const PoseDeviation deviation = stance.motion_errors.At(query.parameters, t);
-    scratch.posed->Place(stance.kinematics, stance.foot, settings_.floor.height, t, deviation,
-                         scratch.heights, query.derivatives);
+    scratch.posed->Place(stance.kinematics, stance.foot, settings_.floor.height, t, deviation, scratch.places,
+                         stance.side, query.derivatives);
     const EffectLoadQuery load_query{false, query.derivatives, scratch.differentiates_edges,
                                      query.derivatives};
     ComputeEffectLoad(scratch.posed->kinematics(), 0, scratch.beds, scratch.effects, load_query,
@@ -248,8 +259,7 @@ void ContactProblem::PredictInstant(const Stance& stance, int t, const std::arra
   }
   if (posed) DifferentiatePose(stance, t, wanted, query, channels, scratch, prediction);
   if (!scratch.differentiates_effects) return;
-  const Eigen::Index heights =
-      settings_.fits_sole_height() ? static_cast<Eigen::Index>(stance.parts.size()) : 0;
+  const auto places = static_cast<Eigen::Index>(places_.size() * stance.parts.size());
   const bool own_height = data_.effects.OwnHeight(stance.plate) >= 0;
   for (std::size_t e = 0; e < kContactEffects; ++e) {
     const auto slope = channels.Derivative(scratch.with_effects.by_effect.col(static_cast<Eigen::Index>(e)));
@@ -257,7 +267,7 @@ void ContactProblem::PredictInstant(const Stance& stance, int t, const std::arra
       if (!wanted[c]) continue;
       auto derivatives = prediction.derivatives(stance.blocks[c]);
       const Eigen::Index first =
-          static_cast<Eigen::Index>(stance.parts.size()) * kColumnsPerGroup[c] + heights;
+          static_cast<Eigen::Index>(stance.parts.size()) * kColumnsPerGroup[c] + places;
       derivatives(t, first + static_cast<Eigen::Index>(e)) = slope[c];
       if (e == kHeightOffset && own_height)
         derivatives(t, first + static_cast<Eigen::Index>(kContactEffects)) = slope[c];
@@ -268,23 +278,22 @@ void ContactProblem::PredictInstant(const Stance& stance, int t, const std::arra
 void ContactProblem::DifferentiatePose(const Stance& stance, int t, const std::array<bool, kChannels>& wanted,
                                        const Query& query, const PlateChannels& channels, Scratch& scratch,
                                        Prediction& prediction) const {
-  scratch.posed->Differentiate(stance.foot, scratch.with_effects, scratch.by_pose, scratch.by_height);
+  scratch.posed->Differentiate(stance.foot, scratch.with_effects, scratch.by_pose, scratch.by_place);
   const auto parts = static_cast<Eigen::Index>(stance.parts.size());
-  Eigen::Index heights = 0;
-  if (settings_.fits_sole_height()) {
-    heights = parts;
-    for (Eigen::Index p = 0; p < parts; ++p) {
-      const auto slope = channels.Derivative(scratch.by_height[static_cast<std::size_t>(p)]);
+  Eigen::Index at = 0;
+  for (const int place : places_) {
+    for (std::size_t p = 0; p < stance.parts.size(); ++p, ++at) {
+      const ContactLoad column = scratch.by_place[p].col(place);
+      const auto slope = channels.Derivative(column);
       for (std::size_t c = 0; c < kChannels; ++c) {
         if (wanted[c])
-          prediction.derivatives(stance.blocks[c])(t, parts * kColumnsPerGroup[c] + p) = slope[c];
+          prediction.derivatives(stance.blocks[c])(t, parts * kColumnsPerGroup[c] + at) = slope[c];
       }
     }
   }
   const StanceMotionErrors& errors = stance.motion_errors;
   if (errors.terms.empty()) return;
-  Eigen::Index at = heights + static_cast<Eigen::Index>(kContactEffects) +
-                    (data_.effects.OwnHeight(stance.plate) >= 0 ? 1 : 0);
+  at += static_cast<Eigen::Index>(kContactEffects) + (data_.effects.OwnHeight(stance.plate) >= 0 ? 1 : 0);
   for (const PoseTerm& term : errors.terms) {
     const Eigen::Index weights = term.weights();
     if (query.Differentiates(term.first)) {

@@ -41,6 +41,9 @@ class ContactProblem final : public Problem {
   /// With motion errors: springs that touch or leave the floor bend the cost at as many places as there are
   /// springs and instants; a search cannot settle between two of them more closely than this.
   [[nodiscard]] double cost_noise_level() const override { return settings_.motion_errors ? 1e-6 : 0; }
+  /// With motion errors: how far the foot of each stance moved from the recorded motion [mm, degrees].
+  [[nodiscard]] std::vector<FigureOfMerit> FiguresOfMerit(
+      const Vector& parameters, const std::vector<Vector>& predicted) const override;
   /// Per trial and region: outline of the faces, pressure and slip of each at every instant, centre of
   /// pressure.
   Status WriteDetails(const Vector& parameters, Hdf5Node& details) const override;
@@ -72,13 +75,18 @@ class ContactProblem final : public Problem {
   void DifferentiatePose(const Stance& stance, int t, const std::array<bool, kChannels>& wanted,
                          const Query& query, const PlateChannels& channels, Scratch& scratch,
                          Prediction& prediction) const;
-  [[nodiscard]] int SoleHeightIndex(int group) const {
-    const int groups = data_.effects.first() / (kContactParametersPerGroup + 1);
-    return groups * kContactParametersPerGroup + group;
+  /// Of the soles, per part [m].
+  [[nodiscard]] std::vector<Vec3> SolePlaces(const Stance& stance, const Vector& parameters) const;
+  /// Of the place's parameter for a group. @param slot index into places_
+  [[nodiscard]] int PlaceIndex(std::size_t slot, int group) const {
+    const int groups =
+        data_.effects.first() / (kContactParametersPerGroup + static_cast<int>(places_.size()));
+    return groups * (kContactParametersPerGroup + static_cast<int>(slot)) + group;
   }
   [[nodiscard]] ContactEffectValues EffectsOn(const std::string& plate, const Vector& parameters) const;
 
   ContactSettings settings_;
+  std::vector<int> places_;  // of SolePlace that are parameters
   ContactData data_;
   ParameterList list_;
 };

@@ -10,6 +10,8 @@ namespace sinew {
 const std::vector<std::string> kContactChannels{"force_x", "force_y", "force_z",
                                                 "cop_x",   "cop_z",   "moment_y"};
 
+const std::array<const char*, kSolePlaces> kSolePlaceNames{"sole_forward", "sole_height", "sole_outward"};
+
 namespace {
 
 // Ranges of the thesis for k and c of a robot's sole are narrower (1e4..1e6 N/m3, 10..600 s/m); a person's
@@ -20,7 +22,7 @@ const std::map<std::string, ParameterRange> kDefaultRanges{
 };
 
 // Where a model's foot has its sole is known to a few centimetres.
-constexpr ParameterRange kRangeOfSoleHeight{-0.05, 0.05, 0};
+constexpr ParameterRange kRangeOfSolePlace{-0.05, 0.05, 0};
 
 Result<Vec3> ReadVec3(const YamlReader& yaml, const std::string& key, const Vec3& fallback) {
   if (!yaml.Has(key)) return fallback;
@@ -138,14 +140,17 @@ Result<ContactObjective> ReadObjective(const YamlReader& yaml) {
   return static_cast<ContactObjective>(found - names.begin());
 }
 
-const char* const kSoleHeightKey = "sole_height";
-
 Status ReadRanges(const YamlReader& yaml, std::map<std::string, ParameterRange>& ranges) {
   std::vector<std::string> names;
   for (const auto& [name, range] : ranges) names.push_back(name);
-  names.emplace_back(kSoleHeightKey);
+  for (const char* place : kSolePlaceNames) names.emplace_back(place);
   SINEW_TRY(yaml.OnlyKeys(names));
-  if (yaml.Has(kSoleHeightKey)) ranges[kSoleHeightKey] = kRangeOfSoleHeight;
+  const auto is_place = [](const std::string& name) {
+    return std::find(kSolePlaceNames.begin(), kSolePlaceNames.end(), name) != kSolePlaceNames.end();
+  };
+  for (const char* place : kSolePlaceNames) {
+    if (yaml.Has(place)) ranges[place] = kRangeOfSolePlace;
+  }
   for (auto& [name, range] : ranges) {
     if (!yaml.Has(name)) continue;
     SINEW_ASSIGN(const YamlReader entry, yaml.At(name));
@@ -153,7 +158,7 @@ Status ReadRanges(const YamlReader& yaml, std::map<std::string, ParameterRange>&
     SINEW_ASSIGN(range.lower, entry.NumberOr("lower", range.lower));
     SINEW_ASSIGN(range.upper, entry.NumberOr("upper", range.upper));
     SINEW_ASSIGN(range.start, entry.NumberOr("start", range.start));
-    if (range.lower < 0 && name != kSoleHeightKey) {
+    if (range.lower < 0 && !is_place(name)) {
       return FailAt(entry.file(), entry.line(),
                     "{}: lower {}, expected 0 or more: nothing physical is negative here", name, range.lower);
     }
@@ -211,6 +216,14 @@ std::vector<std::string> ContactSettings::Groups() const {
 }
 std::vector<std::string> ContactSettings::Plates() const {
   return Distinct(regions, &ContactRegionSettings::plate);
+}
+
+std::vector<int> ContactSettings::SolePlaces() const {
+  std::vector<int> places;
+  for (int place = 0; place < kSolePlaces; ++place) {
+    if (parameters.count(kSolePlaceNames[static_cast<std::size_t>(place)]) > 0) places.push_back(place);
+  }
+  return places;
 }
 
 Result<ContactSettings> ReadContactSettings(const YamlReader& yaml,

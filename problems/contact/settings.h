@@ -2,6 +2,7 @@
 // channels are fitted, and how residuals are weighed.
 #pragma once
 
+#include <array>
 #include <map>
 #include <optional>
 #include <string>
@@ -46,6 +47,11 @@ struct ContactAccuracy {
   std::optional<double> moment;  ///< free moment [N m]
 };
 
+/// Directions in which a sole can lie elsewhere on the foot than its regions are drawn, along the axes of the
+/// regions; outward is to the right of a right foot.
+enum SolePlace { kSoleForward, kSoleHeight, kSoleOutward, kSolePlaces };
+extern const std::array<const char*, kSolePlaces> kSolePlaceNames;
+
 struct ContactSettings {
   std::string model = "model.osim";   ///< name of the .osim among the files of the data set
   Floor floor;                        ///< height [m], and velocity of a treadmill's belt [m/s]
@@ -59,12 +65,12 @@ struct ContactSettings {
   std::optional<MotionErrorSettings> motion_errors;
   ContactAccuracy accuracy;
   std::vector<ContactRegionSettings> regions;
-  /// A group's sole lies higher or lower on the foot than its regions say, by parameter sole_height.
-  [[nodiscard]] bool fits_sole_height() const { return parameters.count("sole_height") > 0; }
+  /// Which of SolePlace are parameters of each group: its sole lies elsewhere on the foot than drawn.
+  [[nodiscard]] std::vector<int> SolePlaces() const;
   /// Springs do not stay where the recorded motion has them.
-  [[nodiscard]] bool moves_springs() const { return motion_errors || fits_sole_height(); }
+  [[nodiscard]] bool moves_springs() const { return motion_errors || !SolePlaces().empty(); }
   /// By name within a group: stiffness, dissipation, static_friction, dynamic_friction, viscous_friction and,
-  /// if it is to be fitted, sole_height.
+  /// if they are to be fitted, sole_forward, sole_height and sole_outward.
   std::map<std::string, ParameterRange> parameters;
 
   [[nodiscard]] std::vector<std::string> Groups() const;

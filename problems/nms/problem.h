@@ -47,7 +47,7 @@ class NmsProblem final : public Problem {
   /// CEINMS's f: the sum over fitted trials and joints of the mean squared error of the moment over its
   /// variance.
   [[nodiscard]] std::vector<FigureOfMerit> FiguresOfMerit(
-      const std::vector<Vector>& predicted) const override;
+      const Vector& parameters, const std::vector<Vector>& predicted) const override;
   /// Per trial, under nms/TRIAL: time; MUSCLE/{activation, fibre_length, fibre_velocity, force}; and
   /// subject, the file of the subject with these parameters in it.
   Status WriteDetails(const Vector& parameters, Hdf5Node& details) const override;

@@ -132,7 +132,8 @@ std::vector<DerivedQuantity> NmsProblem::DerivedQuantities() const {
   return quantities;
 }
 
-std::vector<FigureOfMerit> NmsProblem::FiguresOfMerit(const std::vector<Vector>& predicted) const {
+std::vector<FigureOfMerit> NmsProblem::FiguresOfMerit(const Vector& /*parameters*/,
+                                                      const std::vector<Vector>& predicted) const {
   double sum = 0;
   for (const NmsTrial& trial : data_.trials) {
     for (std::size_t j = 0; j < settings_.joints.size(); ++j) {

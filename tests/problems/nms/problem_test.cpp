@@ -304,7 +304,7 @@ TEST_F(NmsProblemTest, CeinmsFIsTwiceTheCostOfItsObjective) {
     const double cost = *fit.Cost(fit.Start(), workspace);
     const auto predicted = PredictAll(**problem, setup->rest);
     ASSERT_TRUE(predicted);
-    const auto figures = (*problem)->FiguresOfMerit(predicted->values);
+    const auto figures = (*problem)->FiguresOfMerit(setup->rest, predicted->values);
     ASSERT_EQ(figures.size(), 1U);
     EXPECT_NEAR(figures[0].value / (2 * cost), 1, 1e-12) << objective;
   }
