@@ -98,6 +98,7 @@ std::string TipText(const FootEstimate& foot) {
 }
 
 std::string WidthSentence(const FootEstimate& foot, std::size_t patch) {
+  if (patch == 2) return "width: as the forefoot";
   switch (foot.patches[patch].width_from) {
     case SoleWidth::kMarkers:
       return fmt::format("width: between the markers at both sides, less {} mm at each",
@@ -106,9 +107,8 @@ std::string WidthSentence(const FootEstimate& foot, std::size_t patch) {
       return fmt::format("width: the path of the centre of pressure and {} mm beside it",
                          Mm(SoleRules::kInsideSides));
     case SoleWidth::kRatio:
-      return patch == 0   ? fmt::format("width: {} of the length (heel, ANSUR II)", SoleRules::kHeelBreadth)
-             : patch == 1 ? fmt::format("width: {} of the length (breadth, ANSUR II)", SoleRules::kBreadth)
-                          : std::string("width: as the forefoot");
+      return patch == 0 ? fmt::format("width: {} of the length (heel, ANSUR II)", SoleRules::kHeelBreadth)
+                        : fmt::format("width: {} of the length (breadth, ANSUR II)", SoleRules::kBreadth);
   }
   return "";
 }
@@ -182,6 +182,8 @@ std::string FindingText(const PlateFinding& f) {
       return "";
     case PlateFault::kNotLoaded:
       return where + "never loaded with a twentieth of body weight: no foot touches it";
+    case PlateFault::kPartial:
+      return where + "the record begins or ends within the stance; expected a whole one (sinew data stances)";
     case PlateFault::kUpsideDown:
       return where +
              "its vertical force points down; expected the force on the foot, y up: is it upside down?";

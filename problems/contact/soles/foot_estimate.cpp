@@ -280,31 +280,44 @@ struct Breadth {
   SoleWidth from = SoleWidth::kRatio;
 };
 
-// @param usual width by its proportion; markers count if they are at least half as far apart
+// Markers count if they are at least half as far apart as is usual. A centre of pressure beyond them widens
+// the region, but not beyond what is usual: that would be an error of the motion.
+// @param usual width by its proportion
 Breadth BreadthOf(const std::vector<Spot>& markers, const std::vector<Spot>& cop, double from, double to,
-                  double usual, std::optional<double> fallback_middle) {
+                  double usual, std::optional<double> middle) {
   Breadth breadth{0, usual, SoleWidth::kRatio};
-  bool centred = false;
-  const auto sides = Sides(markers, from, to);
-  if (sides && (*sides)[1] - (*sides)[0] > 0.5 * usual) {
-    breadth.middle = 0.5 * ((*sides)[0] + (*sides)[1]);
-    breadth.width = (*sides)[1] - (*sides)[0] - 2 * SoleRules::kMarkerStandOff;
-    breadth.from = SoleWidth::kMarkers;
-    centred = true;
-  }
   std::vector<double> aside;
   for (const Spot& spot : cop) {
     if (spot.along >= from && spot.along <= to) aside.push_back(spot.aside);
   }
-  if (!centred) breadth.middle = !aside.empty() ? Median(aside) : fallback_middle.value_or(0);
+  const auto sides = Sides(markers, from, to);
+  if (!sides || (*sides)[1] - (*sides)[0] < 0.5 * usual) {
+    breadth.middle = middle ? *middle : !aside.empty() ? Median(aside) : 0;
+    return breadth;
+  }
+  breadth.middle = 0.5 * ((*sides)[0] + (*sides)[1]);
+  breadth.width = (*sides)[1] - (*sides)[0] - 2 * SoleRules::kMarkerStandOff;
+  breadth.from = SoleWidth::kMarkers;
   if (aside.empty()) return breadth;
   const double reach = std::max(Quantile(aside, 1 - kOutermost) - breadth.middle,
                                 breadth.middle - Quantile(aside, kOutermost));
-  if (2 * (reach + SoleRules::kInsideSides) > breadth.width) {
-    breadth.width = 2 * (reach + SoleRules::kInsideSides);
+  const double reached = std::min(usual, 2 * (reach + SoleRules::kInsideSides));
+  if (reached > breadth.width) {
+    breadth.width = reached;
     breadth.from = SoleWidth::kCop;
   }
   return breadth;
+}
+
+// Of the markers behind a place: a heel's marker is in its middle.
+std::optional<double> MiddleOfHeel(const std::vector<Spot>& markers, double before) {
+  std::vector<double> aside;
+  for (const Spot& spot : markers) {
+    if (spot.along < before) aside.push_back(spot.aside);
+  }
+  if (aside.empty()) return std::nullopt;
+  return 0.5 *
+         (*std::min_element(aside.begin(), aside.end()) + *std::max_element(aside.begin(), aside.end()));
 }
 
 }  // namespace
@@ -421,9 +434,10 @@ Result<FootEstimate> EstimateFoot(const std::vector<const PlateRecord*>& records
 
   const double breadth = SoleRules::kBreadth * estimate.length;
   const Breadth front = BreadthOf(spots, path, split, kInfinity, breadth, std::nullopt);
-  const Breadth rear =
-      BreadthOf(spots, path, -kInfinity, split, SoleRules::kHeelBreadth * estimate.length, front.middle);
-  const Breadth toes = BreadthOf({}, path, ball, kInfinity, front.width, front.middle);
+  const double heel_third = heel + (ball - heel) / 3;
+  const Breadth rear = BreadthOf(spots, path, -kInfinity, split, SoleRules::kHeelBreadth * estimate.length,
+                                 MiddleOfHeel(spots, heel_third));
+  const Breadth toes{front.middle, front.width, front.from};
   const std::size_t of_forefoot = bodies.size() > 2 ? 1 : 0;
   const std::size_t of_toes = bodies.size() - 1;
   const auto add = [&](std::size_t body, double from, double to, const Breadth& sides) {

@@ -130,6 +130,8 @@ const char* ToString(PlateFault fault) {
       return "";
     case PlateFault::kNotLoaded:
       return "not_loaded";
+    case PlateFault::kPartial:
+      return "partial";
     case PlateFault::kUpsideDown:
       return "upside_down";
     case PlateFault::kNoFoot:
@@ -185,7 +187,7 @@ PlateFoot FindFoot(const PlateRecord& record, const BodyTree& tree, const BodyPo
     return foot;
   }
   if (!(record.peak > kLeast * body_weight)) {
-    foot.fault = PlateFault::kNotLoaded;
+    foot.fault = record.partial ? PlateFault::kPartial : PlateFault::kNotLoaded;
     return foot;
   }
   const auto loaded = LoadedFrames(record, kLoadedShare, true);

@@ -15,6 +15,7 @@ namespace sinew {
 enum class PlateFault {
   kNone,
   kNotLoaded,     ///< its force never exceeds a twentieth of body weight
+  kPartial,       ///< the record begins or ends within all of its stances
   kUpsideDown,    ///< its vertical force points down
   kNoFoot,        ///< its centre of pressure is away from every body
   kTurned,        ///< its centre of pressure follows a foot if its axes are exchanged or reversed

@@ -26,6 +26,32 @@ std::vector<double> FrameValues(const Trial& trial, const std::string& plate, co
   return values;
 }
 
+// A contact within which the record begins or ends shows a part of a stance: its frames count as unloaded.
+void LeaveOutPartialContacts(PlateRecord& record) {
+  constexpr double kCut = 0.3;     // of the largest load, at the end of the record
+  constexpr double kEnded = 0.05;  // of the largest load
+  const double peak = record.peak;
+  const auto leave_out = [&](const auto& frame_of) {
+    for (std::size_t i = 0; i < record.time.size(); ++i) {
+      const std::size_t t = frame_of(i);
+      const double load = record.force[t].y();
+      if (!(load > (i == 0 ? kCut : kEnded) * peak)) return;
+      record.partial = true;
+      record.force[t].y() = 0;
+      record.cop[t] = Vec3::Constant(std::numeric_limits<double>::quiet_NaN());
+    }
+  };
+  leave_out([](std::size_t i) { return i; });
+  leave_out([&](std::size_t i) { return record.time.size() - 1 - i; });
+  if (!record.partial) return;
+  record.peak = 0;
+  record.has_cop = false;
+  for (std::size_t t = 0; t < record.time.size(); ++t) {
+    if (record.force[t].y() > record.peak) record.peak = record.force[t].y();
+    record.has_cop |= record.cop[t].allFinite();
+  }
+}
+
 Result<PlateRecord> ReadRecord(const std::string& name, const Trial& trial, const std::string& plate,
                                const TrialMotion& motion, const MultibodyModel& model, double floor_height) {
   PlateRecord record;
@@ -56,6 +82,7 @@ Result<PlateRecord> ReadRecord(const std::string& name, const Trial& trial, cons
     record.lowest = std::min(record.lowest, y[t]);
     record.has_cop |= record.cop.back().allFinite();
   }
+  LeaveOutPartialContacts(record);
   return record;
 }
 

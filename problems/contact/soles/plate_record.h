@@ -20,6 +20,7 @@ struct PlateRecord {
   double peak = 0;                              ///< largest vertical force of a frame [N]
   double lowest = 0;                            ///< smallest vertical force of a frame [N]
   bool has_cop = false;                         ///< in some frame
+  bool partial = false;  ///< it begins or ends within a stance, whose frames are taken for unloaded
 
   [[nodiscard]] bool Loaded(std::size_t frame, double share) const { return force[frame].y() > share * peak; }
 };

@@ -352,6 +352,21 @@ TEST(Soles, PlatesThatAreWrongAreNamed) {
               right_is("force_reversed"));
 }
 
+TEST(Soles, APartOfAStanceSaysNothing) {
+  Dataset data = Steps();
+  Trial part = data.trials.at("train_1");
+  for (auto& [name, channel] : part.grids.at("forces").channels)
+    channel.values.resize(channel.values.size() / 2);
+  Grid& forces = part.grids.at("forces");
+  forces.time.resize(forces.time.size() / 2);
+  data.trials["cut_off"] = part;
+  const SoleProposal proposal = Propose(data);
+  EXPECT_THAT(Faults(proposal), ElementsAre("cut_off right partial"));
+  const SoleProposal before = Propose(Steps());
+  ASSERT_EQ(proposal.regions.size(), 6U);
+  for (std::size_t r = 0; r < 6; ++r) EXPECT_EQ(proposal.regions[r].position, before.regions[r].position);
+}
+
 // Far from the origin, where axes that are exchanged move the centre of pressure away.
 Dataset Afar() {
   Dataset data = Steps();
