@@ -66,7 +66,7 @@ class Soles(ProgramTest):
                                 "--intervals", "linear", "--out", "run.h5", "--json", "result.json", "--quiet")
         self.assertEqual(done.returncode, 0, done.stderr)
         fit = json.loads(self.path("result.json").read_text())["fit"]
-        # 1.5 % of the robot's weight of 57 N; the truth has a sole of its own, and slides.
+        # A twentieth of the robot's weight of 57 N: its true sole is a box of another size.
         vertical = [entry["rmse"] for entry in fit if entry["channel"].endswith("force_y")]
         self.assertEqual(len(vertical), 5)
         self.assertLess(max(vertical), 3)
