@@ -18,6 +18,7 @@ void AddDataCommand(Command app, const RunAction& run) {
   AddCheckCommand(data, run);
   AddCutCommand(data, run);
   AddStancesCommand(data, run);
+  AddSolesCommand(data, run);
   AddDropCommand(data, run);
   AddKinematicsCommand(data, run);
   AddEnvelopeCommand(data, run);

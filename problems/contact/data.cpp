@@ -15,6 +15,7 @@
 #include "problems/contact/motion_priors.h"
 #include "problems/contact/plate_samples.h"
 #include "problems/contact/smooth_motion.h"
+#include "problems/contact/trial_motion.h"
 
 namespace sinew {
 namespace {
@@ -63,54 +64,6 @@ Result<Model> LoadModel(const Dataset& data, const ContactSettings& settings) {
     bodies.push_back(*index);
   }
   return Model{osim, std::move(multibody), std::move(bodies)};
-}
-
-// The grid that holds coordinates of the model, as a trajectory. Samples at the ends where a coordinate is
-// missing are left out; a gap inside is an error, because a spline across it would be an invention.
-struct RecordedMotion {
-  CoordinateTrajectory trajectory;
-  std::vector<double> time;  // of its samples
-};
-Result<RecordedMotion> FitMotion(const Trial& trial, const MultibodyModel& model) {
-  const Grid* best = nullptr;
-  std::vector<std::string> best_names;
-  for (const auto& [grid_name, grid] : trial.grids) {
-    std::vector<std::string> names;
-    for (const std::string& name : model.coordinate_names()) {
-      if (grid.channels.count(name) > 0) names.push_back(name);
-    }
-    if (names.size() > best_names.size()) {
-      best = &grid;
-      best_names = names;
-    }
-  }
-  if (best == nullptr) {
-    return Fail("has no coordinate of the model ({}, ...); run `sinew data kinematics` on its markers first",
-                model.coordinate_names().empty() ? "none" : model.coordinate_names().front());
-  }
-  const auto complete = [&](std::size_t i) {
-    return std::all_of(best_names.begin(), best_names.end(), [&](const std::string& name) {
-      return std::isfinite(best->channels.at(name).values[i]);
-    });
-  };
-  std::size_t first = 0;
-  std::size_t last = best->time.size();
-  while (first < last && !complete(first)) ++first;
-  while (last > first && !complete(last - 1)) --last;
-  Matrix values(static_cast<Eigen::Index>(last - first), static_cast<Eigen::Index>(best_names.size()));
-  for (std::size_t i = first; i < last; ++i) {
-    if (!complete(i))
-      return Fail("the motion has a gap at t = {:.4g} s; cut the trial so that it lies outside",
-                  best->time[i]);
-    for (std::size_t k = 0; k < best_names.size(); ++k) {
-      values(static_cast<Eigen::Index>(i - first), static_cast<Eigen::Index>(k)) =
-          best->channels.at(best_names[k]).values[i];
-    }
-  }
-  const std::vector<double> time(best->time.begin() + static_cast<std::ptrdiff_t>(first),
-                                 best->time.begin() + static_cast<std::ptrdiff_t>(last));
-  SINEW_ASSIGN(auto trajectory, CoordinateTrajectory::Fit(model, time, best_names, values));
-  return RecordedMotion{std::move(trajectory), time};
 }
 
 // Frames of the motion while the plate records, continued by `margin` on both sides as far as there are any.
@@ -290,7 +243,7 @@ Status AddTrial(const std::string& name, const Trial& trial, const Model& model,
     if (trial.Find(plate + "_force_y")) plates.push_back(plate);
   }
   if (plates.empty()) return {};
-  SINEW_ASSIGN(const RecordedMotion recorded, FitMotion(trial, model.multibody));
+  SINEW_ASSIGN(const TrialMotion recorded, FitTrialMotion(trial, model.multibody));
   const CoordinateTrajectory& motion = recorded.trajectory;
   if (!motion.held().empty()) {
     out.notes.push_back(fmt::format("trial '{}': no data for {}: held at the model's default", name,
