@@ -6,6 +6,7 @@
 #include "base/numbers.h"
 #include "base/text.h"
 #include "cli/terminal.h"
+#include "problems/contact/settings.h"
 
 namespace sinew {
 namespace {
@@ -234,6 +235,10 @@ std::string SolesYaml(const SoleProposal& proposal, const std::string& data, con
   text += fmt::format("  floor_height: {:.4f}  # as stated (--floor-height) [m]\n", proposal.floor_height);
   text += Comment(BeltComment(proposal.belt), 2);
   text += fmt::format("  floor_velocity: [{:.3f}, {:.3f}]  # [m/s]\n", proposal.belt.x, proposal.belt.z);
+  text +=
+      "  transition_velocity: 0.05  # of the friction [m/s]: as fast as markers let a standing foot slide "
+      "(Jackson et "
+      "al. 2016)\n";
   text += Comment(proposal.not_fit.empty() ? "Every plate measures all channels."
                                            : fmt::format("Not measured by every plate, or constant: {}.",
                                                          Join(proposal.not_fit, ", ")),
@@ -254,12 +259,14 @@ std::string SolesYaml(const SoleProposal& proposal, const std::string& data, con
       "foot in "
       "by a hundredth of its length; it has several minima, so try several starts. The foot had sunk in when "
       "the "
-      "floor under it was seen: sole_height takes that up (its range is 0.05 m both ways).",
+      "floor under it was seen: sole_height takes that up (its range is 0.05 m both ways); sole_forward and "
+      "sole_outward "
+      "take up where markers and model place the foot on the floor.",
       4);
   text += fmt::format("    stiffness: {{lower: 1.0e4, upper: 1.0e9, start: {:.1e}}}  # [N/m3]\n",
                       std::clamp(proposal.stiffness_start, 1e4, 1e9));
   text += "    dissipation: {lower: 0, upper: 50, start: 1}  # [s/m]\n";
-  text += "    sole_height: {}\n";
+  for (const char* place : kSolePlaceNames) text += fmt::format("    {}: {{}}\n", place);
   return text;
 }
 

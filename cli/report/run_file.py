@@ -180,6 +180,10 @@ def _check_run(path, file):
     if "stages" in file and _columns(path, file, "/stages", ("solver", "cost", "evaluations")) > 1 \
             and any(name in str(info.attrs["solver"]) for name in ("multistart", "restarts")):
         has.add("starts")
+    for trial, plates in file.get("details/motion_errors", {}).items():
+        for plate in plates:
+            _check_motion(path, file, f"/details/motion_errors/{trial}/{plate}")
+            has.add("motion")
     for trial, regions in file.get("details/contact", {}).items():
         for region in regions:
             _check_region(path, file, f"/details/contact/{trial}/{region}")
@@ -232,6 +236,15 @@ def _subject(path, info):
 
 def _stem(path):
     return os.path.splitext(os.path.basename(path))[0]
+
+
+def _check_motion(path, file, where):
+    instants = _columns(path, file, where, ("time", "deviation", "common"))
+    components = _columns(path, file, where, ("component", "prior"))
+    for name in ("deviation", "common"):
+        if file[f"{where}/{name}"].shape != (instants, components) or instants == 0 or components == 0:
+            raise BadInput(f"{path}: {where}/{name} has shape {file[f'{where}/{name}'].shape}, "
+                           f"expected {(instants, components)}, not empty")
 
 
 def _check_region(path, file, where):

@@ -11,6 +11,7 @@
 #include "models/multibody/coordinate_trajectory.h"
 #include "models/multibody/multibody_model.h"
 #include "models/multibody/osim_reader.h"
+#include "problems/contact/level_feet.h"
 #include "problems/contact/marker_pose.h"
 #include "problems/contact/motion_priors.h"
 #include "problems/contact/plate_samples.h"
@@ -273,6 +274,8 @@ Status AddTrial(const std::string& name, const Trial& trial, const Model& model,
   return {};
 }
 
+constexpr double kWorthSaying = 5e-4;  // [m]
+
 }  // namespace
 
 Result<ContactData> PrepareContactData(const Dataset& data, const ContactSettings& settings, double margin) {
@@ -289,8 +292,22 @@ Result<ContactData> PrepareContactData(const Dataset& data, const ContactSetting
     return Fail("no trial has a vertical force of the plates {}: expected a channel such as {}_force_y",
                 Join(settings.Plates(), ", "), settings.Plates().front());
   }
-  if (settings.motion_errors)
+  if (settings.motion_errors) {
+    std::vector<bool> fitted;
+    for (const Stance& stance : out.stances)
+      fitted.push_back(data.trials.at(stance.trial).role == Role::kTrain);
+    const std::vector<double> raised = LevelFeet(fitted, out.stances);
+    for (std::size_t s = 0; s < raised.size(); ++s) {
+      if (std::abs(raised[s]) < kWorthSaying) continue;
+      out.notes.push_back(
+          fmt::format("trial '{}', {}: the recorded motion was {} by {:.1f} mm, so that the flat foot is as "
+                      "high as in the fitted "
+                      "stances",
+                      out.stances[s].trial, out.stances[s].plate, raised[s] > 0 ? "raised" : "lowered",
+                      1e3 * std::abs(raised[s])));
+    }
     AddMotionErrors(*settings.motion_errors, out.stances, out.next_parameter, out.notes);
+  }
   for (Stance& stance : out.stances) {
     const Status status = AddBlocks(data.trials.at(stance.trial), settings, stance, out);
     if (!status) return Fail("trial '{}': {}", stance.trial, status.error().message);

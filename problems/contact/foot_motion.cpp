@@ -90,6 +90,14 @@ Result<FootMotion> RecordedFootMotion(const std::vector<double>& times, const Co
   return foot;
 }
 
+void FootMotion::Raise(double height) {
+  for (Body& body : bodies) {
+    for (BodyMotion& motion : body.motion) motion.position.y() += height;
+    for (JointAxis& axis : body.axis) axis.point.y() += height;
+  }
+  PlaceCentre();
+}
+
 void FootMotion::PlaceCentre() {
   centre.clear();
   centre_velocity.clear();

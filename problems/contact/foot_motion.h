@@ -33,6 +33,8 @@ struct FootMotion {
   Vec3 centre_B = Vec3::Zero();  ///< mean of the springs, in the frame of the first body [m]
   std::vector<Vec3> centre;      ///< [T, m, ground]
   std::vector<Vec3> centre_velocity;
+  /// Moves everything up. @param height [m]
+  void Raise(double height);
   /// Computes `centre` and `centre_velocity` from `centre_B` and the first body's motion.
   void PlaceCentre();
   bool has_joint = false;  ///< a body beyond the first moves about one axis
