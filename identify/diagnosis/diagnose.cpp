@@ -34,7 +34,11 @@ constexpr double kMinExplained = 0.1;
 Status CheckThatDataSuffice(const Problem& problem, const FitSetup& setup) {
   int rows = 0;
   for (const Block& block : problem.layout()) rows += block.role == BlockRole::kTrain ? block.samples() : 0;
-  if (rows < 2 * static_cast<int>(setup.free.size()) + 20) {
+  // A prior is one more observation, of its parameter.
+  const auto priors = static_cast<int>(std::count_if(setup.free.begin(), setup.free.end(), [&](int index) {
+    return setup.parameters[static_cast<std::size_t>(index)].prior.has_value();
+  }));
+  if (rows + priors < 2 * static_cast<int>(setup.free.size()) + 20) {
     return Fail("{} samples are too few to fit {} parameters and to judge what is left", rows,
                 setup.free.size());
   }
