@@ -43,7 +43,13 @@ std::string SourceOf(const ProposedFoot& foot) {
   const std::string stances = Join(foot.estimate.trials, ", ");
   switch (foot.source) {
     case SoleSource::kOwn:
-      return fmt::format("from its own stances ({})", stances);
+      return fmt::format(
+          "from its own stances ({}){}", stances,
+          foot.differs_angle == 0
+              ? ""
+              : fmt::format(
+                    "; not averaged with '{}' mirrored, whose plane differs by {:.1f} degrees and {} mm",
+                    foot.other, foot.differs_angle * kDegrees, Mm(foot.differs_height)));
     case SoleSource::kBoth:
       return fmt::format("mean of this foot ({}) and '{}' mirrored", stances, foot.other);
     case SoleSource::kOther:
@@ -314,6 +320,8 @@ nlohmann::ordered_json SolesJson(const SoleProposal& proposal) {
                                        : foot.source == SoleSource::kBoth ? "both"
                                                                           : "other"},
                             {"other", foot.other},
+                            {"differs_rad", foot.differs_angle},
+                            {"differs_m", foot.differs_height},
                             {"trials", e.trials},
                             {"length_m", e.length},
                             {"heel_from", EndText(e.heel_from)},

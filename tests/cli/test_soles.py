@@ -99,6 +99,19 @@ class Soles(ProgramTest):
             tilt = -angle if "_r_" in new["name"] else angle
             np.testing.assert_allclose(np.subtract(new["orientation_rad"], old["orientation_rad"]), [tilt, 0, 0], atol=2e-3)
 
+    def test_axes_of_one_foot_body_are_no_difference_of_the_feet(self):
+        angle = np.radians(20)
+
+        def invert(file):
+            text = file["files/model.osim"][()].decode()
+            replace_text(file, "files/model.osim", with_inverted_foot(text, "calcn_r", angle))
+
+        result = self.proposed(self.changed_stances(invert))
+        self.assertEqual([foot["source"] for foot in result["feet"]], ["both", "both"])
+        for region in result["regions"]:
+            tilt = -angle if "_r_" in region["name"] else 0
+            np.testing.assert_allclose(region["orientation_rad"], [tilt, 0, 0], atol=0.02)
+
     def test_a_plate_that_is_upside_down_is_left_out(self):
         def turn(file):
             for trial in file["trials"].values():

@@ -280,19 +280,26 @@ struct Breadth {
   SoleWidth from = SoleWidth::kRatio;
 };
 
-// Markers count if they are at least half as far apart as is usual. A centre of pressure beyond them widens
-// the region, but not beyond what is usual: that would be an error of the motion.
+// Markers at both sides are nearly as far apart as is usual, or more: their middle and distance count, and a
+// centre of pressure beyond them widens the region, but not beyond what is usual: that would be an error of
+// the motion. Else the region has its usual width about the given middle or the centre of pressure, moved so
+// that it reaches the markers.
 // @param usual width by its proportion
 Breadth BreadthOf(const std::vector<Spot>& markers, const std::vector<Spot>& cop, double from, double to,
                   double usual, std::optional<double> middle) {
-  Breadth breadth{0, usual, SoleWidth::kRatio};
+  constexpr double kNearly = 0.95;
+  Breadth breadth{middle.value_or(0), usual, SoleWidth::kRatio};
   std::vector<double> aside;
   for (const Spot& spot : cop) {
     if (spot.along >= from && spot.along <= to) aside.push_back(spot.aside);
   }
   const auto sides = Sides(markers, from, to);
-  if (!sides || (*sides)[1] - (*sides)[0] < 0.5 * usual) {
-    breadth.middle = middle ? *middle : !aside.empty() ? Median(aside) : 0;
+  if (!sides || (*sides)[1] - (*sides)[0] < kNearly * usual) {
+    if (!middle && !aside.empty()) breadth.middle = Median(aside);
+    if (!middle && aside.empty() && sides) breadth.middle = 0.5 * ((*sides)[0] + (*sides)[1]);
+    if (!sides) return breadth;
+    const double inside = 0.5 * usual + SoleRules::kMarkerStandOff;
+    breadth.middle = std::clamp(breadth.middle, (*sides)[1] - inside, (*sides)[0] + inside);
     return breadth;
   }
   breadth.middle = 0.5 * ((*sides)[0] + (*sides)[1]);

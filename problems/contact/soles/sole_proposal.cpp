@@ -220,14 +220,19 @@ class Proposer {
         estimate.patches = OnOtherSide(there->second, *back);
         estimate.bodies = tree_.Outwards(foot);
       } else if (there != own.end() && back) {
-        source = SoleSource::kBoth;
         const auto mirrored = OnOtherSide(there->second, *back);
-        for (std::size_t p = 0; p < estimate.patches.size(); ++p)
-          estimate.patches[p] = MeanOf(estimate.patches[p], mirrored[p]);
+        const SolePatch& rear = estimate.patches.front();
+        const double angle = std::acos(std::clamp(rear.up.dot(mirrored.front().up), -1.0, 1.0));
+        const double height = mirrored.front().up.dot(rear.centre()) - mirrored.front().offset;
         FootEstimate second = there->second;
-        second.patches = OnOtherSide(estimate, *others);
-        AddFoot(foot, estimate, source, other);
-        AddFoot(other, second, source, foot);
+        if (angle < kFeetDifferAngle && std::abs(height) < kFeetDifferHeight) {
+          source = SoleSource::kBoth;
+          for (std::size_t p = 0; p < estimate.patches.size(); ++p)
+            estimate.patches[p] = MeanOf(estimate.patches[p], mirrored[p]);
+          second.patches = OnOtherSide(estimate, *others);
+        }
+        AddFoot(foot, estimate, source, other, angle, height);
+        AddFoot(other, second, source, foot, angle, -height);
         done.insert({foot, other});
         continue;
       }
@@ -236,11 +241,14 @@ class Proposer {
     }
   }
 
-  void AddFoot(int foot, const FootEstimate& estimate, SoleSource source, int other) {
+  void AddFoot(int foot, const FootEstimate& estimate, SoleSource source, int other, double angle = 0,
+               double height = 0) {
     ProposedFoot proposed;
     for (const int body : tree_.Outwards(foot)) proposed.bodies.push_back(Name(body));
     proposed.source = source;
     if (other > 0) proposed.other = Name(other);
+    proposed.differs_angle = angle;
+    proposed.differs_height = height;
     proposed.estimate = estimate;
     proposal_.feet.push_back(std::move(proposed));
   }

@@ -24,16 +24,23 @@ struct PlateFinding {
 };
 
 enum class SoleSource {
-  kOwn,   ///< from stances of this foot
+  kOwn,   ///< from stances of this foot; of two with stances if they differ (kFeetDiffer...)
   kBoth,  ///< mean of this foot and the mirrored other one
   kOther  ///< the other foot, mirrored
 };
+
+/// Two feet of a model whose planes differ by more than twice what the motion of both leaves open (2 degrees
+/// and 6 mm each: Jackson et al. 2016) keep their own: their bodies were placed on them differently.
+constexpr double kFeetDifferAngle = 0.1;     // [rad]
+constexpr double kFeetDifferHeight = 0.017;  // [m]
 
 struct ProposedFoot {
   std::vector<std::string> bodies;  ///< names, from the heel outwards
   std::vector<std::string> plates;  ///< that it stands on
   SoleSource source = SoleSource::kOwn;
-  std::string other;  ///< first body of the other foot; empty: none
+  std::string other;          ///< first body of the other foot; empty: none
+  double differs_angle = 0;   ///< of its plane from the mirrored other one, where both have stances [rad]
+  double differs_height = 0;  ///< under the middle of the rearfoot [m]
   /// Patches in the frames of its own bodies; the rest tells what the stances said (of kOther: those of the
   /// other foot, of kBoth: its own).
   FootEstimate estimate;

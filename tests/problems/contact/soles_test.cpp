@@ -159,6 +159,21 @@ TEST(Soles, BothFeetGetTheMeanOfBoth) {
   }
 }
 
+TEST(Soles, FeetThatLieDifferentlyKeepTheirOwnPlanes) {
+  Dataset data = Steps();
+  constexpr double kTurned =
+      0.3;  // [rad] of the right foot in the model, as by markers that were placed wrongly
+  ForChannel(data, "subtalar_angle_r", [](double angle) { return angle + kTurned; });
+  const SoleProposal proposal = Propose(data);
+  ASSERT_EQ(proposal.feet.size(), 2U);
+  EXPECT_EQ(proposal.feet[0].source, SoleSource::kOwn);
+  EXPECT_EQ(proposal.feet[1].source, SoleSource::kOwn);
+  EXPECT_NEAR(proposal.feet[0].differs_angle, kTurned, 0.03);
+  ASSERT_EQ(proposal.regions.size(), 6U);
+  EXPECT_NEAR(std::abs(proposal.regions[0].orientation.x()), kTurned, 0.03);
+  EXPECT_NEAR(proposal.regions[3].orientation.x(), 0, 0.02);
+}
+
 TEST(Soles, AFootThatIsHeldOutMirrorsTheOther) {
   Dataset data = Steps();
   data.trials.at("train_2").role = Role::kValidate;
