@@ -15,7 +15,8 @@ import run_file
 RUN_PARTS = (("prediction", "run_prediction"), ("fit", "run_fit"), ("unused", "run_unused"),
              ("unmeasured", "run_unmeasured"), ("parameters", "run_parameters"), ("correlation", "run_correlation"),
              ("convergence", "run_convergence"), ("starts", "run_starts"), ("contact", "run_contact"))
-DIAGNOSIS_PARTS = (("traces", "diagnosis_residuals"), ("scores", "diagnosis_scores"), ("structure", "diagnosis_structure"),
+DIAGNOSIS_PARTS = (("traces", "diagnosis_residuals"), ("scores", "diagnosis_scores"), ("choice", "diagnosis_choice"),
+                   ("structure", "diagnosis_structure"),
                    ("unknown", "diagnosis_unknown"), ("gain", "diagnosis_gain"),
                    ("parameters", "diagnosis_parameters"))
 OVERVIEW = "index"
