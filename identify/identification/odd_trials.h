@@ -13,14 +13,15 @@
 namespace sinew {
 
 /// A channel of a training trial that the model, fitted to the other ones, predicts much worse than it fits
-/// any of these.
+/// any of these; or at another time, where the prediction of the others is in step.
 struct OddTrial {
   std::string trial;
   std::string channel;
   std::string unit;
   double rmse = 0;    ///< [unit] of this trial, left out of the fit but for its own nuisance parameters
-  double others = 0;  ///< [unit] the largest of the other trials
+  double others = 0;  ///< [unit] the largest of the other trials; if it is late, its own in step
   int among = 0;      ///< trials that have the channel, this one included
+  double late = 0;    ///< [s] by which the measurement is late; 0: that is not what is odd
 };
 
 /// At most a third of the training trials, the oddest first; of each the channel that is odd most. Nothing

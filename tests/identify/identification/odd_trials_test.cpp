@@ -18,7 +18,7 @@ constexpr double kRate = 2;
 using Factors = std::map<std::string, double>;
 
 // y = rate sin(t / 5 + phase of the trial) on trials a, b, c, ...; those with a factor were recorded with it.
-toy::ToyProblem Trials(int count, const Factors& factors = {}) {
+toy::ToyProblem Trials(int count, const Factors& factors = {}, const Factors& late = {}) {
   Layout layout;
   for (int k = 0; k < count; ++k)
     layout.push_back(toy::MakeBlock(std::string(1, static_cast<char>('a' + k)), "y", kSamples, kSamples));
@@ -30,9 +30,12 @@ toy::ToyProblem Trials(int count, const Factors& factors = {}) {
         return p[0] * shape(block, t);
       });
   problem.Measure(toy::Values({kRate}), [&](const Block& block, int i) {
-    const auto factor = factors.find(block.trial);
-    const double more = factor == factors.end() ? 0 : factor->second - 1;
-    return more * kRate * shape(block, block.prediction_time[static_cast<std::size_t>(i)]) +
+    const auto of = [&](const Factors& map, double otherwise) {
+      const auto found = map.find(block.trial);
+      return found == map.end() ? otherwise : found->second;
+    };
+    const double t = block.prediction_time[static_cast<std::size_t>(i)];
+    return kRate * (of(factors, 1) * shape(block, t - of(late, 0)) - shape(block, t)) +
            0.05 * std::sin(1.7 * i * i + block.trial[0]);
   });
   return problem;
@@ -44,8 +47,8 @@ std::vector<OddTrial> Found(const toy::ToyProblem& problem) {
   std::vector<OddTrial> found;
   for (const Warning& w : fitted->warnings) {
     if (w.kind == WarningKind::kOddTrial)
-      found.push_back(
-          {w.names[1], w.names[0], w.names[2], w.numbers[0], w.numbers[1], static_cast<int>(w.numbers[2])});
+      found.push_back({w.names[1], w.names[0], w.names[2], w.numbers[0], w.numbers[1],
+                       static_cast<int>(w.numbers[2]), w.numbers[3]});
   }
   return found;
 }
@@ -72,6 +75,16 @@ TEST(OddTrialsTest, TwoTrialsCannotTellWhichOneIsWrong) {
 
 TEST(OddTrialsTest, AFaultThatHarmsNothingIsNotRemarked) {
   EXPECT_TRUE(Found(Trials(4, {{"c", 1.01}})).empty());
+}
+
+// Half a second of a motion of 31 s: the error is small, and shorter trials would hide it.
+TEST(OddTrialsTest, ATrialThatIsOutOfStepIsFoundWithItsDelay) {
+  for (const double late : {4.0, -3.2}) {
+    const auto found = Found(Trials(5, {}, {{"d", late}}));
+    ASSERT_EQ(found.size(), 1U) << late;
+    EXPECT_EQ(found[0].trial, "d");
+    EXPECT_GT(found[0].rmse, 4 * found[0].others);
+  }
 }
 
 TEST(OddTrialsTest, TwoOfSixAreFoundTheWorseOneFirst) {
