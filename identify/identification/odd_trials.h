@@ -24,9 +24,9 @@ struct OddTrial {
   double late = 0;    ///< [s] by which the measurement is late; 0: that is not what is odd
 };
 
-/// At most a third of the training trials, the oddest first; of each the channel that is odd most. Nothing
-/// with fewer than three of them. Trials whose errors are like those of the others cost nothing; each that is
-/// not costs a refit, which starts at `parameters`.
+/// At most a third of the training trials and four, the oddest first; of each the channel that is odd most.
+/// Nothing with fewer than three of them. Trials whose errors are like those of the others cost nothing; each
+/// that is not costs a refit, which starts at `parameters`.
 /// @param parameters [P] of the fit @param interrupt null: none; set: what was found so far
 [[nodiscard]] std::vector<OddTrial> FindOddTrials(const Problem& problem, const FitSetup& setup,
                                                   const Vector& parameters,
