@@ -36,6 +36,8 @@ const char* ToString(WarningKind kind) {
       return "no_validation_trial";
     case WarningKind::kFreeTermExplainsMore:
       return "free_term_explains_more";
+    case WarningKind::kOddTrial:
+      return "odd_trial";
     case WarningKind::kErrorConcentration:
       return "error_concentration";
     case WarningKind::kErrorDrift:

@@ -21,6 +21,9 @@ enum class WarningKind {
   kDependentResiduals,  ///< numbers {largest widening of an interval, lag-one correlation of each channel};
                         ///< names are the channels
   kActiveConstraint,    ///< names {constraint}
+  kOddTrial,  ///< the model fitted to the other trials contradicts this one: names {channel, trial, unit};
+              ///< numbers {RMS error left out, largest of the others (if late: in step), number of
+              ///< trials, time by which it is late [s] or 0}
   kHeldFromSteps,       ///< intervals as if `names`, which earlier steps found, were known exactly
   // Of a diagnosis.
   kNoiseAbsorbsMisfit,  ///< residuals count as independent, since a noise model would replace the model

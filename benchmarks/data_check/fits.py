@@ -72,7 +72,7 @@ class Pair:
                         yield (trial, grid, channel), window
 
     def fit(self, sinew, prepared, clean=None):
-        """{parameter: (value, half-width of the 95 % interval or None)}
+        """{parameter: (value, half-width of the 95 % interval or None)}, and the trials that the fit of the others contradicts.
 
         From several starts where they are needed; given the answer `clean` of the untouched data, from there, so that a change is the
         fault's and not the search's."""
@@ -84,11 +84,13 @@ class Pair:
                    "--json", "-", *words)
         out.unlink(missing_ok=True)
         answer = {}
-        for p in json.loads(text)["parameters"]:
+        result = json.loads(text)
+        odd = [w["names"][1] for w in result["warning_facts"] if w["kind"] == "odd_trial"]
+        for p in result["parameters"]:
             ends = p.get("ci95")
             half = 0.5 * (ends[1] - ends[0]) if ends and None not in ends else None
             answer[p["name"]] = (p["value"], half if half and p["verdict"] in ("identifiable", "weak") else None)
-        return answer
+        return answer, odd
 
 
 def largest_move(clean, spoilt):

@@ -5,7 +5,8 @@ Every copy has one fault of a random kind, place and size, in a channel that a p
 checked (`data check F.h5`), made ready for the fit and checked again (`data check F.h5 PROBLEM`), and fitted. A copy is judged if a
 parameter moves by more than the half-width of its 95 % interval of the untouched data, or if the program refuses the data or has no
 answer within LIMIT s. A fault is found if a remark that the untouched data do not have names its channel (or the one that it was compared with, or its grid, of a
-clock), its trial and, of a part of a trial, its time.
+clock), its trial and, of a part of a trial, its time; or if `identify` remarks that the fit of the other trials contradicts this one
+(`odd_trial`), which names the trial alone and is counted apart.
 
     run.py --sinew build/release/sinew --work data_check_work [--judged 200] [--seed 1] [--jobs 2]
     run.py ... --untouched        # only the remarks on the data as they are
@@ -82,7 +83,7 @@ class Study:
         if not self.ready.exists():
             pair.prepare(options.sinew, self.recordings, self.ready)
         began = time.time()
-        self.clean = pair.fit(options.sinew, self.ready)
+        self.clean, self.odd = pair.fit(options.sinew, self.ready)
         self.seconds = time.time() - began
         self.remarks, self.check_seconds = check(options.sinew, self.recordings)
         self.ready_remarks, _ = check(options.sinew, self.ready, pair.problem, *config_of(pair))
@@ -109,7 +110,7 @@ class Study:
 
     def judge(self, fault, copy, ready):
         row = {"kind": fault.kind, "set": self.pair.name, "trial": fault.trial, "channel": fault.channel, "span": fault.span,
-               "size": fault.size, "move": None, "whose": "", "found": False, "found_ready": False}
+               "size": fault.size, "move": None, "whose": "", "found": False, "found_ready": False, "found_fit": False}
         pair, sinew = self.pair, self.options.sinew
         known = {key(f) for f in self.remarks}
         remarks = [f for f in check(sinew, copy)[0] if key(f) not in known]
@@ -122,7 +123,12 @@ class Study:
             remarks = [f for f in check(sinew, ready, pair.problem, *config_of(pair))[0] if key(f) not in known]
             row["found_ready"] = fault.found(remarks, pair.cut.get(fault.trial, ()), pair.renamed)
             row["said_ready"] = [f["sentence"] for f in remarks]
-            row["move"], row["whose"] = before or fits.largest_move(self.clean, pair.fit(sinew, ready, self.clean))
+            if before:
+                row["move"], row["whose"], row["found_fit"] = before
+            else:
+                answer, odd = pair.fit(sinew, ready, self.clean)
+                row["move"], row["whose"] = fits.largest_move(self.clean, answer)
+                row["found_fit"] = any(t in {fault.trial, *pair.cut.get(fault.trial, ())} for t in odd if t not in self.odd)
         except fits.CannotUse as error:
             row["refused"] = str(error)[-300:]
         return row
@@ -142,7 +148,7 @@ def is_judged(row):
 
 
 def is_found(row):
-    return row["found"] or row["found_ready"]
+    return row["found"] or row["found_ready"] or row["found_fit"]
 
 
 def table(rows, title, by, columns):
@@ -162,6 +168,8 @@ def report(rows, options):
     judged = [row for row in rows if is_judged(row)][:options.judged]
     rest = [row for row in rows if not is_judged(row)]
     print(f"\n{len(rows)} copies drawn; {len(judged)} judged, of which the program refused {sum(r['move'] is None for r in judged)}")
+    by_fit = sum(r["found_fit"] and not (r["found"] or r["found_ready"]) for r in judged)
+    print(f"found by the fit of the other trials alone: {by_fit}")
     judged.sort(key=lambda r: faults.KINDS.index(r["kind"]))
     table(judged, "moves a parameter", "kind", "set")
     table(sorted(judged, key=lambda r: r["set"]), "moves a parameter", "set", "kind")
@@ -198,7 +206,7 @@ def main():
     parser.add_argument("--moves", type=Path, help="--rows of an earlier run with this seed: its fits are not repeated, only the checks")
     options = parser.parse_args()
     earlier = json.loads(options.moves.read_text()) if options.moves else []
-    options.moves = {which(row): (row["move"], row["whose"]) for row in earlier if row["move"] is not None}
+    options.moves = {which(row): (row["move"], row["whose"], row["found_fit"]) for row in earlier if row["move"] is not None}
     options.work.mkdir(parents=True, exist_ok=True)
     if options.untouched:
         return untouched(options)
@@ -209,7 +217,7 @@ def main():
             study = Study(options, make(options.data))
             STUDIES[make.__name__] = study
             print(f"| {make.__name__} {study.pair.problem} | {study.seconds:.1f} | {study.check_seconds:.2f} | {len(study.remarks)}, "
-                  f"{len(study.ready_remarks)} | {', '.join(n for n, (_, h) in study.clean.items() if h)} |", flush=True)
+                  f"{len(study.ready_remarks)}, {len(study.odd)} | {', '.join(n for n, (_, h) in study.clean.items() if h)} |", flush=True)
     kinds = options.kinds.split(",") if options.kinds else list(EVERYWHERE if options.everywhere else faults.KINDS)
     folder = options.work / f"copies_{options.seed}"
     folder.mkdir(exist_ok=True)

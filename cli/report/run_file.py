@@ -26,6 +26,7 @@ FITTED_TABLES = {  # only with a base fit
     "base_fit": ("role", "channel", "unit", "rmse", "r2", "n"), "extended_fit": ("role", "channel", "unit", "rmse", "r2", "n"),
     "noise": ("channel", "unit", "basis", "sigma", "rmse"), "tests": ("channel", "test", "statistic", "p_value"),
     "gain": ("channel", "unit", "before", "after", "reduction", "ci95_lower", "ci95_upper", "gap_closed")}
+CHOICE_TABLES = {"ladder": ("effects", "error"), "chosen_shares": ("effect", "share")}  # files of earlier versions have none
 CURVES = {"structure": (("knots", "curve"), ("channel", "signal", "signal_unit", "explained_fraction", "shape")),
           "unknown_terms": (("knots", "curve", "deviation"),
                             ("port", "signal", "signal_unit", "unit", "shape", "nearest_law", "p_value",
@@ -206,6 +207,9 @@ def _check_diagnosis(path, file):
         _columns(path, file, "/parameters", (*PARAMETER_COLUMNS, "before"))
     _one_of(path, "/diagnosis/scores/finding", _texts(node["scores/finding"]), FINDINGS)
     has = {name for name in ("scores", "gain") if lengths.get(name)} | ({"parameters"} if fitted else set())
+    for name, columns in CHOICE_TABLES.items():
+        if name in node and _columns(path, file, f"/diagnosis/{name}", columns) > 1 and name == "ladder":
+            has.add("choice")
     for group, (arrays, attributes) in CURVES.items():
         for number, curve in node.get(group, {}).items():
             _columns(path, file, f"/diagnosis/{group}/{number}", arrays)

@@ -10,6 +10,7 @@
 #include "datasets/check/clipping.h"
 #include "datasets/check/cycle_timing.h"
 #include "datasets/check/cycles.h"
+#include "datasets/check/displaced_stretches.h"
 #include "datasets/check/drift.h"
 #include "datasets/check/excursions.h"
 #include "datasets/check/foot_timing.h"
@@ -74,7 +75,7 @@ CheckReport CheckData(const Dataset& dataset) {
   for (ChannelGroup& group : groups) {
     report.channels += static_cast<int>(group.signals.size());
     // What one of them found is left out for the next one.
-    for (const auto& detector : {FindExcursions, FindStuck, FindClipping}) {
+    for (const auto& detector : {FindExcursions, FindStuck, FindClipping, FindDisplacedStretches}) {
       std::vector<Finding> found = detector(group);
       for (Signal& signal : group.signals) LeaveOut(found, signal);
       Append(std::move(found), report.findings);

@@ -138,6 +138,12 @@ void WriteFindings(const Diagnosis& diagnosis, Hdf5Node& node) {
       .Add("contains_cause", [](const Alternative& a) { return a.contains_cause; })
       .Add("separating_size", [](const Alternative& a) { return a.separating_size; });
   WriteDiagnosed(ParametersOf(diagnosis.alternatives), node.At("alternative_parameters"));
+  Columns(diagnosis.ladder, node.At("ladder"))
+      .Add("effects", [](const LadderStep& step) { return Join(step.effects, ","); })
+      .Add("error", [](const LadderStep& step) { return step.error; });
+  Columns(diagnosis.chosen_shares, node.At("chosen_shares"))
+      .Add("effect", [](const ChosenShare& one) { return one.effect; })
+      .Add("share", [](const ChosenShare& one) { return one.share; });
   Columns(diagnosis.withdrawn, node.At("withdrawn"))
       .Add("effect", [](const WithdrawnCause& w) { return w.effect; })
       .Add("reason", [](const WithdrawnCause& w) { return text::ReasonText(w); })

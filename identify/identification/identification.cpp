@@ -4,6 +4,7 @@
 
 #include "identify/check_problem.h"
 #include "identify/error_concentration.h"
+#include "identify/identification/odd_trials.h"
 #include "identify/solvers/held_out_nuisance.h"
 #include "identify/solvers/improved_start.h"
 
@@ -81,6 +82,10 @@ Result<Identification> Identify(const Problem& problem, FitSetup setup, Identifi
   for (const Warning& note : out.uncertainty.notes) out.warnings.push_back(note);
   for (const Concentration& found : FindConcentrations(problem.layout(), out.prediction.values))
     out.warnings.push_back(ToWarning(found));
+  if (out.result.stop.converged()) {
+    for (const OddTrial& odd : FindOddTrials(problem, out.setup, out.parameters, interrupt))
+      out.warnings.push_back(ToWarning(odd));
+  }
   for (Warning& warning : problem.WarningsAt(out.parameters)) out.warnings.push_back(std::move(warning));
   out.pooled_fit = out.prediction.pooled;
   out.derived = DeriveResults(problem, out.setup, out.parameters, out.uncertainty);

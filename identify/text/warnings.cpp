@@ -1,6 +1,7 @@
 #include "identify/text/warnings.h"
 
 #include <algorithm>
+#include <cmath>
 
 #include "base/numbers.h"
 #include "base/text.h"
@@ -145,6 +146,23 @@ std::string Text(const Warning& w, const std::vector<LeftOutData>& left_out) {
           "a free curve or change, {}, explains the error better than the named causes (delta LR less the "
           "price of its parameters {} against {}): they resemble the cause, which may not be in the library",
           w.names[0], Readable(w.numbers[0], 3), Readable(w.numbers[1], 3));
+    case WarningKind::kOddTrial:
+      if (w.numbers[3] != 0)
+        return fmt::format(
+            "trial '{}' is out of step with the model that is fitted to the other {:.0f}: its {} is {} by {} "
+            "s "
+            "(error {} RMS, {} in step), or an input is {}. Check the times of its channels",
+            w.names[1], w.numbers[2] - 1, w.names[0], w.numbers[3] > 0 ? "late" : "early",
+            Readable(std::abs(w.numbers[3]), 2), WithUnit(w.numbers[0], w.names[2], 2),
+            WithUnit(w.numbers[1], w.names[2], 2), w.numbers[3] > 0 ? "early" : "late");
+      return fmt::format(
+          "trial '{}' contradicts the other {:.0f}: the model that is fitted to those predicts its {} with "
+          "an "
+          "error of {} RMS, theirs are {} at most. Check its channels (sign, unit, time, inputs too), or "
+          "what "
+          "was different in it; fitted without it, the parameters would be others",
+          w.names[1], w.numbers[2] - 1, w.names[0], WithUnit(w.numbers[0], w.names[2], 2),
+          WithUnit(w.numbers[1], w.names[2], 2));
     case WarningKind::kErrorConcentration:
       return Concentrated(w) + ": check the measurement there; a gap is better than a wrong value";
     case WarningKind::kErrorDrift:

@@ -2,47 +2,103 @@
 
 #include <algorithm>
 
-namespace sinew {
+namespace sinew::elastic_tendon {
 namespace {
 
 constexpr int kMaxIterations = 100;
 constexpr double kTolerance = 1e-14;  // of the optimal length
-constexpr double kSlack = 0.5;        // optimal lengths by which the tendon hangs, at first
+// Newton's method alone: after so small a step the next one would be far below rounding, and after so few
+// iterations with steps no longer than these it has found the equilibrium that belongs to the guess.
+constexpr int kQuickIterations = 6;
+constexpr double kQuickTolerance = 1e-9;  // of the optimal length
+constexpr double kQuickStep = 0.1;        // of the optimal length
+constexpr double kSlack = 0.5;            // optimal lengths by which the tendon hangs, at first
 constexpr double kMaxSlack = 64;
 
 }  // namespace
 
-// The imbalance is negative for a short fibre, whose tendon is taut, and positive for a long one.
-Result<double> EquilibriumLength(const MuscleCurves& curves, const HillMuscle<double>& muscle,
-                                 double unit_length, double activation, const FibreVelocity<double>& velocity,
-                                 double guess) {
-  const auto dual = elastic_tendon::Plain<Dual<1>>(muscle);
-  const auto at = [&](double length) {
-    const Dual<1> moving = Dual<1>::Variable(length, 0);
-    return elastic_tendon::Imbalance(curves, dual, unit_length, moving,
-                                     velocity.rate * moving + velocity.past, Dual<1>(activation));
-  };
-  const double optimal = muscle.optimal_length;
-  double low = kShortestFibre * optimal;
-  const double rigid = RigidFibreLength(muscle, unit_length);
-  double high = std::max(rigid, low) + kSlack * optimal;
-  Dual<1> imbalance = at(high);
-  for (double slack = 2 * kSlack; !(imbalance.value >= 0) && slack <= kMaxSlack; slack *= 2) {
-    low = high;
-    high = std::max(rigid, low) + slack * optimal;
-    imbalance = at(high);
+PlainSearch::PlainSearch(const MuscleCurves& curves, const HillMuscle<double>& muscle)
+    : curves_(curves), muscle_(muscle) {
+  sine_ = std::sin(muscle.pennation);
+  thickness_ = muscle.optimal_length * sine_;
+  per_length_ = 1 / muscle.optimal_length;
+  per_speed_ = per_length_ / muscle.largest_velocity;
+  strength_ = muscle.isometric_force * muscle.strength;
+  hold_ = kHold * strength_ * per_length_;
+}
+
+double PlainSearch::At(double length) {
+  const double sine = thickness_ / length;
+  double cosine = std::sqrt(1 - kLargestSine * kLargestSine);
+  double bend = 0;  // slope of the cosine
+  if (sine < kLargestSine) {
+    cosine = std::sqrt(1 - sine * sine);
+    bend = sine * sine / (length * cosine);
   }
-  if (!(imbalance.value >= 0) || (low == kShortestFibre * optimal && !(at(low).value <= 0))) {
+  const double stretch = length * per_length_;
+  const double speed = (velocity_.rate * length + velocity_.past) * per_speed_;
+  const auto active = curves_.active_force_length.At(stretch * per_optimal_);
+  const auto moving = curves_.force_velocity.At(speed);
+  const auto passive = curves_.passive_force_length.At(stretch);
+  const double gain = activation_ * muscle_.active_gain;
+  const double by_speed = velocity_.rate * per_speed_;
+  const double fibre =
+      strength_ * (active.value * moving.value * gain + passive.value + muscle_.damping * speed);
+  const double fibre_slope =
+      strength_ *
+      ((active.slope * per_length_ * per_optimal_ * moving.value + active.value * moving.slope * by_speed) *
+           gain +
+       passive.slope * per_length_ + muscle_.damping * by_speed);
+  const double per_strain = 1 / (muscle_.tendon_slack_length * muscle_.compliance);
+  const auto tendon = curves_.tendon_force_strain.At(
+      (unit_length_ - length * cosine - muscle_.tendon_slack_length) * per_strain);
+  slope_ = fibre_slope * cosine + fibre * bend + hold_ +
+           strength_ * tendon.slope * (cosine + length * bend) * per_strain;
+  return fibre * cosine + hold_ * (length - rigid_) - strength_ * tendon.value;
+}
+
+Result<double> PlainSearch::Length(double unit_length, double activation,
+                                   const FibreVelocity<double>& velocity, double guess) {
+  unit_length_ = unit_length;
+  activation_ = activation;
+  velocity_ = velocity;
+  per_optimal_ = 1 / (1 + muscle_.length_change * (1 - activation));
+  rigid_ = RigidFibreLength(muscle_, sine_, unit_length);
+  const double optimal = muscle_.optimal_length;
+  const double low = kShortestFibre * optimal;
+  const double high = std::max(rigid_, low) + kSlack * optimal;
+  double length = guess;
+  for (int i = 0; guess > 0 && i < kQuickIterations && length > low && length < high; ++i) {
+    const double step = At(length) / slope_;
+    if (!(slope_ > 0) || !(std::abs(step) <= kQuickStep * optimal)) break;
+    length -= step;
+    if (std::abs(step) <= kQuickTolerance * optimal && length > low && length < high) return length;
+  }
+  return Safeguarded(guess);
+}
+
+// The imbalance is negative for a short fibre, whose tendon is taut, and positive for a long one.
+Result<double> PlainSearch::Safeguarded(double guess) {
+  const double optimal = muscle_.optimal_length;
+  double low = kShortestFibre * optimal;
+  double high = std::max(rigid_, low) + kSlack * optimal;
+  double imbalance = At(high);
+  for (double slack = 2 * kSlack; !(imbalance >= 0) && slack <= kMaxSlack; slack *= 2) {
+    low = high;
+    high = std::max(rigid_, low) + slack * optimal;
+    imbalance = At(high);
+  }
+  if (!(imbalance >= 0) || (low == kShortestFibre * optimal && !(At(low) <= 0))) {
     return Fail(
         "fibre and tendon find no equilibrium: unit of {:.4g} m, optimal fibre length {:.4g} m, tendon slack "
         "length {:.4g} m, activation {:.3g}",
-        unit_length, optimal, muscle.tendon_slack_length, activation);
+        unit_length_, optimal, muscle_.tendon_slack_length, activation_);
   }
-  double length = guess > low && guess < high ? guess : std::clamp(rigid, low, high);
+  double length = guess > low && guess < high ? guess : std::clamp(rigid_, low, high);
   for (int i = 0; i < kMaxIterations; ++i) {
-    imbalance = at(length);
-    (imbalance.value < 0 ? low : high) = length;
-    double next = length - imbalance.value / imbalance.d[0];
+    imbalance = At(length);
+    (imbalance < 0 ? low : high) = length;
+    double next = length - imbalance / slope_;
     if (!(next > low && next < high)) next = 0.5 * (low + high);
     const double step = std::abs(next - length);
     length = next;
@@ -51,4 +107,4 @@ Result<double> EquilibriumLength(const MuscleCurves& curves, const HillMuscle<do
   return length;
 }
 
-}  // namespace sinew
+}  // namespace sinew::elastic_tendon

@@ -26,74 +26,131 @@ struct FibreVelocity {
   T past{0.0};      ///< [m/s]
 };
 
-/// Safeguarded Newton search in double precision. @param guess [m]; 0: none
-/// Errors: no equilibrium between a fibre of zero length and a slack tendon.
-Result<double> EquilibriumLength(const MuscleCurves& curves, const HillMuscle<double>& muscle,
-                                 double unit_length, double activation, const FibreVelocity<double>& velocity,
-                                 double guess);
-
 namespace elastic_tendon {
 
 /// If both fibre and tendon forces are zero, the length is undetermined: a spring of this stiffness [F0 per
 /// l0] holds the fibre where a rigid tendon would.
 constexpr double kHold = 1e-6;
 
-/// Force of the fibre less that of the tendon [N].
+/// Force of the fibre less that of the tendon [N]. @param sine of the pennation angle
 template <class T, class U>
-T Imbalance(const MuscleCurves& curves, const HillMuscle<T>& muscle, const U& unit_length, const T& length,
-            const T& velocity, const T& activation) {
-  const T cosine = PennationCosine(muscle, Sin(muscle.pennation), length);
+T Imbalance(const MuscleCurves& curves, const HillMuscle<T>& muscle, const T& sine, const U& unit_length,
+            const T& length, const T& velocity, const T& activation) {
+  const T cosine = PennationCosine(muscle, sine, length);
   const T fibre = FibreForce(curves, muscle, length, velocity, activation) * cosine;
-  const T rigid = RigidFibreLength(muscle, unit_length);
+  const T rigid = RigidFibreLength(muscle, sine, unit_length);
   const T hold = kHold * muscle.isometric_force * muscle.strength * (length - rigid) / muscle.optimal_length;
   return fibre + hold - TendonForce(curves, muscle, unit_length, length, cosine);
 }
 
-/// The same muscle in another kind of number, without derivatives.
-template <class To, class T>
-HillMuscle<To> Plain(const HillMuscle<T>& m) {
+/// The same muscle without derivatives.
+template <class T>
+HillMuscle<double> Plain(const HillMuscle<T>& m) {
   return {Value(m.optimal_length), Value(m.tendon_slack_length), Value(m.isometric_force),
           Value(m.strength),       Value(m.pennation),           Value(m.length_change),
           Value(m.damping),        Value(m.largest_velocity),    Value(m.compliance),
           Value(m.active_gain)};
 }
 
+/// The equilibrium in double precision, with the slope of the imbalance for the fibre's length.
+class PlainSearch {
+ public:
+  PlainSearch(const MuscleCurves& curves, const HillMuscle<double>& muscle);
+
+  /// Newton's method; safeguarded unless it converges at once. @param guess [m]; 0: none
+  /// Errors: no equilibrium between a fibre of zero length and a slack tendon.
+  Result<double> Length(double unit_length, double activation, const FibreVelocity<double>& velocity,
+                        double guess);
+  /// [N/m] Of the imbalance of the sample that was searched last, the velocity moving along. To be taken at
+  /// the very length that was found: where fibre and tendon are nearly slack, the slope changes by a part of
+  /// itself within the last step of the search.
+  [[nodiscard]] double SlopeAt(double length) {
+    At(length);
+    return slope_;
+  }
+
+  /// Of the muscle; for changes of its active gain.
+  HillMuscle<double>& muscle() { return muscle_; }
+
+ private:
+  // Imbalance at a length; its slope into slope_.
+  double At(double length);
+  Result<double> Safeguarded(double guess);
+
+  const MuscleCurves& curves_;
+  HillMuscle<double> muscle_;
+  double sine_ = 0;
+  double thickness_ = 0;
+  double per_length_ = 0;
+  double per_speed_ = 0;
+  double strength_ = 0;
+  double hold_ = 0;
+  // Of the sample.
+  double unit_length_ = 0;
+  double activation_ = 0;
+  double per_optimal_ = 0;
+  double rigid_ = 0;
+  FibreVelocity<double> velocity_;
+  double slope_ = 0;
+};
+
 }  // namespace elastic_tendon
 
-/// With exact derivatives (implicit function theorem). Errors: as EquilibriumLength.
-template <class T, class U>
-Result<Fibre<T>> Equilibrium(const MuscleCurves& curves, const HillMuscle<T>& muscle, const U& unit_length,
-                             const T& activation, const FibreVelocity<T>& velocity, double guess) {
-  using namespace elastic_tendon;  // NOLINT(google-build-using-namespace): this function's own helpers
-  SINEW_ASSIGN(const double length,
-               EquilibriumLength(curves, Plain<double>(muscle), Value(unit_length), Value(activation),
-                                 {velocity.rate, Value(velocity.past)}, guess));
-  Fibre<T> fibre;
-  fibre.length = length;
-  if constexpr (!std::is_same_v<T, double>) {
-    // One Newton step in dual numbers: the value is at rest, the derivatives move.
-    const Dual<1> moving = Dual<1>::Variable(length, 0);
-    const Dual<1> slope =
-        Imbalance(curves, Plain<Dual<1>>(muscle), Value(unit_length), moving,
-                  velocity.rate * moving + Value(velocity.past), Dual<1>(Value(activation)));
-    const T still = Imbalance(curves, muscle, unit_length, T(length),
-                              velocity.rate * T(length) + velocity.past, activation);
-    fibre.length = length - Tangent(still) / slope.d[0];
+/// Fibre lengths of one muscle in equilibrium, sample by sample, with exact derivatives (implicit function
+/// theorem).
+template <class T>
+class EquilibriumSearch {
+ public:
+  EquilibriumSearch(const MuscleCurves& curves, const HillMuscle<T>& muscle)
+      : curves_(curves),
+        muscle_(muscle),
+        sine_(Sin(muscle.pennation)),
+        plain_(curves, elastic_tendon::Plain(muscle)) {}
+
+  /// @param guess [m] as in PlainSearch. Errors: as PlainSearch.
+  template <class U>
+  Result<T> Length(const U& unit_length, const T& activation, const FibreVelocity<T>& velocity,
+                   double guess) {
+    plain_.muscle().active_gain = Value(muscle_.active_gain);
+    SINEW_ASSIGN(const double length, plain_.Length(Value(unit_length), Value(activation),
+                                                    {velocity.rate, Value(velocity.past)}, guess));
+    if constexpr (std::is_same_v<T, double>) {
+      return length;
+    } else {
+      // One Newton step in dual numbers: the value is at rest, the derivatives move.
+      const T still = elastic_tendon::Imbalance(curves_, muscle_, sine_, unit_length, T(length),
+                                                velocity.rate * T(length) + velocity.past, activation);
+      return length - Tangent(still) / plain_.SlopeAt(length);
+    }
   }
-  fibre.velocity = velocity.rate * fibre.length + velocity.past;
-  const T cosine = PennationCosine(muscle, Sin(muscle.pennation), fibre.length);
-  fibre.tendon_force = TendonForce(curves, muscle, unit_length, fibre.length, cosine);
-  return fibre;
-}
+
+  /// Length, velocity and force. Errors: as Length.
+  template <class U>
+  Result<Fibre<T>> Next(const U& unit_length, const T& activation, const FibreVelocity<T>& velocity,
+                        double guess) {
+    Fibre<T> fibre;
+    SINEW_ASSIGN(fibre.length, Length(unit_length, activation, velocity, guess));
+    fibre.velocity = velocity.rate * fibre.length + velocity.past;
+    const T cosine = PennationCosine(muscle_, sine_, fibre.length);
+    fibre.tendon_force = TendonForce(curves_, muscle_, unit_length, fibre.length, cosine);
+    return fibre;
+  }
+
+ private:
+  const MuscleCurves& curves_;
+  const HillMuscle<T>& muscle_;
+  T sine_;
+  elastic_tendon::PlainSearch plain_;
+};
 
 /// The fibre's length as a state: backward differences of second order, from the static equilibrium on.
 /// Stable whatever the step, and without activation too as long as the fibre is damped.
 template <class T>
 class ElasticFibre {
  public:
-  ElasticFibre(const MuscleCurves& curves, const HillMuscle<T>& muscle) : curves_(curves), muscle_(muscle) {}
+  ElasticFibre(const MuscleCurves& curves, const HillMuscle<T>& muscle) : search_(curves, muscle) {}
 
-  /// @param time [s], increasing from call to call. Errors: as EquilibriumLength.
+  /// @param time [s], increasing from call to call. Errors: as EquilibriumSearch.
   template <class U>
   Result<Fibre<T>> Next(double time, const U& unit_length, const T& activation) {
     FibreVelocity<T> velocity;
@@ -106,8 +163,8 @@ class ElasticFibre {
       velocity.rate = (1 + 2 * ratio) / (1 + ratio) / h;
       velocity.past = (ratio * ratio / (1 + ratio) * length_before_ - (1 + ratio) * length_) / h;
     }
-    SINEW_ASSIGN(const auto fibre, Equilibrium(curves_, muscle_, unit_length, activation, velocity,
-                                               steps_ > 0 ? Value(length_) : 0));
+    SINEW_ASSIGN(const auto fibre,
+                 search_.Next(unit_length, activation, velocity, steps_ > 0 ? Value(length_) : 0));
     time_before_ = time_;
     length_before_ = length_;
     time_ = time;
@@ -117,8 +174,7 @@ class ElasticFibre {
   }
 
  private:
-  const MuscleCurves& curves_;
-  const HillMuscle<T>& muscle_;
+  EquilibriumSearch<T> search_;
   int steps_ = 0;
   double time_ = 0;
   double time_before_ = 0;

@@ -48,15 +48,20 @@ template <class T>
 }
 
 /// Fibre length [m] with a rigid tendon: l = sqrt((l0 sin(phi0))^2 + (lmt - lst)^2).
-/// @param unit_length [m] of muscle and tendon
+/// @param sine of phi0 @param unit_length [m] of muscle and tendon
 template <class T, class U>
-[[nodiscard]] T RigidFibreLength(const HillMuscle<T>& muscle, const U& unit_length) {
-  const T thickness = muscle.optimal_length * Sin(muscle.pennation);
+[[nodiscard]] T RigidFibreLength(const HillMuscle<T>& muscle, const T& sine, const U& unit_length) {
+  const T thickness = muscle.optimal_length * sine;
   const T along = unit_length - muscle.tendon_slack_length;
   const T square = thickness * thickness + along * along;
   const T shortest = kShortestFibre * muscle.optimal_length;
   if (!(Value(square) > Value(shortest) * Value(shortest))) return shortest;
   return Sqrt(square);
+}
+
+template <class T, class U>
+[[nodiscard]] T RigidFibreLength(const HillMuscle<T>& muscle, const U& unit_length) {
+  return RigidFibreLength(muscle, T(Sin(muscle.pennation)), unit_length);
 }
 
 /// Force of the fibre [N], along itself.

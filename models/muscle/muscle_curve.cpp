@@ -152,15 +152,4 @@ Result<MuscleCurve> MuscleCurve::Smooth(const std::vector<double>& x, const std:
   return MuscleCurve(std::move(pieces));
 }
 
-MuscleCurve::Point MuscleCurve::At(double x) const {
-  const auto after = std::upper_bound(pieces_.begin() + 1, pieces_.end(), x,
-                                      [](double at, const Piece& piece) { return at < piece.begin; });
-  // The first two begin at the same place: the first is for what lies below.
-  const Piece& piece = *(after - 1);
-  const double s = x - piece.begin;
-  const auto& c = piece.coefficients;
-  return {c[0] + s * (c[1] + s * (c[2] + s * (c[3] + s * c[4]))),
-          c[1] + s * (2 * c[2] + s * (3 * c[3] + s * 4 * c[4])), 2 * c[2] + s * (6 * c[3] + s * 12 * c[4])};
-}
-
 }  // namespace sinew

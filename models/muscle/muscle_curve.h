@@ -2,6 +2,9 @@
 #pragma once
 
 #include <array>
+#include <cstddef>
+#include <limits>
+#include <utility>
 #include <vector>
 
 #include "base/dual.h"
@@ -32,7 +35,19 @@ class MuscleCurve {
   static Result<MuscleCurve> Smooth(const std::vector<double>& x, const std::vector<double>& y,
                                     double window = 0);
 
-  [[nodiscard]] Point At(double x) const;
+  [[nodiscard]] Point At(double x) const {
+    // The last piece that begins at or before x, by bisection without branches that depend on x.
+    std::size_t at = 0;
+    for (std::size_t count = begins_.size(); count > 1;) {
+      const std::size_t half = count / 2;
+      at += begins_[at + half] <= x ? half : 0;
+      count -= half;
+    }
+    const double s = x - pieces_[at].begin;
+    const auto& c = pieces_[at].coefficients;
+    return {c[0] + s * (c[1] + s * (c[2] + s * (c[3] + s * c[4]))),
+            c[1] + s * (2 * c[2] + s * (3 * c[3] + s * 4 * c[4])), 2 * c[2] + s * (6 * c[3] + s * 12 * c[4])};
+  }
 
   [[nodiscard]] double operator()(double x) const { return At(x).value; }
   template <int N>
@@ -46,9 +61,14 @@ class MuscleCurve {
     double begin = 0;
     std::array<double, 5> coefficients{};  // of powers of (x - begin), lowest first
   };
-  explicit MuscleCurve(std::vector<Piece> pieces) : pieces_(std::move(pieces)) {}
+  explicit MuscleCurve(std::vector<Piece> pieces) : pieces_(std::move(pieces)) {
+    for (const Piece& piece : pieces_) begins_.push_back(piece.begin);
+    // The first two begin at the same place: the first is for what lies below.
+    begins_.front() = -std::numeric_limits<double>::infinity();
+  }
 
   std::vector<Piece> pieces_;  // the first is used below its begin too: it is a straight line, as is the last
+  std::vector<double> begins_;
 };
 
 }  // namespace sinew

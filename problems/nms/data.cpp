@@ -5,6 +5,7 @@
 
 #include "base/spline.h"
 #include "base/text.h"
+#include "models/muscle/spline_end.h"
 #include "problems/nms/arm_slopes.h"
 
 namespace sinew {
@@ -138,8 +139,12 @@ class Preparation {
       return Fail("has {} samples of excitations and {} of lengths, expected 2 and 4",
                   excitations->time.size(), lengths->time.size());
     made.time = lengths->time;
+    std::shared_ptr<const std::vector<double>> end_weights;
+    if (settings_.model.tendon == TendonMode::kEquilibrium)
+      end_weights = std::make_shared<const std::vector<double>>(SplineEndWeights(lengths->time));
     for (const std::string& muscle : out_.muscles) {
       MuscleSignals signals;
+      signals.end_weights = end_weights;
       signals.excitation_time = excitations->time;
       SINEW_ASSIGN(signals.excitation, Excitation(*excitations, muscle));
       signals.time = lengths->time;

@@ -4,6 +4,7 @@
 # %% words
 WORDS = [("base model", "the model as it was fitted, every effect of the library switched off"),
          ("cause", "an effect of the library that, added and fitted, reduces the error beyond chance"),
+         ("resample", "the parts of the data that are left out of the fit in turn, drawn again with replacement"),
          ("could also be", "an effect that these data do not distinguish from a named cause; the page names an experiment that would"),
          ("noise floor", "the error that the noise alone would leave: as stated by the data, or estimated"),
          ("p", "the chance of an alarm as strong as this, by anything in the whole list, without any misfit"),

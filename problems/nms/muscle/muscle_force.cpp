@@ -5,14 +5,14 @@
 
 #include "models/muscle/elastic_tendon.h"
 #include "models/muscle/force_history.h"
+#include "models/muscle/spline_end.h"
 #include "models/muscle/spline_slopes.h"
 #include "problems/nms/muscle/tendon_compliance.h"
 
 namespace sinew {
 namespace {
 
-constexpr std::size_t kSplinePoints = 15;  // of CEINMS's spline that ends at the current frame
-constexpr double kSameTime = 1e-9;         // [s]
+constexpr double kSameTime = 1e-9;  // [s]
 
 // Whether a number is 0 and stays so whatever the parameters do.
 bool IsAbsent(double x) {
@@ -133,7 +133,7 @@ class MuscleForce {
 
   Status Rigid() {
     std::vector<T> lengths(frames());
-    for (std::size_t i = 0; i < frames(); ++i) lengths[i] = RigidFibreLength(muscle_, length_[i]);
+    for (std::size_t i = 0; i < frames(); ++i) lengths[i] = RigidFibreLength(muscle_, sine_, length_[i]);
     if (model_.as_ceinms) {
       PullAt(lengths, SplineSlopes(signals_.time, lengths));
     } else {
@@ -156,29 +156,28 @@ class MuscleForce {
   }
 
   // v = rate l + past of the spline through the lengths so far that ends here.
-  void PrepareEnd(std::size_t i, const std::vector<T>& lengths, FibreVelocity<T>& velocity) {
-    const std::size_t first = i + 1 > kSplinePoints ? i + 1 - kSplinePoints : 0;
-    std::vector<double> times(signals_.time.begin() + static_cast<std::ptrdiff_t>(first),
-                              signals_.time.begin() + static_cast<std::ptrdiff_t>(i) + 1);
-    std::vector<double> unit(times.size(), 0);
-    unit.back() = 1;
-    velocity.rate = SplineSlopes(times, unit).back();
-    std::vector<T> past(lengths.begin() + static_cast<std::ptrdiff_t>(first),
-                        lengths.begin() + static_cast<std::ptrdiff_t>(i));
-    past.push_back(T(0.0));
-    velocity.past = SplineSlopes(times, past).back();
+  static FibreVelocity<T> VelocityAtEnd(const double* weights, const std::vector<T>& lengths, std::size_t i) {
+    FibreVelocity<T> velocity;
+    velocity.rate = weights[kSplinePoints - 1];
+    const std::size_t before = std::min(i, kSplinePoints - 1);
+    for (std::size_t k = 1; k <= before; ++k)
+      velocity.past += weights[kSplinePoints - 1 - k] * lengths[i - k];
+    return velocity;
   }
 
   Status Equilibrate(const std::vector<T>& activation, std::vector<T>& lengths) {
+    const bool prepared = signals_.end_weights != nullptr;
+    const std::vector<double> own = prepared ? std::vector<double>() : SplineEndWeights(signals_.time);
+    const double* weights = prepared ? signals_.end_weights->data() : own.data();
     lengths.assign(frames(), T(0.0));
+    EquilibriumSearch<T> search(curves_, muscle_);
     double guess = 0;
     for (std::size_t i = 0; i < frames(); ++i) {
-      FibreVelocity<T> velocity;
-      PrepareEnd(i, lengths, velocity);
-      auto fibre = Equilibrium(curves_, muscle_, length_[i], activation[i], velocity, guess);
-      if (!fibre) return Fail("t = {:.4g} s: {}", signals_.time[i], fibre.error().message);
-      lengths[i] = fibre->length;
-      guess = Value(fibre->length);
+      const auto velocity = VelocityAtEnd(weights + i * kSplinePoints, lengths, i);
+      auto length = search.Length(length_[i], activation[i], velocity, guess);
+      if (!length) return Fail("t = {:.4g} s: {}", signals_.time[i], length.error().message);
+      lengths[i] = *length;
+      guess = Value(*length);
     }
     return {};
   }

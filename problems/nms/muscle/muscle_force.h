@@ -2,6 +2,7 @@
 #pragma once
 
 #include <array>
+#include <memory>
 #include <vector>
 
 #include "base/error.h"
@@ -64,6 +65,8 @@ struct MuscleSignals {
   std::vector<std::vector<double>> arms;  ///< [joints <= kMaxJoints] [N, m] = -d unit_length / d angle
   /// [joints] [N, m/rad] d arm / d angle of the same joint; 0 where it is not known
   std::vector<std::vector<double>> arm_slopes;
+  /// SplineEndWeights of `time`, for TendonMode::kEquilibrium; null: computed each time.
+  std::shared_ptr<const std::vector<double>> end_weights;
 };
 
 /// The moment arm at the joint's true angle, which is `offset` [rad] beyond the measured one [m].

@@ -19,6 +19,9 @@ SCORES = [("coulomb", "robot", "cause", 1, 312.0, 1e-40, 0.0005, 1, 1, 301.0, 29
 MANY = [(f"effect_{i:02}", "sensor", "ruled_out", 1, 2.0 / (i + 1), 0.5, 1.0, 1, 0, np.nan, np.nan, f"size_{i:02}", "N", 0.1)
         for i in range(40)]
 
+LADDER = (("", 1.0), ("coulomb", 0.41), ("coulomb,position.gain", 0.38), ("coulomb,stribeck,position.gain", 0.40))
+SHARES = (("coulomb", 0.97), ("position.gain", 0.31), ("stribeck", 0.03), ("position.time_offset", 0.004))
+
 
 def put_table(file, path, **columns):
     for name, values in columns.items():
@@ -40,8 +43,10 @@ def put_diagnosed(file, path, rows):
 
 
 def write_diagnosis(path, verdict="ambiguous", trials=("slow", "fast", "check"), validate=("check",), usable=1, found=True,
-                    channels=("position", "speed"), many=False, title="made-up joint & <nothing measured>"):
-    """A joint whose Coulomb friction was forgotten; found=False: nothing is wrong. usable=0: no base fit."""
+                    channels=("position", "speed"), many=False, ladder=LADDER,
+                    title="made-up joint & <nothing measured>"):
+    """A joint whose Coulomb friction was forgotten; found=False: nothing is wrong. usable=0: no base fit. ladder: of a
+    choice by cross-validation; (): there was none."""
     rng = np.random.default_rng(3)
     with h5py.File(path, "w") as file:
         run = file.create_group("run")
@@ -89,6 +94,10 @@ def write_diagnosis(path, verdict="ambiguous", trials=("slow", "fast", "check"),
         put_texts(file, "diagnosis/scores/why_not", ["the base parameters compensate it fully" if finding == "not_judged" else ""
                                                      for finding in columns[2]])
         _write_findings(file, bool(found and usable), channels)
+        for name, column, number, rows in (("ladder", "effects", "error", ladder),
+                                           ("chosen_shares", "effect", "share", ladder and SHARES)):
+            put_texts(file, f"diagnosis/{name}/{column}", [row[0] for row in rows])
+            file[f"diagnosis/{name}/{number}"] = np.array([row[1] for row in rows], float)
         if usable:
             _write_extended(file, rng, bool(found), trials, validate, channels)
 

@@ -23,9 +23,9 @@ class OneDiagnosis(WithFolder):
 
     def test_says_what_is_wrong_and_draws_every_part(self):
         text, page, headings = self.page_of()
-        self.assertEqual(headings, ["The error", "What could explain it", "Where the error is", "Not in the library",
-                                    "Gain on held-out trials", "Parameters", "Words on this page", "How this was made"])
-        self.assertEqual(page.count("<figure>"), 6)
+        self.assertEqual(headings, ["The error", "What could explain it", "How the causes were chosen", "Where the error is",
+                                    "Not in the library", "Gain on held-out trials", "Parameters", "Words on this page", "How this was made"])
+        self.assertEqual(page.count("<figure>"), 7)
         self.assertIn("<b>Ambiguous</b>", text)
         self.assertIn("drive: diagnosis of made-up joint &amp; &lt;nothing measured&gt;", page)
         self.assertIn("−87 %", text)
@@ -38,8 +38,28 @@ class OneDiagnosis(WithFolder):
         self.assertIn("Not judged: position.drift: the base parameters compensate it fully.", text)
         self.assertIn("0.0040 s", text)                      # smallest time offset that would have been noticed
 
+    def test_shows_how_causes_were_chosen_by_cross_validation(self):
+        text, _, _ = self.page_of()
+        self.assertIn("Chosen, of 1000 resamples: coulomb 97\u00a0%, position.gain 31\u00a0%, stribeck 3\u00a0%.", text)
+        rows = re.findall(r"<tr><td class=\"value\">(\d)</td><td>(.*?)</td><td class=\"value\">(.*?)</td></tr>", text)
+        self.assertEqual(rows, [("0", "–", "100 %"), ("1", "<b>coulomb</b>", "41 %"), ("2", "coulomb, position.gain", "38 %"),
+                                ("3", "coulomb, stribeck, position.gain", "40 %")])
+
+    def test_without_cross_validation_there_is_no_ladder(self):
+        for change in (dict(ladder=()), dict(ladder=(("", 1.0),))):  # chosen by likelihood; a search that found nothing
+            with self.subTest(change):
+                self.assertNotIn("How the causes were chosen", self.page_of(**change)[2])
+
+    def test_a_set_of_many_causes_that_is_not_on_the_ladder(self):
+        names = [f"effect_{i:02}" for i in range(6)]
+        text, page, headings = self.page_of(ladder=[(",".join(names[:i]), 0.9 ** i if i else 1.0) for i in range(7)])
+        self.assertIn("How the causes were chosen", headings)
+        self.assertNotIn("<b>effect_00", text)
+        self.assertIn("53 %", text)
+        self.assertIn("effect_05", page)
+
     def test_nothing_wrong(self):
-        text, _, headings = self.page_of(verdict="adequate", found=False)
+        text, _, headings = self.page_of(verdict="adequate", found=False, ladder=())
         self.assertEqual(headings, ["The error", "What could explain it", "Parameters", "Words on this page", "How this was made"])
         self.assertIn("<b>Adequate</b>", text)
         self.assertIn("p = 0.41", text)
@@ -47,7 +67,7 @@ class OneDiagnosis(WithFolder):
         self.assertIn("<details open>", text)  # how small an effect would have been noticed is the finding
 
     def test_without_a_base_fit_nothing_is_concluded(self):
-        text, _, headings = self.page_of(usable=0)
+        text, _, headings = self.page_of(usable=0, ladder=())
         self.assertEqual(headings, ["Words on this page", "How this was made"])
         self.assertIn("<b>No conclusion</b>", text)
         self.assertNotIn("Unexplained", text)
@@ -95,6 +115,7 @@ class BadDiagnosis(WithFolder):
                  "/diagnosis has no attribute 'threshold'"),
                 (lambda file: file.__delitem__("run"), "/run is missing"),
                 (lambda file: file.__delitem__("diagnosis/gain/after"), "/diagnosis/gain/after is missing"),
+                (lambda file: file.__delitem__("diagnosis/ladder/error"), "/diagnosis/ladder/error is missing"),
                 (lambda file: file.__delitem__("diagnosis/traces/slow/position/before"),
                  "/diagnosis/traces/slow/position/before is missing"),
                 (shorten, "/diagnosis/scores/statistic has 1 entries, /diagnosis/scores/effect has 7"),

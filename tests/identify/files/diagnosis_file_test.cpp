@@ -67,6 +67,8 @@ TEST_F(DiagnosisFileTest, PredictionsAreThoseOfTheExtendedModel) {
 }
 
 TEST_F(DiagnosisFileTest, EveryFindingIsInItsTable) {
+  diagnosis_.ladder = {{{}, 1}, {{"friction"}, 0.3}, {{"friction", "y.delay"}, 0.29}};
+  diagnosis_.chosen_shares = {{"friction", 0.98}, {"y.delay", 0.04}};
   const Hdf5Node tree = Reread();
   const Hdf5Node* diagnosis = tree.Find("diagnosis");
   ASSERT_NE(diagnosis, nullptr);
@@ -88,6 +90,10 @@ TEST_F(DiagnosisFileTest, EveryFindingIsInItsTable) {
   EXPECT_THAT(Texts(tree, "diagnosis/alternatives/separated_by"), ElementsAre("a trial at two speeds"));
   EXPECT_THAT(Numbers(tree, "diagnosis/alternative_parameters/value"), ElementsAre(0.01));
   EXPECT_THAT(Texts(tree, "diagnosis/withdrawn/effect"), ElementsAre("y.gain"));
+  EXPECT_THAT(Texts(tree, "diagnosis/ladder/effects"), ElementsAre("", "friction", "friction,y.delay"));
+  EXPECT_THAT(Numbers(tree, "diagnosis/ladder/error"), ElementsAre(1, 0.3, 0.29));
+  EXPECT_THAT(Texts(tree, "diagnosis/chosen_shares/effect"), ElementsAre("friction", "y.delay"));
+  EXPECT_THAT(Numbers(tree, "diagnosis/chosen_shares/share"), ElementsAre(0.98, 0.04));
   EXPECT_THAT(Numbers(tree, "diagnosis/gain/after"), ElementsAre(0.15));
   EXPECT_THAT(Numbers(tree, "diagnosis/extended_parameters/before"), ElementsAre(1.5, 0));
   EXPECT_THAT(Texts(tree, "diagnosis/noise/basis_kind"), ElementsAre("stated_by_data"));

@@ -154,6 +154,8 @@ Lines EveryWarning() {
                  {"moment", "walk", "moment", "run", "force", "walk"},
                  {0.423, 0.1, 3.21, 0.4, 0.1, 2, 0.3, 0.1, 1},
                  {}},
+                {WarningKind::kOddTrial, {"position", "swing", "rad"}, {0.52, 0.031, 6, 0}, {}},
+                {WarningKind::kOddTrial, {"position", "swing", "rad"}, {0.52, 0.031, 6, 0.12}, {}},
                 {WarningKind::kErrorDrift, {"position", "swing"}, {0.423, 0.1, 3.21}, {}},
                 {WarningKind::kOther, {}, {}, "a sole of the data is not fitted", "step 1 (a)"}};
   return Warnings(d);
