@@ -59,7 +59,9 @@ StudyOptions ToOptions(const CompareWords& words) {
 
 Result<int> RunCompare(const CompareWords& words) {
   const auto limit = words.fit.LimitThreads();
-  SINEW_TRY(CheckFiles({{words.binding.data, words.binding.config}, {words.out}, words.json}));
+  SINEW_ASSIGN(
+      const FileLocks locks,
+      ClaimFiles({{words.binding.data, words.binding.config}, {words.out}, words.json}, IfBusy::kRefuse));
   SINEW_ASSIGN(const Binding binding, BindToFit(words.binding, !words.fit.release.empty()));
   SINEW_ASSIGN(const FitRequest request, words.fit.Request());
   SINEW_ASSIGN(const FitSetup setup, MakeFitSetup(binding.problem(), request));

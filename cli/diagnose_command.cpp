@@ -88,7 +88,9 @@ void PrintDiagnosis(const DiagnoseWords& words, const Binding& binding, const Di
 Result<int> RunDiagnose(const DiagnoseWords& words) {
   const auto limit = words.fit.LimitThreads();
   const Program& program = *words.binding.program;
-  SINEW_TRY(CheckFiles({{words.binding.data, words.binding.config, words.from}, {words.out}, words.json}));
+  SINEW_ASSIGN(const FileLocks locks,
+               ClaimFiles({{words.binding.data, words.binding.config, words.from}, {words.out}, words.json},
+                          IfBusy::kRefuse));
   SINEW_ASSIGN(const Binding binding, BindToFit(words.binding, true));
   const Provenance provenance = binding.ToProvenance(words.binding);
   SINEW_ASSIGN(FitRequest request, words.fit.Request());

@@ -124,7 +124,9 @@ void PrintFindings(const IdentifyWords& words, const Binding& binding, const Ide
 
 Result<int> RunIdentify(const IdentifyWords& words) {
   const auto limit = words.fit.LimitThreads();
-  SINEW_TRY(CheckFiles({{words.binding.data, words.binding.config}, {words.out}, words.json}));
+  SINEW_ASSIGN(
+      const FileLocks locks,
+      ClaimFiles({{words.binding.data, words.binding.config}, {words.out}, words.json}, IfBusy::kRefuse));
   SINEW_ASSIGN(const Binding binding, BindToFit(words.binding, !words.fit.release.empty()));
   SINEW_ASSIGN(const FitRequest request, words.fit.Request());
   SINEW_ASSIGN(FitSetup setup, MakeFitSetup(binding.problem(), request));

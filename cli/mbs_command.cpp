@@ -158,7 +158,7 @@ nlohmann::ordered_json ToJson(const Outcome& o) {
 
 Result<int> RunMbs(const Program& program, const MbsWords& words) {
   SINEW_ASSIGN(const auto mechanisms, Chosen(words));
-  SINEW_TRY(CheckFiles({ReferenceFiles(words), {}, words.json}));
+  SINEW_ASSIGN(const FileLocks locks, ClaimFiles({ReferenceFiles(words), {}, words.json}));
   ProgressLine line("mbs", words.work.quiet);
   int done = 0;
   std::vector<Outcome> outcomes;

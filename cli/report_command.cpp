@@ -5,6 +5,7 @@
 #include <csignal>
 #include <filesystem>
 
+#include "base/held_file.h"
 #include "cli/command.h"
 #include "cli/run_command_line.h"
 #include "cli/work_options.h"
@@ -34,6 +35,7 @@ Result<std::string> FindScript(const std::string& named) {
 Result<int> RunReport(const std::string& folder, const std::vector<std::string>& files,
                       const std::string& out_dir, int threads) {
   SINEW_ASSIGN(const std::string script, FindScript(folder));
+  RemoveAbandonedFiles(out_dir);  // those of an earlier report that was killed
   std::vector<std::string> words{kPython, script};
   words.insert(words.end(), files.begin(), files.end());
   words.insert(words.end(), {"--out-dir", out_dir, "--threads", std::to_string(threads)});

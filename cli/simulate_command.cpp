@@ -121,6 +121,7 @@ Result<std::vector<std::string>> WritePrediction(const SimulateWords& words, con
     out.source = "sinew simulate " + words.binding.problem + " on " + words.binding.data;
     out.synthetic = true;
     out.trials = trials;
+    SINEW_ASSIGN(const FileLocks locks, ClaimFiles(words.Files()));
     SINEW_TRY(WriteDataset(words.out, out));
     return std::vector<std::string>{words.out};
   }
@@ -128,7 +129,7 @@ Result<std::vector<std::string>> WritePrediction(const SimulateWords& words, con
   CommandFiles files = words.Files();
   files.written.clear();
   for (const auto& [path, storage] : storages) files.written.push_back(path);
-  SINEW_TRY(CheckFiles(files));
+  SINEW_ASSIGN(const FileLocks locks, ClaimFiles(files));
   for (const auto& [path, storage] : storages) SINEW_TRY(WriteStorage(path, storage));
   return files.written;
 }

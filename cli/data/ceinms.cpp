@@ -27,7 +27,7 @@ struct ProjectWords {
 
 Result<int> ImportProject(const ProjectWords& words) {
   CommandFiles files{{words.setup, words.execution}, {words.out}, words.json};
-  SINEW_TRY(CheckFiles(files));
+  SINEW_ASSIGN(const FileLocks locks, ClaimFiles(files));
   const TextFilesRead read;
   SINEW_ASSIGN(const CeinmsProject project, ReadCeinmsProject(words.setup, words.validate, words.execution));
   files.read = read.paths();  // now with all that the setup names
@@ -49,7 +49,7 @@ struct SubjectWords {
 };
 
 Result<int> WriteSubject(const SubjectWords& words) {
-  SINEW_TRY(CheckFiles({{words.run}, {words.out}, ""}));
+  SINEW_ASSIGN(const FileLocks locks, ClaimFiles({{words.run}, {words.out}, ""}));
   SINEW_ASSIGN(const Hdf5Node root, ReadHdf5(words.run));
   const Hdf5Node* node = root.Find("details/subject");
   const std::string* text = node == nullptr ? nullptr : node->text();

@@ -75,8 +75,9 @@ Result<Result<Layout>> LayoutOf(const CheckWords& words, const Dataset& data) {
 Result<int> Check(const CheckWords& words) {
   if (!words.mask.empty() && words.mask != "auto") return Fail("--mask {}: expected auto", words.mask);
   if (words.mask.empty() && !words.out.empty()) return Fail("--out: nothing is written without --mask auto");
-  SINEW_TRY(words.mask.empty() ? CheckFiles({{words.path, words.config}, {}, words.json})
-                               : CheckInPlace(words.path, words.out, {words.config}, words.json));
+  SINEW_ASSIGN(const FileLocks locks, words.mask.empty()
+                                          ? ClaimFiles({{words.path, words.config}, {}, words.json})
+                                          : ClaimInPlace(words.path, words.out, {words.config}, words.json));
   SINEW_ASSIGN(Dataset data, ReadDataset(words.path));
   std::string cannot_bind;
   std::vector<std::string> compared;

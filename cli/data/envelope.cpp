@@ -82,7 +82,7 @@ Result<ExcitationSettings> ParseSettings(const EnvelopeWords& words) {
 
 Result<int> MakeEnvelope(const EnvelopeWords& words) {
   SINEW_ASSIGN(const ExcitationSettings settings, ParseSettings(words));
-  SINEW_TRY(CheckInPlace(words.path, words.out, {}, words.json));
+  SINEW_ASSIGN(const FileLocks locks, ClaimInPlace(words.path, words.out, {}, words.json));
   SINEW_ASSIGN(Dataset data, ReadDataset(words.path));
   const auto report = AddExcitations(data, settings);
   if (!report) return Fail("{}: {}", words.path, report.error().message);

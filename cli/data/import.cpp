@@ -61,7 +61,7 @@ Result<std::shared_ptr<const MultibodyModel>> FindModel(const ImportWords& words
 Result<int> Import(const ImportWords& words) {
   std::vector<std::string> read = words.files;
   read.insert(read.end(), {words.map, words.external_loads});
-  SINEW_TRY(CheckFiles({read, {words.out}, words.json}));
+  SINEW_ASSIGN(const FileLocks locks, ClaimFiles({read, {words.out}, words.json}));
   Dataset data;
   if (words.append && std::filesystem::exists(words.out)) {
     SINEW_ASSIGN(data, ReadDataset(words.out));

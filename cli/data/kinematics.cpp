@@ -87,7 +87,7 @@ nlohmann::ordered_json ToJson(const Dataset& data, const std::vector<KinematicsF
 
 Result<int> Kinematics(const KinematicsWords& words) {
   const auto limit = words.work.LimitThreads();
-  SINEW_TRY(CheckInPlace(words.path, "", {words.model, words.weights}, words.json));
+  SINEW_ASSIGN(const FileLocks locks, ClaimInPlace(words.path, "", {words.model, words.weights}, words.json));
   SINEW_ASSIGN(Dataset data, ReadDataset(words.path));
   if (!words.model.empty()) {
     SINEW_ASSIGN(data.files["model.osim"], ReadText(words.model));

@@ -26,7 +26,7 @@ struct MusclesWords {
 
 Result<int> Muscles(const MusclesWords& words) {
   const std::string out = words.out.empty() ? words.path : words.out;
-  SINEW_TRY(CheckInPlace(words.path, words.out, {words.model}, words.json));
+  SINEW_ASSIGN(const FileLocks locks, ClaimInPlace(words.path, words.out, {words.model}, words.json));
   SINEW_ASSIGN(Dataset data, ReadDataset(words.path));
   if (!words.model.empty()) {
     SINEW_ASSIGN(data.files["model.osim"], ReadText(words.model));

@@ -151,8 +151,8 @@ Result<std::vector<std::string>> Searched(const StancesWords& words, const Datas
 
 Result<int> Stances(const StancesWords& words) {
   if (words.list && (words.drop || !words.out.empty())) return Fail("--list: nothing is written with it");
-  SINEW_TRY(words.list ? CheckFiles({{words.path}, {}, words.json})
-                       : CheckInPlace(words.path, words.out, {}, words.json));
+  SINEW_ASSIGN(const FileLocks locks, words.list ? ClaimFiles({{words.path}, {}, words.json})
+                                                 : ClaimInPlace(words.path, words.out, {}, words.json));
   SINEW_ASSIGN(Dataset data, ReadDataset(words.path));
   SINEW_ASSIGN(const std::vector<std::string> names, Searched(words, data));
   std::vector<FoundStances> all;
