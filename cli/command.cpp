@@ -7,12 +7,18 @@
 
 #include "base/text.h"
 #include "cli/run_command_line.h"
+#include "cli/stop_signals.h"
 
 namespace sinew {
 
 int ReportNotUsable(const Program& program, const std::string& why) {
   std::fprintf(stderr, "%s: no usable answer: %s\n", program.name.c_str(), why.c_str());
   return kNotUsable;
+}
+
+int ReportStopped(const Program& program, const std::string& rest) {
+  std::fprintf(stderr, "%s: stopped by %s%s\n", program.name.c_str(), StopName().c_str(), rest.c_str());
+  return StopStatus();
 }
 
 CommandWord& CommandWord::Required() {

@@ -87,6 +87,10 @@ Result<FileLocks> ClaimFiles(const CommandFiles& files, IfBusy if_busy) {
   return locks;
 }
 
+void NoteBeginning(const std::string& out) {
+  std::fprintf(stderr, "note: --resume: %s is not there yet, this begins from the start\n", out.c_str());
+}
+
 Result<FileLocks> ClaimInPlace(const std::string& data, const std::string& out,
                                const std::vector<std::string>& read, const std::string& json) {
   const bool in_place = out.empty() || IsSameFile(data, out);

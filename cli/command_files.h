@@ -35,6 +35,9 @@ enum class IfBusy {
 /// error says so. Errors: those of CheckFiles and FileLock::Try; a file is being written (kRefuse).
 Result<FileLocks> ClaimFiles(const CommandFiles& files, IfBusy if_busy = IfBusy::kWait);
 
+/// --resume where nothing was saved yet: a note on standard error says that the work begins.
+void NoteBeginning(const std::string& out);
+
 /// ClaimFiles for a data set that is changed in place unless another one is named.
 /// @param out of --out; empty: in place. @param read what is read besides
 Result<FileLocks> ClaimInPlace(const std::string& data, const std::string& out,

@@ -7,6 +7,7 @@
 #include "cli/command.h"
 #include "cli/command_files.h"
 #include "cli/data/data_warnings.h"
+#include "cli/stop_signals.h"
 #include "cli/terminal.h"
 #include "identify/files/diagnosis_file.h"
 #include "identify/files/diagnosis_json.h"
@@ -111,10 +112,12 @@ Result<int> RunDiagnose(const DiagnoseWords& words) {
   options.interrupt = &InterruptFlag();
   ProgressLine line("diagnose", words.fit.quiet);
   options.progress = [&](const DiagnosisProgress& now) { line.Show(text::ProgressText(now)); };
+  const std::string begin_again = " before it had a result, and nothing was written: begin it again";
+  StoppableWork work([&] { return begin_again; });
   auto result = Diagnose(binding.problem(), std::move(setup), options);
+  const bool interrupted = work.Finish() != 0;
   line.Clear();
-  const bool interrupted = InterruptFlag().load();
-  if (!result && interrupted) return ReportNotUsable(program, "interrupted");
+  if (interrupted) return ReportStopped(program, begin_again);
   if (!result) return tl::unexpected(result.error());
   Diagnosis& diagnosis = *result;
   for (const std::string& note : notes) diagnosis.warnings.push_back({WarningKind::kOther, {}, {}, note});
@@ -126,7 +129,6 @@ Result<int> RunDiagnose(const DiagnoseWords& words) {
   if (words.json != "-") PrintDiagnosis(words, binding, diagnosis);
   if (!words.json.empty())
     SINEW_TRY(WriteText(words.json, files::DiagnosisJson(diagnosis, provenance, options)));
-  if (interrupted) return ReportNotUsable(program, "interrupted");
   if (!diagnosis.concluded()) return ReportNotUsable(program, text::WhyInconclusive(diagnosis));
   return kDone;
 }

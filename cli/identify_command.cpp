@@ -2,6 +2,7 @@
 #include <algorithm>
 #include <cmath>
 #include <cstdio>
+#include <filesystem>
 
 #include "base/numbers.h"
 #include "base/text.h"
@@ -9,6 +10,8 @@
 #include "cli/command.h"
 #include "cli/command_files.h"
 #include "cli/data/data_warnings.h"
+#include "cli/run_checkpoint.h"
+#include "cli/stop_signals.h"
 #include "cli/terminal.h"
 #include "identify/identification/identification.h"
 #include "identify/identification/stepwise.h"
@@ -17,10 +20,6 @@
 
 namespace sinew {
 namespace {
-
-constexpr double kCheckpointInterval = 2;  // [s] between savings of a run that goes on ...
-constexpr double kCheckpointShare =
-    20;  // ... but at least so many times what one saving takes: long traces are large
 
 struct IdentifyWords {
   BindingOptions binding;
@@ -142,35 +141,27 @@ Result<int> RunIdentify(const IdentifyWords& words) {
   options.profiles = words.intervals == "profile";
   SINEW_TRY(MakeSolver(options.solver, options.solver_options));  // a wrong name writes nothing
   if (words.resume && words.stepwise) return Fail("--resume: steps are done again, not resumed");
-  if (words.resume) {
+  if (words.resume && !std::filesystem::exists(words.out)) {
+    NoteBeginning(words.out);
+  } else if (words.resume) {
     SINEW_ASSIGN(options.evaluator.replay, Recorded(words, options.solver, provenance, setup));
   }
 
   ProgressLine line("identify " + options.solver, words.fit.quiet);
-  double next_saving = kCheckpointInterval;
-  bool unsaved_noted = false;
-  const IdentificationOptions as_asked = options;
+  RunCheckpoint checkpoint(words.out, options, provenance, line);
+  options.evaluator.watch = checkpoint.watch();
   options.evaluator.progress = [&](const Progress& progress, const Evaluator& evaluator) {
-    line.Show(progress, as_asked.evaluator.budget);
-    if (progress.seconds < next_saving) return;
-    const double began = evaluator.seconds();
-    // A checkpoint that cannot be written is no reason to stop: the answer itself may find room again.
-    const Status saved =
-        WriteHdf5(words.out, UnfinishedRunTree(evaluator.fit(), as_asked, provenance, evaluator));
-    if (!saved && !unsaved_noted) {
-      line.Clear();
-      std::fputs(
-          Wrapped("warning: this run continues without checkpoints: " + saved.error().message, 0).c_str(),
-          stderr);
-    }
-    unsaved_noted = !saved;
-    const double ended = evaluator.seconds();
-    next_saving = ended + std::max(kCheckpointInterval, kCheckpointShare * (ended - began));
+    checkpoint.AtEvaluation(progress, evaluator);
   };
+  StoppableWork work([&] { return checkpoint.SaveNow(); });
   SINEW_ASSIGN(Identification identification,
                words.stepwise ? IdentifyStepwise(binding.problem(), request, options)
                               : Identify(binding.problem(), std::move(setup), std::move(options)));
+  work.Finish();
   line.Clear();
+  // Stopped while it still repeated what it resumes: the file holds more.
+  if (identification.interrupted && checkpoint.IsBehind(identification.trace.size()))
+    return ReportStopped(*words.binding.program, checkpoint.SaveNow());
   for (const std::string& note : binding.bound.notes)
     identification.warnings.push_back({WarningKind::kOther, {}, {}, note});
   for (Warning& warning : DataWarnings(binding.data, binding.problem().layout(), words.binding.data))
@@ -181,6 +172,9 @@ Result<int> RunIdentify(const IdentifyWords& words) {
   if (words.json != "-") PrintFindings(words, binding, identification);
   if (!words.json.empty())
     SINEW_TRY(WriteText(words.json, RunJson(binding.problem(), identification, provenance)));
+  if (identification.interrupted) {
+    return ReportStopped(*words.binding.program, HowToResume(words.out, identification.trace.size()));
+  }
   if (!identification.result.stop.usable()) {
     return ReportNotUsable(*words.binding.program, identification.result.stop.test);
   }

@@ -16,6 +16,7 @@
 #include "base/text.h"
 #include "base/version.h"
 #include "cli/command.h"
+#include "cli/stop_signals.h"
 
 namespace sinew {
 namespace {
@@ -141,6 +142,7 @@ int Run(int argc, char** argv, const Program& program) {
 int RunCommandLine(int argc, char** argv, const Program& program) {
   try {
     KeepStandardStreams();
+    const StopSignals signals(program.name);
     const int status = Run(argc, argv, program);
     // What was printed may have been waiting until now. Why an earlier part failed is not known any more.
     const bool flushed = std::fflush(stdout) == 0;

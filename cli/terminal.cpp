@@ -5,7 +5,6 @@
 #include <algorithm>
 #include <cerrno>
 #include <cmath>
-#include <csignal>
 #include <cstdio>
 #include <cstring>
 #include <filesystem>
@@ -19,25 +18,10 @@
 namespace sinew {
 namespace {
 
-std::atomic<bool> interrupted{false};
-
-void OnInterrupt(int /*signal*/) {
-  if (interrupted.exchange(true)) std::_Exit(130);
-}
-
 constexpr double kTerminalInterval = 0.1;  // [s] between rewrites of the line
 constexpr double kPlainInterval = 5;       // [s] between lines of a log
 
 }  // namespace
-
-const std::atomic<bool>& InterruptFlag() {
-  static const bool installed = [] {
-    std::signal(SIGINT, OnInterrupt);
-    return true;
-  }();
-  static_cast<void>(installed);
-  return interrupted;
-}
 
 ProgressLine::ProgressLine(std::string title, bool quiet)
     : title_(std::move(title)),

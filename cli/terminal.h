@@ -1,7 +1,6 @@
-// What the program prints while it works, and how Ctrl-C reaches it.
+// What the program prints while it works.
 #pragma once
 
-#include <atomic>
 #include <chrono>
 #include <string>
 #include <vector>
@@ -9,9 +8,6 @@
 #include "identify/execution/evaluator.h"
 
 namespace sinew {
-
-/// Set by the first Ctrl-C; the second one ends the process. Installs the handler on first use.
-const std::atomic<bool>& InterruptFlag();
 
 /// Progress of a search on stderr: one line that is rewritten on a terminal, a plain line every few seconds
 /// when redirected, nothing when quiet.

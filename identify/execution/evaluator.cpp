@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <mutex>
 
 #include "base/constants.h"
 
@@ -18,7 +19,22 @@ Evaluator::Evaluator(const LeastSquares& fit, Options options)
     : fit_(fit),
       options_(std::move(options)),
       workspace_(fit.NewWorkspace()),
-      gradient_jacobian_(fit.NewJacobian()) {}
+      gradient_jacobian_(fit.NewJacobian()) {
+  if (options_.watch == nullptr) return;
+  const std::lock_guard lock(options_.watch->mutex);
+  options_.watch->running = this;
+}
+
+Evaluator::~Evaluator() {
+  if (options_.watch == nullptr) return;
+  const std::lock_guard lock(options_.watch->mutex);
+  options_.watch->running = nullptr;
+}
+
+std::unique_lock<std::mutex> Evaluator::LockRecord() const {
+  return options_.watch == nullptr ? std::unique_lock<std::mutex>()
+                                   : std::unique_lock<std::mutex>(options_.watch->mutex);
+}
 
 double Evaluator::seconds() const {
   return std::chrono::duration<double>(std::chrono::steady_clock::now() - options_.began).count();
@@ -73,10 +89,11 @@ std::optional<std::string> Evaluator::Violated(const Vector& x) const {
 }
 
 void Evaluator::Keep(TraceEntry entry) {
+  const bool better = std::isfinite(entry.cost) && (best_ < 0 || entry.cost < best().cost);
+  const bool is_best = better && !Violated(entry.x);  // may need a prediction: not while the record is locked
+  const auto lock = LockRecord();
   trace_.push_back(std::move(entry));
-  const TraceEntry& kept = trace_.back();
-  const bool better = std::isfinite(kept.cost) && (best_ < 0 || kept.cost < best().cost);
-  if (better && !Violated(kept.x)) best_ = static_cast<long>(trace_.size()) - 1;
+  if (is_best) best_ = static_cast<long>(trace_.size()) - 1;
 }
 
 void Evaluator::Record(const Vector& x, double cost) {

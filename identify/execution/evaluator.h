@@ -6,6 +6,7 @@
 #include <chrono>
 #include <functional>
 #include <limits>
+#include <mutex>
 #include <optional>
 #include <string>
 #include <vector>
@@ -35,6 +36,14 @@ struct Progress {
   double best_cost = std::numeric_limits<double>::infinity();
 };
 
+class Evaluator;
+
+/// Lets another thread read the record of a search while it runs: to save it before the process is ended.
+struct EvaluatorWatch {
+  std::mutex mutex;                    ///< held while the record changes
+  const Evaluator* running = nullptr;  ///< under the mutex; its trace, best point and counts may be read
+};
+
 /// Evaluations of one search, with their record.
 ///
 /// A solver calls Cost, Residuals or Gradient, each of which is one evaluation, and reacts to the Outcome:
@@ -62,11 +71,15 @@ class Evaluator {
     double target_cost = -std::numeric_limits<double>::infinity();  ///< stop when the cost is at or below it
     const std::atomic<bool>* interrupt = nullptr;                   ///< set to true by Ctrl-C; may be null
     std::function<void(const Progress&, const Evaluator&)> progress;  ///< called at every evaluation
+    EvaluatorWatch* watch = nullptr;                                  ///< of this search; may be null
     std::vector<TraceEntry> replay;  ///< evaluations of the run that is resumed, in their order
     std::chrono::steady_clock::time_point began = std::chrono::steady_clock::now();
   };
 
   Evaluator(const LeastSquares& fit, Options options);
+  ~Evaluator();
+  Evaluator(const Evaluator&) = delete;
+  Evaluator& operator=(const Evaluator&) = delete;
 
   /// Treatment of a point that violates a constraint of the problem. Such a point never becomes best().
   enum class Infeasible {
@@ -127,6 +140,7 @@ class Evaluator {
   /// The record of this evaluation if the run is resumed and its recorded point is x, else nullptr.
   const TraceEntry* Replayed(const Vector& x) const;
   void Keep(TraceEntry entry);
+  [[nodiscard]] std::unique_lock<std::mutex> LockRecord() const;
   void Record(const Vector& x, double cost);
   Outcome RecordFailure(const Vector& x, const Error& error);
 

@@ -188,7 +188,7 @@ Result<Hdf5Node> RunTree(const Problem& problem, const Identification& identific
   Hdf5Node& run = root.At("run");
   files::WriteProvenance(provenance, identification.solver, identification.solver_options.seed, run);
   const SolverResult& result = identification.result;
-  run.attributes["finished"] = std::int64_t{result.stop.kind == Termination::kInterrupted ? 0 : 1};
+  run.attributes["finished"] = std::int64_t{identification.interrupted ? 0 : 1};
   run.attributes["stop_reason"] = std::string(ToString(result.stop.kind));
   run.attributes["stop_test"] = result.stop.test;
   run.attributes["converged"] = std::int64_t{result.stop.converged() ? 1 : 0};

@@ -66,6 +66,8 @@ Result<Identification> Identify(const Problem& problem, FitSetup setup, Identifi
   }
   out.trace = evaluator.trace();
   out.failures = evaluator.failures();
+  const auto is_interrupted = [&] { return interrupt != nullptr && interrupt->load(); };
+  out.interrupted = is_interrupted();
   if (!out.result.stop.usable()) return out;
 
   SINEW_ASSIGN(out.parameters, solvers::FitHeldOutNuisance(problem, least_squares.Parameters(out.result.x)));
@@ -86,6 +88,7 @@ Result<Identification> Identify(const Problem& problem, FitSetup setup, Identifi
   out.derived = DeriveResults(problem, out.setup, out.parameters, out.uncertainty);
   out.figures = problem.FiguresOfMerit(out.parameters, out.prediction.values);
   out.alternatives = CompareAlternatives(problem, out.parameters);
+  out.interrupted = is_interrupted();
   return out;
 }
 

@@ -44,6 +44,7 @@ struct Identification {
   SolverResult result;
   std::vector<TraceEntry> trace;
   long failures = 0;
+  bool interrupted = false;            ///< before the end: the search, or that the intervals were found
   double seconds = 0;                  ///< of solving
   double interval_seconds = 0;         ///< of finding what the data determine, better points included
   Vector parameters;                   ///< [P] at the answer
