@@ -6,6 +6,7 @@
 
 #include "base/numbers.h"
 #include "base/text.h"
+#include "base/version.h"
 #include "cli/binding.h"
 #include "cli/command.h"
 #include "cli/command_files.h"
@@ -13,6 +14,7 @@
 #include "cli/run_checkpoint.h"
 #include "cli/stop_signals.h"
 #include "cli/terminal.h"
+#include "identify/files/recorded_cost.h"
 #include "identify/identification/identification.h"
 #include "identify/identification/stepwise.h"
 #include "identify/text/findings.h"
@@ -55,7 +57,8 @@ Status CheckSameParameters(const std::string& path, const Hdf5Node& recorded, co
 // The evaluations of the run that is resumed. Errors: no such run; it was made from something else, so that
 // its evaluations are not those of this one.
 Result<std::vector<TraceEntry>> Recorded(const IdentifyWords& words, const std::string& solver,
-                                         const Provenance& provenance, const FitSetup& setup) {
+                                         const Provenance& provenance, const Problem& problem,
+                                         const FitSetup& setup) {
   const auto recorded = ReadRun(words.out);
   if (!recorded) return tl::unexpected(recorded.error());
   const auto differs = [&](const char* what, const std::string& then, const std::string& now) {
@@ -63,6 +66,7 @@ Result<std::vector<TraceEntry>> Recorded(const IdentifyWords& words, const std::
   };
   if (recorded->problem != provenance.problem)
     return differs("problem", recorded->problem, provenance.problem);
+  if (recorded->version != kVersion) return differs("version", recorded->version, kVersion);
   if (recorded->solver != solver) return differs("solver", recorded->solver, solver);
   if (recorded->data_hash != provenance.data_hash)
     return differs("data", recorded->data_hash, provenance.data_hash);
@@ -79,6 +83,7 @@ Result<std::vector<TraceEntry>> Recorded(const IdentifyWords& words, const std::
     return Fail("--resume: {} was made with other settings (--config); they are in its /run/config",
                 words.out);
   if (tree.Find("parameters") != nullptr) SINEW_TRY(CheckSameParameters(words.out, tree, setup));
+  SINEW_TRY(files::CheckBestCost(words.out, *recorded, LeastSquares(problem, setup)));
   return recorded->trace;
 }
 
@@ -144,7 +149,8 @@ Result<int> RunIdentify(const IdentifyWords& words) {
   if (words.resume && !std::filesystem::exists(words.out)) {
     NoteBeginning(words.out);
   } else if (words.resume) {
-    SINEW_ASSIGN(options.evaluator.replay, Recorded(words, options.solver, provenance, setup));
+    SINEW_ASSIGN(options.evaluator.replay,
+                 Recorded(words, options.solver, provenance, binding.problem(), setup));
   }
 
   ProgressLine line("identify " + options.solver, words.fit.quiet);

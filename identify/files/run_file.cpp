@@ -196,6 +196,7 @@ Result<Hdf5Node> RunTree(const Problem& problem, const Identification& identific
   run.attributes["evaluations"] = static_cast<std::int64_t>(identification.trace.size());
   run.attributes["failures"] = static_cast<std::int64_t>(identification.failures);
   run.attributes["iterations"] = std::int64_t{result.iterations};
+  run.attributes["steps"] = static_cast<std::int64_t>(identification.steps.size());
   run.attributes["seconds"] = identification.seconds;
   run.attributes["cost"] = result.cost;
   run.attributes["objective"] = problem.objective();
@@ -225,6 +226,9 @@ Hdf5Node UnfinishedRunTree(const LeastSquares& problem, const IdentificationOpti
   run.attributes["converged"] = std::int64_t{0};
   run.attributes["usable"] = std::int64_t{evaluator.has_best() ? 1 : 0};
   run.attributes["evaluations"] = static_cast<std::int64_t>(evaluator.evaluations());
+  run.attributes["failures"] = static_cast<std::int64_t>(evaluator.failures());
+  run.attributes["iterations"] = std::int64_t{0};
+  run.attributes["seconds"] = evaluator.seconds();
   run.attributes["cost"] = evaluator.has_best() ? evaluator.best().cost : kNaN;
   run.attributes["objective"] = problem.problem().objective();
   files::WriteTrace(evaluator.trace(), FreeNames(problem.setup()), root.At("trace"));
@@ -244,6 +248,9 @@ Result<RecordedRun> ReadRun(const std::string& path) {
   recorded.solver = run->Text("solver");
   recorded.data_hash = run->Text("data_hash");
   recorded.seed = SeedOf(*run);
+  recorded.version = run->Text("version");
+  recorded.cost = run->Number("cost", kNaN);
+  recorded.steps = static_cast<int>(run->Number("steps", 0));
   recorded.finished = run->Number("finished", 0) == 1;
 
   const Hdf5Node* names = root.Find("parameters/name");

@@ -65,7 +65,7 @@ class Resumed(WithStances):
                 self.assert_same_run("whole.h5", "parts.h5")
 
     def test_without_evaluating_anew(self):
-        mark = 12345.678  # a cost that no evaluation gives
+        mark = 1234567.891  # a cost that no evaluation gives, nor the best, which is looked at
         self.identify("run.h5", "--solver", "sa", "--max-evaluations", 300)
         with h5py.File(self.path("run.h5"), "r+") as run:
             run["trace/cost"][299] = mark
