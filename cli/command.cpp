@@ -5,19 +5,21 @@
 #include <optional>
 #include <vector>
 
+#include "base/printable.h"
 #include "base/text.h"
 #include "cli/run_command_line.h"
 #include "cli/stop_signals.h"
+#include "cli/terminal.h"
 
 namespace sinew {
 
 int ReportNotUsable(const Program& program, const std::string& why) {
-  std::fprintf(stderr, "%s: no usable answer: %s\n", program.name.c_str(), why.c_str());
+  Print(stderr, fmt::format("{}: no usable answer: {}\n", program.name, PrintableLine(why)));
   return kNotUsable;
 }
 
 int ReportStopped(const Program& program, const std::string& rest) {
-  std::fprintf(stderr, "%s: stopped by %s%s\n", program.name.c_str(), StopName().c_str(), rest.c_str());
+  Print(stderr, fmt::format("{}: stopped by {}{}\n", program.name, StopName(), PrintableLine(rest)));
   return StopStatus();
 }
 

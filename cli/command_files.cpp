@@ -32,18 +32,18 @@ Result<FileLock> Claim(const std::string& path, IfBusy if_busy) {
   for (int tries = 0;; ++tries) {
     SINEW_ASSIGN(FileLock lock, FileLock::Try(path));
     if (lock.unsupported()) {
-      std::fprintf(
-          stderr,
-          "warning: the file system of %s has no locks: another process that changes it meanwhile is "
-          "not noticed\n",
-          path.c_str());
+      Print(stderr,
+            fmt::format(
+                "warning: the file system of {} has no locks: another process that changes it meanwhile is "
+                "not noticed\n",
+                path));
     }
     if (lock.held() || lock.unsupported()) return lock;
     const std::string holder = lock.holder().empty() ? "another process" : lock.holder();
     if (if_busy == IfBusy::kRefuse)
       return Fail("{}: is being written by {}; wait for it, or write another file", path, holder);
     if (tries == kPatience / kRetryInterval)
-      std::fprintf(stderr, "note: waiting for %s, which is changing %s\n", holder.c_str(), path.c_str());
+      Print(stderr, fmt::format("note: waiting for {}, which is changing {}\n", holder, path));
     std::this_thread::sleep_for(kRetryInterval);
   }
 }
@@ -88,7 +88,7 @@ Result<FileLocks> ClaimFiles(const CommandFiles& files, IfBusy if_busy) {
 }
 
 void NoteBeginning(const std::string& out) {
-  std::fprintf(stderr, "note: --resume: %s is not there yet, this begins from the start\n", out.c_str());
+  Print(stderr, fmt::format("note: --resume: {} is not there yet, this begins from the start\n", out));
 }
 
 Result<FileLocks> ClaimInPlace(const std::string& data, const std::string& out,

@@ -108,11 +108,11 @@ Result<int> RunCompare(const CompareWords& words) {
   if (!words.json.empty())
     SINEW_TRY(WriteText(words.json, files::StudyJson(binding.problem(), study, provenance)));
   if (words.json != "-") {
-    std::printf("compare on %s of %s (%s): best cost %s, target %s\n", words.binding.problem.c_str(),
-                words.binding.data.c_str(), binding.DescribeData().c_str(), Readable(study.best, 6).c_str(),
-                Readable(study.target, 6).c_str());
-    std::fputs(StudyTable(study, binding.problem()).c_str(), stdout);
-    std::printf("Study file: %s\n", words.out.c_str());
+    Print(stdout, fmt::format("compare on {} of {} ({}): best cost {}, target {}\n", words.binding.problem,
+                              words.binding.data, binding.DescribeData(), Readable(study.best, 6),
+                              Readable(study.target, 6)));
+    Print(stdout, StudyTable(study, binding.problem()));
+    Print(stdout, fmt::format("Study file: {}\n", words.out));
   }
   if (!study.finished)
     return ReportStopped(*words.binding.program, StudyCheckpoint::HowToResume(words.out, study.runs.size()));

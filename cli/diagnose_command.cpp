@@ -82,12 +82,12 @@ Result<std::vector<Warning>> StartFrom(const DiagnoseWords& words, const Problem
 }
 
 void PrintDiagnosis(const DiagnoseWords& words, const Binding& binding, const Diagnosis& diagnosis) {
-  std::printf("diagnose %s on %s (%s)\n", words.binding.problem.c_str(), words.binding.data.c_str(),
-              binding.DescribeData().c_str());
+  Print(stdout, fmt::format("diagnose {} on {} ({})\n", words.binding.problem, words.binding.data,
+                            binding.DescribeData()));
   constexpr int kWidth = 100;  // columns
   for (const text::Line& line : text::Overview(diagnosis))
-    std::fputs(Wrapped(line.text, line.indent, kWidth).c_str(), stdout);
-  std::printf("  Diagnosis file: %s\n", words.out.c_str());
+    Print(stdout, Wrapped(line.text, line.indent, kWidth));
+  Print(stdout, fmt::format("  Diagnosis file: {}\n", words.out));
 }
 
 Result<int> RunDiagnose(const DiagnoseWords& words) {

@@ -114,16 +114,15 @@ std::string Headline(const Identification& identification) {
 }
 
 void PrintFindings(const IdentifyWords& words, const Binding& binding, const Identification& identification) {
-  std::printf("identify %s on %s (%s)\n", words.binding.problem.c_str(), words.binding.data.c_str(),
-              binding.DescribeData().c_str());
-  std::fputs(Wrapped(Headline(identification), 2).c_str(), stdout);
-  for (const std::string& line : Figures(binding.problem(), identification))
-    std::fputs(Wrapped(line, 2).c_str(), stdout);
+  Print(stdout, fmt::format("identify {} on {} ({})\n", words.binding.problem, words.binding.data,
+                            binding.DescribeData()));
+  Print(stdout, Wrapped(Headline(identification), 2));
+  for (const std::string& line : Figures(binding.problem(), identification)) Print(stdout, Wrapped(line, 2));
   for (const text::Sentence& finding : text::Findings(identification))
-    std::fputs(Wrapped(finding.text, 2).c_str(), stdout);
+    Print(stdout, Wrapped(finding.text, 2));
   for (const std::string& warning : text::Warnings(identification))
-    std::fputs(Wrapped("warning: " + warning, 2).c_str(), stdout);
-  std::printf("  Run file: %s\n", words.out.c_str());
+    Print(stdout, Wrapped("warning: " + warning, 2));
+  Print(stdout, fmt::format("  Run file: {}\n", words.out));
 }
 
 Result<int> RunIdentify(const IdentifyWords& words) {

@@ -205,7 +205,7 @@ Result<int> List(const Program& program, const ListWords& words) {
   }
   if (words.json != "-") {
     SINEW_ASSIGN(const std::string text, ListOf(program, words, false));
-    std::fputs(text.c_str(), stdout);
+    Print(stdout, text);
   }
   return kDone;
 }

@@ -176,9 +176,9 @@ Result<int> RunMbs(const Program& program, const MbsWords& words) {
     SINEW_TRY(WriteText(words.json, json.dump(2)));
   }
   if (words.json != "-") {
-    std::printf("%s at accuracy %s\n", outcomes.front().options.integrator.c_str(),
-                Readable(outcomes.front().options.accuracy).c_str());
-    std::fputs(Describe(outcomes).c_str(), stdout);
+    Print(stdout, fmt::format("{} at accuracy {}\n", outcomes.front().options.integrator,
+                              Readable(outcomes.front().options.accuracy)));
+    Print(stdout, Describe(outcomes));
   }
   for (const Outcome& outcome : outcomes) {
     if (outcome.failure.empty()) continue;

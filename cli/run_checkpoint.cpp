@@ -34,9 +34,7 @@ void RunCheckpoint::AtEvaluation(const Progress& progress, const Evaluator& eval
   const Status saved = WriteHdf5(out_, UnfinishedRunTree(evaluator.fit(), options_, provenance_, evaluator));
   if (!saved && !unsaved_noted_) {
     line_.Clear();
-    std::fputs(
-        Wrapped("warning: this run continues without checkpoints: " + saved.error().message, 0).c_str(),
-        stderr);
+    Print(stderr, Wrapped("warning: this run continues without checkpoints: " + saved.error().message, 0));
   }
   unsaved_noted_ = !saved;
   const double ended = evaluator.seconds();

@@ -13,10 +13,12 @@
 #include <string>
 #include <vector>
 
+#include "base/printable.h"
 #include "base/text.h"
 #include "base/version.h"
 #include "cli/command.h"
 #include "cli/stop_signals.h"
+#include "cli/terminal.h"
 
 namespace sinew {
 namespace {
@@ -25,7 +27,7 @@ namespace {
 int Refuse(const Program& program, std::string message) {
   while (!message.empty() && message.back() == '\n') message.pop_back();
   for (char& c : message) c = c == '\n' ? ' ' : c;
-  std::fprintf(stderr, "%s: error: %s\n", program.name.c_str(), message.c_str());
+  Print(stderr, fmt::format("{}: error: {}\n", program.name, PrintableLine(message)));
   return kBadInput;
 }
 

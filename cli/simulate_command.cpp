@@ -186,18 +186,16 @@ Result<Binding> BindFor(const SimulateWords& words, std::unique_ptr<ExcitationMo
 
 void PrintNotes(const SimulateWords& words, const Binding& binding, int left_out) {
   if (left_out > 0) {
-    std::fputs(
-        Wrapped(
-            left_out == 1
-                ? fmt::format("note: 1 nuisance value of {} belongs to a trial that these data do not have",
-                              words.from)
-                : fmt::format("note: {} nuisance values of {} belong to trials that these data do not have",
-                              left_out, words.from),
-            0)
-            .c_str(),
-        stderr);
+    Print(stderr,
+          Wrapped(
+              left_out == 1
+                  ? fmt::format("note: 1 nuisance value of {} belongs to a trial that these data do not have",
+                                words.from)
+                  : fmt::format("note: {} nuisance values of {} belong to trials that these data do not have",
+                                left_out, words.from),
+              0));
   }
-  for (const std::string& note : binding.bound.notes) std::fputs(Wrapped("note: " + note, 0).c_str(), stderr);
+  for (const std::string& note : binding.bound.notes) Print(stderr, Wrapped("note: " + note, 0));
 }
 
 void PrintQuality(const FullPrediction& prediction, const std::vector<std::string>& files) {
@@ -206,8 +204,8 @@ void PrintQuality(const FullPrediction& prediction, const std::vector<std::strin
     rows.push_back({q.trial, ToString(q.role), q.channel, fmt::format("{:.4g}", q.rmse), q.unit,
                     fmt::format("{:.4f}", q.r2)});
   }
-  for (const std::string& file : files) std::printf("%s\n", file.c_str());
-  std::fputs(Table(rows, 2).c_str(), stdout);
+  for (const std::string& file : files) Print(stdout, fmt::format("{}\n", file));
+  Print(stdout, Table(rows, 2));
 }
 
 Result<int> RunSimulate(SimulateWords& words) {
@@ -248,7 +246,7 @@ Result<int> RunSimulate(SimulateWords& words) {
     SINEW_TRY(WriteText(words.json, SimulationJson(words, *prediction, files, doubts)));
   if (words.json != "-") PrintQuality(*prediction, files);
   PrintNotes(words, binding, left_out);
-  for (const std::string& doubt : doubts) std::fputs(Wrapped("warning: " + doubt, 0).c_str(), stderr);
+  for (const std::string& doubt : doubts) Print(stderr, Wrapped("warning: " + doubt, 0));
   if (mode != nullptr) PrintExcitations(*mode, words.json != "-");
   return kDone;
 }

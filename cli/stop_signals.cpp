@@ -18,6 +18,7 @@
 #include <utility>
 
 #include "base/held_file.h"
+#include "base/printable.h"
 
 namespace sinew {
 namespace {
@@ -111,7 +112,7 @@ class Listener {
   [[noreturn]] void End(const std::string& rest) const {
     std::fprintf(stderr, "%s%s: stopped by %s%s\n", isatty(STDERR_FILENO) != 0 ? "\r\033[K" : "",
                  name_.c_str(), StopName().c_str(),
-                 rest.empty() ? " before its end: begin it again" : rest.c_str());
+                 rest.empty() ? " before its end: begin it again" : PrintableLine(rest).c_str());
     RemoveHeldFiles();
     _exit(StopStatus());
   }

@@ -28,9 +28,8 @@ void StudyCheckpoint::AtRun(const StudyRun& run) {
   const Status saved = Write();
   if (!saved && !unsaved_noted_) {
     file_.line.Clear();
-    std::fputs(Wrapped("warning: this comparison continues without checkpoints: " + saved.error().message, 0)
-                   .c_str(),
-               stderr);
+    Print(stderr,
+          Wrapped("warning: this comparison continues without checkpoints: " + saved.error().message, 0));
   }
   unsaved_noted_ = !saved;
   saved_ = std::chrono::steady_clock::now();

@@ -2,6 +2,7 @@
 #pragma once
 
 #include <chrono>
+#include <cstdio>
 #include <string>
 #include <vector>
 
@@ -43,12 +44,13 @@ class ProgressLine {
 [[nodiscard]] std::string Wrapped(const std::string& sentence, int indent, int width = 110);
 
 /// Columns padded to equal width; the first row is the header.
-[[nodiscard]] std::string Table(const std::vector<std::vector<std::string>>& rows, int indent);
+[[nodiscard]] std::string Table(std::vector<std::vector<std::string>> rows, int indent);
 
-/// Writes text to a file, or to standard output if the name is "-".
+/// Everything that is printed goes through this or ProgressLine: what comes from files may hold control
+/// characters.
+void Print(std::FILE* stream, const std::string& text);
+
+/// Writes JSON to a file, or to standard output if the name is "-".
 Status WriteText(const std::string& path, const std::string& text);
-
-/// The whole text of a file. Errors: no such file, a folder.
-Result<std::string> ReadText(const std::string& path);
 
 }  // namespace sinew

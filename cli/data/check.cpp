@@ -110,14 +110,12 @@ Result<int> Check(const CheckWords& words) {
   if (why.empty() && !HasTrainingData(masked, compared))
     why = fmt::format("no training trial has anything measured left of {}", Join(compared, ", "));
   if (why.empty()) return kDone;
-  std::fputs(
-      Wrapped("sinew: no usable data: " + why +
-                  (report.findings.empty() ? ""
-                                           : "; correct on import what is said above, give another trial the "
-                                             "role train, or record again"),
-              0)
-          .c_str(),
-      stderr);
+  Print(stderr, Wrapped("sinew: no usable data: " + why +
+                            (report.findings.empty()
+                                 ? ""
+                                 : "; correct on import what is said above, give another trial the "
+                                   "role train, or record again"),
+                        0));
   return kNotUsable;
 }
 

@@ -88,7 +88,7 @@ Result<int> MakeEnvelope(const EnvelopeWords& words) {
   if (!report) return Fail("{}: {}", words.path, report.error().message);
   const std::string& out = words.out.empty() ? words.path : words.out;
   SINEW_TRY(WriteDataset(out, data));
-  for (const std::string& note : report->notes) std::fputs(Wrapped("note: " + note, 0).c_str(), stderr);
+  for (const std::string& note : report->notes) Print(stderr, Wrapped("note: " + note, 0));
   SINEW_TRY(Report(
       words.json, [&] { return DatasetJson(data); }, out + ": " + Join(report->lines, "\n  ") + "\n"));
   return kDone;

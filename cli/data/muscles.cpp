@@ -1,6 +1,7 @@
 // sinew data muscles: lengths and moment arms of muscles along the joint angles of every trial.
 #include <memory>
 
+#include "base/read_file.h"
 #include "base/text.h"
 #include "cli/command_files.h"
 #include "cli/data/data_commands.h"
@@ -29,7 +30,7 @@ Result<int> Muscles(const MusclesWords& words) {
   SINEW_ASSIGN(const FileLocks locks, ClaimInPlace(words.path, words.out, {words.model}, words.json));
   SINEW_ASSIGN(Dataset data, ReadDataset(words.path));
   if (!words.model.empty()) {
-    SINEW_ASSIGN(data.files["model.osim"], ReadText(words.model));
+    SINEW_ASSIGN(data.files["model.osim"], ReadFile(words.model));
   }
   const auto file = data.files.find("model.osim");
   if (file == data.files.end()) return Fail("{}: holds no model.osim: expected --model M.osim", words.path);

@@ -181,7 +181,7 @@ Result<int> Stances(const StancesWords& words) {
   SINEW_TRY(Report(
       words.json, [&] { return StancesJson(all); }, text));
   if (made == 0) {
-    std::fprintf(stderr, "sinew: no usable answer: %s: no whole stance was found\n", words.path.c_str());
+    Print(stderr, fmt::format("sinew: no usable answer: {}: no whole stance was found\n", words.path));
     return kNotUsable;
   }
   return kDone;

@@ -28,6 +28,11 @@ class OneLineParser(argparse.ArgumentParser):
         sys.exit(BAD_INPUT)
 
 
+def printable(message):
+    """One line without control characters: names come from files of others, and a terminal obeys them."""
+    return "".join(c if c.isprintable() else c.encode("unicode_escape").decode() for c in str(message))
+
+
 def parse(arguments):
     parser = OneLineParser(prog="sinew report", description="Draws run, diagnosis and study files: executed notebooks and HTML.")
     parser.add_argument("files", nargs="+", metavar="FILE.h5", help="what sinew identify, diagnose or compare wrote")
@@ -50,10 +55,10 @@ def make(options):
     try:
         entry = publish.publish(options.files, options.out_dir, options.threads)
     except BadInput as error:
-        print(f"sinew: error: {error}", file=sys.stderr)
+        print(f"sinew: error: {printable(error)}", file=sys.stderr)
         return BAD_INPUT
     except publish.ReportFailed as error:
-        print(f"sinew: the report could not be made: {error}", file=sys.stderr)
+        print(f"sinew: the report could not be made: {printable(error)}", file=sys.stderr)
         return FAILED
     except interrupt.Interrupted as error:
         print(f"sinew: stopped by {error.args[0].name}; nothing was written: begin it again", file=sys.stderr)
