@@ -56,9 +56,8 @@ Status CheckSameParameters(const std::string& path, const Hdf5Node& recorded, co
 
 // The evaluations of the run that is resumed. Errors: no such run; it was made from something else, so that
 // its evaluations are not those of this one.
-Result<std::vector<TraceEntry>> Recorded(const IdentifyWords& words, const std::string& solver,
-                                         const Provenance& provenance, const Problem& problem,
-                                         const FitSetup& setup) {
+Result<RecordedRun> Recorded(const IdentifyWords& words, const std::string& solver,
+                             const Provenance& provenance, const Problem& problem, const FitSetup& setup) {
   const auto recorded = ReadRun(words.out);
   if (!recorded) return tl::unexpected(recorded.error());
   const auto differs = [&](const char* what, const std::string& then, const std::string& now) {
@@ -84,7 +83,7 @@ Result<std::vector<TraceEntry>> Recorded(const IdentifyWords& words, const std::
                 words.out);
   if (tree.Find("parameters") != nullptr) SINEW_TRY(CheckSameParameters(words.out, tree, setup));
   SINEW_TRY(files::CheckBestCost(words.out, *recorded, LeastSquares(problem, setup)));
-  return recorded->trace;
+  return *recorded;
 }
 
 // The cost and what it is, then the problem's own figures of merit.
@@ -148,8 +147,9 @@ Result<int> RunIdentify(const IdentifyWords& words) {
   if (words.resume && !std::filesystem::exists(words.out)) {
     NoteBeginning(words.out);
   } else if (words.resume) {
-    SINEW_ASSIGN(options.evaluator.replay,
-                 Recorded(words, options.solver, provenance, binding.problem(), setup));
+    SINEW_ASSIGN(RecordedRun recorded, Recorded(words, options.solver, provenance, binding.problem(), setup));
+    options.evaluator.replay = std::move(recorded.trace);
+    options.evaluator.finished = std::move(recorded.finished_searches);
   }
 
   ProgressLine line("identify " + options.solver, words.fit.quiet);

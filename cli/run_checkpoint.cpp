@@ -24,6 +24,7 @@ RunCheckpoint::RunCheckpoint(std::string out, const IdentificationOptions& optio
       resumed_(options.evaluator.replay.size()),
       next_saving_(kInterval) {
   options_.evaluator.replay.clear();
+  options_.evaluator.finished.clear();
 }
 
 void RunCheckpoint::AtEvaluation(const Progress& progress, const Evaluator& evaluator) {

@@ -166,6 +166,39 @@ Evaluator::Outcome Evaluator::Gradient(const Vector& x, double& cost, Vector& gr
   return outcome;
 }
 
+void Evaluator::AbsorbFinished(const Evaluator& child, FinishedSearch search) {
+  search.first = evaluations();
+  search.evaluations = child.evaluations();
+  search.failures = child.failures_;
+  search.infeasible = child.infeasible_;
+  search.first_failure = child.first_failure_;
+  {
+    const auto lock = LockRecord();
+    finished_.push_back(std::move(search));
+  }
+  Absorb(child);
+}
+
+const FinishedSearch* Evaluator::FindFinished(const std::string& solver, const Vector& start,
+                                              long max_evaluations) const {
+  const auto same = [&](const FinishedSearch& search) {
+    return search.solver == solver && search.max_evaluations == max_evaluations &&
+           search.start.size() == start.size() && search.start == start;
+  };
+  const auto found = std::find_if(options_.finished.begin(), options_.finished.end(), same);
+  return found == options_.finished.end() ? nullptr : &*found;
+}
+
+void Evaluator::Restore(const Evaluator& parent, const FinishedSearch& search) {
+  const auto& recorded = parent.options_.replay;
+  const auto end =
+      std::min<std::size_t>(recorded.size(), static_cast<std::size_t>(search.first + search.evaluations));
+  for (auto i = static_cast<std::size_t>(search.first); i < end; ++i) Keep(recorded[i]);
+  failures_ = search.failures;
+  infeasible_ = search.infeasible;
+  first_failure_ = search.first_failure;
+}
+
 void Evaluator::Absorb(const Evaluator& child) {
   for (const TraceEntry& entry : child.trace_) Keep(entry);
   failures_ += child.failures_;

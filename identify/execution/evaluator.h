@@ -11,6 +11,7 @@
 #include <string>
 #include <vector>
 
+#include "identify/execution/finished_search.h"
 #include "identify/least_squares.h"
 
 namespace sinew {
@@ -72,6 +73,8 @@ class Evaluator {
     const std::atomic<bool>* interrupt = nullptr;                   ///< set to true by Ctrl-C; may be null
     std::function<void(const Progress&, const Evaluator&)> progress;  ///< called at every evaluation
     EvaluatorWatch* watch = nullptr;                                  ///< of this search; may be null
+    /// Of the run that is resumed: their evaluations are those of `replay` from `first` on.
+    std::vector<FinishedSearch> finished;
     std::vector<TraceEntry> replay;  ///< evaluations of the run that is resumed, in their order
     std::chrono::steady_clock::time_point began = std::chrono::steady_clock::now();
   };
@@ -132,6 +135,16 @@ class Evaluator {
   /// Appends the evaluations of a child (one start of a multi-start) to this record, updates the best point
   /// and the counts. The order of the calls is the order of the trace.
   void Absorb(const Evaluator& child);
+  /// The same, of a search that came to its end by itself. @param search all but `first`, which is set here
+  void AbsorbFinished(const Evaluator& child, FinishedSearch search);
+  /// All that were absorbed so, in that order.
+  [[nodiscard]] const std::vector<FinishedSearch>& finished() const { return finished_; }
+
+  /// The search of Options::finished that was asked the same, or nullptr.
+  [[nodiscard]] const FinishedSearch* FindFinished(const std::string& solver, const Vector& start,
+                                                   long max_evaluations) const;
+  /// Takes the evaluations of such a search over, of the parent that is resumed. @pre nothing was evaluated
+  void Restore(const Evaluator& parent, const FinishedSearch& search);
 
  private:
   [[nodiscard]] long evaluation_limit() const;
@@ -149,6 +162,7 @@ class Evaluator {
   mutable LeastSquares::Workspace workspace_;  // scratch
   SparseJacobian gradient_jacobian_;
   std::vector<TraceEntry> trace_;
+  std::vector<FinishedSearch> finished_;
   long best_ = -1;
   long failures_ = 0;
   long infeasible_ = 0;

@@ -7,6 +7,7 @@
 #include "base/constants.h"
 #include "base/text.h"
 #include "identify/files/run_groups.h"
+#include "identify/files/searches.h"
 #include "identify/text/findings.h"
 #include "identify/text/reasons.h"
 #include "identify/text/warnings.h"
@@ -203,6 +204,9 @@ Result<Hdf5Node> RunTree(const Problem& problem, const Identification& identific
   files::WriteSentences(text::Findings(identification), identification.warnings,
                         text::Warnings(identification), run);
   files::WriteTrace(identification.trace, FreeNames(identification.setup), root.At("trace"));
+  if (!identification.finished.empty())
+    files::WriteSearches(identification.finished, FreeNames(identification.setup).size(),
+                         root.At("searches"));
   if (!result.stages.empty()) WriteStages(result.stages, root.At("stages"));
   if (!result.stop.usable()) return root;
 
@@ -232,6 +236,8 @@ Hdf5Node UnfinishedRunTree(const LeastSquares& problem, const IdentificationOpti
   run.attributes["cost"] = evaluator.has_best() ? evaluator.best().cost : kNaN;
   run.attributes["objective"] = problem.problem().objective();
   files::WriteTrace(evaluator.trace(), FreeNames(problem.setup()), root.At("trace"));
+  if (!evaluator.finished().empty())
+    files::WriteSearches(evaluator.finished(), problem.setup().free.size(), root.At("searches"));
   const Vector best = evaluator.has_best() ? problem.Parameters(evaluator.best().x) : problem.setup().rest;
   files::WriteParameters(problem.setup(), best, root.At("parameters"));
   return root;
@@ -289,6 +295,8 @@ Result<RecordedRun> ReadRun(const std::string& path) {
     recorded.trace.push_back(
         {seconds->array()->values[i], cost->array()->values[i], Eigen::Map<const Vector>(row, width)});
   }
+  SINEW_ASSIGN(recorded.finished_searches,
+               files::ReadSearches(path, root, recorded.trace.size(), x->array()->shape[1]));
   return recorded;
 }
 

@@ -41,6 +41,7 @@ struct RecordedRun {
   bool finished = false;
   std::vector<std::string> variables;  ///< names of the free parameters
   std::vector<TraceEntry> trace;
+  std::vector<FinishedSearch> finished_searches;
   std::vector<std::pair<std::string, double>> values;  ///< every parameter
   /// Nuisance values of trials or with a prior: other data need not have them.
   std::set<std::string> incidental;

@@ -65,6 +65,7 @@ Result<Identification> Identify(const Problem& problem, FitSetup setup, Identifi
     out.interval_seconds = evaluator.seconds() - out.seconds;
   }
   out.trace = evaluator.trace();
+  out.finished = evaluator.finished();
   out.failures = evaluator.failures();
   const auto is_interrupted = [&] { return interrupt != nullptr && interrupt->load(); };
   out.interrupted = is_interrupted();

@@ -86,6 +86,22 @@ class Stopped(ProgramTest):
                     self.same("whole.h5", "parts.h5")
                     self.path("parts.h5").unlink()
 
+    def test_identify_from_many_starts(self):
+        """The local searches that had ended are not done again."""
+        self.succeeds("data", "synthesize", "nms", "--out", "nms.h5")
+        words = ("identify", "nms", "--data", "nms.h5", "--solver", "multistart", "--intervals", "linear", "--quiet", "--threads", 1,
+                 "--out")
+        seconds = self.timed(*words, "whole.h5")
+        self.stop_midway(signal.SIGTERM, seconds, *words, "parts.h5")
+        with h5py.File(self.path("parts.h5")) as run, h5py.File(self.path("whole.h5")) as whole:
+            ended, all_searches = len(run["searches/cost"]), len(whole["searches/cost"])
+            self.assertLess(ended, all_searches)
+            kept = run["searches/evaluations"][:].sum()
+        self.assertGreater(ended, 0)
+        self.assertGreater(kept, 0)
+        self.succeeds(*words, "parts.h5", "--resume")
+        self.same("whole.h5", "parts.h5")
+
     def test_while_intervals_are_found(self):
         """The search had converged, and yet this is no finished run."""
         self.succeeds("data", "synthesize", "free_body", "--out", "toss.h5")
