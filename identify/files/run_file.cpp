@@ -255,7 +255,7 @@ Result<RecordedRun> ReadRun(const std::string& path) {
   recorded.data_hash = run->Text("data_hash");
   recorded.seed = SeedOf(*run);
   recorded.version = run->Text("version");
-  recorded.cost = run->Number("cost", kNaN);
+  recorded.cost = root.Find("diagnosis") == nullptr ? run->Number("cost", kNaN) : kNaN;
   recorded.steps = static_cast<int>(run->Number("steps", 0));
   recorded.finished = run->Number("finished", 0) == 1;
 

@@ -106,6 +106,7 @@ class Faults(ProgramTest):
                 for output in made if existing else ():
                     self.write(output, "old")
                 for call, numbers in FULL.items():
+                    numbers = numbers if existing else numbers[:1]
                     counts = {self.places(words, outputs, call, number, False) for number in numbers}
                     counts |= {self.places(words, outputs, call, number, True) for number in SPORADIC}
                     self.assertEqual(len(counts), 1)
