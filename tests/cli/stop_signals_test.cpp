@@ -34,7 +34,8 @@ TEST(StopSignalsDeathTest, EndWorkThatCannotBeStopped) {
   const auto began = std::chrono::steady_clock::now();
   EXPECT_EXIT(work(SIGTERM), ExitedWithCode(143), "^prog: stopped by SIGTERM; f.h5 holds it\n$");
   EXPECT_EXIT(work(SIGINT), ExitedWithCode(130), "^prog: stopped by SIGINT; f.h5 holds it\n$");
-  EXPECT_LT(std::chrono::steady_clock::now() - began, milliseconds(2 * 1000));
+  EXPECT_LT(std::chrono::steady_clock::now() - began, milliseconds(5 * 1000))
+      << "1.2 s on a machine that does nothing else";
 }
 
 TEST(StopSignalsDeathTest, LeaveWorkThatEndsInOrder) {

@@ -14,7 +14,7 @@ import numpy as np
 from program import LONGEST, ProgramTest, differences
 
 BOTH = {signal.SIGINT: 130, signal.SIGTERM: 143}
-SOON = 3  # [s] of a machine that does other work as well; alone it takes less than one
+SOON = 10  # [s] of a machine that does much other work as well; alone it takes less than one (stop_signals_test.cpp)
 
 
 class Stopped(ProgramTest):
@@ -52,7 +52,7 @@ class Stopped(ProgramTest):
 
     def stop_midway(self, stop, seconds, *words):
         """Stops a command that takes so many seconds when it has something to keep; a busy machine takes longer."""
-        for share in (0.6, 0.7, 0.5, 0.8, 0.4, 0.9, 0.3):
+        for share in (0.6, 0.7, 0.5, 0.8, 0.4, 0.9, 0.3, 1.5, 3, 5):
             said = self.stop(stop, share * seconds, *words)
             if said is not None and "; parts.h5 holds " in said:
                 return said
@@ -102,12 +102,10 @@ class Stopped(ProgramTest):
         self.succeeds(*words, "parts.h5", "--resume")
         self.same("whole.h5", "parts.h5")
 
-    def test_while_intervals_are_found(self):
-        """The search had converged, and yet this is no finished run."""
+    def test_a_problem_whose_simulations_take_long(self):
         self.succeeds("data", "synthesize", "free_body", "--out", "toss.h5")
         words = ("identify", "free_body", "--data", "toss.h5", "--quiet", "--out", "parts.h5")
-        said = self.stop(signal.SIGTERM, 1, *words)
-        self.assertRegex(said, "parts.h5 holds [0-9]+ evaluations: the same command with --resume goes on\n$")
+        self.stop_midway(signal.SIGTERM, 2, *words)
         with h5py.File(self.path("parts.h5")) as run:
             self.assertEqual(run["run"].attrs["finished"], 0)
 
