@@ -13,6 +13,7 @@
 #include <filesystem>
 #include <mutex>
 
+#include "base/hdf5_other_files.h"
 #include "base/replace_file.h"
 #include "base/text.h"
 
@@ -176,6 +177,7 @@ Status ReserveValues(std::size_t values, const std::string& where, std::size_t& 
 }
 
 Status ReadDataset(hid_t dataset, const std::string& where, std::size_t& room, Hdf5Node& node) {
+  SINEW_TRY(RefuseStorageInOtherFile(dataset, where));
   const Handle type(H5Dget_type(dataset), H5Tclose);
   const Handle space(H5Dget_space(dataset), H5Sclose);
   if (!type || !space) return Fail("{}: cannot be read", where);
@@ -215,15 +217,17 @@ Status ReadNode(hid_t object, const std::string& where, int depth, std::size_t& 
   if (H5Iget_type(object) == H5I_DATASET) return ReadDataset(object, where, room, node);
   if (H5Iget_type(object) != H5I_GROUP) return {};  // a named type: no data
 
+  const Handle inside(AccessWithinThisFile(), H5Pclose);
   H5G_info_t info;
-  if (H5Gget_info(object, &info) < 0) return Fail("{}: cannot be read", where);
+  if (!inside || H5Gget_info(object, &info) < 0) return Fail("{}: cannot be read", where);
   for (hsize_t i = 0; i < info.nlinks; ++i) {
     const auto length =
         H5Lget_name_by_idx(object, ".", H5_INDEX_NAME, H5_ITER_INC, i, nullptr, 0, H5P_DEFAULT);
     if (length < 0) return Fail("{}: a member cannot be read", where);
     std::string name(static_cast<std::size_t>(length), '\0');
     H5Lget_name_by_idx(object, ".", H5_INDEX_NAME, H5_ITER_INC, i, name.data(), name.size() + 1, H5P_DEFAULT);
-    const Handle member(H5Oopen(object, name.c_str(), H5P_DEFAULT), H5Oclose);
+    SINEW_TRY(RefuseLinkToOtherFile(object, name, where));
+    const Handle member(H5Oopen(object, name.c_str(), inside.get()), H5Oclose);
     if (!member) return Fail("{}: member '{}' cannot be read (truncated file?)", where, name);
     SINEW_TRY(ReadNode(member.get(), where + (where.back() == '/' ? "" : "/") + name, depth + 1, room,
                        node.children[name]));

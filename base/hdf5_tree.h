@@ -51,7 +51,8 @@ struct Hdf5Node {
 
 /// Reads it in a process of its own first, because damaged bytes can crash libhdf5; that triples the time (7
 /// ms become 25 for a run file of 0.5 MB). Errors: no such file, not HDF5, truncated or damaged, more values
-/// than the file can hold or than 2^28, a dataset that is neither numbers nor text.
+/// than the file can hold or than 2^28, a dataset that is neither numbers nor text; links to other files, and
+/// datasets whose numbers are in other files (external storage, virtual datasets), which are not opened.
 Result<Hdf5Node> ReadHdf5(const std::string& path);
 
 /// Made in memory, then written by ReplaceFile. Errors: those of ReplaceFile; the old file is then unchanged.

@@ -1,5 +1,6 @@
 #include "cli/binding.h"
 
+#include "base/read_file.h"
 #include "base/text.h"
 #include "cli/run_command_line.h"
 #include "cli/terminal.h"
@@ -149,7 +150,7 @@ Result<Binding> Bind(const BindingOptions& options,
   if (!options.excitations.empty()) SINEW_TRY(ReplaceExcitations(options.excitations, binding.data));
   std::string config_name = options.config;
   if (!options.config.empty()) {
-    SINEW_ASSIGN(binding.config_text, ReadText(options.config));
+    SINEW_ASSIGN(binding.config_text, ReadFile(options.config));
   } else {
     config_name = options.problem + ".yaml";
     const auto file = binding.data.files.find(config_name);

@@ -5,14 +5,22 @@
 #include <optional>
 #include <vector>
 
+#include "base/printable.h"
 #include "base/text.h"
 #include "cli/run_command_line.h"
+#include "cli/stop_signals.h"
+#include "cli/terminal.h"
 
 namespace sinew {
 
 int ReportNotUsable(const Program& program, const std::string& why) {
-  std::fprintf(stderr, "%s: no usable answer: %s\n", program.name.c_str(), why.c_str());
+  Print(stderr, fmt::format("{}: no usable answer: {}\n", program.name, PrintableLine(why)));
   return kNotUsable;
+}
+
+int ReportStopped(const Program& program, const std::string& rest) {
+  Print(stderr, fmt::format("{}: stopped by {}{}\n", program.name, StopName(), PrintableLine(rest)));
+  return StopStatus();
 }
 
 CommandWord& CommandWord::Required() {

@@ -18,11 +18,15 @@ namespace sinew {
 
 struct Program;
 
-/// Exit status: done; ran, but the answer is not usable; bad input or usage.
+/// Exit status: done; ran, but the answer is not usable; bad input or usage. That of a command that was
+/// stopped is StopStatus() (stop_signals.h).
 enum ExitStatus { kDone = 0, kNotUsable = 1, kBadInput = 2 };
 
 /// Prints "PROGRAM: no usable answer: why" to standard error. @return kNotUsable
 int ReportNotUsable(const Program& program, const std::string& why);
+
+/// Prints "PROGRAM: stopped by SIGTERM: how to go on" to standard error. @return StopStatus()
+int ReportStopped(const Program& program, const std::string& rest);
 
 /// What a subcommand runs once its options are parsed. An Error means kBadInput.
 using Action = std::function<Result<int>()>;

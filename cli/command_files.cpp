@@ -1,8 +1,10 @@
 #include "cli/command_files.h"
 
-#include <unistd.h>
-
+#include <algorithm>
+#include <chrono>
+#include <cstdio>
 #include <filesystem>
+#include <thread>
 
 #include "base/replace_file.h"
 
@@ -11,8 +13,8 @@ namespace {
 
 namespace fs = std::filesystem;
 
-// File systems take 255; beside the file it is written under a longer name first (ReplaceFile).
-constexpr std::size_t kMaxNameBytes = 235;
+constexpr std::chrono::milliseconds kRetryInterval{20};
+constexpr std::chrono::milliseconds kPatience{2000};  // until somebody is told that the program waits
 
 bool IsSameFile(const std::string& a, const std::string& b) {
   std::error_code code;
@@ -25,19 +27,25 @@ bool IsSameFile(const std::string& a, const std::string& b) {
   return !code && path_a == path_b;
 }
 
-Status CheckWritable(const std::string& path) {
-  SINEW_TRY(CheckReplaceable(path));
-  if (fs::path(path).filename().string().size() > kMaxNameBytes)
-    return Fail("{}: its name is too long, expected at most {} bytes", path, kMaxNameBytes);
-  std::error_code code;
-  const fs::path target = fs::canonical(path, code);  // what a link leads to is replaced where it is
-  const fs::path parent = (code ? fs::path(path) : target).parent_path();
-  const std::string folder = parent.empty() ? "." : parent.string();
-  if (!fs::is_directory(folder, code))
-    return Fail("{}: cannot be written: there is no folder '{}'", path, folder);
-  if (access(folder.c_str(), W_OK) != 0)
-    return Fail("{}: cannot be written: no permission to write to the folder '{}'", path, folder);
-  return {};
+// Waits until the lock is there; if that takes a while, says for whom.
+Result<FileLock> Claim(const std::string& path, IfBusy if_busy) {
+  for (int tries = 0;; ++tries) {
+    SINEW_ASSIGN(FileLock lock, FileLock::Try(path));
+    if (lock.unsupported()) {
+      Print(stderr,
+            fmt::format(
+                "warning: the file system of {} has no locks: another process that changes it meanwhile is "
+                "not noticed\n",
+                path));
+    }
+    if (lock.held() || lock.unsupported()) return lock;
+    const std::string holder = lock.holder().empty() ? "another process" : lock.holder();
+    if (if_busy == IfBusy::kRefuse)
+      return Fail("{}: is being written by {}; wait for it, or write another file", path, holder);
+    if (tries == kPatience / kRetryInterval)
+      Print(stderr, fmt::format("note: waiting for {}, which is changing {}\n", holder, path));
+    std::this_thread::sleep_for(kRetryInterval);
+  }
 }
 
 }  // namespace
@@ -58,20 +66,43 @@ Status CheckFiles(const CommandFiles& files) {
       if (IsSameFile(written[i], written[j]))
         return Fail("{}: would be written twice by this command, expected different files", written[i]);
     }
-    SINEW_TRY(CheckWritable(written[i]));
+    SINEW_TRY(CheckReplaceable(written[i]));
   }
   return {};
 }
 
-Status CheckInPlace(const std::string& data, const std::string& out, const std::vector<std::string>& read,
-                    const std::string& json) {
-  const bool in_place = out.empty() || IsSameFile(data, out);
-  CommandFiles files{read, {out.empty() ? data : out}, in_place ? "" : json};
-  if (!in_place) files.read.push_back(data);
+Result<FileLocks> ClaimFiles(const CommandFiles& files, IfBusy if_busy) {
   SINEW_TRY(CheckFiles(files));
-  if (!in_place) return {};
-  files.read.push_back(data);
-  return CheckFiles({files.read, {}, json});
+  std::vector<std::string> written = files.written;
+  if (!files.json.empty() && files.json != "-") written.push_back(files.json);
+  for (std::string& path : written) {
+    SINEW_ASSIGN(path, ResolveLinks(path));
+  }
+  std::sort(written.begin(), written.end());  // in one order everywhere: no two processes wait for each other
+  FileLocks locks;
+  for (const std::string& path : written) {
+    SINEW_ASSIGN(FileLock lock, Claim(path, if_busy));
+    locks.push_back(std::move(lock));
+  }
+  return locks;
+}
+
+void NoteBeginning(const std::string& out) {
+  Print(stderr, fmt::format("note: --resume: {} is not there yet, this begins from the start\n", out));
+}
+
+Result<FileLocks> ClaimInPlace(const std::string& data, const std::string& out,
+                               const std::vector<std::string>& read, const std::string& json) {
+  const bool in_place = out.empty() || IsSameFile(data, out);
+  CommandFiles files{read, {out.empty() ? data : out}, json};
+  if (in_place) {
+    CommandFiles others{read, {}, json};
+    others.read.push_back(data);
+    SINEW_TRY(CheckFiles(others));
+  } else {
+    files.read.push_back(data);
+  }
+  return ClaimFiles(files);
 }
 
 }  // namespace sinew

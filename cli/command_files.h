@@ -5,6 +5,7 @@
 #include <vector>
 
 #include "base/error.h"
+#include "base/file_lock.h"
 
 namespace sinew {
 
@@ -17,14 +18,29 @@ struct CommandFiles {
 /// Asked before long work, so that it is not lost. Files are compared by what they are, not by their names: a
 /// link and another way to write the same path are the same file, also where it does not exist yet.
 ///
-/// Errors: a written file is one that is read, or is written twice; its name is empty or "-"; it is a folder,
-/// a device, a pipe or a socket; its folder does not exist or may not be
-/// written to; its name is too long.
+/// Errors: a written file is one that is read, or is written twice; its name is empty or "-"; those of
+/// CheckReplaceable.
 Status CheckFiles(const CommandFiles& files);
 
-/// CheckFiles for a data set that is changed in place unless another one is named.
+/// The right to change the files that a command writes, until it ends.
+using FileLocks = std::vector<FileLock>;
+
+/// What a command does if another process is changing a file that it is to write.
+enum class IfBusy {
+  kWait,   ///< says so and waits: what is changed takes seconds
+  kRefuse  ///< for work that takes long, of which two into one file are surely a mistake
+};
+
+/// CheckFiles, then the locks of what is written. Where the file system has no locks, a warning on standard
+/// error says so. Errors: those of CheckFiles and FileLock::Try; a file is being written (kRefuse).
+Result<FileLocks> ClaimFiles(const CommandFiles& files, IfBusy if_busy = IfBusy::kWait);
+
+/// --resume where nothing was saved yet: a note on standard error says that the work begins.
+void NoteBeginning(const std::string& out);
+
+/// ClaimFiles for a data set that is changed in place unless another one is named.
 /// @param out of --out; empty: in place. @param read what is read besides
-Status CheckInPlace(const std::string& data, const std::string& out, const std::vector<std::string>& read,
-                    const std::string& json);
+Result<FileLocks> ClaimInPlace(const std::string& data, const std::string& out,
+                               const std::vector<std::string>& read, const std::string& json);
 
 }  // namespace sinew

@@ -1,14 +1,19 @@
 // sinew compare: solvers against each other on one problem, over several starts and seeds.
 #include <cmath>
 #include <cstdio>
+#include <filesystem>
 
 #include "base/numbers.h"
 #include "base/text.h"
 #include "cli/binding.h"
 #include "cli/command.h"
 #include "cli/command_files.h"
+#include "cli/stop_signals.h"
+#include "cli/study_checkpoint.h"
 #include "cli/terminal.h"
+#include "identify/files/origin.h"
 #include "identify/files/study_file.h"
+#include "identify/files/study_resume.h"
 
 namespace sinew {
 namespace {
@@ -21,7 +26,18 @@ struct CompareWords {
   std::optional<double> target;
   std::string out;
   std::string json;
+  bool resume = false;
 };
+
+// What a run of the comparison follows from. Solvers and repeats may be added when it is resumed.
+files::OriginFacts FactsOf(const CompareWords& words) {
+  const auto given = [](const auto& limit) {
+    return limit ? fmt::format("{}", *limit) : std::string("none");
+  };
+  return {{"--seed", std::to_string(words.fit.seed)},
+          {"--max-evaluations", given(words.fit.max_evaluations)},
+          {"--max-seconds", given(words.fit.max_seconds)}};
+}
 
 std::string Number(double value) {
   return std::isnan(value) ? "-" : Readable(value);
@@ -59,31 +75,47 @@ StudyOptions ToOptions(const CompareWords& words) {
 
 Result<int> RunCompare(const CompareWords& words) {
   const auto limit = words.fit.LimitThreads();
-  SINEW_TRY(CheckFiles({{words.binding.data, words.binding.config}, {words.out}, words.json}));
+  SINEW_ASSIGN(
+      const FileLocks locks,
+      ClaimFiles({{words.binding.data, words.binding.config}, {words.out}, words.json}, IfBusy::kRefuse));
   SINEW_ASSIGN(const Binding binding, BindToFit(words.binding, !words.fit.release.empty()));
   SINEW_ASSIGN(const FitRequest request, words.fit.Request());
   SINEW_ASSIGN(const FitSetup setup, MakeFitSetup(binding.problem(), request));
   const LeastSquares problem(binding.problem(), setup);
   const Provenance provenance = binding.ToProvenance(words.binding);
+  const Hdf5Node origin = files::OriginTree(provenance, setup, FactsOf(words));
 
   ProgressLine line("compare", words.fit.quiet);
   StudyOptions options = ToOptions(words);
   options.progress = [&](int done, int all) { line.Show(done, all); };
+  if (words.resume && std::filesystem::exists(words.out)) {
+    SINEW_ASSIGN(options.done, files::ReadStudyRuns(words.out, setup, origin));
+  } else if (words.resume) {
+    NoteBeginning(words.out);
+  }
+  StudyCheckpoint checkpoint({words.out, binding.problem(), provenance, origin, line}, setup, options.done);
+  options.after_run = [&](const StudyRun& run) { checkpoint.AtRun(run); };
+  StoppableWork work([&] { return checkpoint.SaveNow(); });
   SINEW_ASSIGN(const Study study, CompareSolvers(problem, options));
+  work.Finish();
   line.Clear();
+  if (!study.finished && study.runs.empty())
+    return ReportStopped(*words.binding.program, checkpoint.SaveNow());
   if (!std::isfinite(study.best)) {
     return ReportNotUsable(*words.binding.program, "no solver found a point that can be predicted");
   }
-  SINEW_TRY(WriteHdf5(words.out, files::StudyTree(binding.problem(), study, provenance)));
+  SINEW_TRY(WriteHdf5(words.out, files::StudyTree(binding.problem(), study, provenance, origin)));
   if (!words.json.empty())
     SINEW_TRY(WriteText(words.json, files::StudyJson(binding.problem(), study, provenance)));
   if (words.json != "-") {
-    std::printf("compare on %s of %s (%s): best cost %s, target %s\n", words.binding.problem.c_str(),
-                words.binding.data.c_str(), binding.DescribeData().c_str(), Readable(study.best, 6).c_str(),
-                Readable(study.target, 6).c_str());
-    std::fputs(StudyTable(study, binding.problem()).c_str(), stdout);
-    std::printf("Study file: %s\n", words.out.c_str());
+    Print(stdout, fmt::format("compare on {} of {} ({}): best cost {}, target {}\n", words.binding.problem,
+                              words.binding.data, binding.DescribeData(), Readable(study.best, 6),
+                              Readable(study.target, 6)));
+    Print(stdout, StudyTable(study, binding.problem()));
+    Print(stdout, fmt::format("Study file: {}\n", words.out));
   }
+  if (!study.finished)
+    return ReportStopped(*words.binding.program, StudyCheckpoint::HowToResume(words.out, study.runs.size()));
   return kDone;
 }
 
@@ -103,6 +135,8 @@ void AddCompareCommand(Command app, const RunAction& run) {
   command.Add("--target", words->target, "Cost that counts as success; default: within 1 % of the best found")
       .AtLeastZero();
   command.Add("--out", words->out, "Study file to write").Required().Shows("STUDY.h5");
+  command.AddFlag("--resume", words->resume,
+                  "Continue an interrupted comparison: runs that had ended are kept");
   AddJsonTo(command, words->json);
   command.Runs(run, [=] { return RunCompare(*words); });
 }

@@ -7,9 +7,11 @@
 #include "cli/command.h"
 #include "cli/command_files.h"
 #include "cli/data/data_warnings.h"
+#include "cli/stop_signals.h"
 #include "cli/terminal.h"
 #include "identify/files/diagnosis_file.h"
 #include "identify/files/diagnosis_json.h"
+#include "identify/files/recorded_cost.h"
 #include "identify/text/diagnosis_overview.h"
 #include "identify/text/diagnosis_sentences.h"
 
@@ -36,9 +38,9 @@ const char* const kDiagnoseSolver = "diagnose";
 
 // The answer of a run as the start of the base fit: what was free there starts from its value, what was held
 // is held, effects as well; words of the command line go before. Errors: another problem or other data, a
-// value outside the bounds. @return notes about it.
-Result<std::vector<std::string>> StartFrom(const DiagnoseWords& words, const Problem& problem,
-                                           const Provenance& provenance, FitRequest& request) {
+// value outside the bounds. @return what must be said about it.
+Result<std::vector<Warning>> StartFrom(const DiagnoseWords& words, const Problem& problem,
+                                       const Provenance& provenance, FitRequest& request) {
   SINEW_ASSIGN(const RecordedRun run, ReadRun(words.from));
   const auto differs = [&](const char* what, const std::string& then, const std::string& now) {
     return Fail("--from: {} was made with {} {}, not {}", words.from, what, then, now);
@@ -46,7 +48,7 @@ Result<std::vector<std::string>> StartFrom(const DiagnoseWords& words, const Pro
   if (run.problem != provenance.problem) return differs("problem", run.problem, provenance.problem);
   if (run.data_hash != provenance.data_hash) return differs("data", run.data_hash, provenance.data_hash);
   if (run.values.empty()) return Fail("--from: {} holds no answer", words.from);
-  std::vector<std::string> notes;
+  std::vector<Warning> notes = files::WarningsOfRun(words.from, run, problem, provenance.data_hash);
   std::vector<std::string> released;
   for (const auto& [name, value] : run.values) {
     SINEW_ASSIGN(const int index, FindParameter(problem.parameters(), name));
@@ -70,29 +72,35 @@ Result<std::vector<std::string>> StartFrom(const DiagnoseWords& words, const Pro
     }
   }
   if (!released.empty()) {
-    notes.push_back(fmt::format("{} had released {}: the diagnosis begins at their null values", words.from,
-                                Join(released, ", ")));
+    notes.push_back({WarningKind::kOther,
+                     {},
+                     {},
+                     fmt::format("{} had released {}: the diagnosis begins at their null values", words.from,
+                                 Join(released, ", "))});
   }
   return notes;
 }
 
 void PrintDiagnosis(const DiagnoseWords& words, const Binding& binding, const Diagnosis& diagnosis) {
-  std::printf("diagnose %s on %s (%s)\n", words.binding.problem.c_str(), words.binding.data.c_str(),
-              binding.DescribeData().c_str());
+  Print(stdout, fmt::format("diagnose {} on {} ({})\n", words.binding.problem, words.binding.data,
+                            binding.DescribeData()));
   constexpr int kWidth = 100;  // columns
   for (const text::Line& line : text::Overview(diagnosis))
-    std::fputs(Wrapped(line.text, line.indent, kWidth).c_str(), stdout);
-  std::printf("  Diagnosis file: %s\n", words.out.c_str());
+    Print(stdout, Wrapped(line.text, line.indent, kWidth));
+  Print(stdout, fmt::format("  Diagnosis file: {}\n", words.out));
 }
 
 Result<int> RunDiagnose(const DiagnoseWords& words) {
   const auto limit = words.fit.LimitThreads();
   const Program& program = *words.binding.program;
-  SINEW_TRY(CheckFiles({{words.binding.data, words.binding.config, words.from}, {words.out}, words.json}));
+  SINEW_ASSIGN(const FileLocks locks,
+               ClaimFiles({{words.binding.data, words.binding.config, words.from}, {words.out}, words.json},
+                          IfBusy::kRefuse));
   SINEW_ASSIGN(const Binding binding, BindToFit(words.binding, true));
   const Provenance provenance = binding.ToProvenance(words.binding);
   SINEW_ASSIGN(FitRequest request, words.fit.Request());
-  std::vector<std::string> notes = binding.bound.notes;
+  std::vector<Warning> notes;
+  for (const std::string& note : binding.bound.notes) notes.push_back({WarningKind::kOther, {}, {}, note});
   if (!words.from.empty()) {
     SINEW_ASSIGN(const auto more, StartFrom(words, binding.problem(), provenance, request));
     notes.insert(notes.end(), more.begin(), more.end());
@@ -109,13 +117,15 @@ Result<int> RunDiagnose(const DiagnoseWords& words) {
   options.interrupt = &InterruptFlag();
   ProgressLine line("diagnose", words.fit.quiet);
   options.progress = [&](const DiagnosisProgress& now) { line.Show(text::ProgressText(now)); };
+  const std::string begin_again = " before it had a result, and nothing was written: begin it again";
+  StoppableWork work([&] { return begin_again; });
   auto result = Diagnose(binding.problem(), std::move(setup), options);
+  const bool interrupted = work.Finish() != 0;
   line.Clear();
-  const bool interrupted = InterruptFlag().load();
-  if (!result && interrupted) return ReportNotUsable(program, "interrupted");
+  if (interrupted) return ReportStopped(program, begin_again);
   if (!result) return tl::unexpected(result.error());
   Diagnosis& diagnosis = *result;
-  for (const std::string& note : notes) diagnosis.warnings.push_back({WarningKind::kOther, {}, {}, note});
+  for (Warning& note : notes) diagnosis.warnings.push_back(std::move(note));
   for (Warning& warning : DataWarnings(binding.data, binding.problem().layout(), words.binding.data))
     diagnosis.warnings.push_back(std::move(warning));
 
@@ -124,7 +134,6 @@ Result<int> RunDiagnose(const DiagnoseWords& words) {
   if (words.json != "-") PrintDiagnosis(words, binding, diagnosis);
   if (!words.json.empty())
     SINEW_TRY(WriteText(words.json, files::DiagnosisJson(diagnosis, provenance, options)));
-  if (interrupted) return ReportNotUsable(program, "interrupted");
   if (!diagnosis.concluded()) return ReportNotUsable(program, text::WhyInconclusive(diagnosis));
   return kDone;
 }

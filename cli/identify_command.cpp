@@ -2,14 +2,19 @@
 #include <algorithm>
 #include <cmath>
 #include <cstdio>
+#include <filesystem>
 
 #include "base/numbers.h"
 #include "base/text.h"
+#include "base/version.h"
 #include "cli/binding.h"
 #include "cli/command.h"
 #include "cli/command_files.h"
 #include "cli/data/data_warnings.h"
+#include "cli/run_checkpoint.h"
+#include "cli/stop_signals.h"
 #include "cli/terminal.h"
+#include "identify/files/recorded_cost.h"
 #include "identify/identification/identification.h"
 #include "identify/identification/stepwise.h"
 #include "identify/text/findings.h"
@@ -17,10 +22,6 @@
 
 namespace sinew {
 namespace {
-
-constexpr double kCheckpointInterval = 2;  // [s] between savings of a run that goes on ...
-constexpr double kCheckpointShare =
-    20;  // ... but at least so many times what one saving takes: long traces are large
 
 struct IdentifyWords {
   BindingOptions binding;
@@ -55,8 +56,8 @@ Status CheckSameParameters(const std::string& path, const Hdf5Node& recorded, co
 
 // The evaluations of the run that is resumed. Errors: no such run; it was made from something else, so that
 // its evaluations are not those of this one.
-Result<std::vector<TraceEntry>> Recorded(const IdentifyWords& words, const std::string& solver,
-                                         const Provenance& provenance, const FitSetup& setup) {
+Result<RecordedRun> Recorded(const IdentifyWords& words, const std::string& solver,
+                             const Provenance& provenance, const Problem& problem, const FitSetup& setup) {
   const auto recorded = ReadRun(words.out);
   if (!recorded) return tl::unexpected(recorded.error());
   const auto differs = [&](const char* what, const std::string& then, const std::string& now) {
@@ -64,6 +65,7 @@ Result<std::vector<TraceEntry>> Recorded(const IdentifyWords& words, const std::
   };
   if (recorded->problem != provenance.problem)
     return differs("problem", recorded->problem, provenance.problem);
+  if (recorded->version != kVersion) return differs("version", recorded->version, kVersion);
   if (recorded->solver != solver) return differs("solver", recorded->solver, solver);
   if (recorded->data_hash != provenance.data_hash)
     return differs("data", recorded->data_hash, provenance.data_hash);
@@ -80,7 +82,8 @@ Result<std::vector<TraceEntry>> Recorded(const IdentifyWords& words, const std::
     return Fail("--resume: {} was made with other settings (--config); they are in its /run/config",
                 words.out);
   if (tree.Find("parameters") != nullptr) SINEW_TRY(CheckSameParameters(words.out, tree, setup));
-  return recorded->trace;
+  SINEW_TRY(files::CheckBestCost(words.out, *recorded, LeastSquares(problem, setup)));
+  return *recorded;
 }
 
 // The cost and what it is, then the problem's own figures of merit.
@@ -110,21 +113,22 @@ std::string Headline(const Identification& identification) {
 }
 
 void PrintFindings(const IdentifyWords& words, const Binding& binding, const Identification& identification) {
-  std::printf("identify %s on %s (%s)\n", words.binding.problem.c_str(), words.binding.data.c_str(),
-              binding.DescribeData().c_str());
-  std::fputs(Wrapped(Headline(identification), 2).c_str(), stdout);
-  for (const std::string& line : Figures(binding.problem(), identification))
-    std::fputs(Wrapped(line, 2).c_str(), stdout);
+  Print(stdout, fmt::format("identify {} on {} ({})\n", words.binding.problem, words.binding.data,
+                            binding.DescribeData()));
+  Print(stdout, Wrapped(Headline(identification), 2));
+  for (const std::string& line : Figures(binding.problem(), identification)) Print(stdout, Wrapped(line, 2));
   for (const text::Sentence& finding : text::Findings(identification))
-    std::fputs(Wrapped(finding.text, 2).c_str(), stdout);
+    Print(stdout, Wrapped(finding.text, 2));
   for (const std::string& warning : text::Warnings(identification))
-    std::fputs(Wrapped("warning: " + warning, 2).c_str(), stdout);
-  std::printf("  Run file: %s\n", words.out.c_str());
+    Print(stdout, Wrapped("warning: " + warning, 2));
+  Print(stdout, fmt::format("  Run file: {}\n", words.out));
 }
 
 Result<int> RunIdentify(const IdentifyWords& words) {
   const auto limit = words.fit.LimitThreads();
-  SINEW_TRY(CheckFiles({{words.binding.data, words.binding.config}, {words.out}, words.json}));
+  SINEW_ASSIGN(
+      const FileLocks locks,
+      ClaimFiles({{words.binding.data, words.binding.config}, {words.out}, words.json}, IfBusy::kRefuse));
   SINEW_ASSIGN(const Binding binding, BindToFit(words.binding, !words.fit.release.empty()));
   SINEW_ASSIGN(const FitRequest request, words.fit.Request());
   SINEW_ASSIGN(FitSetup setup, MakeFitSetup(binding.problem(), request));
@@ -140,35 +144,29 @@ Result<int> RunIdentify(const IdentifyWords& words) {
   options.profiles = words.intervals == "profile";
   SINEW_TRY(MakeSolver(options.solver, options.solver_options));  // a wrong name writes nothing
   if (words.resume && words.stepwise) return Fail("--resume: steps are done again, not resumed");
-  if (words.resume) {
-    SINEW_ASSIGN(options.evaluator.replay, Recorded(words, options.solver, provenance, setup));
+  if (words.resume && !std::filesystem::exists(words.out)) {
+    NoteBeginning(words.out);
+  } else if (words.resume) {
+    SINEW_ASSIGN(RecordedRun recorded, Recorded(words, options.solver, provenance, binding.problem(), setup));
+    options.evaluator.replay = std::move(recorded.trace);
+    options.evaluator.finished = std::move(recorded.finished_searches);
   }
 
   ProgressLine line("identify " + options.solver, words.fit.quiet);
-  double next_saving = kCheckpointInterval;
-  bool unsaved_noted = false;
-  const IdentificationOptions as_asked = options;
+  RunCheckpoint checkpoint(words.out, options, provenance, line);
+  options.evaluator.watch = checkpoint.watch();
   options.evaluator.progress = [&](const Progress& progress, const Evaluator& evaluator) {
-    line.Show(progress, as_asked.evaluator.budget);
-    if (progress.seconds < next_saving) return;
-    const double began = evaluator.seconds();
-    // A checkpoint that cannot be written is no reason to stop: the answer itself may find room again.
-    const Status saved =
-        WriteHdf5(words.out, UnfinishedRunTree(evaluator.fit(), as_asked, provenance, evaluator));
-    if (!saved && !unsaved_noted) {
-      line.Clear();
-      std::fputs(
-          Wrapped("warning: this run continues without checkpoints: " + saved.error().message, 0).c_str(),
-          stderr);
-    }
-    unsaved_noted = !saved;
-    const double ended = evaluator.seconds();
-    next_saving = ended + std::max(kCheckpointInterval, kCheckpointShare * (ended - began));
+    checkpoint.AtEvaluation(progress, evaluator);
   };
+  StoppableWork work([&] { return checkpoint.SaveNow(); });
   SINEW_ASSIGN(Identification identification,
                words.stepwise ? IdentifyStepwise(binding.problem(), request, options)
                               : Identify(binding.problem(), std::move(setup), std::move(options)));
+  work.Finish();
   line.Clear();
+  // Stopped while it still repeated what it resumes: the file holds more.
+  if (identification.interrupted && checkpoint.IsBehind(identification.trace.size()))
+    return ReportStopped(*words.binding.program, checkpoint.SaveNow());
   for (const std::string& note : binding.bound.notes)
     identification.warnings.push_back({WarningKind::kOther, {}, {}, note});
   for (Warning& warning : DataWarnings(binding.data, binding.problem().layout(), words.binding.data))
@@ -179,6 +177,9 @@ Result<int> RunIdentify(const IdentifyWords& words) {
   if (words.json != "-") PrintFindings(words, binding, identification);
   if (!words.json.empty())
     SINEW_TRY(WriteText(words.json, RunJson(binding.problem(), identification, provenance)));
+  if (identification.interrupted) {
+    return ReportStopped(*words.binding.program, HowToResume(words.out, identification.trace.size()));
+  }
   if (!identification.result.stop.usable()) {
     return ReportNotUsable(*words.binding.program, identification.result.stop.test);
   }

@@ -198,14 +198,14 @@ Result<std::string> ListOf(const Program& program, const ListWords& words, bool 
 }
 
 Result<int> List(const Program& program, const ListWords& words) {
-  SINEW_TRY(CheckFiles({{words.data}, {}, words.json}));
+  SINEW_ASSIGN(const FileLocks locks, ClaimFiles({{words.data}, {}, words.json}));
   if (!words.json.empty()) {
     SINEW_ASSIGN(const std::string json, ListOf(program, words, true));
     SINEW_TRY(WriteText(words.json, json));
   }
   if (words.json != "-") {
     SINEW_ASSIGN(const std::string text, ListOf(program, words, false));
-    std::fputs(text.c_str(), stdout);
+    Print(stdout, text);
   }
   return kDone;
 }

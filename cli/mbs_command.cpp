@@ -158,7 +158,7 @@ nlohmann::ordered_json ToJson(const Outcome& o) {
 
 Result<int> RunMbs(const Program& program, const MbsWords& words) {
   SINEW_ASSIGN(const auto mechanisms, Chosen(words));
-  SINEW_TRY(CheckFiles({ReferenceFiles(words), {}, words.json}));
+  SINEW_ASSIGN(const FileLocks locks, ClaimFiles({ReferenceFiles(words), {}, words.json}));
   ProgressLine line("mbs", words.work.quiet);
   int done = 0;
   std::vector<Outcome> outcomes;
@@ -176,9 +176,9 @@ Result<int> RunMbs(const Program& program, const MbsWords& words) {
     SINEW_TRY(WriteText(words.json, json.dump(2)));
   }
   if (words.json != "-") {
-    std::printf("%s at accuracy %s\n", outcomes.front().options.integrator.c_str(),
-                Readable(outcomes.front().options.accuracy).c_str());
-    std::fputs(Describe(outcomes).c_str(), stdout);
+    Print(stdout, fmt::format("{} at accuracy {}\n", outcomes.front().options.integrator,
+                              Readable(outcomes.front().options.accuracy)));
+    Print(stdout, Describe(outcomes));
   }
   for (const Outcome& outcome : outcomes) {
     if (outcome.failure.empty()) continue;

@@ -56,13 +56,13 @@ void PrintExcitations(const ExcitationMode& mode, bool table) {
   }
   const ExcitationWeights& weights = mode.mode().weights;
   if (table) {
-    std::printf(
-        "mode %s: alpha %g, beta %g, gamma %g; excitations of %zu muscles were found, of %zu adjusted\n",
-        ToString(mode.mode().type).c_str(), weights.alpha, weights.beta, weights.gamma,
-        mode.free().synthesised.size(), mode.free().adjusted.size());
-    std::fputs(Table(rows, 1).c_str(), stdout);
+    Print(stdout, fmt::format("mode {}: alpha {:g}, beta {:g}, gamma {:g}; excitations of {} muscles were "
+                              "found, of {} adjusted\n",
+                              ToString(mode.mode().type), weights.alpha, weights.beta, weights.gamma,
+                              mode.free().synthesised.size(), mode.free().adjusted.size()));
+    Print(stdout, Table(rows, 1));
   }
-  for (const std::string& note : notes) std::fputs(Wrapped("note: " + note, 0).c_str(), stderr);
+  for (const std::string& note : notes) Print(stderr, Wrapped("note: " + note, 0));
 }
 
 }  // namespace sinew

@@ -2,11 +2,15 @@
 #include <sys/wait.h>
 #include <unistd.h>
 
+#include <atomic>
+#include <cerrno>
 #include <csignal>
 #include <filesystem>
 
+#include "base/held_file.h"
 #include "cli/command.h"
 #include "cli/run_command_line.h"
+#include "cli/stop_signals.h"
 #include "cli/work_options.h"
 
 namespace sinew {
@@ -34,6 +38,7 @@ Result<std::string> FindScript(const std::string& named) {
 Result<int> RunReport(const std::string& folder, const std::vector<std::string>& files,
                       const std::string& out_dir, int threads) {
   SINEW_ASSIGN(const std::string script, FindScript(folder));
+  RemoveAbandonedFiles(out_dir);  // those of an earlier report that was killed
   std::vector<std::string> words{kPython, script};
   words.insert(words.end(), files.begin(), files.end());
   words.insert(words.end(), {"--out-dir", out_dir, "--threads", std::to_string(threads)});
@@ -41,19 +46,23 @@ Result<int> RunReport(const std::string& folder, const std::vector<std::string>&
   for (std::string& word : words) arguments.push_back(word.data());
   arguments.push_back(nullptr);
 
-  // Ctrl-C goes to both: the child says what became of it, we wait for that.
-  sigset_t interrupt;
-  sigemptyset(&interrupt);
-  sigaddset(&interrupt, SIGINT);
-  sigprocmask(SIG_BLOCK, &interrupt, nullptr);
-  const pid_t child = fork();
+  // The child, which has both signals blocked and asks for them, says what became of it: we wait for that.
+  std::atomic<pid_t> child{0};
+  const auto pass_on = [&child](int signal) {
+    if (child > 0) kill(child, signal);
+  };
+  StoppableWork work([] { return std::string(); }, pass_on);
+  work.Finish();
+  child = fork();
   if (child < 0) return Fail("cannot start {}", kPython);
   if (child == 0) {
     execv(kPython, arguments.data());
     _exit(127);
   }
+  if (StopStatus() != 0) pass_on(StopStatus() - 128);  // it came before there was a child
   int status = 0;
-  waitpid(child, &status, 0);
+  while (waitpid(child, &status, 0) < 0 && errno == EINTR) {
+  }
   if (!WIFEXITED(status)) return Fail("{} ended by signal {}", script, WTERMSIG(status));
   if (WEXITSTATUS(status) == 127)
     return Fail("{} is not there: install the packages of packages.txt", kPython);

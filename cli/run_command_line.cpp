@@ -1,16 +1,24 @@
 // Parses the words of a command line, runs one command, and prints what is wrong.
 #include "cli/run_command_line.h"
 
+#include <fcntl.h>
+#include <unistd.h>
+
 #include <CLI/CLI.hpp>
 #include <algorithm>
+#include <cerrno>
 #include <cstdio>
+#include <cstring>
 #include <exception>
 #include <string>
 #include <vector>
 
+#include "base/printable.h"
 #include "base/text.h"
 #include "base/version.h"
 #include "cli/command.h"
+#include "cli/stop_signals.h"
+#include "cli/terminal.h"
 
 namespace sinew {
 namespace {
@@ -19,7 +27,7 @@ namespace {
 int Refuse(const Program& program, std::string message) {
   while (!message.empty() && message.back() == '\n') message.pop_back();
   for (char& c : message) c = c == '\n' ? ' ' : c;
-  std::fprintf(stderr, "%s: error: %s\n", program.name.c_str(), message.c_str());
+  Print(stderr, fmt::format("{}: error: {}\n", program.name, PrintableLine(message)));
   return kBadInput;
 }
 
@@ -90,6 +98,14 @@ std::string Explain(const Program& program, const CLI::App& app, const CLI::Pars
          " --help)";
 }
 
+// A standard stream that was closed (`>&-`) would give its number to the first file that is opened, and what
+// is printed would land in it. With /dev/null for reading in its place, printing fails as it should.
+void KeepStandardStreams() {
+  for (int stream = STDIN_FILENO; stream <= STDERR_FILENO; ++stream) {
+    if (fcntl(stream, F_GETFD) < 0 && errno == EBADF) static_cast<void>(open("/dev/null", O_RDONLY));
+  }
+}
+
 int Run(int argc, char** argv, const Program& program) {
   CLI::App app(program.description);
   app.set_version_flag("--version", std::string("sinew ") + kVersion);
@@ -127,10 +143,15 @@ int Run(int argc, char** argv, const Program& program) {
 
 int RunCommandLine(int argc, char** argv, const Program& program) {
   try {
+    KeepStandardStreams();
+    const StopSignals signals(program.name);
     const int status = Run(argc, argv, program);
-    // What was printed may have been waiting until now.
-    if (status != kDone || (std::fflush(stdout) == 0 && std::ferror(stdout) == 0)) return status;
-    return Refuse(program, "standard output cannot be written (disk full?)");
+    // What was printed may have been waiting until now. Why an earlier part failed is not known any more.
+    const bool flushed = std::fflush(stdout) == 0;
+    const std::string why = flushed ? " (disk full?)" : std::string(": ") + std::strerror(errno);
+    if ((flushed && std::ferror(stdout) == 0) || status == kBadInput) return status;
+    const int refused = Refuse(program, "standard output cannot be written" + why);
+    return status == kDone ? refused : status;
   } catch (const std::exception& exception) {
     return Refuse(program, std::string("unexpected: ") + exception.what());
   }

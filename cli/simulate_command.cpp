@@ -12,6 +12,8 @@
 #include "cli/terminal.h"
 #include "datasets/io/dataset_file.h"
 #include "datasets/io/storage_file.h"
+#include "identify/files/recorded_cost.h"
+#include "identify/text/warnings.h"
 
 namespace sinew {
 namespace {
@@ -86,8 +88,10 @@ std::map<std::string, Trial> ToTrials(const Binding& binding, const FullPredicti
 }
 
 // One file per grid; with more than one, trial and grid are added to the name.
+// @param doubts about the parameters, which are added to the titles
 std::vector<std::pair<std::string, Storage>> ToStorages(const std::string& out,
-                                                        const std::map<std::string, Trial>& trials) {
+                                                        const std::map<std::string, Trial>& trials,
+                                                        const std::vector<std::string>& doubts) {
   std::vector<std::pair<std::string, Storage>> storages;
   std::size_t grids = 0;
   for (const auto& [name, trial] : trials) grids += trial.grids.size();
@@ -95,6 +99,7 @@ std::vector<std::pair<std::string, Storage>> ToStorages(const std::string& out,
     for (const auto& [grid_name, grid] : trial.grids) {
       Storage storage;
       storage.title = name;
+      for (const std::string& doubt : doubts) storage.title += "; warning: " + doubt;
       storage.in_degrees = false;
       storage.time = grid.time;
       for (const auto& [channel, values] : grid.channels) {
@@ -114,32 +119,36 @@ std::vector<std::pair<std::string, Storage>> ToStorages(const std::string& out,
 
 // @return the names of the files written.
 Result<std::vector<std::string>> WritePrediction(const SimulateWords& words, const Binding& binding,
-                                                 const std::map<std::string, Trial>& trials) {
+                                                 const std::map<std::string, Trial>& trials,
+                                                 const std::vector<std::string>& doubts) {
   if (fs::path(words.out).extension() == ".h5") {
     Dataset out;
     out.title = "simulated: " + binding.data.title;
     out.source = "sinew simulate " + words.binding.problem + " on " + words.binding.data;
+    for (const std::string& doubt : doubts) out.source += "; warning: " + doubt;
     out.synthetic = true;
     out.trials = trials;
+    SINEW_ASSIGN(const FileLocks locks, ClaimFiles(words.Files()));
     SINEW_TRY(WriteDataset(words.out, out));
     return std::vector<std::string>{words.out};
   }
-  const auto storages = ToStorages(words.out, trials);
+  const auto storages = ToStorages(words.out, trials, doubts);
   CommandFiles files = words.Files();
   files.written.clear();
   for (const auto& [path, storage] : storages) files.written.push_back(path);
-  SINEW_TRY(CheckFiles(files));
+  SINEW_ASSIGN(const FileLocks locks, ClaimFiles(files));
   for (const auto& [path, storage] : storages) SINEW_TRY(WriteStorage(path, storage));
   return files.written;
 }
 
 // As JSON: how well what was measured is predicted, and the files that were written.
 std::string SimulationJson(const SimulateWords& words, const FullPrediction& prediction,
-                           const std::vector<std::string>& files) {
+                           const std::vector<std::string>& files, const std::vector<std::string>& doubts) {
   nlohmann::ordered_json json{{"schema", "sinew.simulation/1"},
                               {"problem", words.binding.problem},
                               {"data", words.binding.data},
                               {"files", files},
+                              {"warnings", doubts},
                               {"fit", nlohmann::ordered_json::array()}};
   const auto finite = [](double value) {
     return std::isfinite(value) ? nlohmann::ordered_json(value) : nlohmann::ordered_json(nullptr);
@@ -177,18 +186,16 @@ Result<Binding> BindFor(const SimulateWords& words, std::unique_ptr<ExcitationMo
 
 void PrintNotes(const SimulateWords& words, const Binding& binding, int left_out) {
   if (left_out > 0) {
-    std::fputs(
-        Wrapped(
-            left_out == 1
-                ? fmt::format("note: 1 nuisance value of {} belongs to a trial that these data do not have",
-                              words.from)
-                : fmt::format("note: {} nuisance values of {} belong to trials that these data do not have",
-                              left_out, words.from),
-            0)
-            .c_str(),
-        stderr);
+    Print(stderr,
+          Wrapped(
+              left_out == 1
+                  ? fmt::format("note: 1 nuisance value of {} belongs to a trial that these data do not have",
+                                words.from)
+                  : fmt::format("note: {} nuisance values of {} belong to trials that these data do not have",
+                                left_out, words.from),
+              0));
   }
-  for (const std::string& note : binding.bound.notes) std::fputs(Wrapped("note: " + note, 0).c_str(), stderr);
+  for (const std::string& note : binding.bound.notes) Print(stderr, Wrapped("note: " + note, 0));
 }
 
 void PrintQuality(const FullPrediction& prediction, const std::vector<std::string>& files) {
@@ -197,8 +204,8 @@ void PrintQuality(const FullPrediction& prediction, const std::vector<std::strin
     rows.push_back({q.trial, ToString(q.role), q.channel, fmt::format("{:.4g}", q.rmse), q.unit,
                     fmt::format("{:.4f}", q.r2)});
   }
-  for (const std::string& file : files) std::printf("%s\n", file.c_str());
-  std::fputs(Table(rows, 2).c_str(), stdout);
+  for (const std::string& file : files) Print(stdout, fmt::format("{}\n", file));
+  Print(stdout, Table(rows, 2));
 }
 
 Result<int> RunSimulate(SimulateWords& words) {
@@ -220,6 +227,12 @@ Result<int> RunSimulate(SimulateWords& words) {
     const Status found = mode->Find(parameters);
     if (!found) return Fail("{}: {}", words.binding.data, found.error().message);
   }
+  std::vector<std::string> doubts;
+  if (!words.from.empty()) {
+    SINEW_ASSIGN(const RecordedRun run, ReadRun(words.from));
+    doubts = text::Warnings(files::WarningsOfRun(words.from, run, binding.problem(),
+                                                 binding.ToProvenance(words.binding).data_hash));
+  }
   line.Show("predicting");
   const auto prediction = PredictAll(binding.problem(), parameters);
   line.Clear();
@@ -228,10 +241,12 @@ Result<int> RunSimulate(SimulateWords& words) {
   }
   auto trials = ToTrials(binding, *prediction);
   if (mode != nullptr) SINEW_TRY(mode->AddTo(trials, parameters));
-  SINEW_ASSIGN(const std::vector<std::string> files, WritePrediction(words, binding, trials));
-  if (!words.json.empty()) SINEW_TRY(WriteText(words.json, SimulationJson(words, *prediction, files)));
+  SINEW_ASSIGN(const std::vector<std::string> files, WritePrediction(words, binding, trials, doubts));
+  if (!words.json.empty())
+    SINEW_TRY(WriteText(words.json, SimulationJson(words, *prediction, files, doubts)));
   if (words.json != "-") PrintQuality(*prediction, files);
   PrintNotes(words, binding, left_out);
+  for (const std::string& doubt : doubts) Print(stderr, Wrapped("warning: " + doubt, 0));
   if (mode != nullptr) PrintExcitations(*mode, words.json != "-");
   return kDone;
 }

@@ -5,39 +5,21 @@
 #include <algorithm>
 #include <cerrno>
 #include <cmath>
-#include <csignal>
 #include <cstdio>
 #include <cstring>
-#include <filesystem>
-#include <fstream>
-#include <sstream>
 
 #include "base/numbers.h"
+#include "base/printable.h"
 #include "base/replace_file.h"
 #include "base/text.h"
 
 namespace sinew {
 namespace {
 
-std::atomic<bool> interrupted{false};
-
-void OnInterrupt(int /*signal*/) {
-  if (interrupted.exchange(true)) std::_Exit(130);
-}
-
 constexpr double kTerminalInterval = 0.1;  // [s] between rewrites of the line
 constexpr double kPlainInterval = 5;       // [s] between lines of a log
 
 }  // namespace
-
-const std::atomic<bool>& InterruptFlag() {
-  static const bool installed = [] {
-    std::signal(SIGINT, OnInterrupt);
-    return true;
-  }();
-  static_cast<void>(installed);
-  return interrupted;
-}
 
 ProgressLine::ProgressLine(std::string title, bool quiet)
     : title_(std::move(title)),
@@ -57,10 +39,10 @@ bool ProgressLine::Due() {
 
 void ProgressLine::Print(const std::string& line) {
   if (on_terminal_) {
-    std::fprintf(stderr, "\r\033[K%s", line.c_str());
+    std::fprintf(stderr, "\r\033[K%s", PrintableLine(line).c_str());
     shown_ = true;
   } else {
-    std::fprintf(stderr, "%s\n", line.c_str());
+    std::fprintf(stderr, "%s\n", PrintableLine(line).c_str());
   }
 }
 
@@ -101,7 +83,8 @@ std::string Wrapped(const std::string& sentence, int indent, int width) {
   const std::string margin(static_cast<std::size_t>(indent), ' ');
   std::string text;
   std::string line = margin;
-  for (const auto word : SplitBlanks(sentence)) {
+  const std::string printable = PrintableLine(sentence);
+  for (const auto word : SplitBlanks(printable)) {
     const bool first = line.size() == margin.size();
     if (!first && line.size() + 1 + word.size() > static_cast<std::size_t>(width)) {
       text += line + "\n";
@@ -114,9 +97,10 @@ std::string Wrapped(const std::string& sentence, int indent, int width) {
   return text + line + "\n";
 }
 
-std::string Table(const std::vector<std::vector<std::string>>& rows, int indent) {
+std::string Table(std::vector<std::vector<std::string>> rows, int indent) {
   std::vector<std::size_t> widths;
-  for (const auto& row : rows) {
+  for (auto& row : rows) {
+    for (std::string& cell : row) cell = PrintableLine(cell);
     widths.resize(std::max(widths.size(), row.size()), 0);
     for (std::size_t i = 0; i < row.size(); ++i) widths[i] = std::max(widths[i], row[i].size());
   }
@@ -132,20 +116,15 @@ std::string Table(const std::vector<std::vector<std::string>>& rows, int indent)
   return text;
 }
 
-Status WriteText(const std::string& path, const std::string& text) {
-  if (path != "-") return ReplaceFile(path, text + "\n");
-  const bool written = std::fputs((text + "\n").c_str(), stdout) >= 0 && std::fflush(stdout) == 0;
-  return written ? Status() : Fail("standard output cannot be written: {}", std::strerror(errno));
+void Print(std::FILE* stream, const std::string& text) {
+  std::fputs(Printable(text).c_str(), stream);
 }
 
-Result<std::string> ReadText(const std::string& path) {
-  std::error_code code;
-  if (std::filesystem::is_directory(path, code)) return Fail("{}: is a folder, expected a file", path);
-  std::ifstream file(path, std::ios::binary);
-  if (!file) return Fail("{}: no such file", path);
-  std::ostringstream text;
-  text << file.rdbuf();
-  return text.str();
+Status WriteText(const std::string& path, const std::string& text) {
+  if (path != "-") return ReplaceFile(path, text + "\n");
+  const bool written =
+      std::fputs((PrintableJson(text) + "\n").c_str(), stdout) >= 0 && std::fflush(stdout) == 0;
+  return written ? Status() : Fail("standard output cannot be written: {}", std::strerror(errno));
 }
 
 }  // namespace sinew

@@ -1,17 +1,14 @@
-// What the program prints while it works, and how Ctrl-C reaches it.
+// What the program prints while it works.
 #pragma once
 
-#include <atomic>
 #include <chrono>
+#include <cstdio>
 #include <string>
 #include <vector>
 
 #include "identify/execution/evaluator.h"
 
 namespace sinew {
-
-/// Set by the first Ctrl-C; the second one ends the process. Installs the handler on first use.
-const std::atomic<bool>& InterruptFlag();
 
 /// Progress of a search on stderr: one line that is rewritten on a terminal, a plain line every few seconds
 /// when redirected, nothing when quiet.
@@ -47,12 +44,13 @@ class ProgressLine {
 [[nodiscard]] std::string Wrapped(const std::string& sentence, int indent, int width = 110);
 
 /// Columns padded to equal width; the first row is the header.
-[[nodiscard]] std::string Table(const std::vector<std::vector<std::string>>& rows, int indent);
+[[nodiscard]] std::string Table(std::vector<std::vector<std::string>> rows, int indent);
 
-/// Writes text to a file, or to standard output if the name is "-".
+/// Everything that is printed goes through this or ProgressLine: what comes from files may hold control
+/// characters.
+void Print(std::FILE* stream, const std::string& text);
+
+/// Writes JSON to a file, or to standard output if the name is "-".
 Status WriteText(const std::string& path, const std::string& text);
-
-/// The whole text of a file. Errors: no such file, a folder.
-Result<std::string> ReadText(const std::string& path);
 
 }  // namespace sinew

@@ -24,6 +24,10 @@ const char* ToString(WarningKind kind) {
       return "active_constraint";
     case WarningKind::kHeldFromSteps:
       return "held_from_steps";
+    case WarningKind::kUnfinishedStart:
+      return "unfinished_start";
+    case WarningKind::kStatedCost:
+      return "stated_cost";
     case WarningKind::kNoiseAbsorbsMisfit:
       return "noise_absorbs_misfit";
     case WarningKind::kEqualNoise:

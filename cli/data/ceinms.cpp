@@ -27,13 +27,13 @@ struct ProjectWords {
 
 Result<int> ImportProject(const ProjectWords& words) {
   CommandFiles files{{words.setup, words.execution}, {words.out}, words.json};
-  SINEW_TRY(CheckFiles(files));
+  SINEW_ASSIGN(const FileLocks locks, ClaimFiles(files));
   const TextFilesRead read;
   SINEW_ASSIGN(const CeinmsProject project, ReadCeinmsProject(words.setup, words.validate, words.execution));
   files.read = read.paths();  // now with all that the setup names
   SINEW_TRY(CheckFiles(files));
   SINEW_TRY(WriteDataset(words.out, project.data));
-  for (const std::string& note : project.notes) std::fputs(Wrapped("note: " + note, 0).c_str(), stderr);
+  for (const std::string& note : project.notes) Print(stderr, Wrapped("note: " + note, 0));
   std::size_t train = 0;
   for (const auto& [name, trial] : project.data.trials) train += trial.role == Role::kTrain ? 1 : 0;
   SINEW_TRY(Report(
@@ -49,13 +49,13 @@ struct SubjectWords {
 };
 
 Result<int> WriteSubject(const SubjectWords& words) {
-  SINEW_TRY(CheckFiles({{words.run}, {words.out}, ""}));
+  SINEW_ASSIGN(const FileLocks locks, ClaimFiles({{words.run}, {words.out}, ""}));
   SINEW_ASSIGN(const Hdf5Node root, ReadHdf5(words.run));
   const Hdf5Node* node = root.Find("details/subject");
   const std::string* text = node == nullptr ? nullptr : node->text();
   if (text == nullptr) return Fail("{}: holds no subject: expected a run of `sinew identify nms`", words.run);
   SINEW_TRY(ReplaceFile(words.out, *text));
-  std::printf("%s: the subject of %s\n", words.out.c_str(), words.run.c_str());
+  Print(stdout, fmt::format("{}: the subject of {}\n", words.out, words.run));
   return kDone;
 }
 

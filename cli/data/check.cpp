@@ -75,8 +75,9 @@ Result<Result<Layout>> LayoutOf(const CheckWords& words, const Dataset& data) {
 Result<int> Check(const CheckWords& words) {
   if (!words.mask.empty() && words.mask != "auto") return Fail("--mask {}: expected auto", words.mask);
   if (words.mask.empty() && !words.out.empty()) return Fail("--out: nothing is written without --mask auto");
-  SINEW_TRY(words.mask.empty() ? CheckFiles({{words.path, words.config}, {}, words.json})
-                               : CheckInPlace(words.path, words.out, {words.config}, words.json));
+  SINEW_ASSIGN(const FileLocks locks, words.mask.empty()
+                                          ? ClaimFiles({{words.path, words.config}, {}, words.json})
+                                          : ClaimInPlace(words.path, words.out, {words.config}, words.json));
   SINEW_ASSIGN(Dataset data, ReadDataset(words.path));
   std::string cannot_bind;
   std::vector<std::string> compared;
@@ -109,14 +110,12 @@ Result<int> Check(const CheckWords& words) {
   if (why.empty() && !HasTrainingData(masked, compared))
     why = fmt::format("no training trial has anything measured left of {}", Join(compared, ", "));
   if (why.empty()) return kDone;
-  std::fputs(
-      Wrapped("sinew: no usable data: " + why +
-                  (report.findings.empty() ? ""
-                                           : "; correct on import what is said above, give another trial the "
-                                             "role train, or record again"),
-              0)
-          .c_str(),
-      stderr);
+  Print(stderr, Wrapped("sinew: no usable data: " + why +
+                            (report.findings.empty()
+                                 ? ""
+                                 : "; correct on import what is said above, give another trial the "
+                                   "role train, or record again"),
+                        0));
   return kNotUsable;
 }
 

@@ -23,7 +23,7 @@ struct CutWords {
 };
 
 Result<int> Cut(const CutWords& words) {
-  SINEW_TRY(CheckInPlace(words.path, "", {}, words.json));
+  SINEW_ASSIGN(const FileLocks locks, ClaimInPlace(words.path, "", {}, words.json));
   SINEW_ASSIGN(Dataset data, ReadDataset(words.path));
   const auto ends = Split(words.window, ':');
   const auto first = ends.size() == 2 ? ParseNumber(ends[0]) : std::nullopt;
@@ -51,7 +51,7 @@ Result<int> Cut(const CutWords& words) {
 }
 
 Result<int> Drop(const std::string& path, const std::string& trial, const std::string& json) {
-  SINEW_TRY(CheckInPlace(path, "", {}, json));
+  SINEW_ASSIGN(const FileLocks locks, ClaimInPlace(path, "", {}, json));
   SINEW_ASSIGN(Dataset data, ReadDataset(path));
   if (data.trials.erase(trial) == 0) {
     std::vector<std::string> names;

@@ -61,7 +61,7 @@ std::string ToText(const nlohmann::ordered_json& json) {
 
 Status Report(const std::string& path, const std::function<nlohmann::ordered_json()>& json,
               const std::string& text) {
-  if (path != "-") std::fputs(text.c_str(), stdout);
+  if (path != "-") Print(stdout, text);
   return path.empty() ? Status() : WriteText(path, ToText(json()));
 }
 

@@ -82,13 +82,13 @@ Result<ExcitationSettings> ParseSettings(const EnvelopeWords& words) {
 
 Result<int> MakeEnvelope(const EnvelopeWords& words) {
   SINEW_ASSIGN(const ExcitationSettings settings, ParseSettings(words));
-  SINEW_TRY(CheckInPlace(words.path, words.out, {}, words.json));
+  SINEW_ASSIGN(const FileLocks locks, ClaimInPlace(words.path, words.out, {}, words.json));
   SINEW_ASSIGN(Dataset data, ReadDataset(words.path));
   const auto report = AddExcitations(data, settings);
   if (!report) return Fail("{}: {}", words.path, report.error().message);
   const std::string& out = words.out.empty() ? words.path : words.out;
   SINEW_TRY(WriteDataset(out, data));
-  for (const std::string& note : report->notes) std::fputs(Wrapped("note: " + note, 0).c_str(), stderr);
+  for (const std::string& note : report->notes) Print(stderr, Wrapped("note: " + note, 0));
   SINEW_TRY(Report(
       words.json, [&] { return DatasetJson(data); }, out + ": " + Join(report->lines, "\n  ") + "\n"));
   return kDone;

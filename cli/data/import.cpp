@@ -4,6 +4,7 @@
 #include <cstdio>
 #include <filesystem>
 
+#include "base/read_file.h"
 #include "cli/command_files.h"
 #include "cli/data/data_commands.h"
 #include "cli/data/dataset_json.h"
@@ -18,7 +19,7 @@ namespace sinew {
 namespace {
 
 void PrintNotes(const std::vector<std::string>& notes) {
-  for (const std::string& note : notes) std::fputs(Wrapped("note: " + note, 0).c_str(), stderr);
+  for (const std::string& note : notes) Print(stderr, Wrapped("note: " + note, 0));
 }
 
 struct ImportWords {
@@ -44,7 +45,7 @@ Result<std::shared_ptr<const MultibodyModel>> FindModel(const ImportWords& words
   std::string name;
   for (const std::string& file : words.files) {
     if (std::filesystem::path(file).extension() != ".osim") continue;
-    SINEW_ASSIGN(text, ReadText(file));
+    SINEW_ASSIGN(text, ReadFile(file));
     name = file;
   }
   const auto stored = data.files.find("model.osim");
@@ -61,7 +62,7 @@ Result<std::shared_ptr<const MultibodyModel>> FindModel(const ImportWords& words
 Result<int> Import(const ImportWords& words) {
   std::vector<std::string> read = words.files;
   read.insert(read.end(), {words.map, words.external_loads});
-  SINEW_TRY(CheckFiles({read, {words.out}, words.json}));
+  SINEW_ASSIGN(const FileLocks locks, ClaimFiles({read, {words.out}, words.json}));
   Dataset data;
   if (words.append && std::filesystem::exists(words.out)) {
     SINEW_ASSIGN(data, ReadDataset(words.out));

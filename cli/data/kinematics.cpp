@@ -1,5 +1,6 @@
 // sinew data kinematics: inverse kinematics of every trial with markers.
 #include "base/numbers.h"
+#include "base/read_file.h"
 #include "base/text.h"
 #include "cli/command_files.h"
 #include "cli/data/data_commands.h"
@@ -87,10 +88,10 @@ nlohmann::ordered_json ToJson(const Dataset& data, const std::vector<KinematicsF
 
 Result<int> Kinematics(const KinematicsWords& words) {
   const auto limit = words.work.LimitThreads();
-  SINEW_TRY(CheckInPlace(words.path, "", {words.model, words.weights}, words.json));
+  SINEW_ASSIGN(const FileLocks locks, ClaimInPlace(words.path, "", {words.model, words.weights}, words.json));
   SINEW_ASSIGN(Dataset data, ReadDataset(words.path));
   if (!words.model.empty()) {
-    SINEW_ASSIGN(data.files["model.osim"], ReadText(words.model));
+    SINEW_ASSIGN(data.files["model.osim"], ReadFile(words.model));
   }
   const auto file = data.files.find("model.osim");
   if (file == data.files.end()) return Fail("{}: holds no model.osim: expected --model M.osim", words.path);
@@ -99,7 +100,7 @@ Result<int> Kinematics(const KinematicsWords& words) {
   SINEW_ASSIGN(const MultibodyModel model, MultibodyModel::Build(osim));
   IkSetup setup;
   if (!words.weights.empty()) {
-    SINEW_ASSIGN(const std::string text, ReadText(words.weights));
+    SINEW_ASSIGN(const std::string text, ReadFile(words.weights));
     SINEW_ASSIGN(setup, ReadIkSetup(text, words.weights));
   }
 

@@ -1,6 +1,7 @@
 // sinew data muscles: lengths and moment arms of muscles along the joint angles of every trial.
 #include <memory>
 
+#include "base/read_file.h"
 #include "base/text.h"
 #include "cli/command_files.h"
 #include "cli/data/data_commands.h"
@@ -26,10 +27,10 @@ struct MusclesWords {
 
 Result<int> Muscles(const MusclesWords& words) {
   const std::string out = words.out.empty() ? words.path : words.out;
-  SINEW_TRY(CheckInPlace(words.path, words.out, {words.model}, words.json));
+  SINEW_ASSIGN(const FileLocks locks, ClaimInPlace(words.path, words.out, {words.model}, words.json));
   SINEW_ASSIGN(Dataset data, ReadDataset(words.path));
   if (!words.model.empty()) {
-    SINEW_ASSIGN(data.files["model.osim"], ReadText(words.model));
+    SINEW_ASSIGN(data.files["model.osim"], ReadFile(words.model));
   }
   const auto file = data.files.find("model.osim");
   if (file == data.files.end()) return Fail("{}: holds no model.osim: expected --model M.osim", words.path);

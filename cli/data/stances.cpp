@@ -151,8 +151,8 @@ Result<std::vector<std::string>> Searched(const StancesWords& words, const Datas
 
 Result<int> Stances(const StancesWords& words) {
   if (words.list && (words.drop || !words.out.empty())) return Fail("--list: nothing is written with it");
-  SINEW_TRY(words.list ? CheckFiles({{words.path}, {}, words.json})
-                       : CheckInPlace(words.path, words.out, {}, words.json));
+  SINEW_ASSIGN(const FileLocks locks, words.list ? ClaimFiles({{words.path}, {}, words.json})
+                                                 : ClaimInPlace(words.path, words.out, {}, words.json));
   SINEW_ASSIGN(Dataset data, ReadDataset(words.path));
   SINEW_ASSIGN(const std::vector<std::string> names, Searched(words, data));
   std::vector<FoundStances> all;
@@ -181,7 +181,7 @@ Result<int> Stances(const StancesWords& words) {
   SINEW_TRY(Report(
       words.json, [&] { return StancesJson(all); }, text));
   if (made == 0) {
-    std::fprintf(stderr, "sinew: no usable answer: %s: no whole stance was found\n", words.path.c_str());
+    Print(stderr, fmt::format("sinew: no usable answer: {}: no whole stance was found\n", words.path));
     return kNotUsable;
   }
   return kDone;

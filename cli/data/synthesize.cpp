@@ -40,7 +40,7 @@ Result<int> Synthesize(const SynthesizeWords& words) {
   SINEW_ASSIGN(const ProblemEntry* entry, FindProblem(words.program->problems, words.problem));
   if (entry->synthesize == nullptr)
     return Fail("data synthesize: the problem '{}' has no synthetic experiment", entry->name);
-  SINEW_TRY(CheckFiles({{}, {words.out}, words.json}));
+  SINEW_ASSIGN(const FileLocks locks, ClaimFiles({{}, {words.out}, words.json}));
   SynthesisRequest request;
   request.seed = words.work.seed;
   request.noise = words.noise;

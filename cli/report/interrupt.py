@@ -1,24 +1,27 @@
-"""Ctrl-C, asked about where the report can stop in order.
+"""Ctrl-C and SIGTERM, asked about where the report can stop in order.
 
-An exception out of nowhere would tear imports, temporary files and kernels apart at any line, so the signal is held
+An exception out of nowhere would tear imports, temporary files and kernels apart at any line, so the signals are held
 from the first line of the program to its last.
 """
 import signal
 
+STOPS = (signal.SIGINT, signal.SIGTERM)
+
 
 class Interrupted(Exception):
-    """Ctrl-C was pressed."""
+    """The report was told to stop; its argument is the signal."""
 
 
 def hold():
-    """Ctrl-C waits until it is asked about; so it does in every thread and process begun later."""
-    signal.pthread_sigmask(signal.SIG_BLOCK, {signal.SIGINT})
+    """The signals wait until they are asked about; so they do in every thread and process begun later."""
+    signal.pthread_sigmask(signal.SIG_BLOCK, STOPS)
 
 
 def pressed():
-    return signal.SIGINT in signal.sigpending()
+    """The signal that waits, or None."""
+    return next((stop for stop in STOPS if stop in signal.sigpending()), None)
 
 
 def stop_if_pressed():
     if pressed():
-        raise Interrupted
+        raise Interrupted(pressed())

@@ -10,6 +10,7 @@ import nbformat
 import interrupt
 import notebook
 import page
+import replace
 import run_file
 
 RUN_PARTS = (("prediction", "run_prediction"), ("fit", "run_fit"), ("unused", "run_unused"),
@@ -194,15 +195,7 @@ async def _execute_all(notebooks, folder, threads):
 
 def _write_all(folder, texts):
     """Everything under temporary names first, then renamed: a full disk leaves the old report as it was."""
-    waiting = {name: os.path.join(folder, f".{name}.tmp") for name in texts}
     try:
-        for name, temporary in waiting.items():
-            with open(temporary, "w", encoding="utf-8") as file:
-                file.write(texts[name])
-        for name, temporary in waiting.items():
-            os.replace(temporary, os.path.join(folder, name))
+        replace.replace_all(folder, texts)
     except OSError as error:
-        for temporary in waiting.values():
-            if os.path.exists(temporary):
-                os.remove(temporary)
         raise ReportFailed(f"{folder}: cannot be written: {error.strerror}") from error

@@ -38,6 +38,7 @@ DETERMINED = ("identifiable", "weak")  # has a value of its own: correlations wi
 STUDY_COLUMNS = ("solver", "seed", "cost", "success", "evaluations", "evaluations_to_target", "seconds",
                  "seconds_to_target", "stop_reason", "values")
 CONTACT_ARRAYS = ("time", "outline", "pressure", "slip", "centre_of_pressure")
+DEEPEST = 32
 CHECK_SECONDS = 30  # a check reads names and sizes, not data: it takes milliseconds
 
 
@@ -63,6 +64,8 @@ def read(path):
         raise BadInput(f"{path}: no such file")
     if os.path.isdir(path):
         raise BadInput(f"{path}: is a folder, expected a file that sinew identify, diagnose or compare wrote")
+    if not os.path.isfile(path):
+        raise BadInput(f"{path}: is a device, a pipe or a socket, expected a file that sinew identify, diagnose or compare wrote")
     answer = _in_own_process(_look, path)
     if answer is None:
         raise BadInput(f"{path}: is damaged: the HDF5 library cannot read it")
@@ -75,11 +78,29 @@ def _look(path):
     """The checked file, or the sentence that says what is wrong with it."""
     try:
         with h5py.File(path, "r") as file:
+            _refuse_other_files(path, file)
             return _check(path, file)
     except BadInput as error:
         return str(error)
     except Exception as error:  # whatever damaged bytes make the library raise
         return f"{path}: cannot be read as HDF5: {_one_line(error)}"
+
+
+def _refuse_other_files(path, group, depth=0):
+    """A file of somebody else may lead to any file of the user: by links, or as the home of its numbers."""
+    if depth > DEEPEST:
+        raise BadInput(f"{path}: groups nested more than {DEEPEST} deep")
+    for name in group:
+        link = group.get(name, getlink=True)
+        if not isinstance(link, h5py.HardLink):
+            raise BadInput(f"{path}: {group.name}: member '{name}' is a link, expected the data themselves")
+        node = group[name]
+        if isinstance(node, h5py.Group):
+            _refuse_other_files(path, node, depth + 1)
+        elif isinstance(node, h5py.Dataset):
+            made = node.id.get_create_plist()
+            if made.get_external_count() > 0 or made.get_layout() == h5py.h5d.VIRTUAL:
+                raise BadInput(f"{path}: {node.name}: its numbers are in another file, expected them in this one")
 
 
 def _in_own_process(function, argument):

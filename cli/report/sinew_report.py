@@ -2,7 +2,8 @@
 
     sinew_report.py FILE.h5... --out-dir DIR [--threads N]
 
-Exit status: 0 done; 1 the report could not be made (the message says why); 2 bad input or usage, one line on stderr.
+Exit status: 0 done; 1 the report could not be made (the message says why); 2 bad input or usage, one line on stderr;
+130 or 143 stopped by SIGINT or SIGTERM.
 Nothing is written unless everything could be made.
 """
 import argparse
@@ -16,7 +17,7 @@ import interrupt
 
 interrupt.hold()
 
-DONE, FAILED, BAD_INPUT = 0, 1, 2
+DONE, FAILED, BAD_INPUT, STOPPED = 0, 1, 2, 128
 
 
 class OneLineParser(argparse.ArgumentParser):
@@ -25,6 +26,11 @@ class OneLineParser(argparse.ArgumentParser):
     def error(self, message):
         print(f"sinew: error: {message}", file=sys.stderr)
         sys.exit(BAD_INPUT)
+
+
+def printable(message):
+    """One line without control characters: names come from files of others, and a terminal obeys them."""
+    return "".join(c if c.isprintable() else c.encode("unicode_escape").decode() for c in str(message))
 
 
 def parse(arguments):
@@ -49,14 +55,14 @@ def make(options):
     try:
         entry = publish.publish(options.files, options.out_dir, options.threads)
     except BadInput as error:
-        print(f"sinew: error: {error}", file=sys.stderr)
+        print(f"sinew: error: {printable(error)}", file=sys.stderr)
         return BAD_INPUT
     except publish.ReportFailed as error:
-        print(f"sinew: the report could not be made: {error}", file=sys.stderr)
+        print(f"sinew: the report could not be made: {printable(error)}", file=sys.stderr)
         return FAILED
-    except interrupt.Interrupted:
-        print("sinew: the report was interrupted; nothing was written", file=sys.stderr)
-        return FAILED
+    except interrupt.Interrupted as error:
+        print(f"sinew: stopped by {error.args[0].name}; nothing was written: begin it again", file=sys.stderr)
+        return STOPPED + error.args[0]
     print(f"Report: {entry}")
     return DONE
 

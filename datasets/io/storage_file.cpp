@@ -5,6 +5,7 @@
 #include <iterator>
 #include <set>
 
+#include "base/printable.h"
 #include "base/replace_file.h"
 #include "base/text.h"
 #include "datasets/io/cells.h"
@@ -248,9 +249,9 @@ Status WriteStorage(const std::string& path, const Storage& storage) {
   fmt::memory_buffer text;
   auto out = std::back_inserter(text);
   fmt::format_to(out, "{}\nversion=1\nnRows={}\nnColumns={}\ninDegrees={}\nendheader\ntime",
-                 storage.title.empty() ? "sinew" : storage.title, storage.time.size(),
+                 storage.title.empty() ? "sinew" : PrintableLine(storage.title), storage.time.size(),
                  storage.names.size() + 1, storage.in_degrees.value_or(false) ? "yes" : "no");
-  for (const std::string& name : storage.names) fmt::format_to(out, "\t{}", name);
+  for (const std::string& name : storage.names) fmt::format_to(out, "\t{}", PrintableLine(name));
   for (std::size_t row = 0; row < storage.time.size(); ++row) {
     fmt::format_to(out, "\n{}", storage.time[row]);
     for (const auto& column : storage.columns) fmt::format_to(out, "\t{}", column[row]);

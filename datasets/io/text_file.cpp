@@ -1,8 +1,6 @@
 #include "datasets/io/text_file.h"
 
-#include <filesystem>
-#include <fstream>
-#include <sstream>
+#include "base/read_file.h"
 
 namespace sinew {
 namespace {
@@ -32,16 +30,7 @@ void TextFilesRead::Remember(const std::string& path) {
 
 Result<std::string> ReadTextFile(const std::string& path) {
   if (innermost != nullptr) innermost->Remember(path);
-  std::error_code code;
-  if (!std::filesystem::exists(path, code)) return Fail("{}: no such file", path);
-  if (std::filesystem::is_directory(path, code)) return Fail("{}: is a folder, expected a file", path);
-  std::ifstream file(path, std::ios::binary);
-  std::ostringstream buffer;
-  if (!file) return Fail("{}: cannot be opened (no permission?)", path);
-  if (file.peek() != std::ifstream::traits_type::eof()) buffer << file.rdbuf();
-  if (file.bad() || buffer.fail()) return Fail("{}: cannot be read", path);
-
-  std::string text = buffer.str();
+  SINEW_ASSIGN(std::string text, ReadFile(path));
   if (text.empty()) return Fail("{}: is empty", path);
   if (StartsWith(text, "\xFF\xFE") || StartsWith(text, "\xFE\xFF")) {
     return Fail("{}: is UTF-16 text, expected UTF-8; save it as plain or UTF-8 text", path);
@@ -51,10 +40,8 @@ Result<std::string> ReadTextFile(const std::string& path) {
 }
 
 std::string ByteOrderMarkOf(const std::string& path) {
-  std::ifstream file(path, std::ios::binary);
-  std::string begin(kUtf8Mark.size(), ' ');
-  file.read(begin.data(), static_cast<std::streamsize>(begin.size()));
-  return file && begin == kUtf8Mark ? begin : "";
+  const Result<std::string> text = ReadFile(path);
+  return text && StartsWith(*text, kUtf8Mark) ? std::string(kUtf8Mark) : "";
 }
 
 bool LineReader::Next(std::string_view& line) {

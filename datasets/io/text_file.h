@@ -9,7 +9,7 @@
 
 namespace sinew {
 
-/// The text of a file without a byte-order mark. Errors: no such file, a folder, not readable, empty, UTF-16.
+/// The text of a file without a byte-order mark. Errors: those of ReadFile, empty, UTF-16.
 Result<std::string> ReadTextFile(const std::string& path);
 
 /// "" or the byte-order mark of UTF-8 that ReadTextFile leaves out, to be written back with the text.

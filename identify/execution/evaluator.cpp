@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <mutex>
 
 #include "base/constants.h"
 
@@ -18,7 +19,22 @@ Evaluator::Evaluator(const LeastSquares& fit, Options options)
     : fit_(fit),
       options_(std::move(options)),
       workspace_(fit.NewWorkspace()),
-      gradient_jacobian_(fit.NewJacobian()) {}
+      gradient_jacobian_(fit.NewJacobian()) {
+  if (options_.watch == nullptr) return;
+  const std::lock_guard lock(options_.watch->mutex);
+  options_.watch->running = this;
+}
+
+Evaluator::~Evaluator() {
+  if (options_.watch == nullptr) return;
+  const std::lock_guard lock(options_.watch->mutex);
+  options_.watch->running = nullptr;
+}
+
+std::unique_lock<std::mutex> Evaluator::LockRecord() const {
+  return options_.watch == nullptr ? std::unique_lock<std::mutex>()
+                                   : std::unique_lock<std::mutex>(options_.watch->mutex);
+}
 
 double Evaluator::seconds() const {
   return std::chrono::duration<double>(std::chrono::steady_clock::now() - options_.began).count();
@@ -73,10 +89,11 @@ std::optional<std::string> Evaluator::Violated(const Vector& x) const {
 }
 
 void Evaluator::Keep(TraceEntry entry) {
+  const bool better = std::isfinite(entry.cost) && (best_ < 0 || entry.cost < best().cost);
+  const bool is_best = better && !Violated(entry.x);  // may need a prediction: not while the record is locked
+  const auto lock = LockRecord();
   trace_.push_back(std::move(entry));
-  const TraceEntry& kept = trace_.back();
-  const bool better = std::isfinite(kept.cost) && (best_ < 0 || kept.cost < best().cost);
-  if (better && !Violated(kept.x)) best_ = static_cast<long>(trace_.size()) - 1;
+  if (is_best) best_ = static_cast<long>(trace_.size()) - 1;
 }
 
 void Evaluator::Record(const Vector& x, double cost) {
@@ -147,6 +164,39 @@ Evaluator::Outcome Evaluator::Gradient(const Vector& x, double& cost, Vector& gr
     }
   }
   return outcome;
+}
+
+void Evaluator::AbsorbFinished(const Evaluator& child, FinishedSearch search) {
+  search.first = evaluations();
+  search.evaluations = child.evaluations();
+  search.failures = child.failures_;
+  search.infeasible = child.infeasible_;
+  search.first_failure = child.first_failure_;
+  {
+    const auto lock = LockRecord();
+    finished_.push_back(std::move(search));
+  }
+  Absorb(child);
+}
+
+const FinishedSearch* Evaluator::FindFinished(const std::string& solver, const Vector& start,
+                                              long max_evaluations) const {
+  const auto same = [&](const FinishedSearch& search) {
+    return search.solver == solver && search.max_evaluations == max_evaluations &&
+           search.start.size() == start.size() && search.start == start;
+  };
+  const auto found = std::find_if(options_.finished.begin(), options_.finished.end(), same);
+  return found == options_.finished.end() ? nullptr : &*found;
+}
+
+void Evaluator::Restore(const Evaluator& parent, const FinishedSearch& search) {
+  const auto& recorded = parent.options_.replay;
+  const auto end =
+      std::min<std::size_t>(recorded.size(), static_cast<std::size_t>(search.first + search.evaluations));
+  for (auto i = static_cast<std::size_t>(search.first); i < end; ++i) Keep(recorded[i]);
+  failures_ = search.failures;
+  infeasible_ = search.infeasible;
+  first_failure_ = search.first_failure;
 }
 
 void Evaluator::Absorb(const Evaluator& child) {

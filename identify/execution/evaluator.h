@@ -6,10 +6,12 @@
 #include <chrono>
 #include <functional>
 #include <limits>
+#include <mutex>
 #include <optional>
 #include <string>
 #include <vector>
 
+#include "identify/execution/finished_search.h"
 #include "identify/least_squares.h"
 
 namespace sinew {
@@ -33,6 +35,14 @@ struct Progress {
   long evaluations = 0;
   double seconds = 0;
   double best_cost = std::numeric_limits<double>::infinity();
+};
+
+class Evaluator;
+
+/// Lets another thread read the record of a search while it runs: to save it before the process is ended.
+struct EvaluatorWatch {
+  std::mutex mutex;                    ///< held while the record changes
+  const Evaluator* running = nullptr;  ///< under the mutex; its trace, best point and counts may be read
 };
 
 /// Evaluations of one search, with their record.
@@ -62,11 +72,17 @@ class Evaluator {
     double target_cost = -std::numeric_limits<double>::infinity();  ///< stop when the cost is at or below it
     const std::atomic<bool>* interrupt = nullptr;                   ///< set to true by Ctrl-C; may be null
     std::function<void(const Progress&, const Evaluator&)> progress;  ///< called at every evaluation
+    EvaluatorWatch* watch = nullptr;                                  ///< of this search; may be null
+    /// Of the run that is resumed: their evaluations are those of `replay` from `first` on.
+    std::vector<FinishedSearch> finished;
     std::vector<TraceEntry> replay;  ///< evaluations of the run that is resumed, in their order
     std::chrono::steady_clock::time_point began = std::chrono::steady_clock::now();
   };
 
   Evaluator(const LeastSquares& fit, Options options);
+  ~Evaluator();
+  Evaluator(const Evaluator&) = delete;
+  Evaluator& operator=(const Evaluator&) = delete;
 
   /// Treatment of a point that violates a constraint of the problem. Such a point never becomes best().
   enum class Infeasible {
@@ -119,6 +135,16 @@ class Evaluator {
   /// Appends the evaluations of a child (one start of a multi-start) to this record, updates the best point
   /// and the counts. The order of the calls is the order of the trace.
   void Absorb(const Evaluator& child);
+  /// The same, of a search that came to its end by itself. @param search all but `first`, which is set here
+  void AbsorbFinished(const Evaluator& child, FinishedSearch search);
+  /// All that were absorbed so, in that order.
+  [[nodiscard]] const std::vector<FinishedSearch>& finished() const { return finished_; }
+
+  /// The search of Options::finished that was asked the same, or nullptr.
+  [[nodiscard]] const FinishedSearch* FindFinished(const std::string& solver, const Vector& start,
+                                                   long max_evaluations) const;
+  /// Takes the evaluations of such a search over, of the parent that is resumed. @pre nothing was evaluated
+  void Restore(const Evaluator& parent, const FinishedSearch& search);
 
  private:
   [[nodiscard]] long evaluation_limit() const;
@@ -127,6 +153,7 @@ class Evaluator {
   /// The record of this evaluation if the run is resumed and its recorded point is x, else nullptr.
   const TraceEntry* Replayed(const Vector& x) const;
   void Keep(TraceEntry entry);
+  [[nodiscard]] std::unique_lock<std::mutex> LockRecord() const;
   void Record(const Vector& x, double cost);
   Outcome RecordFailure(const Vector& x, const Error& error);
 
@@ -135,6 +162,7 @@ class Evaluator {
   mutable LeastSquares::Workspace workspace_;  // scratch
   SparseJacobian gradient_jacobian_;
   std::vector<TraceEntry> trace_;
+  std::vector<FinishedSearch> finished_;
   long best_ = -1;
   long failures_ = 0;
   long infeasible_ = 0;

@@ -7,6 +7,7 @@
 #include "base/constants.h"
 #include "base/text.h"
 #include "identify/files/run_groups.h"
+#include "identify/files/searches.h"
 #include "identify/text/findings.h"
 #include "identify/text/reasons.h"
 #include "identify/text/warnings.h"
@@ -188,7 +189,7 @@ Result<Hdf5Node> RunTree(const Problem& problem, const Identification& identific
   Hdf5Node& run = root.At("run");
   files::WriteProvenance(provenance, identification.solver, identification.solver_options.seed, run);
   const SolverResult& result = identification.result;
-  run.attributes["finished"] = std::int64_t{result.stop.kind == Termination::kInterrupted ? 0 : 1};
+  run.attributes["finished"] = std::int64_t{identification.interrupted ? 0 : 1};
   run.attributes["stop_reason"] = std::string(ToString(result.stop.kind));
   run.attributes["stop_test"] = result.stop.test;
   run.attributes["converged"] = std::int64_t{result.stop.converged() ? 1 : 0};
@@ -196,12 +197,16 @@ Result<Hdf5Node> RunTree(const Problem& problem, const Identification& identific
   run.attributes["evaluations"] = static_cast<std::int64_t>(identification.trace.size());
   run.attributes["failures"] = static_cast<std::int64_t>(identification.failures);
   run.attributes["iterations"] = std::int64_t{result.iterations};
+  run.attributes["steps"] = static_cast<std::int64_t>(identification.steps.size());
   run.attributes["seconds"] = identification.seconds;
   run.attributes["cost"] = result.cost;
   run.attributes["objective"] = problem.objective();
   files::WriteSentences(text::Findings(identification), identification.warnings,
                         text::Warnings(identification), run);
   files::WriteTrace(identification.trace, FreeNames(identification.setup), root.At("trace"));
+  if (!identification.finished.empty())
+    files::WriteSearches(identification.finished, FreeNames(identification.setup).size(),
+                         root.At("searches"));
   if (!result.stages.empty()) WriteStages(result.stages, root.At("stages"));
   if (!result.stop.usable()) return root;
 
@@ -225,9 +230,14 @@ Hdf5Node UnfinishedRunTree(const LeastSquares& problem, const IdentificationOpti
   run.attributes["converged"] = std::int64_t{0};
   run.attributes["usable"] = std::int64_t{evaluator.has_best() ? 1 : 0};
   run.attributes["evaluations"] = static_cast<std::int64_t>(evaluator.evaluations());
+  run.attributes["failures"] = static_cast<std::int64_t>(evaluator.failures());
+  run.attributes["iterations"] = std::int64_t{0};
+  run.attributes["seconds"] = evaluator.seconds();
   run.attributes["cost"] = evaluator.has_best() ? evaluator.best().cost : kNaN;
   run.attributes["objective"] = problem.problem().objective();
   files::WriteTrace(evaluator.trace(), FreeNames(problem.setup()), root.At("trace"));
+  if (!evaluator.finished().empty())
+    files::WriteSearches(evaluator.finished(), problem.setup().free.size(), root.At("searches"));
   const Vector best = evaluator.has_best() ? problem.Parameters(evaluator.best().x) : problem.setup().rest;
   files::WriteParameters(problem.setup(), best, root.At("parameters"));
   return root;
@@ -244,6 +254,9 @@ Result<RecordedRun> ReadRun(const std::string& path) {
   recorded.solver = run->Text("solver");
   recorded.data_hash = run->Text("data_hash");
   recorded.seed = SeedOf(*run);
+  recorded.version = run->Text("version");
+  recorded.cost = root.Find("diagnosis") == nullptr ? run->Number("cost", kNaN) : kNaN;
+  recorded.steps = static_cast<int>(run->Number("steps", 0));
   recorded.finished = run->Number("finished", 0) == 1;
 
   const Hdf5Node* names = root.Find("parameters/name");
@@ -282,6 +295,8 @@ Result<RecordedRun> ReadRun(const std::string& path) {
     recorded.trace.push_back(
         {seconds->array()->values[i], cost->array()->values[i], Eigen::Map<const Vector>(row, width)});
   }
+  SINEW_ASSIGN(recorded.finished_searches,
+               files::ReadSearches(path, root, recorded.trace.size(), x->array()->shape[1]));
   return recorded;
 }
 

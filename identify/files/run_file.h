@@ -35,9 +35,14 @@ struct RecordedRun {
   std::string solver;
   std::string data_hash;
   std::uint64_t seed = 1;
+  std::string version;
+  double cost =
+      0;  ///< of its values; NaN if there are none, or of a diagnosis, whose cost is of other residuals
+  int steps = 0;  ///< of a stepwise fit: those before the last, of which alone cost and trace are
   bool finished = false;
   std::vector<std::string> variables;  ///< names of the free parameters
   std::vector<TraceEntry> trace;
+  std::vector<FinishedSearch> finished_searches;
   std::vector<std::pair<std::string, double>> values;  ///< every parameter
   /// Nuisance values of trials or with a prior: other data need not have them.
   std::set<std::string> incidental;

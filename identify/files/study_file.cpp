@@ -29,16 +29,17 @@ void WriteFreeParameters(const Problem& problem, const Study& study, Hdf5Node& n
 }
 
 void WriteRuns(const Study& study, Hdf5Node& node) {
-  std::vector<std::string> solver, stop;
+  std::vector<std::string> solver, stop, test;
   std::vector<double> seed, cost, success, evaluations, to_target, seconds, seconds_to_target, values;
   for (const StudyRun& run : study.runs) {
     const StudyRun::Effort effort = run.ToTarget(study.target);
     solver.push_back(run.solver);
     stop.emplace_back(ToString(run.stop.kind));
+    test.push_back(run.stop.test);
     seed.push_back(static_cast<double>(run.seed));
     cost.push_back(run.cost);
     success.push_back(run.cost <= study.target ? 1 : 0);
-    evaluations.push_back(static_cast<double>(run.trace.size()));
+    evaluations.push_back(static_cast<double>(run.evaluations));
     to_target.push_back(effort.evaluations);
     seconds.push_back(run.seconds);
     seconds_to_target.push_back(effort.seconds);
@@ -47,6 +48,7 @@ void WriteRuns(const Study& study, Hdf5Node& node) {
   }
   node.At("solver").data = solver;
   node.At("stop_reason").data = stop;
+  node.At("stop_test").data = test;
   node.At("seed").SetVector(seed);
   node.At("cost").SetVector(cost);
   node.At("success").SetVector(success);
@@ -57,9 +59,26 @@ void WriteRuns(const Study& study, Hdf5Node& node) {
   node.At("values").SetMatrix(study.runs.size(), study.free.size(), values);
 }
 
+void WriteImprovements(const Study& study, Hdf5Node& node) {
+  std::vector<double> of_run, evaluation, cost, seconds;
+  for (std::size_t r = 0; r < study.runs.size(); ++r) {
+    for (const StudyRun::Improvement& better : study.runs[r].improvements) {
+      of_run.push_back(static_cast<double>(r));
+      evaluation.push_back(static_cast<double>(better.evaluation));
+      cost.push_back(better.cost);
+      seconds.push_back(better.seconds);
+    }
+  }
+  node.At("run").SetVector(std::move(of_run));
+  node.At("evaluation").SetVector(std::move(evaluation));
+  node.At("cost").SetVector(std::move(cost));
+  node.At("seconds").SetVector(std::move(seconds));
+}
+
 }  // namespace
 
-Hdf5Node StudyTree(const Problem& problem, const Study& study, const Provenance& provenance) {
+Hdf5Node StudyTree(const Problem& problem, const Study& study, const Provenance& provenance,
+                   const Hdf5Node& origin) {
   Hdf5Node root;
   Hdf5Node& node = root.At("study");
   node.attributes["sinew_schema"] = std::string("study/1");
@@ -69,15 +88,19 @@ Hdf5Node StudyTree(const Problem& problem, const Study& study, const Provenance&
   node.attributes["synthetic"] = std::int64_t{provenance.synthetic ? 1 : 0};
   node.attributes["version"] = std::string(kVersion);
   node.attributes["objective"] = problem.objective();
+  node.attributes["finished"] = std::int64_t{study.finished ? 1 : 0};
   node.attributes["target"] = study.target;
   node.attributes["best_cost"] = study.best;
   WriteFreeParameters(problem, study, node.At("parameters"));
   WriteRuns(study, node.At("runs"));
+  WriteImprovements(study, node.At("improvements"));
+  node.At("origin") = origin;
   return root;
 }
 
 std::string StudyJson(const Problem& problem, const Study& study, const Provenance& provenance) {
   Json json = ResultHead("sinew.study/1", provenance);
+  json["finished"] = study.finished;
   json["best_cost"] = Finite(study.best);
   json["target"] = Finite(study.target);
   json["solvers"] = Json::array();

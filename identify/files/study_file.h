@@ -9,8 +9,9 @@
 
 namespace sinew::files {
 
-/// Group /study, schema study/1.
-[[nodiscard]] Hdf5Node StudyTree(const Problem& problem, const Study& study, const Provenance& provenance);
+/// Group /study, schema study/1. @param origin of files::OriginTree
+[[nodiscard]] Hdf5Node StudyTree(const Problem& problem, const Study& study, const Provenance& provenance,
+                                 const Hdf5Node& origin);
 
 /// JSON of `compare`, schema sinew.study/1.
 [[nodiscard]] std::string StudyJson(const Problem& problem, const Study& study, const Provenance& provenance);

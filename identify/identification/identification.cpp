@@ -66,7 +66,10 @@ Result<Identification> Identify(const Problem& problem, FitSetup setup, Identifi
     out.interval_seconds = evaluator.seconds() - out.seconds;
   }
   out.trace = evaluator.trace();
+  out.finished = evaluator.finished();
   out.failures = evaluator.failures();
+  const auto is_interrupted = [&] { return interrupt != nullptr && interrupt->load(); };
+  out.interrupted = is_interrupted();
   if (!out.result.stop.usable()) return out;
 
   SINEW_ASSIGN(out.parameters, solvers::FitHeldOutNuisance(problem, least_squares.Parameters(out.result.x)));
@@ -91,6 +94,7 @@ Result<Identification> Identify(const Problem& problem, FitSetup setup, Identifi
   out.derived = DeriveResults(problem, out.setup, out.parameters, out.uncertainty);
   out.figures = problem.FiguresOfMerit(out.parameters, out.prediction.values);
   out.alternatives = CompareAlternatives(problem, out.parameters);
+  out.interrupted = is_interrupted();
   return out;
 }
 

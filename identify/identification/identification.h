@@ -43,7 +43,9 @@ struct Identification {
   FitSetup setup;
   SolverResult result;
   std::vector<TraceEntry> trace;
+  std::vector<FinishedSearch> finished;  ///< of the search from many starts
   long failures = 0;
+  bool interrupted = false;            ///< before the end: the search, or that the intervals were found
   double seconds = 0;                  ///< of solving
   double interval_seconds = 0;         ///< of finding what the data determine, better points included
   Vector parameters;                   ///< [P] at the answer

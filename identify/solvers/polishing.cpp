@@ -40,17 +40,48 @@ class Polishing {
     options.interrupt = parent_.options().interrupt;
     options.began = parent_.options().began;
     task.evaluator = std::make_unique<Evaluator>(parent_.fit(), std::move(options));
-    const SolverResult result = solver_.Solve(*task.evaluator, starts_[i].x);
-    task.polished = {{name_, result.stop, task.evaluator->evaluations(), result.cost, result.x},
-                     result.iterations};
+    if (const FinishedSearch* done = parent_.FindFinished(name_, starts_[i].x, starts_[i].evaluations)) {
+      task.evaluator->Restore(parent_, *done);
+      task.polished = {
+          {name_,
+           {TerminationOf(done->stop_kind).value_or(Termination::kSolverFailed), done->stop_test},
+           done->evaluations,
+           done->cost,
+           done->x},
+          done->iterations};
+    } else {
+      const SolverResult result = solver_.Solve(*task.evaluator, starts_[i].x);
+      task.polished = {{name_, result.stop, task.evaluator->evaluations(), result.cost, result.x},
+                       result.iterations};
+    }
 
     const std::lock_guard<std::mutex> lock(absorb_);
     task.done = true;
     while (!ended_ && absorbed_ < starts_.size() && tasks_[absorbed_].done) {
-      parent_.Absorb(*tasks_[absorbed_].evaluator);
+      Absorb(absorbed_);
       tasks_[absorbed_++].evaluator.reset();
       ended_ = parent_.has_best() && parent_.best().cost <= parent_.options().target_cost;
     }
+  }
+
+  // A search that a limit of the whole run or a signal has ended is not at its end.
+  void Absorb(std::size_t i) {
+    const Stage& stage = tasks_[i].polished.stage;
+    const Evaluator::StopCause cause = tasks_[i].evaluator->stop_cause();
+    const bool cut_short =
+        cause == Evaluator::StopCause::kInterrupted || cause == Evaluator::StopCause::kSeconds;
+    const bool has_point = stage.x.size() == starts_[i].x.size();
+    if (cut_short || !has_point) return parent_.Absorb(*tasks_[i].evaluator);
+    FinishedSearch search;
+    search.solver = name_;
+    search.start = starts_[i].x;
+    search.max_evaluations = starts_[i].evaluations;
+    search.stop_kind = ToString(stage.stop.kind);
+    search.stop_test = stage.stop.test;
+    search.cost = stage.cost;
+    search.x = stage.x;
+    search.iterations = tasks_[i].polished.iterations;
+    parent_.AbsorbFinished(*tasks_[i].evaluator, std::move(search));
   }
 
   Evaluator& parent_;

@@ -21,6 +21,7 @@ struct Polished {
 /// Searches from every start with a solver, each with its own evaluator, and appends the evaluations to the
 /// parent's record in the order of the starts. Starts after one that reached the parent's target are dropped:
 /// what is recorded, apart from times, does not depend on the number of threads.
+/// Those that the parent has from the run that it resumes (Evaluator::Options::finished) are not done again.
 /// @param name of the solver, for the stages
 /// @return the starts whose evaluations were appended, in order
 std::vector<Polished> PolishAll(Evaluator& parent, const Solver& solver, const std::string& name,

@@ -78,6 +78,13 @@ const char* ToString(Termination termination) {
   return "?";
 }
 
+std::optional<Termination> TerminationOf(const std::string& name) {
+  for (int kind = 0; kind <= static_cast<int>(Termination::kNoPrediction); ++kind) {
+    if (name == ToString(static_cast<Termination>(kind))) return static_cast<Termination>(kind);
+  }
+  return std::nullopt;
+}
+
 bool Stop::converged() const {
   switch (kind) {
     case Termination::kCostChange:

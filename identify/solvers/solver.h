@@ -4,6 +4,7 @@
 
 #include <cstdint>
 #include <memory>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -33,6 +34,8 @@ enum class Termination {
 
 /// snake_case name as in the JSON: "cost_change", "max_evaluations", ...
 [[nodiscard]] const char* ToString(Termination termination);
+/// The reverse; nothing if there is none of this name.
+[[nodiscard]] std::optional<Termination> TerminationOf(const std::string& name);
 
 struct Stop {
   Termination kind = Termination::kSolverFailed;

@@ -29,6 +29,26 @@ double Median(std::vector<double> values) {
   return n % 2 == 1 ? values[n / 2] : 0.5 * (values[n / 2 - 1] + values[n / 2]);
 }
 
+std::vector<StudyRun::Improvement> Improvements(const std::vector<TraceEntry>& trace) {
+  std::vector<StudyRun::Improvement> improvements;
+  double lowest = kInfinity;
+  for (std::size_t i = 0; i < trace.size(); ++i) {
+    if (!(trace[i].cost < lowest)) continue;
+    lowest = trace[i].cost;
+    improvements.push_back({static_cast<long>(i + 1), lowest, trace[i].seconds});
+  }
+  return improvements;
+}
+
+// The run of a comparison that is resumed, or nullptr.
+const StudyRun* FindDone(const StudyOptions& options, const std::string& name, int repeat) {
+  const std::uint64_t seed = options.solver_options.seed + static_cast<std::uint64_t>(repeat);
+  const auto found = std::find_if(options.done.begin(), options.done.end(), [&](const StudyRun& run) {
+    return run.solver == name && run.seed == seed;
+  });
+  return found == options.done.end() ? nullptr : &*found;
+}
+
 Result<StudyRun> RunOnce(const LeastSquares& problem, const StudyOptions& options, const std::string& name,
                          int repeat) {
   SolverOptions how = options.solver_options;
@@ -43,7 +63,15 @@ Result<StudyRun> RunOnce(const LeastSquares& problem, const StudyOptions& option
   evaluation.interrupt = options.interrupt;
   Evaluator evaluator(problem, std::move(evaluation));
   const SolverResult result = solver->Solve(evaluator, StartOf(problem, options.solver_options.seed, repeat));
-  StudyRun run{name, how.seed, result.stop, result.cost, evaluator.seconds(), evaluator.trace(), {}};
+  StudyRun run{name,
+               how.seed,
+               result.stop,
+               result.cost,
+               evaluator.seconds(),
+               evaluator.evaluations(),
+               Improvements(evaluator.trace()),
+               {},
+               {}};
   if (result.stop.usable()) run.parameters = problem.Parameters(result.x);
   return run;
 }
@@ -59,7 +87,7 @@ SolverSummary SummaryOf(const std::string& solver, const Study& study) {
     ++summary.repeats;
     summary.successes += run.cost <= study.target ? 1 : 0;
     cost.push_back(run.cost);
-    evaluations.push_back(static_cast<double>(run.trace.size()));
+    evaluations.push_back(static_cast<double>(run.evaluations));
     to_target.push_back(effort.evaluations);
     seconds.push_back(run.seconds);
     seconds_to_target.push_back(effort.seconds);
@@ -86,8 +114,8 @@ SolverSummary SummaryOf(const std::string& solver, const Study& study) {
 }  // namespace
 
 StudyRun::Effort StudyRun::ToTarget(double target) const {
-  for (std::size_t i = 0; i < trace.size(); ++i) {
-    if (trace[i].cost <= target) return {static_cast<double>(i + 1), trace[i].seconds};
+  for (const Improvement& better : improvements) {
+    if (better.cost <= target) return {static_cast<double>(better.evaluation), better.seconds};
   }
   return {kNaN, kNaN};
 }
@@ -101,10 +129,22 @@ Result<Study> CompareSolvers(const LeastSquares& problem, const StudyOptions& op
   Study study;
   study.free = problem.setup().free;
   const int all = static_cast<int>(options.solvers.size()) * options.repeats;
+  const auto is_interrupted = [&] { return options.interrupt != nullptr && options.interrupt->load(); };
   for (const std::string& name : options.solvers) {
     for (int repeat = 0; repeat < options.repeats; ++repeat) {
-      if (options.interrupt != nullptr && options.interrupt->load()) break;
-      SINEW_ASSIGN(StudyRun run, RunOnce(problem, options, name, repeat));
+      const StudyRun* done = FindDone(options, name, repeat);
+      StudyRun run;
+      if (done != nullptr) {
+        run = *done;
+      } else {
+        study.finished = study.finished && !is_interrupted();
+        if (!study.finished) continue;
+        SINEW_ASSIGN(run, RunOnce(problem, options, name, repeat));
+        study.finished = run.stop.kind != Termination::kInterrupted;
+        if (!study.finished) continue;
+        if (options.after_run) options.after_run(run);
+      }
+      run.start = StartOf(problem, options.solver_options.seed, repeat);
       if (run.stop.usable()) study.best = std::min(study.best, run.cost);
       study.runs.push_back(std::move(run));
       if (options.progress) options.progress(static_cast<int>(study.runs.size()), all);

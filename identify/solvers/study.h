@@ -22,7 +22,15 @@ struct StudyRun {
   Stop stop;
   double cost = 0;
   double seconds = 0;
-  std::vector<TraceEntry> trace;
+  long evaluations = 0;
+  /// An evaluation whose cost was lower than that of all before it.
+  struct Improvement {
+    long evaluation;  ///< its number, from 1
+    double cost;
+    double seconds;
+  };
+  std::vector<Improvement> improvements;
+  Vector start;       ///< in the unit box
   Vector parameters;  ///< all of the problem; empty if there is no usable answer
 
   struct Effort {
@@ -42,9 +50,12 @@ struct StudyOptions {
   std::optional<double> target;  ///< cost that counts as success; default: within 1 % of the best of all runs
   const std::atomic<bool>* interrupt = nullptr;
   std::function<void(int done, int all)> progress;
+  std::vector<StudyRun> done;  ///< of a comparison that is resumed: these are not done again
+  std::function<void(const StudyRun&)> after_run;  ///< called after each new run that was not interrupted
 };
 
 struct Study {
+  bool finished = true;   ///< false: it was interrupted, and these are the runs that had ended
   std::vector<int> free;  ///< indices of the parameters that were fitted
   std::vector<StudyRun> runs;
   double best = std::numeric_limits<double>::infinity();  ///< cost; infinite if no run has a usable answer
@@ -52,8 +63,8 @@ struct Study {
 };
 
 /// Runs the comparison. The first repeat starts at the problem's start values, each further one at a random
-/// point of the box, the same for every solver. If interrupted, the result contains the runs so far. Errors:
-/// a solver that does not exist, or is named twice.
+/// point of the box, the same for every solver. If interrupted, the result contains the runs that had ended.
+/// Errors: a solver that does not exist, or is named twice.
 Result<Study> CompareSolvers(const LeastSquares& problem, const StudyOptions& options);
 
 /// All runs of one solver. Medians are over the runs for which the number exists; NaN if there is none.

@@ -128,6 +128,13 @@ std::string Text(const Warning& w, const std::vector<LeftOutData>& left_out) {
       return fmt::format("constraint {} is active: standard errors do not account for it", w.names[0]);
     case WarningKind::kHeldFromSteps:
       return HeldFromSteps(w);
+    case WarningKind::kUnfinishedStart:
+      return w.names[0] + " is of a run that was not finished: its values are those of the best point so far";
+    case WarningKind::kStatedCost:
+      return fmt::format(
+          "{} states the cost {}, but its values have the cost {}: it was changed, or made by "
+          "another build of this program",
+          w.names[0], Readable(w.numbers[0], 6), Readable(w.numbers[1], 6));
     case WarningKind::kNoiseAbsorbsMisfit:
       return "the residual is so large and smooth that a noise model would absorb the misfit: neighbouring "
              "errors are taken as independent, which makes p-values and intervals too small";
@@ -188,6 +195,10 @@ std::vector<std::string> Texts(const std::vector<Warning>& warnings,
 
 std::vector<std::string> Warnings(const Identification& identification) {
   return Texts(identification.warnings, {});
+}
+
+std::vector<std::string> Warnings(const std::vector<Warning>& warnings) {
+  return Texts(warnings, {});
 }
 
 std::vector<std::string> Warnings(const Diagnosis& diagnosis) {

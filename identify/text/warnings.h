@@ -15,4 +15,7 @@ namespace sinew::text {
 /// The same, of Diagnosis::warnings.
 [[nodiscard]] std::vector<std::string> Warnings(const Diagnosis& diagnosis);
 
+/// The same, of a result that has nothing else.
+[[nodiscard]] std::vector<std::string> Warnings(const std::vector<Warning>& warnings);
+
 }  // namespace sinew::text

@@ -3,9 +3,10 @@
 #include <algorithm>
 #include <cmath>
 #include <filesystem>
-#include <fstream>
+#include <sstream>
 
 #include "base/assert.h"
+#include "base/read_file.h"
 #include "base/text.h"
 #include "models/mechanisms/converged_curves.h"
 #include "models/mechanisms/elliptic.h"
@@ -73,7 +74,8 @@ MechanismReference Converged(const ConvergedCurves& converged) {
 }
 
 Result<ReferenceCurve> ReadCurve(const std::string& file) {
-  std::ifstream stream(file);
+  SINEW_ASSIGN(const std::string text, ReadFile(file));
+  std::istringstream stream(text);
   ReferenceCurve curve;
   std::string line;
   for (long number = 1; std::getline(stream, line); ++number) {

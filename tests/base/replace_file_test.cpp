@@ -87,6 +87,33 @@ TEST_F(ReplacedFile, IsTheTargetOfALink) {
   EXPECT_TRUE(fs::is_symlink(folder_ / "link"));
 }
 
+TEST_F(ReplacedFile, IsTheTargetOfALinkThatLeadsNowhereYet) {
+  fs::create_directory(folder_ / "elsewhere");
+  fs::create_symlink("elsewhere/a", folder_ / "link");
+  ASSERT_TRUE(ReplaceFile(Path("link"), "new"));
+  EXPECT_EQ(Contents(Path("elsewhere/a")), "new");
+  EXPECT_TRUE(fs::is_symlink(folder_ / "link"));
+  fs::create_symlink("circle", folder_ / "circle");
+  EXPECT_THAT(ReplaceFile(Path("circle"), "new").error().message, HasSubstr("lead in a circle"));
+}
+
+TEST_F(ReplacedFile, KeepsPermissions) {
+  ASSERT_TRUE(ReplaceFile(Path("a"), "old"));
+  ASSERT_EQ(chmod(Path("a").c_str(), 0640), 0);
+  ASSERT_TRUE(ReplaceFile(Path("a"), "new"));
+  EXPECT_EQ(fs::status(Path("a")).permissions(), static_cast<fs::perms>(0640));
+}
+
+TEST_F(ReplacedFile, MayHaveTheLongestName) {
+  const std::string name(255, 'a');
+  ASSERT_TRUE(ReplaceFile(Path(name), "new"));
+  EXPECT_EQ(Contents(Path(name)), "new");
+  EXPECT_THAT(CheckReplaceable(Path(name + "a")).error().message, HasSubstr("expected at most 255 bytes"));
+  std::string path = folder_.string();
+  while (path.size() < 4096) path += "/.";
+  EXPECT_THAT(CheckReplaceable(path + "/a").error().message, HasSubstr("its path is too long"));
+}
+
 TEST_F(ReplacedFile, IsNoFolderDeviceOrPipe) {
   EXPECT_THAT(ReplaceFile(folder_.string(), "x").error().message, HasSubstr("is a folder"));
   ASSERT_EQ(mkfifo(Path("pipe").c_str(), 0600), 0);
@@ -100,7 +127,7 @@ TEST_F(ReplacedFile, IsNoFolderDeviceOrPipe) {
 }
 
 TEST_F(ReplacedFile, NeedsAFolder) {
-  EXPECT_THAT(ReplaceFile(Path("no/a"), "x").error().message, HasSubstr("No such file or directory"));
+  EXPECT_THAT(ReplaceFile(Path("no/a"), "x").error().message, HasSubstr("there is no folder"));
   EXPECT_EQ(Files(), 0);
 }
 

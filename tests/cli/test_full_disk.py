@@ -2,10 +2,13 @@
 
     SINEW_PROGRAM=build/release/sinew /usr/bin/python3 -B -m unittest discover -s tests/cli -p test_full_disk.py
 """
+import os
 import resource
 import signal
 import subprocess
 import unittest
+
+import h5py
 
 from laboratory_files import mot
 from program import LONGEST, PROGRAM, ProgramTest, contents
@@ -63,11 +66,20 @@ class FullDisk(ProgramTest):
         self.assertEqual(self.path("run.json").read_text(), "{}")
 
     def test_standard_output(self):
-        for words, end in ((("mbs", "A01", "--json", "-"), ": No space left on device"), (("list", "solvers"), " (disk full?)")):
+        for words in (("mbs", "A01", "--json", "-"), ("list", "solvers"), ("--help",)):
             with open("/dev/full", "w", encoding="utf-8") as full:
                 done = subprocess.run([PROGRAM, *words], stdout=full, stderr=subprocess.PIPE, text=True, timeout=LONGEST,
                                       check=False)
-            self.assertEqual((done.returncode, done.stderr), (2, f"sinew: error: standard output cannot be written{end}\n"))
+            self.assertEqual((done.returncode, done.stderr), (2, "sinew: error: standard output cannot be written: No space left on device\n"))
+
+    def test_closed_standard_output(self):
+        """No file that is opened may take its number: what is printed would land in it."""
+        done = subprocess.run([PROGRAM, *IDENTIFY, "--solver", "lm", "--intervals", "linear"], cwd=self.folder,
+                              stderr=subprocess.PIPE, text=True, timeout=LONGEST, check=False, preexec_fn=lambda: os.close(1))
+        self.assertEqual((done.returncode, done.stderr),
+                         (2, "sinew: error: standard output cannot be written: Bad file descriptor\n"))
+        with h5py.File(self.path("run.h5")) as run:
+            self.assertEqual(run["run"].attrs["finished"], 1)
 
     def test_a_checkpoint_alone(self):
         """The search goes on, says so, and ends as if nothing had been: by its own status, not by a signal."""

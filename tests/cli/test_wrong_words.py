@@ -217,7 +217,6 @@ class Resume(ProgramTest):
         self.succeeds(*IDENTIFY, "--solver", "sa", "--max-evaluations", 50)
 
     def test_needs_a_run(self):
-        self.fails("none.h5: no such file", *IDENTIFY[:-1], "none.h5", "--resume")
         self.write("text.h5", "run")
         self.fails("text.h5: is not an HDF5 file", *IDENTIFY[:-1], "text.h5", "--resume")
 

@@ -40,7 +40,8 @@ for name, study in studies.items():
     shares = [f"{solver} reached the target in {int(success[mine].sum())} of {mine.sum()} runs."
               for solver, mine in ((solver, solvers == solver) for solver in dict.fromkeys(solvers))]
     cards.append(f'<h3>{link(name)} <small>comparison of solvers on {escape(str(study["/study"].attrs["problem"]))}'
-                 "</small></h3>" + items(shares, "findings"))
+                 "</small></h3>" + ("" if study["/study"].attrs.get("finished", 1) else
+                                    items(["This comparison has not finished."], "warnings")) + items(shares, "findings"))
 display(HTML("".join(cards)))
 
 # %% runs [markdown]

@@ -10,7 +10,7 @@ display(HTML('<p class="provenance">' + " · ".join(escape(text) for text in [
     "synthetic data" if info["synthetic"] else "measured data", f"problem {info['problem']}",
     f"solver {info['solver']}", f"seed {info['seed']}", f"sinew {info['version']}",
     f"{info['evaluations']} evaluations in {duration(info['seconds'])}",
-    f"stopped: {info['stop_reason'].replace('_', ' ')}"]) + "</p>"))
+    f"stopped: {info['stop_reason'].replace('_', ' ')}" if info["stop_reason"] != "running" else "unfinished"]) + "</p>"))
 
 doubts = []
 why = f"{info['stop_reason']} ({info['stop_test']})" if info["stop_test"] else info["stop_reason"]

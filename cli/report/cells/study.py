@@ -47,7 +47,10 @@ for solver in ranked:
         best = f"its best cost is {number(known.min(), 4)}" if known.size else "none of them gave a cost"
         findings.append(f"{solver} never reached the target in {total} run{'s' if total > 1 else ''}; {best}.")
 display(HTML(f'<p class="provenance">problem {escape(str(info["problem"]))} · {len(solvers)} solvers · '
-             f"{len(success)} runs · target cost {number(target, 4)}</p>" + items(findings, "findings")))
+             f"{len(success)} runs · target cost {number(target, 4)}</p>"))
+if not info.get("finished", 1):  # it limits everything below
+    display(HTML(items(["This comparison has not finished: what follows are the runs that had ended."], "warnings")))
+display(HTML(items(findings, "findings")))
 
 # %% table [markdown]
 # ## Solvers side by side

@@ -154,10 +154,10 @@ class OneRun(WithFolder):
         self.addCleanup(program.kill)
         return program
 
-    def check_interrupted(self, program):
+    def check_interrupted(self, program, stop=signal.SIGINT):
         said, complaint = program.communicate()
-        self.assertEqual((program.returncode, said), (1, ""), complaint)
-        self.assertEqual(complaint, "sinew: the report was interrupted; nothing was written\n")
+        self.assertEqual((program.returncode, said), (128 + stop, ""), complaint)
+        self.assertEqual(complaint, f"sinew: stopped by {stop.name}; nothing was written: begin it again\n")
         self.assertFalse(self.out.parent.exists())
 
     def test_ctrl_c_while_it_starts_ends_in_one_line_and_writes_nothing(self):
@@ -175,6 +175,14 @@ class OneRun(WithFolder):
         program.send_signal(signal.SIGINT)
         program.send_signal(signal.SIGINT)
         self.check_interrupted(program)
+
+    def test_the_signal_of_a_batch_system_too(self):
+        fabricated_files.write_run(self.run_path)
+        program = self.begin()
+        while not self.out.exists() and program.poll() is None:
+            time.sleep(0.01)
+        program.send_signal(signal.SIGTERM)
+        self.check_interrupted(program, signal.SIGTERM)
 
     def test_ctrl_c_once_the_notebook_is_done_writes_nothing(self):
         fabricated_files.write_run(self.run_path)

@@ -336,6 +336,57 @@ TEST(Resume, RecordedEvaluationsAreNotPredictedAgain) {
   EXPECT_EQ(result.cost, expected.cost);
 }
 
+TEST(Resume, FinishedLocalSearchesAreNotDoneAgain) {
+  std::atomic<long> predictions = 0;
+  FunctionProblem problem;
+  problem.Add("x", -1, 1, 0.5).Add("y", -1, 1, 0.5);
+  problem.AddBlock("t", {0, 0}, {0, 1},
+                   [&predictions](const Vector& p, Eigen::Ref<Vector> values, Matrix* jacobian) -> Status {
+                     ++predictions;
+                     if (p[0] < -0.9) return Fail("no prediction there");
+                     values << std::sin(5 * p[0]) + p[1] * p[1], p[0] * p[0] - std::cos(4 * p[1]);
+                     if (jacobian != nullptr)
+                       *jacobian << 5 * std::cos(5 * p[0]), 2 * p[1], 2 * p[0], 4 * std::sin(4 * p[1]);
+                     return {};
+                   });
+  const Fit fit(problem);
+  for (const char* name : {"multistart", "restarts", "basin-hopping"}) {
+    Evaluator::Options options;
+    Evaluator whole(fit.least_squares, options);
+    predictions = 0;
+    const SolverResult expected = SolveWith(name, fit.least_squares, whole);
+    const long of_whole = predictions;
+
+    std::atomic<bool> interrupt = false;
+    options.interrupt = &interrupt;
+    options.progress = [&](const Progress& progress, const Evaluator&) {
+      interrupt = progress.evaluations >= whole.evaluations() / 2;
+    };
+    Evaluator interrupted(fit.least_squares, options);
+    SolveWith(name, fit.least_squares, interrupted);
+    ASSERT_FALSE(interrupted.finished().empty()) << name;
+    ASSERT_LT(interrupted.finished().size(), whole.finished().size()) << name;
+
+    options.interrupt = nullptr;
+    options.replay = interrupted.trace();
+    options.finished = interrupted.finished();
+    Evaluator resumed(fit.least_squares, options);
+    predictions = 0;
+    const SolverResult result = SolveWith(name, fit.least_squares, resumed);
+    EXPECT_LT(predictions, of_whole - whole.evaluations() / 4) << name;
+    EXPECT_EQ(result.x, expected.x) << name;
+    EXPECT_EQ(result.cost, expected.cost) << name;
+    EXPECT_EQ(result.stop.test, expected.stop.test) << name;
+    EXPECT_EQ(resumed.failures(), whole.failures()) << name;
+    EXPECT_EQ(resumed.first_failure(), whole.first_failure()) << name;
+    ASSERT_EQ(resumed.evaluations(), whole.evaluations()) << name;
+    for (std::size_t i = 0; i < whole.trace().size(); ++i) {
+      EXPECT_EQ(resumed.trace()[i].cost, whole.trace()[i].cost) << name;
+      EXPECT_EQ(resumed.trace()[i].x, whole.trace()[i].x) << name;
+    }
+  }
+}
+
 TEST(GlobalSolvers, GiveUpWhereNothingCanBePredicted) {
   FunctionProblem problem;
   MakeRosenbrock(problem, 1e9);

@@ -138,6 +138,8 @@ Lines EveryWarning() {
                 {WarningKind::kActiveConstraint, {"not_too_steep"}, {}, {}},
                 {WarningKind::kHeldFromSteps, {"a"}, {}, {}},
                 {WarningKind::kHeldFromSteps, {"a", "b", "c", "d", "e", "f"}, {}, {}},
+                {WarningKind::kUnfinishedStart, {"run.h5"}, {}, {}},
+                {WarningKind::kStatedCost, {"run.h5"}, {12.5, 12.75}, {}},
                 {WarningKind::kNoiseAbsorbsMisfit, {}, {}, {}},
                 {WarningKind::kEqualNoise, {}, {}, {}},
                 {WarningKind::kCrossValidated, {}, {4, 4}, {}},

@@ -1,0 +1,15 @@
+// Files that are read whole.
+#pragma once
+
+#include <string>
+
+#include "base/error.h"
+
+namespace sinew {
+
+/// The bytes of a regular file; does not wait where a pipe has no writer, nor read a device that never ends.
+/// Errors: no such file; a folder; a device, a pipe or a socket; no permission; larger than 4 GiB; not
+/// readable.
+Result<std::string> ReadFile(const std::string& path);
+
+}  // namespace sinew

@@ -1,0 +1,87 @@
+#include "identify/files/study_resume.h"
+
+#include <algorithm>
+#include <cmath>
+
+#include "identify/files/origin.h"
+
+namespace sinew::files {
+namespace {
+
+const std::vector<double>* Numbers(const Hdf5Node& study, const std::string& name, std::size_t count) {
+  const Hdf5Node* node = study.Find(name);
+  const bool fits = node != nullptr && node->array() != nullptr && node->array()->values.size() == count;
+  return fits ? &node->array()->values : nullptr;
+}
+
+const std::vector<std::string>* Texts(const Hdf5Node& study, const std::string& name, std::size_t count) {
+  const Hdf5Node* node = study.Find(name);
+  const bool fits = node != nullptr && node->texts() != nullptr && node->texts()->size() == count;
+  return fits ? node->texts() : nullptr;
+}
+
+Status AddImprovements(const std::string& path, const Hdf5Node& study, std::vector<StudyRun>& runs) {
+  const Hdf5Node* first = study.Find("improvements/run");
+  const std::size_t count = first == nullptr || first->array() == nullptr ? 0 : first->array()->values.size();
+  const auto* of_run = Numbers(study, "improvements/run", count);
+  const auto* evaluation = Numbers(study, "improvements/evaluation", count);
+  const auto* cost = Numbers(study, "improvements/cost", count);
+  const auto* seconds = Numbers(study, "improvements/seconds", count);
+  if (of_run == nullptr || evaluation == nullptr || cost == nullptr || seconds == nullptr)
+    return Fail("{}: /study/improvements is not complete", path);
+  for (std::size_t i = 0; i < count; ++i) {
+    const double run = (*of_run)[i];
+    if (!(run >= 0 && run < static_cast<double>(runs.size())))
+      return Fail("{}: /study/improvements/run names a run that is not there", path);
+    runs[static_cast<std::size_t>(run)].improvements.push_back(
+        {static_cast<long>((*evaluation)[i]), (*cost)[i], (*seconds)[i]});
+  }
+  return {};
+}
+
+}  // namespace
+
+Result<std::vector<StudyRun>> ReadStudyRuns(const std::string& path, const FitSetup& setup,
+                                            const Hdf5Node& origin) {
+  SINEW_ASSIGN(const Hdf5Node root, ReadHdf5(path));
+  const Hdf5Node* study = root.Find("study");
+  if (study == nullptr || study->Text("sinew_schema") != "study/1")
+    return Fail("{}: is not a study file: expected what `sinew compare` writes", path);
+  const Hdf5Node* then = study->Find("origin");
+  if (then == nullptr) return Fail("--resume: {} does not say what it was made from", path);
+  SINEW_TRY(CheckSameOrigin(path, *then, origin));
+
+  const Hdf5Node* names = study->Find("runs/solver");
+  const std::size_t count = names == nullptr || names->texts() == nullptr ? 0 : names->texts()->size();
+  const auto* solver = Texts(*study, "runs/solver", count);
+  const auto* stop = Texts(*study, "runs/stop_reason", count);
+  const auto* test = Texts(*study, "runs/stop_test", count);
+  const auto* seed = Numbers(*study, "runs/seed", count);
+  const auto* cost = Numbers(*study, "runs/cost", count);
+  const auto* seconds = Numbers(*study, "runs/seconds", count);
+  const auto* evaluations = Numbers(*study, "runs/evaluations", count);
+  const auto* values = Numbers(*study, "runs/values", count * setup.free.size());
+  if (solver == nullptr || stop == nullptr || test == nullptr || seed == nullptr || cost == nullptr ||
+      seconds == nullptr || evaluations == nullptr || values == nullptr)
+    return Fail("{}: /study/runs is not complete", path);
+  std::vector<StudyRun> runs(count);
+  for (std::size_t r = 0; r < count; ++r) {
+    StudyRun& run = runs[r];
+    const auto kind = TerminationOf((*stop)[r]);
+    if (!kind) return Fail("{}: /study/runs/stop_reason '{}' is unknown", path, (*stop)[r]);
+    run.solver = (*solver)[r];
+    run.stop = {*kind, (*test)[r]};
+    run.seed = static_cast<std::uint64_t>((*seed)[r]);
+    run.cost = (*cost)[r];
+    run.seconds = (*seconds)[r];
+    run.evaluations = static_cast<long>((*evaluations)[r]);
+    if (!run.stop.usable()) continue;
+    run.parameters = setup.rest;
+    for (std::size_t k = 0; k < setup.free.size(); ++k)
+      run.parameters[setup.free[k]] = (*values)[r * setup.free.size() + k];
+  }
+  SINEW_TRY(AddImprovements(path, *study, runs));
+  return runs;
+}
+
+}  // namespace sinew::files

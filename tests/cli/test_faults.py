@@ -1,0 +1,150 @@
+"""Every write of a command can fail: one true sentence, status 1 or 2, the old files intact, nothing else left, no crash.
+
+    SINEW_PROGRAM=build/release/sinew SINEW_FAULTS=build/release/tests/cli/libfail_call.so \\
+      /usr/bin/python3 -B -m unittest discover -s tests/cli -p test_faults.py
+
+Prints a table: for each command and call, at how many places it was made to fail, with each error.
+"""
+import errno
+import json
+import os
+import subprocess
+import unittest
+
+import h5py
+
+from laboratory_files import mot
+from program import LONGEST, PROGRAM, ProgramTest, contents
+
+FAULTS = os.environ.get("SINEW_FAULTS", "")
+FULL = {"open": (errno.ENOSPC, errno.EDQUOT, errno.EROFS, errno.ENAMETOOLONG, errno.EACCES), "write": (errno.ENOSPC, errno.EDQUOT),
+        "fsync": (errno.ENOSPC, errno.EDQUOT), "rename": (errno.ENOSPC, errno.EDQUOT, errno.EROFS)}
+SPORADIC = (errno.EIO,)  # once only, as a broken sector
+FOREVER = 10**9
+SIMULATED = tuple(f"out_{trial}.sto" for trial in ("train_1", "train_2", "train_3", "train_4", "validate_1", "validate_2"))
+COMMANDS = {
+    "data synthesize": (("data", "synthesize", "drive", "--out", "out.h5", "--json", "out.json"), ("out.h5", "out.json")),
+    "data import": (("data", "import", "walk.mot", "--out", "walk.h5", "--append", "--trial", "again"), ("walk.h5",)),
+    "data cut": (("data", "cut", "drive.h5", "--trial", "train_1", "--window", "0.1:0.3", "--as", "new"), ("drive.h5",)),
+    "simulate": (("simulate", "drive", "--data", "drive.h5", "--out", "out.sto"), SIMULATED),
+    "identify": (("identify", "drive", "--data", "drive.h5", "--solver", "lm", "--intervals", "linear", "--out", "out.h5",
+                  "--json", "out.json"), ("out.h5", "out.json")),
+    "diagnose": (("diagnose", "drive", "--data", "drive.h5", "--out", "out.h5"), ("out.h5",)),
+    "compare": (("compare", "drive", "--data", "drive.h5", "--solvers", "lm", "--repeats", "2", "--out", "out.h5"), ("out.h5",)),
+    "mbs": (("mbs", "A01", "--json", "out.json"), ("out.json",)),
+}
+
+
+@unittest.skipUnless(os.path.exists(FAULTS), "the library that makes calls fail was not built")
+class Faults(ProgramTest):
+    def setUp(self):
+        super().setUp()
+        self.folder = self.folder.resolve()
+        self.path("files").mkdir()
+        self.home, self.folder = self.folder, self.path("files")
+        self.succeeds("data", "synthesize", "drive", "--out", "drive.h5", "--seed", 3)
+        self.write("walk.mot", mot())
+        self.succeeds("data", "import", "walk.mot", "--out", "walk.h5")
+
+    def run_failing(self, words, call, first, last, number):
+        mark = self.home / "mark"
+        mark.unlink(missing_ok=True)
+        faults = {"LD_PRELOAD": FAULTS, "SINEW_FAULT_CALL": call, "SINEW_FAULT_AT": str(first), "SINEW_FAULT_LAST": str(last),
+                  "SINEW_FAULT_ERRNO": str(number), "SINEW_FAULT_FOLDER": str(self.folder), "SINEW_FAULT_MARK": str(mark)}
+        done = subprocess.run([PROGRAM, *words], cwd=self.folder, env={**os.environ, **faults}, capture_output=True, text=True,
+                              timeout=LONGEST, check=False)
+        return done, mark.exists()
+
+    def is_whole(self, name):
+        if name.endswith(".h5"):
+            with h5py.File(self.path(name)) as file:
+                self.assertGreater(len(file), 0)
+        elif name.endswith(".json"):
+            json.loads(self.path(name).read_text())
+        else:
+            self.assertIn("endheader", self.path(name).read_text())
+
+    def check(self, done, outputs, before, number):
+        """What a failed command may leave: old files, and files that were whole before the failure."""
+        self.assertIn(done.returncode, (1, 2), done.stderr)
+        self.assertEqual(done.stderr.count("\n"), 1, done.stderr)
+        self.assertIn("cannot be written", done.stderr.replace("is written, but", "cannot be written"))
+        said = os.strerror(number).lower()
+        self.assertTrue(said in done.stderr.lower() or number == errno.EACCES and "permission" in done.stderr, done.stderr)
+        after = contents(self.folder)
+        for path, data in after.items():
+            if before.get(path) != data:
+                self.assertIn(str(path), outputs, "a file of no result is left")
+                self.is_whole(str(path))
+        for path in before:
+            self.assertIn(path, after)
+
+    def places(self, words, outputs, call, number, once):
+        """Fails the command at its 1st, 2nd, ... such call, until it makes fewer. Returns how many there were."""
+        old = contents(self.folder)
+        for place in range(1, 100):
+            done, failed = self.run_failing(words, call, place, place if once else FOREVER, number)
+            with self.subTest(f"{' '.join(words)}: {call} {place} fails with {errno.errorcode[number]}"):
+                if not failed:
+                    self.assertEqual((done.returncode, done.stderr), (0, ""))
+                else:
+                    self.check(done, outputs, old, number)
+            for path in contents(self.folder):
+                if path not in old:
+                    self.path(path).unlink()
+            for path, data in old.items():
+                self.write(path, data)
+            if not failed:
+                return place - 1
+        self.fail("no end")
+
+    def test_every_write_of_every_command(self):
+        lines = [f"{'command':16}{'call':8}places  errors"]
+        for name, (words, outputs) in COMMANDS.items():
+            made = [output for output in outputs if not self.path(output).exists()]
+            for existing in ((False, True) if made else (True,)):
+                for output in made if existing else ():
+                    self.write(output, "old")
+                for call, numbers in FULL.items():
+                    numbers = numbers if existing else numbers[:1]
+                    counts = {self.places(words, outputs, call, number, False) for number in numbers}
+                    counts |= {self.places(words, outputs, call, number, True) for number in SPORADIC}
+                    self.assertEqual(len(counts), 1)
+                    self.assertGreater(max(counts), 0, f"{name} never calls {call}")
+                    if existing:
+                        said = " ".join(errno.errorcode[number] for number in (*numbers, *SPORADIC))
+                        lines.append(f"{name:16}{call:8}{max(counts):6}  {said}")
+            for output in made:
+                self.path(output).unlink()
+        print("\n".join(lines), flush=True)
+
+    def test_one_checkpoint(self):
+        """The search goes on and says so, and its answer finds room: nothing else is the matter."""
+        words = ("identify", "drive", "--data", "drive.h5", "--solver", "sa", "--max-seconds", "4", "--intervals", "linear",
+                 "--out", "out.h5", "--quiet")
+        done, failed = self.run_failing(words, "write", 1, 1, errno.ENOSPC)
+        self.assertTrue(failed)
+        self.assertEqual(done.returncode, 0, done.stderr)
+        self.assertEqual(" ".join(done.stderr.split()),
+                         "warning: this run continues without checkpoints: out.h5: cannot be written: No space left on device")
+        with h5py.File(self.path("out.h5")) as run:
+            self.assertEqual(run["run"].attrs["finished"], 1)
+        self.assertEqual(sorted(os.listdir(self.folder)), ["drive.h5", "out.h5", "walk.h5", "walk.mot"])
+
+    def test_report(self):
+        self.succeeds("identify", "drive", "--data", "drive.h5", "--solver", "lm", "--intervals", "linear", "--out", "run.h5",
+                      "--quiet")
+        self.path("page").mkdir()
+        self.write("page/index.html", "old")
+        self.write("page/index.ipynb", "old")
+        before = contents(self.folder)
+        for call, number in (("write", errno.ENOSPC), ("fsync", errno.EIO), ("rename", errno.EROFS)):
+            done, failed = self.run_failing(("report", "run.h5", "--out-dir", "page"), call, 1, FOREVER, number)
+            self.assertTrue(failed)
+            self.assertEqual((done.returncode, done.stdout), (1, ""))
+            self.assertIn(f"cannot be written: {os.strerror(number)}", done.stderr)
+            self.assertEqual(contents(self.folder), before)
+
+
+if __name__ == "__main__":
+    unittest.main()
