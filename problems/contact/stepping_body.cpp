@@ -112,6 +112,7 @@ SteppingBody PersonThatSteps() {
   body.step.size = kSize;
   body.step.depth = 0.010;
   body.step.walking_speed = 0.2;
+  body.step.pelvis_height = 0.21;  // bent knees: the leg reaches where a recorded foot may be in error
   body.sole_size = kSize * kRobotSole;
   body.sole_position = kSize * kRobotSolePosition;
   body.defaults = {{"stiffness", 1.9e6}, {"dissipation", 2.5}, {"force_noise", 3},

@@ -14,7 +14,6 @@ constexpr double kHipOffset = 0.05;
 constexpr double kSoleHeight = 0.04519;
 constexpr double kHeel = -0.06;
 constexpr double kToe = 0.10;
-constexpr double kPelvisHeight = 0.232;
 
 Mat3 AboutX(double angle) {
   return Eigen::AngleAxisd(angle, Vec3::UnitX()).toRotationMatrix();
@@ -119,7 +118,7 @@ Result<std::map<std::string, double>> SteppingPose(const Step& step, double t, c
   const double sway = step.size * 0.012 * stance_side * std::cos(M_PI * (t - 0.5 * T) / (2 * T));
   const double tilt = 0.02 * std::sin(2 * M_PI * t / T);
   const double list = 0.015 * stance_side * std::cos(M_PI * (t - 0.5 * T) / T);
-  const double height = step.size * (kPelvisHeight + 0.002 * std::cos(4 * M_PI * t / T));
+  const double height = step.size * (step.pelvis_height + 0.002 * std::cos(4 * M_PI * t / T));
   const Vec3 pelvis(step.walking_speed * (t - 0.5 * T), height, sway);
   const Mat3 pelvis_rotation = AboutZ(tilt) * AboutX(list);
 

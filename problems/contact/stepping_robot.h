@@ -25,6 +25,7 @@ struct Step {
   double push_off_pitch = 0.10;  ///< of the foot at toe-off, heel up [rad]
   double slip_speed = 0.05;      ///< of the sliding after strike and at push-off [m/s]
   double roll = 0.01;            ///< sideways rolling of the foot [rad]
+  double pelvis_height = 0.232;  ///< over `size` [m]
 };
 
 /// By how much the stance foot lies elsewhere: in ground axes, turned about the middle of its sole.
