@@ -93,6 +93,7 @@ SteppingBody RobotThatSteps() {
   body.settings = kRobotSettings;
   body.sole_size = kRobotSole;
   body.sole_position = kRobotSolePosition;
+  body.squares = {12, 7};
   return body;
 }
 
@@ -115,6 +116,7 @@ SteppingBody PersonThatSteps() {
   body.step.pelvis_height = 0.21;  // bent knees: the leg reaches where a recorded foot may be in error
   body.sole_size = kSize * kRobotSole;
   body.sole_position = kSize * kRobotSolePosition;
+  body.squares = {18, 10};
   body.defaults = {{"stiffness", 1.9e6}, {"dissipation", 2.5}, {"force_noise", 3},
                    {"moments", 1},       {"cop_noise", 0.001}, {"moment_noise", 0.3}};
   return body;

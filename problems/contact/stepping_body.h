@@ -1,6 +1,7 @@
 // Who steps in synthetic contact data: a small robot, or a body with the feet and the load of a person.
 #pragma once
 
+#include <array>
 #include <map>
 #include <string>
 
@@ -12,13 +13,13 @@ namespace sinew {
 struct SteppingBody {
   std::string title;
   std::string subject;
-  std::string osim;            ///< text of the model
-  std::string settings;        ///< text of contact.yaml
-  double size = 1;             ///< lengths over those of nao_like.osim
-  Step step;                   ///< the mean step
-  Vec3 sole_size;              ///< along x, y, z [m]
-  Vec3 sole_position;          ///< of its middle, in the frame of calcn_r and calcn_l [m]
-  std::array<int, 2> squares;  ///< of the sole in contact.yaml, along x and z
+  std::string osim;                   ///< text of the model
+  std::string settings;               ///< text of contact.yaml
+  double size = 1;                    ///< lengths over those of nao_like.osim
+  Step step;                          ///< the mean step
+  Vec3 sole_size = Vec3::Zero();      ///< along x, y, z [m]
+  Vec3 sole_position = Vec3::Zero();  ///< of its middle, in the frame of calcn_r and calcn_l [m]
+  std::array<int, 2> squares{};       ///< of the sole in contact.yaml, along x and z
   /// Values of the synthesis that differ from those of the robot, by name.
   std::map<std::string, double> defaults;
 };

@@ -7,6 +7,7 @@
 
 #include "base/random.h"
 #include "problems/contact/plate_samples.h"
+#include "problems/contact/posed_load.h"
 #include "tests/problems/support/jacobian_check.h"
 #include "tests/problems/support/stepping_data.h"
 #include "tests/support/allocation_counter.h"
