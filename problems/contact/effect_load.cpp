@@ -95,10 +95,10 @@ void AddVertical(const EffectKinematics& kinematics, const EffectRegion& region,
   }
 }
 
-// Adds one region's load and derivatives, as if its weight were 1. `by_spring` is nullptr or set.
+// Adds one region's load and, if wanted, derivatives, as if its weight were 1. `by_spring` is nullptr or set.
 void AddRegion(const EffectKinematics& kinematics, const EffectRegion& region, int instant,
-               const ElasticFoundation& bed, const ContactEffectValues& effects, ContactLoad& load,
-               ContactLoadJacobian& by_bed, ContactEffectJacobian& by_effect,
+               const ElasticFoundation& bed, const ContactEffectValues& effects, bool derivatives,
+               ContactLoad& load, ContactLoadJacobian& by_bed, ContactEffectJacobian& by_effect,
                std::vector<SpringGradient>* by_spring) {
   const ContactKinematics& k = region.kinematics;
   const TiltedFloor floor(kinematics, effects);
@@ -130,6 +130,7 @@ void AddRegion(const EffectKinematics& kinematics, const EffectRegion& region, i
     const ContactLoad unit =
         lever.Of(-floor.slope(0) * up - drag * face.slip_x, up, -floor.slope(1) * up - drag * face.slip_z);
     load += normal * unit;
+    if (!derivatives) continue;
 
     by_bed.col(0) += area * p.by_stiffness * unit;
     by_bed.col(1) += area * p.by_dissipation * unit;
@@ -196,7 +197,7 @@ void ComputeEffectLoad(const EffectKinematics& kinematics, int instant,
     if (query.vertical_only) {
       AddVertical(kinematics, region, instant, bed, effects, query.derivatives, sum, by_bed, by_effect);
     } else {
-      AddRegion(kinematics, region, instant, bed, effects, sum, by_bed, by_effect,
+      AddRegion(kinematics, region, instant, bed, effects, query.derivatives, sum, by_bed, by_effect,
                 query.springs ? &load.by_spring[next++] : nullptr);
     }
   };

@@ -152,7 +152,7 @@ Result<std::vector<ContactLoad>> TrueLoads(const Laboratory& lab, const Coordina
   EffectLoad load;
   load.by_part.resize(1);
   for (std::size_t i = 0; i < times.size(); ++i) {
-    ComputeEffectLoad(kinematics, static_cast<int>(i), {truth}, effects, {}, load);
+    ComputeEffectLoad(kinematics, static_cast<int>(i), {truth}, effects, {false, false}, load);
     loads[i] = load.load;
   }
   return loads;

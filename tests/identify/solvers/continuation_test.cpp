@@ -81,6 +81,16 @@ TEST(Continuation, FindsWhatALocalSearchMissesFromMoreStarts) {
   EXPECT_GT(by_continuation, by_lm + 2);
 }
 
+TEST(Continuation, RestartsUseItWhereNuisanceValuesHavePriors) {
+  for (const bool with_errors : {true, false}) {
+    FunctionProblem problem;
+    MakeClock(problem, 0.97, with_errors);
+    const SolverResult result = Solve("restarts", problem);
+    ASSERT_FALSE(result.stages.empty());
+    EXPECT_EQ(result.stages.front().solver, with_errors ? "continuation" : "lm");
+  }
+}
+
 TEST(Continuation, WithoutPriorsItIsTheLocalSearch) {
   FunctionProblem problem;
   MakeClock(problem, 0.97, false);
