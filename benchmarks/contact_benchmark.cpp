@@ -2,6 +2,8 @@
 // path for more and more of the wrench, with and without Jacobian, and by Simbody's own force.
 #include <benchmark/benchmark.h>
 
+#include <algorithm>
+
 #include "models/contact/simbody_contact.h"
 #include "problems/contact/problem.h"
 #include "problems/contact/synthesis.h"
@@ -58,6 +60,36 @@ BENCHMARK_CAPTURE(Evaluate, full_force_with_jacobian, 3, true)->Unit(benchmark::
 BENCHMARK_CAPTURE(Evaluate, force_moment_and_centre, 6, false)->Unit(benchmark::kMicrosecond);
 BENCHMARK_CAPTURE(Evaluate, force_moment_and_centre_with_jacobian, 6, true)->Unit(benchmark::kMicrosecond);
 BENCHMARK_CAPTURE(Evaluate, all_with_jacobian_of_effects, 6, true, true)->Unit(benchmark::kMicrosecond);
+
+// One stance of a person with everything free: 31 frames, 180 springs, six channels, five parameters of the
+// contact and the deviations of the foot's pose (10 Hz).
+void EvaluateWithMotionErrors(benchmark::State& state, bool derivatives) {
+  SynthesisRequest request;
+  request.set = {{"person", 1},           {"train", 1},
+                 {"validate", 0},         {"encoders", 1},
+                 {"motion_error", 0.005}, {"rotation_error", 0.0262}};
+  const auto data = SynthesizeContact(request);
+  std::string text = data->files.at("contact.yaml");
+  text.insert(text.find("  regions:"), "  motion_errors: {position: 0.005, rotation: 0.0262}\n");
+  const auto yaml = YamlReader::Parse(text, "benchmark");
+  const auto problem = *ContactProblem::Make(*data, *ReadContactSettings(*yaml->At("contact"), {}));
+  const std::vector<bool> all(problem->layout().size(), true);
+  const auto workspace = problem->NewWorkspace();
+  Prediction prediction(problem->layout());
+  const Vector parameters = RestPoint(*problem);
+  std::vector<bool> differentiate;
+  for (const Parameter& p : problem->parameters()) differentiate.push_back(p.kind != ParameterKind::kEffect);
+  for (auto _ : state) {
+    benchmark::DoNotOptimize(
+        problem->Predict({parameters, all, derivatives, &differentiate}, *workspace, prediction));
+  }
+  state.counters["parameters"] =
+      static_cast<double>(std::count(differentiate.begin(), differentiate.end(), true));
+  state.counters["instants"] = static_cast<double>(problem->data().stances.front().time.size());
+}
+
+BENCHMARK_CAPTURE(EvaluateWithMotionErrors, value, false)->Unit(benchmark::kMicrosecond);
+BENCHMARK_CAPTURE(EvaluateWithMotionErrors, with_jacobian, true)->Unit(benchmark::kMicrosecond);
 
 // The same stance by Simbody: its parameters belong to the topology, so every evaluation builds the system
 // anew.

@@ -8,6 +8,7 @@
 #include "base/constants.h"
 #include "base/numbers.h"
 #include "base/random.h"
+#include "identify/solvers/continuation.h"
 #include "identify/solvers/displacement.h"
 #include "identify/solvers/levenberg_marquardt.h"
 #include "identify/solvers/polishing.h"
@@ -25,6 +26,7 @@ constexpr int kAgreeing = 2;
 constexpr int kPatience = 32;
 // A local search that has not reached a lower cost after so many evaluations rarely does.
 constexpr long kEvaluationsPerSearch = 60;
+constexpr long kEvaluationsInStages = 400;  // of solver continuation
 constexpr double kFirstDamping = 1e-3;
 // To tell the ends of two chains apart their cost has to be converged to much less than kSameMinimum.
 constexpr long kEvaluationsAtEnd = 500;
@@ -62,6 +64,21 @@ double SizeOfSignals(const LeastSquares& fit) {
   return cost;
 }
 
+// Whether hundreds of values may follow the data as far as their priors let them.
+bool HasNuisancePriors(const LeastSquares& fit) {
+  const FitSetup& setup = fit.setup();
+  const std::vector<int> priors = fit.PriorVariables();
+  return std::any_of(priors.begin(), priors.end(), [&](int v) {
+    const auto index = static_cast<std::size_t>(setup.free[static_cast<std::size_t>(v)]);
+    return setup.parameters[index].kind == ParameterKind::kNuisance;
+  });
+}
+
+std::unique_ptr<Solver> LocalSolver(bool in_stages, double cost_tolerance) {
+  if (in_stages) return std::make_unique<Continuation>(cost_tolerance, kFirstDamping);
+  return std::make_unique<LevenbergMarquardt>(cost_tolerance, kFirstDamping);
+}
+
 // Neither successive residuals nor sums over stretches of 4, 16, ... residuals tell of an error that lasts.
 // Of white noise the mean squared difference of successive values is twice their variance (von Neumann 1941),
 // with a standard deviation of 1 / sqrt(n) of the ratio, and squared sums over m values are as large as m
@@ -87,13 +104,14 @@ class Searching {
   Searching(Evaluator& evaluator, const SolverOptions& options)
       : evaluator_(evaluator),
         options_(options),
-        local_(options.cost_tolerance, kFirstDamping),
+        in_stages_(HasNuisancePriors(evaluator.fit())),
+        local_(LocalSolver(in_stages_, options.cost_tolerance)),
         sampler_(evaluator.fit()),
         size_of_signals_(SizeOfSignals(evaluator.fit())),
         exact_(kExactShare * size_of_signals_) {}
 
   Search Run(const Vector& start) {
-    std::vector<Stage> first = Polish(Sample(start, 0, true), kEvaluationsPerSearch);
+    std::vector<Stage> first = Polish(Sample(start, 0, true), EvaluationsPerSearch());
     const Stage* best = Best(first);
     if (best != nullptr && !Done()) {
       const bool start_is_best = best == &first.front();
@@ -117,7 +135,7 @@ class Searching {
       ends_.push_back(std::move(end));
     }
     for (int chain = 1; chain < kMaxChains && !Done() && !Agrees(); ++chain) {
-      std::vector<Stage> starts = Polish(Sample(start, chain, false), kEvaluationsPerSearch);
+      std::vector<Stage> starts = Polish(Sample(start, chain, false), EvaluationsPerSearch());
       best = Best(starts);
       if (best != nullptr && !Done())
         ends_.push_back(Hop(*best, chain));
@@ -128,6 +146,10 @@ class Searching {
   }
 
  private:
+  [[nodiscard]] long EvaluationsPerSearch() const {
+    return in_stages_ ? kEvaluationsInStages : kEvaluationsPerSearch;
+  }
+
   static bool IsBetter(const Stage& a, const Stage& b) { return a.cost < b.cost; }
 
   static std::ptrdiff_t CountWithin(const std::vector<Stage>& stages, double cost) {
@@ -177,7 +199,8 @@ class Searching {
       if (left != kUnlimitedEvaluations) left -= starts.back().evaluations;
     }
     std::vector<Stage> stages;
-    for (Polished& one : PolishAll(evaluator_, local_, "lm", starts, options_.threads)) {
+    for (Polished& one :
+         PolishAll(evaluator_, *local_, in_stages_ ? "continuation" : "lm", starts, options_.threads)) {
       search_.iterations += one.iterations;
       stages.push_back(std::move(one.stage));
     }
@@ -201,7 +224,7 @@ class Searching {
       std::vector<Vector> points;
       for (int i = 0; i < kAtOnce; ++i) points.push_back(sampler_.Near(at.x, random));
       const double before = at.cost;
-      for (Stage& hop : Polish(points, kEvaluationsPerSearch)) {
+      for (Stage& hop : Polish(points, EvaluationsPerSearch())) {
         at.evaluations += hop.evaluations;
         if (!(hop.cost < at.cost)) continue;
         hop.evaluations = at.evaluations;
@@ -241,7 +264,8 @@ class Searching {
 
   Evaluator& evaluator_;
   const SolverOptions& options_;
-  LevenbergMarquardt local_;
+  bool in_stages_;
+  std::unique_ptr<Solver> local_;
   StartSampler sampler_;
   double size_of_signals_;
   double exact_;

@@ -17,7 +17,9 @@ inline constexpr double kSameMinimum = 1e-3;
 
 /// A search that ends when independent starts agree.
 ///
-/// 1. Local searches by `lm` from the given start and from three others anywhere in the box. Where the best
+/// Local searches are by `lm`; by `continuation` where nuisance parameters have priors.
+///
+/// 1. Local searches from the given start and from three others anywhere in the box. Where the best
 ///    cost is reached twice and white noise is left, this is the answer. Where structure is left, basin
 ///    hopping from the best point has to confirm it.
 /// 2. Else basin hopping from the best of them, until a number of successive displacements have not reduced

@@ -16,28 +16,83 @@ constexpr double kLargestDamping = 1e12;
 // Below this a step in the unit box is rounding.
 constexpr double kSmallestStep = 1e-15;
 
+// The fit with a factor on the rows of the data.
+class Weighted {
+ public:
+  Weighted(Evaluator& evaluator, double weight)
+      : evaluator_(evaluator), weight_(weight), jacobian_(evaluator.fit().NewJacobian()) {}
+
+  Evaluator::Outcome Derivatives(const Vector& x, double& cost) {
+    const auto outcome = evaluator_.Residuals(x, residuals_, &jacobian_);
+    if (outcome != Evaluator::Outcome::kOk) return outcome;
+    Weigh();
+    for (SparseJacobian::Piece& piece : jacobian_.pieces) {
+      if (weight_ != 1 && piece.first_row < evaluator_.fit().data_rows()) piece.values *= weight_;
+    }
+    cost = 0.5 * residuals_.squaredNorm();
+    return outcome;
+  }
+
+  Evaluator::Outcome Cost(const Vector& x, double& cost) {
+    if (weight_ == 1) return evaluator_.Cost(x, cost);
+    const auto outcome = evaluator_.Residuals(x, residuals_, nullptr);
+    if (outcome != Evaluator::Outcome::kOk) return outcome;
+    Weigh();
+    cost = 0.5 * residuals_.squaredNorm();
+    return outcome;
+  }
+
+  [[nodiscard]] const Vector& residuals() const { return residuals_; }
+  [[nodiscard]] const SparseJacobian& jacobian() const { return jacobian_; }
+  // Of the last point.
+  [[nodiscard]] double data_cost() const { return data_cost_; }
+
+ private:
+  void Weigh() {
+    const int rows = evaluator_.fit().data_rows();
+    data_cost_ = 0.5 * residuals_.head(rows).squaredNorm();
+    if (weight_ != 1) residuals_.head(rows) *= weight_;
+  }
+
+  Evaluator& evaluator_;
+  double weight_;
+  Vector residuals_;
+  SparseJacobian jacobian_;
+  double data_cost_ = 0;
+};
+
 }  // namespace
 
 Search LevenbergMarquardt::DoSolve(Evaluator& evaluator, const Vector& start) const {
-  const double tolerance = std::max(cost_tolerance_, evaluator.fit().problem().cost_noise_level());
-  SparseJacobian jacobian = evaluator.fit().NewJacobian();
-  Vector residuals;
+  Options options;
+  options.tolerance = std::max(cost_tolerance_, evaluator.fit().problem().cost_noise_level());
+  options.first_damping = first_damping_;
+  return Minimize(evaluator, start, options).search;
+}
+
+LevenbergMarquardt::Outcome LevenbergMarquardt::Minimize(Evaluator& evaluator, const Vector& start,
+                                                         const Options& options) {
+  const double tolerance = options.tolerance;
+  Weighted fit(evaluator, options.data_weight);
+  Outcome outcome;
+  Search& search = outcome.search;
+  Vector& x = outcome.x;
+  x = start;
   BoxQuadraticModel equations;
-  Vector x = start;
-  Search search;
-  if (evaluator.Residuals(x, residuals, &jacobian) != Evaluator::Outcome::kOk) {
+  double cost = 0;
+  if (fit.Derivatives(x, cost) != Evaluator::Outcome::kOk) {
     search.stop = {Termination::kSolverFailed, "no derivatives at the start"};
-    return search;
+    return outcome;
   }
-  double cost = 0.5 * residuals.squaredNorm();
-  double damping = first_damping_;
+  outcome.data_cost = fit.data_cost();
+  double damping = options.first_damping;
   double growth = 2;
   bool derivatives_at_x = false;
   while (true) {
     if (!derivatives_at_x) {
-      if (!equations.Set(x.size(), residuals, jacobian)) {
+      if (!equations.Set(x.size(), fit.residuals(), fit.jacobian())) {
         search.stop = {Termination::kSolverFailed, "the squares of the derivatives overflow"};
-        return search;
+        return outcome;
       }
       derivatives_at_x = true;
     }
@@ -46,17 +101,21 @@ Search LevenbergMarquardt::DoSolve(Evaluator& evaluator, const Vector& start) co
     const double length = step.cwiseAbs().maxCoeff();
     if (length <= kSmallestStep) {
       search.stop = {Termination::kStepSize, fmt::format("step {:.2g} <= {:.2g}", length, kSmallestStep)};
-      return search;
+      return outcome;
     }
     if (std::abs(predicted) <= tolerance * cost && growth == 2) {
       search.stop = {Termination::kCostChange, fmt::format("predicted relative cost change {:.2g} <= {:.2g}",
                                                            predicted / cost, tolerance)};
-      return search;
+      return outcome;
     }
     if (damping > kLargestDamping) {
       search.stop = {Termination::kSolverFailed,
                      fmt::format("no step lowers the cost, though {:.2g} of it should go", predicted / cost)};
-      return search;
+      return outcome;
+    }
+    if (search.iterations >= options.max_iterations) {
+      search.stop = {Termination::kMaxEvaluations, fmt::format("{} iterations", search.iterations)};
+      return outcome;
     }
     ++search.iterations;
     const Vector next = (x + step).cwiseMax(0).cwiseMin(1);
@@ -64,15 +123,13 @@ Search LevenbergMarquardt::DoSolve(Evaluator& evaluator, const Vector& start) co
     // a step is accepted.
     const bool at_once = growth == 2;
     double next_cost = std::numeric_limits<double>::infinity();
-    auto outcome =
-        at_once ? evaluator.Residuals(next, residuals, &jacobian) : evaluator.Cost(next, next_cost);
-    if (outcome == Evaluator::Outcome::kOk && at_once) next_cost = 0.5 * residuals.squaredNorm();
-    if (outcome == Evaluator::Outcome::kStop) return search;
+    auto evaluated = at_once ? fit.Derivatives(next, next_cost) : fit.Cost(next, next_cost);
+    if (evaluated == Evaluator::Outcome::kStop) return outcome;
     const double gained = cost - next_cost;
-    if (outcome == Evaluator::Outcome::kOk && gained > 0 && !at_once)
-      outcome = evaluator.Residuals(next, residuals, &jacobian);
-    if (outcome == Evaluator::Outcome::kStop) return search;
-    if (outcome == Evaluator::Outcome::kFailed || !(gained > 0)) {
+    if (evaluated == Evaluator::Outcome::kOk && gained > 0 && !at_once)
+      evaluated = fit.Derivatives(next, next_cost);
+    if (evaluated == Evaluator::Outcome::kStop) return outcome;
+    if (evaluated == Evaluator::Outcome::kFailed || !(gained > 0)) {
       damping *= growth;
       growth *= 2;
       continue;
@@ -84,11 +141,12 @@ Search LevenbergMarquardt::DoSolve(Evaluator& evaluator, const Vector& start) co
     const bool settled = gained <= tolerance * cost;
     x = next;
     cost = next_cost;
+    outcome.data_cost = fit.data_cost();
     derivatives_at_x = false;
     if (settled) {
       search.stop = {Termination::kCostChange,
                      fmt::format("relative cost change {:.2g} <= {:.2g}", gained / cost, tolerance)};
-      return search;
+      return outcome;
     }
   }
 }

@@ -1,6 +1,8 @@
 // Solver `lm`: Levenberg-Marquardt in a box, for problems whose evaluation is cheap.
 #pragma once
 
+#include <limits>
+
 #include "identify/solvers/solver.h"
 
 namespace sinew::solvers {
@@ -21,6 +23,20 @@ class LevenbergMarquardt : public Solver {
  public:
   explicit LevenbergMarquardt(double cost_tolerance, double first_damping = 1e-8)
       : cost_tolerance_(cost_tolerance), first_damping_(first_damping) {}
+
+  struct Options {
+    double tolerance = 1e-12;     ///< relative change of the cost
+    double first_damping = 1e-8;  ///< relative
+    double data_weight = 1;       ///< factor on the rows of the data, not on those of priors and ranges
+    int max_iterations = std::numeric_limits<int>::max();
+  };
+  struct Outcome {
+    Search search;
+    Vector x;
+    double data_cost = 0;  ///< half the squared norm of the data's rows at x, without their factor
+  };
+  /// One search; its cost is that of Options::data_weight, the evaluator records the cost with factor 1.
+  static Outcome Minimize(Evaluator& evaluator, const Vector& start, const Options& options);
 
  private:
   Search DoSolve(Evaluator& evaluator, const Vector& start) const override;

@@ -4,6 +4,7 @@
 #include "identify/solvers/ceres_solver.h"
 #include "identify/solvers/chain.h"
 #include "identify/solvers/cmaes.h"
+#include "identify/solvers/continuation.h"
 #include "identify/solvers/independent_starts.h"
 #include "identify/solvers/ipopt_solver.h"
 #include "identify/solvers/levenberg_marquardt.h"
@@ -34,6 +35,7 @@ Result<std::unique_ptr<Solver>> MakeOne(const std::string& name, const SolverOpt
   if (name == "restarts") return std::make_unique<solvers::IndependentStarts>(options);
   if (name == "ceres") return std::make_unique<solvers::CeresSolver>(options.cost_tolerance);
   if (name == "lm") return std::make_unique<solvers::LevenbergMarquardt>(options.cost_tolerance);
+  if (name == "continuation") return std::make_unique<solvers::Continuation>(options.cost_tolerance);
   if (name == "ipopt")
     return std::make_unique<solvers::IpoptSolver>(solvers::IpoptSolver::Hessian::kGaussNewton);
   if (name == "ipopt-lbfgs")
@@ -67,6 +69,8 @@ const std::vector<SolverEntry>& SolverRegistry() {
       {"ceres", kLocal, kGradient, kBox, "Levenberg-Marquardt on residual blocks (Ceres; Marquardt 1963)"},
       {"lm", kLocal, kGradient, kBox,
        "Levenberg-Marquardt with active bounds (Levenberg 1944; Marquardt 1963)"},
+      {"continuation", kLocal, kGradient, kBox,
+       "lm at noise levels that fall to the stated ones (Blake, Zisserman 1987; Allgower, Georg 1990)"},
       {"ipopt", kLocal, kGradient, kConstraints,
        "interior point, Gauss-Newton Hessian (Waechter, Biegler 2006)"},
       {"ipopt-lbfgs", kLocal, kGradient, kConstraints,

@@ -5,6 +5,7 @@
 #include <limits>
 
 #include "problems/contact/pressure.h"
+#include "problems/contact/spring_force.h"
 
 namespace sinew {
 namespace {
@@ -56,40 +57,6 @@ class TiltedFloor {
   double norm_;
 };
 
-// Friction per unit of normal force and of slip, and its derivative for the slip speed over the speed, for
-// mu_s, mu_d, mu_v = 1 (eq 5.2, smooth where the slip is zero).
-struct FrictionPerSlip {
-  std::array<double, 3> value{};
-  std::array<double, 3> slope{};
-};
-
-FrictionPerSlip FrictionPerSlipAt(double slip, double transition_velocity) {
-  const double ratio = slip / transition_velocity;
-  const double peak = 2 / (1 + ratio * ratio);
-  const double peak_slope = -peak * peak / (transition_velocity * transition_velocity);  // over the slip
-  FrictionPerSlip f;
-  if (ratio < 1) {
-    f.value = {peak / transition_velocity, (1 - peak) / transition_velocity, 1};
-    f.slope = {peak_slope / transition_velocity, -peak_slope / transition_velocity, 0};
-  } else {
-    const double cubed = slip * slip * slip;
-    f.value = {peak / slip, (1 - peak) / slip, 1};
-    f.slope = {peak_slope / slip - peak / cubed, -peak_slope / slip - (1 - peak) / cubed, 0};
-  }
-  return f;
-}
-
-// Load of a unit of normal force at a face; and its derivative for the friction coefficients.
-struct Lever {
-  double x = 0;
-  double z = 0;
-  [[nodiscard]] ContactLoad Of(double fx, double fy, double fz) const {
-    ContactLoad load;
-    load << fx, fy, fz, z * fx - x * fz, x * fy, z * fy;
-    return load;
-  }
-};
-
 // The vertical force alone and, if `derivatives`, its derivatives: a tenth of the work. Operation by
 // operation what AddRegion does, so that the answer is the same to the last bit.
 void AddVertical(const EffectKinematics& kinematics, const EffectRegion& region, int instant,
@@ -128,10 +95,10 @@ void AddVertical(const EffectKinematics& kinematics, const EffectRegion& region,
   }
 }
 
-// Adds one region's load and derivatives, as if its weight were 1. `by_spring` is nullptr or set.
+// Adds one region's load and, if wanted, derivatives, as if its weight were 1. `by_spring` is nullptr or set.
 void AddRegion(const EffectKinematics& kinematics, const EffectRegion& region, int instant,
-               const ElasticFoundation& bed, const ContactEffectValues& effects, ContactLoad& load,
-               ContactLoadJacobian& by_bed, ContactEffectJacobian& by_effect,
+               const ElasticFoundation& bed, const ContactEffectValues& effects, bool derivatives,
+               ContactLoad& load, ContactLoadJacobian& by_bed, ContactEffectJacobian& by_effect,
                std::vector<SpringGradient>* by_spring) {
   const ContactKinematics& k = region.kinematics;
   const TiltedFloor floor(kinematics, effects);
@@ -163,6 +130,7 @@ void AddRegion(const EffectKinematics& kinematics, const EffectRegion& region, i
     const ContactLoad unit =
         lever.Of(-floor.slope(0) * up - drag * face.slip_x, up, -floor.slope(1) * up - drag * face.slip_z);
     load += normal * unit;
+    if (!derivatives) continue;
 
     by_bed.col(0) += area * p.by_stiffness * unit;
     by_bed.col(1) += area * p.by_dissipation * unit;
@@ -229,7 +197,7 @@ void ComputeEffectLoad(const EffectKinematics& kinematics, int instant,
     if (query.vertical_only) {
       AddVertical(kinematics, region, instant, bed, effects, query.derivatives, sum, by_bed, by_effect);
     } else {
-      AddRegion(kinematics, region, instant, bed, effects, sum, by_bed, by_effect,
+      AddRegion(kinematics, region, instant, bed, effects, query.derivatives, sum, by_bed, by_effect,
                 query.springs ? &load.by_spring[next++] : nullptr);
     }
   };

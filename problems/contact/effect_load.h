@@ -71,9 +71,10 @@ struct EffectLoad {
 /// What of an EffectLoad is asked for; the rest of it is not to be used.
 struct EffectLoadQuery {
   bool vertical_only = false;  ///< the vertical force alone: no friction, no moments
-  bool derivatives = true;     ///< of the vertical force; with the others they always come
+  bool derivatives = true;     ///< by_part and by_effect too
   bool edges = false;          ///< strips of weight 0 too, for the derivative of the weight
-  bool springs = false;        ///< EffectLoad::by_spring, which has the right size; not with vertical_only
+  bool springs = false;  ///< EffectLoad::by_spring, which has the right size; with derivatives, not with
+                         ///< vertical_only
 };
 
 /// Fills `load`, whose by_part has the right size. Allocates nothing.

@@ -31,6 +31,13 @@ class PosedFoot {
   /// Kinematics of that instant, as instant 0: for ComputeEffectLoad.
   [[nodiscard]] const EffectKinematics& kinematics() const { return posed_; }
 
+  /// The load without contact effects, after Place; sets `load` and, with derivatives, `by_part` of it. All
+  /// of it in one pass over the springs: a quarter of the time of ComputeEffectLoad and Differentiate.
+  /// @param beds [parts] @param by_pose, by_place [parts] set with derivatives, see Differentiate
+  void ComputeLoad(const FootMotion& foot, const std::vector<ElasticFoundation>& beds, bool derivatives,
+                   EffectLoad& load, ContactPoseJacobian& by_pose,
+                   std::vector<ContactPlaceJacobian>& by_place) const;
+
   /// After Place with derivatives, and ComputeEffectLoad with EffectLoadQuery::springs.
   /// @param by_place [parts] set: a column per SolePlace
   void Differentiate(const FootMotion& foot, const EffectLoad& load, ContactPoseJacobian& by_pose,

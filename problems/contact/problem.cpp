@@ -221,10 +221,19 @@ void ContactProblem::PredictInstant(const Stance& stance, int t, const std::arra
     const PoseDeviation deviation = stance.motion_errors.At(query.parameters, t);
     scratch.posed->Place(stance.kinematics, stance.foot, settings_.floor.height, t, deviation, scratch.places,
                          stance.side, query.derivatives);
-    const EffectLoadQuery load_query{false, query.derivatives, scratch.differentiates_edges,
-                                     query.derivatives};
-    ComputeEffectLoad(scratch.posed->kinematics(), 0, scratch.beds, scratch.effects, load_query,
-                      scratch.with_effects);
+    // Without effects the load comes in one pass, with or without their derivatives.
+    if (!scratch.at_null || scratch.differentiates_effects) {
+      const EffectLoadQuery load_query{false, query.derivatives, scratch.differentiates_edges,
+                                       query.derivatives};
+      ComputeEffectLoad(scratch.posed->kinematics(), 0, scratch.beds, scratch.effects, load_query,
+                        scratch.with_effects);
+    }
+    if (scratch.at_null) {
+      scratch.posed->ComputeLoad(stance.foot, scratch.beds, query.derivatives, scratch.with_effects,
+                                 scratch.by_pose, scratch.by_place);
+    } else if (query.derivatives) {
+      scratch.posed->Differentiate(stance.foot, scratch.with_effects, scratch.by_pose, scratch.by_place);
+    }
   } else if (!scratch.at_null || scratch.differentiates_effects) {
     const EffectLoadQuery load_query{PartsFor(wanted) == WrenchParts::kVertical, query.derivatives,
                                      scratch.differentiates_edges};
@@ -278,7 +287,6 @@ void ContactProblem::PredictInstant(const Stance& stance, int t, const std::arra
 void ContactProblem::DifferentiatePose(const Stance& stance, int t, const std::array<bool, kChannels>& wanted,
                                        const Query& query, const PlateChannels& channels, Scratch& scratch,
                                        Prediction& prediction) const {
-  scratch.posed->Differentiate(stance.foot, scratch.with_effects, scratch.by_pose, scratch.by_place);
   const auto parts = static_cast<Eigen::Index>(stance.parts.size());
   Eigen::Index at = 0;
   for (const int place : places_) {

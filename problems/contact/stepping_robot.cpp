@@ -14,7 +14,6 @@ constexpr double kHipOffset = 0.05;
 constexpr double kSoleHeight = 0.04519;
 constexpr double kHeel = -0.06;
 constexpr double kToe = 0.10;
-constexpr double kPelvisHeight = 0.232;
 
 Mat3 AboutX(double angle) {
   return Eigen::AngleAxisd(angle, Vec3::UnitX()).toRotationMatrix();
@@ -53,41 +52,53 @@ FootPose StanceFoot(const Step& step, double t, double side) {
   const double depth =
       step.depth * (1 - std::abs(phase * phase * phase) +
                     step.rocking * std::cos(4 * M_PI * t / T) * (1 - Rise(std::abs(phase), 0.4, 1.6)));
-  const double rolling = 0.5 * (kHeel + kToe) - 0.5 * (kToe - kHeel) * std::tanh(pitch / 0.06);
-  const double height = -depth - rolling * std::sin(pitch) + kSoleHeight * std::cos(pitch);
+  const double rolling = step.size * (0.5 * (kHeel + kToe) - 0.5 * (kToe - kHeel) * std::tanh(pitch / 0.06));
+  const double height = -depth - rolling * std::sin(pitch) + step.size * kSoleHeight * std::cos(pitch);
 
   // Sliding: forward after the strike, backward at push-off; swinging fast before and after.
-  const double swing_speed = 0.25;
+  const double swing_speed = 0.25 * step.size;
   const double forward =
       -swing_speed * RiseIntegral(-t, 0.03, 0.18) + swing_speed * RiseIntegral(t, T + 0.03, T + 0.18) +
       step.slip_speed * (std::min(t, 0.0) + (std::max(t, 0.0) - RiseIntegral(t, 0.0, 0.2))) -
       step.slip_speed * RiseIntegral(t, T - 0.2, T);
   const double sideways = 0.02 * step.slip_speed * T * std::sin(2 * M_PI * t / T + 0.5);
-  return {Vec3(forward, height, side * kHipOffset + sideways), rotation};
+  return {Vec3(forward, height, step.size * side * kHipOffset + sideways), rotation};
+}
+
+// The foot where it is not.
+FootPose Misplaced(const FootPose& foot, double size, const FootError& error) {
+  const double angle = error.turn.norm();
+  const Mat3 turn =
+      angle > 0 ? Eigen::AngleAxisd(angle, error.turn / angle).toRotationMatrix() : Mat3(Mat3::Identity());
+  const Vec3 arm = foot.rotation * Vec3(0.5 * size * (kHeel + kToe), -size * kSoleHeight, 0);
+  return {foot.ankle + arm + error.shift - turn * arm, turn * foot.rotation};
 }
 
 FootPose SwingFoot(const Step& step, double t, double side) {
   const double s = std::clamp((t + 0.25) / (step.duration + 0.5), 0.0, 1.0);
   const double lift = 0.022 + 0.008 * std::sin(M_PI * s);
-  return {Vec3(0.035 * std::cos(M_PI * (1 - s)), kSoleHeight + lift, side * kHipOffset), Mat3::Identity()};
+  return {step.size * Vec3(0.035 * std::cos(M_PI * (1 - s)), kSoleHeight + lift, side * kHipOffset),
+          Mat3::Identity()};
 }
 
 // Closed-form inverse kinematics of one leg: hip (flexion about z, adduction about x, rotation about y), knee
 // about z, ankle about z and x. `side` is +1 for the right leg.
-Status LegAngles(const Vec3& pelvis, const Mat3& pelvis_rotation, const FootPose& foot, double side,
-                 std::map<std::string, double>& pose) {
+Status LegAngles(const Vec3& pelvis, const Mat3& pelvis_rotation, double size, const FootPose& foot,
+                 double side, std::map<std::string, double>& pose) {
   const std::string suffix = side > 0 ? "_r" : "_l";
-  const Vec3 hip = pelvis + pelvis_rotation * Vec3(0, 0, side * kHipOffset);
+  const double thigh = size * kThigh;
+  const double shank = size * kShank;
+  const Vec3 hip = pelvis + pelvis_rotation * Vec3(0, 0, side * size * kHipOffset);
   const Vec3 r = foot.rotation.transpose() * (hip - foot.ankle);
   const double sigma = std::atan2(-r.z(), r.y());
   const double along = r.x();
   const double up = std::hypot(r.y(), r.z());
-  const double cosine = (along * along + up * up - kThigh * kThigh - kShank * kShank) / (2 * kThigh * kShank);
+  const double cosine = (along * along + up * up - thigh * thigh - shank * shank) / (2 * thigh * shank);
   if (!(cosine > -1 && cosine < 1))
     return Fail("the {} leg cannot reach its foot", side > 0 ? "right" : "left");
   const double knee = -std::acos(cosine);
   const double ankle =
-      std::atan2(kShank + kThigh * std::cos(knee), kThigh * std::sin(knee)) - std::atan2(up, along);
+      std::atan2(shank + thigh * std::cos(knee), thigh * std::sin(knee)) - std::atan2(up, along);
   const Mat3 hip_rotation =
       pelvis_rotation.transpose() * foot.rotation * AboutX(-sigma) * AboutZ(-ankle) * AboutZ(-knee);
   pose["hip_flexion" + suffix] = std::atan2(-hip_rotation(0, 1), hip_rotation(1, 1));
@@ -101,21 +112,25 @@ Status LegAngles(const Vec3& pelvis, const Mat3& pelvis_rotation, const FootPose
 
 }  // namespace
 
-Result<std::map<std::string, double>> SteppingPose(const Step& step, double t) {
+Result<std::map<std::string, double>> SteppingPose(const Step& step, double t, const FootError& error) {
   const double stance_side = step.right ? 1 : -1;
   const double T = step.duration;
-  const double sway = 0.012 * stance_side * std::cos(M_PI * (t - 0.5 * T) / (2 * T));
+  const double sway = step.size * 0.012 * stance_side * std::cos(M_PI * (t - 0.5 * T) / (2 * T));
   const double tilt = 0.02 * std::sin(2 * M_PI * t / T);
   const double list = 0.015 * stance_side * std::cos(M_PI * (t - 0.5 * T) / T);
-  const Vec3 pelvis(step.walking_speed * (t - 0.5 * T), kPelvisHeight + 0.002 * std::cos(4 * M_PI * t / T),
-                    sway);
+  const double height = step.size * (step.pelvis_height + 0.002 * std::cos(4 * M_PI * t / T));
+  const Vec3 pelvis(step.walking_speed * (t - 0.5 * T), height, sway);
   const Mat3 pelvis_rotation = AboutZ(tilt) * AboutX(list);
 
   std::map<std::string, double> pose{{"pelvis_tilt", tilt},     {"pelvis_list", list},
                                      {"pelvis_rotation", 0},    {"pelvis_tx", pelvis.x()},
                                      {"pelvis_ty", pelvis.y()}, {"pelvis_tz", pelvis.z()}};
-  SINEW_TRY(LegAngles(pelvis, pelvis_rotation, StanceFoot(step, t, stance_side), stance_side, pose));
-  SINEW_TRY(LegAngles(pelvis, pelvis_rotation, SwingFoot(step, t, -stance_side), -stance_side, pose));
+  const FootPose stance = StanceFoot(step, t, stance_side);
+  const bool misplaced = !(error.shift.isZero(0) && error.turn.isZero(0));
+  SINEW_TRY(LegAngles(pelvis, pelvis_rotation, step.size,
+                      misplaced ? Misplaced(stance, step.size, error) : stance, stance_side, pose));
+  SINEW_TRY(
+      LegAngles(pelvis, pelvis_rotation, step.size, SwingFoot(step, t, -stance_side), -stance_side, pose));
   const double swing = 0.3 * std::sin(M_PI * t / T);
   pose["head_yaw"] = 0.05 * std::sin(2 * M_PI * t / T);
   pose["arm_flex_r"] = -stance_side * swing;

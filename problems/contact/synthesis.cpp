@@ -10,8 +10,9 @@
 #include "models/multibody/multibody_model.h"
 #include "models/multibody/osim_reader.h"
 #include "problems/contact/effect_load.h"
-#include "problems/contact/nao_like_osim.h"
-#include "problems/contact/stepping_robot.h"
+#include "problems/contact/plate_channels.h"
+#include "problems/contact/smooth_errors.h"
+#include "problems/contact/stepping_body.h"
 #include "problems/contact/truth.h"
 #include "problems/kit/experiment_settings.h"
 
@@ -22,33 +23,6 @@ constexpr double kPlateRate = 960;  // [Hz]
 constexpr int kEvery = 16;          // the export keeps 60 Hz
 constexpr double kMargin = 0.2;     // [s] of motion before and after the stance
 constexpr double kTransitionVelocity = 0.01;
-const Vec3 kSoleSize(0.16, 0.02, 0.09);
-const Vec3 kSolePosition(0.02, -0.04519, 0);
-
-const char* const kSettingsText =
-    R"(# How the contact problem sees this robot: one box per sole, both with the same parameters.
-contact:
-  model: model.osim
-  floor_height: 0.0
-  transition_velocity: 0.01
-  objective: thesis
-  fit: [force_y]
-  regions:
-    - name: right_sole
-      body: calcn_r
-      plate: right
-      position: [0.02, -0.04519, 0.0]
-      mesh: {box: {size: [0.16, 0.02, 0.09], strips: [12, 7]}}
-    - name: left_sole
-      body: calcn_l
-      plate: left
-      position: [0.02, -0.04519, 0.0]
-      mesh: {box: {size: [0.16, 0.02, 0.09], strips: [12, 7]}}
-  parameters:
-    stiffness: {lower: 1.0e4, upper: 1.0e7, start: 1.0e5}
-    dissipation: {lower: 0, upper: 600, start: 10}
-)";
-
 constexpr ExperimentSetting kSettings[] = {
     {"stiffness", 9e5, 1e4, 1e7, "true stiffness [N/m3]"},
     {"dissipation", 30, 0, 600, "true dissipation [s/m]"},
@@ -63,12 +37,28 @@ constexpr ExperimentSetting kSettings[] = {
     {"encoders", 0, 0, 1, "1: the coordinates are recorded too, without noise (joint encoders)"},
     {"fine", 1, 0, 1,
      "0: the truth is the fitted model itself, its mesh and a motion known 60 times a second"},
+    {"person", 0, 0, 1,
+     "1: feet and load of a person (70 kg, sole of 0.26 m, 10 mm deep); then the defaults are stiffness "
+     "1.9e6, dissipation 2.5, force_noise 3, moments 1, cop_noise 0.001, moment_noise 0.3"},
+    {"moments", 0, 0, 1, "1: centre of pressure and free moment are recorded too"},
+    {"cop_noise", 5e-4, 0, 0.1, "of the centre of pressure [m]"},
+    {"moment_noise", 0.02, 0, 100, "of the free moment [N m]"},
+    {"motion_error", 0, 0, 0.05,
+     "standard deviation of smooth errors of the recorded foot's position along each axis [m]"},
+    {"rotation_error", 0, 0, 0.3, "the same of its rotation about each axis [rad]"},
+    {"error_correlation", 0.2, 0.02, 10, "time after which such errors have a correlation of 0.61 [s]"},
 };
 
 using Values = std::map<std::string, double>;
 
-Step DrawStep(Random& random, bool right, double slip) {
-  Step step;
+struct Laboratory {
+  SteppingBody body;
+  MultibodyModel model;
+  Values values;
+  ContactTruth hidden;
+};
+
+Step DrawStep(Random& random, Step step, bool right, double slip) {
   step.right = right;
   step.walking_speed *= random.Uniform(0.9, 1.1);
   step.depth *= random.Uniform(0.93, 1.07);
@@ -85,14 +75,16 @@ struct Motion {
   Matrix values;  // [time x coordinates of the model]
 };
 
-Result<Motion> Move(const Step& step, const MultibodyModel& model, double rate) {
+Result<Motion> Move(const Step& step, const MultibodyModel& model, double rate,
+                    const SmoothErrors* errors = nullptr) {
   Motion motion;
   const int count = static_cast<int>(std::floor((step.duration + 2 * kMargin) * rate + 1e-9)) + 1;
   const auto& names = model.coordinate_names();
   motion.values.resize(count, static_cast<Eigen::Index>(names.size()));
   for (int i = 0; i < count; ++i) {
     motion.time.push_back(-kMargin + i / rate);
-    SINEW_ASSIGN(const auto pose, SteppingPose(step, motion.time.back()));
+    const FootError error = errors == nullptr ? FootError{} : errors->At(motion.time.back());
+    SINEW_ASSIGN(const auto pose, SteppingPose(step, motion.time.back(), error));
     for (std::size_t k = 0; k < names.size(); ++k) {
       const auto found = pose.find(names[k]);
       motion.values(i, static_cast<Eigen::Index>(k)) = found != pose.end() ? found->second : 0;
@@ -115,23 +107,25 @@ EffectRegion Prepare(const ContactRegion& region, const std::vector<BodyMotion>&
 }
 
 // The true load on the plate at the given times.
-Result<std::vector<ContactLoad>> TrueLoads(const MultibodyModel& model, const CoordinateTrajectory& motion,
-                                           bool right, const Values& values, const ContactTruth& hidden,
-                                           const std::vector<double>& times) {
+Result<std::vector<ContactLoad>> TrueLoads(const Laboratory& lab, const CoordinateTrajectory& motion,
+                                           bool right, const std::vector<double>& times) {
+  const MultibodyModel& model = lab.model;
+  const Values& values = lab.values;
   SINEW_ASSIGN(const int body, model.BodyIndex(right ? "calcn_r" : "calcn_l"));
   SINEW_ASSIGN(const auto motions, model.BodyMotions(times, motion, {body}));
   std::vector<BodyMotion> of_foot;
   for (const auto& bodies : motions) of_foot.push_back(bodies.front());
   ContactRegion region;
   const bool fine = values.at("fine") != 0;
-  SINEW_ASSIGN(region.mesh, BoxMesh(kSoleSize, fine ? 36 : 12, fine ? 20 : 7));
-  region.position = kSolePosition;
+  const auto& coarse = lab.body.squares;
+  SINEW_ASSIGN(region.mesh, BoxMesh(lab.body.sole_size, fine ? 36 : coarse[0], fine ? 20 : coarse[1]));
+  region.position = lab.body.sole_position;
   region.springs = SpringFaces::kBottom;
   const ElasticFoundation truth{values.at("stiffness"), values.at("dissipation"),
                                 values.at("static_friction"), values.at("dynamic_friction"),
                                 values.at("viscous_friction")};
   std::vector<ContactLoad> loads(times.size(), ContactLoad::Zero());
-  const ContactEffectValues effects = hidden.EffectsOn(right);
+  const ContactEffectValues effects = lab.hidden.EffectsOn(right);
   if (std::all_of(effects.begin(), effects.end(), [](double value) { return value == 0; })) {
     const ContactKinematics kinematics = ComputeContactKinematics(region, of_foot, {});
     const ContactSums sums({&kinematics}, kTransitionVelocity);
@@ -146,7 +140,7 @@ Result<std::vector<ContactLoad>> TrueLoads(const MultibodyModel& model, const Co
   for (const std::size_t edge : {0U, 1U}) {
     const std::array<int, 2> strips{fine ? 12 : 4, fine ? 20 : 7};
     SINEW_ASSIGN(const ContactRegion strip,
-                 EdgeRegion(region, edge == 0, kEdgeShare * kSoleSize.x(), strips));
+                 EdgeRegion(region, edge == 0, kEdgeShare * lab.body.sole_size.x(), strips));
     kinematics.edges[edge].push_back(Prepare(strip, of_foot));
   }
   for (const BodyMotion& foot : of_foot) {
@@ -158,29 +152,28 @@ Result<std::vector<ContactLoad>> TrueLoads(const MultibodyModel& model, const Co
   EffectLoad load;
   load.by_part.resize(1);
   for (std::size_t i = 0; i < times.size(); ++i) {
-    ComputeEffectLoad(kinematics, static_cast<int>(i), {truth}, effects, {}, load);
+    ComputeEffectLoad(kinematics, static_cast<int>(i), {truth}, effects, {false, false}, load);
     loads[i] = load.load;
   }
   return loads;
 }
 
-// The force along each axis at the times at which the plate takes it for that of `time`.
-Result<std::array<std::vector<double>, 3>> SeenForces(const MultibodyModel& model,
-                                                      const CoordinateTrajectory& motion, bool right,
-                                                      const Values& values, const ContactTruth& hidden,
-                                                      const std::vector<double>& time) {
-  std::array<std::vector<double>, 3> forces;
-  const auto& plate = hidden.plates[right ? 0 : 1];
-  std::vector<ContactLoad> loads;
+// The load along each axis at the times at which the plate takes it for that of `time`.
+using SeenLoads = std::array<std::vector<ContactLoad>, 3>;
+Result<SeenLoads> LoadsSeen(const Laboratory& lab, const CoordinateTrajectory& motion, bool right,
+                            const std::vector<double>& time) {
+  SeenLoads loads;
+  const auto& plate = lab.hidden.plates[right ? 0 : 1];
   for (std::size_t axis = 0; axis < 3; ++axis) {
-    if (axis == 0 || plate[axis].time_offset != plate[axis - 1].time_offset) {
-      std::vector<double> measured_at;
-      for (const double t : time) measured_at.push_back(t - plate[axis].time_offset);
-      SINEW_ASSIGN(loads, TrueLoads(model, motion, right, values, hidden, measured_at));
+    if (axis > 0 && plate[axis].time_offset == plate[axis - 1].time_offset) {
+      loads[axis] = loads[axis - 1];
+      continue;
     }
-    for (const ContactLoad& load : loads) forces[axis].push_back(load[static_cast<Eigen::Index>(axis)]);
+    std::vector<double> measured_at;
+    for (const double t : time) measured_at.push_back(t - plate[axis].time_offset);
+    SINEW_ASSIGN(loads[axis], TrueLoads(lab, motion, right, measured_at));
   }
-  return forces;
+  return loads;
 }
 
 Channel NewChannel(const std::string& unit, double sigma) {
@@ -190,10 +183,10 @@ Channel NewChannel(const std::string& unit, double sigma) {
   return channel;
 }
 
-Grid RecordForces(const std::array<std::vector<double>, 3>& forces, const std::vector<double>& time,
-                  bool right, const Values& values, const ContactTruth& hidden, Random& random) {
+Grid RecordForces(const Laboratory& lab, const SeenLoads& loads, const std::vector<double>& time, bool right,
+                  Random& random) {
   Grid grid;
-  const double noise = values.at("force_noise");
+  const double noise = lab.values.at("force_noise");
   const std::array<double, 3> noise_of{0.5 * noise, noise, 0.5 * noise};
   std::array<Channel, 3> channels;
   for (std::size_t axis = 0; axis < 3; ++axis) channels[axis] = NewChannel("N", noise_of[axis]);
@@ -205,9 +198,10 @@ Grid RecordForces(const std::array<std::vector<double>, 3>& forces, const std::v
     if (i % kEvery != 0) continue;
     grid.time.push_back(time[i]);
     for (std::size_t axis = 0; axis < 3; ++axis) {
-      const PlateDistortion& plate = hidden.plates[right ? 0 : 1][axis];
-      channels[axis].values.push_back(plate.gain * forces[axis][i] + plate.offset +
-                                      plate.drift * (time[i] - middle) + noise_of[axis] * error[axis]);
+      const PlateDistortion& plate = lab.hidden.plates[right ? 0 : 1][axis];
+      const double force = loads[axis][i][static_cast<Eigen::Index>(axis)];
+      channels[axis].values.push_back(plate.gain * force + plate.offset + plate.drift * (time[i] - middle) +
+                                      noise_of[axis] * error[axis]);
     }
   }
   for (std::size_t axis = 0; axis < 3; ++axis) {
@@ -215,6 +209,28 @@ Grid RecordForces(const std::array<std::vector<double>, 3>& forces, const std::v
         std::move(channels[axis]);
   }
   return grid;
+}
+
+// Centre of pressure and free moment, with the clock of the vertical force; gaps under a light foot.
+void RecordMoments(const Laboratory& lab, const SeenLoads& loads, bool right, Random& random, Grid& grid) {
+  constexpr double kLightShare = 0.02;  // of the greatest vertical force
+  const std::vector<ContactLoad>& vertical = loads[kForceY];
+  double most = 0;
+  for (const ContactLoad& load : vertical) most = std::max(most, load[kForceY]);
+  const std::array<const char*, 3> names{"cop_x", "cop_z", "moment_y"};
+  const std::array<PlateChannel, 3> channels{kCopX, kCopZ, kFreeMoment};
+  for (std::size_t c = 0; c < names.size(); ++c) {
+    const bool is_cop = channels[c] != kFreeMoment;
+    const double noise = lab.values.at(is_cop ? "cop_noise" : "moment_noise");
+    Channel channel = NewChannel(is_cop ? "m" : "N*m", noise);
+    for (std::size_t i = 0; i < vertical.size(); i += kEvery) {
+      const double error = noise * random.Normal();
+      const bool light = !(vertical[i][kForceY] > kLightShare * most);
+      channel.values.push_back(light ? std::nan("")
+                                     : PlateChannels(vertical[i], {0, 0}).value[channels[c]] + error);
+    }
+    grid.channels[std::string(right ? "right_" : "left_") + names[c]] = std::move(channel);
+  }
 }
 
 Result<Grid> RecordMarkers(const MultibodyModel& model, const Motion& motion, double noise, Random& random) {
@@ -233,8 +249,9 @@ Result<Grid> RecordMarkers(const MultibodyModel& model, const Motion& motion, do
   return grid;
 }
 
-Result<Trial> RecordStance(const MultibodyModel& model, const Step& step, const Values& values,
-                           const ContactTruth& hidden, Random& random) {
+Result<Trial> RecordStance(const Laboratory& lab, const Step& step, Random& random, Random& own_random) {
+  const MultibodyModel& model = lab.model;
+  const Values& values = lab.values;
   const double seen_rate = kPlateRate / kEvery;
   SINEW_ASSIGN(const Motion true_motion, Move(step, model, values.at("fine") != 0 ? kPlateRate : seen_rate));
   SINEW_ASSIGN(
@@ -242,13 +259,16 @@ Result<Trial> RecordStance(const MultibodyModel& model, const Step& step, const 
       CoordinateTrajectory::Fit(model, true_motion.time, model.coordinate_names(), true_motion.values));
   std::vector<double> plate_time;
   for (double t = 0; t < step.duration - 0.5 / kPlateRate; t += 1 / kPlateRate) plate_time.push_back(t);
-  SINEW_ASSIGN(const auto forces, SeenForces(model, trajectory, step.right, values, hidden, plate_time));
+  SINEW_ASSIGN(const SeenLoads loads, LoadsSeen(lab, trajectory, step.right, plate_time));
 
   Trial trial;
   trial.task = step.right ? "right stance" : "left stance";
   trial.conditions["walking_speed_m_per_s"] = step.walking_speed;
-  trial.grids["forces"] = RecordForces(forces, plate_time, step.right, values, hidden, random);
-  SINEW_ASSIGN(const Motion seen_motion, Move(step, model, seen_rate));
+  trial.grids["forces"] = RecordForces(lab, loads, plate_time, step.right, random);
+  if (values.at("moments") != 0) RecordMoments(lab, loads, step.right, own_random, trial.grids["forces"]);
+  const SmoothErrors errors(values.at("motion_error"), values.at("rotation_error"),
+                            values.at("error_correlation"), own_random);
+  SINEW_ASSIGN(const Motion seen_motion, Move(step, model, seen_rate, &errors));
   SINEW_ASSIGN(trial.grids["markers"], RecordMarkers(model, seen_motion, values.at("marker_noise"), random));
   if (values.at("encoders") != 0) {
     Grid& grid = trial.grids["coordinates"];
@@ -266,27 +286,37 @@ Result<Trial> RecordStance(const MultibodyModel& model, const Step& step, const 
 }  // namespace
 
 Result<Dataset> SynthesizeContact(const SynthesisRequest& request) {
-  SINEW_ASSIGN(const Values values, ReadExperiment(kSettings, {"force_noise", "marker_noise"}, request));
-  SINEW_ASSIGN(const ContactTruth hidden, ReadContactTruth(request.effects));
-  SINEW_ASSIGN(const OsimModel osim, ReadOsim(kNaoLikeOsim, "nao_like.osim"));
-  SINEW_ASSIGN(const MultibodyModel model, MultibodyModel::Build(osim));
+  const auto person = request.set.find("person");
+  SteppingBody body =
+      person != request.set.end() && person->second != 0 ? PersonThatSteps() : RobotThatSteps();
+  SynthesisRequest with_defaults = request;
+  for (const auto& [name, value] : body.defaults) with_defaults.set.emplace(name, value);
+  SINEW_ASSIGN(
+      Values values,
+      ReadExperiment(kSettings, {"force_noise", "marker_noise", "cop_noise", "moment_noise"}, with_defaults));
+  SINEW_ASSIGN(ContactTruth hidden, ReadContactTruth(request.effects));
+  SINEW_ASSIGN(const OsimModel osim, ReadOsim(body.osim, "nao_like.osim"));
+  SINEW_ASSIGN(MultibodyModel model, MultibodyModel::Build(osim));
+  const Laboratory lab{std::move(body), std::move(model), std::move(values), std::move(hidden)};
 
   Dataset data;
-  data.title = "a small humanoid robot stepping";
-  data.subject = "robot with the proportions of NAO, 5.8 kg, 0.573 m";
+  data.title = lab.body.title;
+  data.subject = lab.body.subject;
   data.source = fmt::format("sinew data synthesize contact --seed {}", request.seed);
   data.licence = "Apache-2.0";
   data.synthetic = true;
-  data.constants["body_mass"] = {model.total_mass_kg(), "kg"};
-  data.files["model.osim"] = kNaoLikeOsim;
-  data.files["contact.yaml"] = kSettingsText;
+  data.constants["body_mass"] = {lab.model.total_mass_kg(), "kg"};
+  data.files["model.osim"] = lab.body.osim;
+  data.files["contact.yaml"] = lab.body.settings;
 
   Random random(request.seed);
-  const int train = static_cast<int>(values.at("train"));
-  const int stances = train + static_cast<int>(values.at("validate"));
+  const int train = static_cast<int>(lab.values.at("train"));
+  const int stances = train + static_cast<int>(lab.values.at("validate"));
   for (int i = 0; i < stances; ++i) {
-    const Step step = DrawStep(random, i % 2 == 0, values.at("slip"));
-    SINEW_ASSIGN(Trial trial, RecordStance(model, step, values, hidden, random));
+    const Step step = DrawStep(random, lab.body.step, i % 2 == 0, lab.values.at("slip"));
+    // What may be recorded besides leaves the rest of the data as it is.
+    Random own_random(Random::StreamSeed(request.seed, static_cast<std::uint64_t>(i)));
+    SINEW_ASSIGN(Trial trial, RecordStance(lab, step, random, own_random));
     trial.role = i < train ? Role::kTrain : Role::kValidate;
     data.trials[SyntheticTrialName(static_cast<std::size_t>(i), static_cast<std::size_t>(train))] =
         std::move(trial);

@@ -92,5 +92,38 @@ TEST(ContactIdentification, TangentialForceIdentifiesFrictionIfTheFootSlipsFast)
   }
 }
 
+// One stance of a person whose recorded foot errs by 5 mm and 1.5 degrees, where the sole sinks in by 10 mm.
+TEST(ContactIdentification, MotionThatErrsByMillimetresTellsTheContactIfItsErrorsAreFitted) {
+  SynthesisRequest request;
+  request.seed = 8;
+  request.set = {{"person", 1},
+                 {"encoders", 1},
+                 {"train", 1},
+                 {"validate", 0},
+                 {"fine", 0},
+                 {"slip", 0.1},
+                 {"motion_error", 0.005},
+                 {"rotation_error", 0.0262}};
+  const Dataset data = SynthesizeContact(request).value();
+  IdentificationOptions options;
+  options.solver = "restarts";
+  const auto find = [&](const std::string& yaml) {
+    const auto problem = MakeContact(data, yaml).value();
+    auto found = Identify(*problem, MakeFitSetup(*problem, {}).value(), options).value();
+    const auto verdicts = Verdicts(*problem, found);
+    return std::pair(found.parameters, verdicts);
+  };
+  const std::string text = SettingsText(data);
+  const auto [ignored, ignored_verdicts] = find(text);
+  const auto [fitted, verdicts] = find(
+      SettingsText(data, "  regions:", "  motion_errors: {position: 0.005, rotation: 0.0262}\n  regions:"));
+  EXPECT_NEAR(fitted[0] / 1.9e6, 1, 0.4)
+      << "stiffness: 5 mm of 10 mm, and few independent errors in a stance";
+  EXPECT_NEAR(fitted[2] / 0.9, 1, 0.02) << "static friction";
+  EXPECT_NEAR(fitted[3] / 0.6, 1, 0.06) << "dynamic friction";
+  EXPECT_EQ(verdicts.at("static_friction"), Verdict::kIdentifiable);
+  EXPECT_GT(std::abs(ignored[2] / 0.9 - 1), 0.1) << "static friction from a motion that is taken for exact";
+}
+
 }  // namespace
 }  // namespace sinew

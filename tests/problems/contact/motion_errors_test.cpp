@@ -7,6 +7,7 @@
 
 #include "base/random.h"
 #include "problems/contact/plate_samples.h"
+#include "problems/contact/posed_load.h"
 #include "tests/problems/support/jacobian_check.h"
 #include "tests/problems/support/stepping_data.h"
 #include "tests/support/allocation_counter.h"
@@ -176,6 +177,47 @@ TEST(MotionErrors, JacobianAgreesWithDifferences) {
   ASSERT_GT(problem->parameters().size(), 60U);
   Random random(1);
   ExpectJacobianAgrees(*problem, random);
+}
+
+// Without effects the load and its derivatives come in one pass; with effects, at their null too, spring by
+// spring.
+TEST(MotionErrors, OnePassOverTheSpringsIsWhatTheyAddUpTo) {
+  constexpr double kRounding = 1e-10;  // of sums of products of up to a thousand terms
+  const auto problem =
+      MakeContact(ExactData(), Moving(kErrors) + "    sole_height: {lower: -0.0003, upper: 0.0003}\n")
+          .value();
+  const Stance& stance = problem->data().stances.front();
+  PosedFoot posed(stance.kinematics);
+  EffectLoad once;
+  EffectLoad summed;
+  for (EffectLoad* load : {&once, &summed}) load->by_part.resize(stance.parts.size());
+  for (const FootMotion::Springs& springs : stance.foot.springs)
+    summed.by_spring.emplace_back(springs.position.size());
+  ContactPoseJacobian once_by_pose;
+  ContactPoseJacobian by_pose;
+  std::vector<ContactPlaceJacobian> once_by_place(stance.parts.size());
+  std::vector<ContactPlaceJacobian> by_place(stance.parts.size());
+  Random random(3);
+  int touching = 0;
+  for (int round = 0; round < 50; ++round) {
+    const Vector parameters = RandomInside(*problem, 0.02, random);
+    const std::vector<ElasticFoundation> beds(stance.parts.size(), ContactProblem::Foundation(parameters, 0));
+    const int instant = static_cast<int>(random.Index(stance.time.size()));
+    const PoseDeviation deviation = stance.motion_errors.At(parameters, instant);
+    const Vec3 place(random.Uniform(-1e-3, 1e-3), random.Uniform(-3e-4, 3e-4), random.Uniform(-1e-3, 1e-3));
+    const std::vector<Vec3> places(stance.parts.size(), place);
+    const double side = round % 2 == 0 ? 1 : -1;
+    posed.Place(stance.kinematics, stance.foot, 0.001, instant, deviation, places, side, true);
+    posed.ComputeLoad(stance.foot, beds, true, once, once_by_pose, once_by_place);
+    ComputeEffectLoad(posed.kinematics(), 0, beds, {}, {false, true, false, true}, summed);
+    posed.Differentiate(stance.foot, summed, by_pose, by_place);
+    if (summed.load[kForceY] > 0) ++touching;
+    EXPECT_LE((once.load - summed.load).norm(), kRounding * summed.load.norm());
+    EXPECT_LE((once_by_pose - by_pose).norm(), kRounding * by_pose.norm());
+    EXPECT_LE((once.by_part[0] - summed.by_part[0]).norm(), kRounding * summed.by_part[0].norm());
+    EXPECT_LE((once_by_place[0] - by_place[0]).norm(), kRounding * by_place[0].norm());
+  }
+  EXPECT_GT(touching, 25);
 }
 
 TEST(MotionErrors, PredictAllocatesNothingInSteadyState) {

@@ -3,12 +3,15 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <array>
 #include <cmath>
 #include <functional>
 
 #include "datasets/dataset_hash.h"
 #include "identify/fit_quality.h"
+#include "models/multibody/osim_reader.h"
+#include "problems/contact/smooth_errors.h"
 #include "tests/problems/support/stepping_data.h"
 
 namespace sinew {
@@ -115,6 +118,147 @@ TEST(ContactSynthesis, TheFittedModelDiffersFromTheTruthByLessThanATenthOfTheNoi
   std::printf("RMSE of the vertical force: %.4f N over all stances, %.4f N in the worst\n",
               std::sqrt(squares / samples), worst);
   EXPECT_LT(worst, 0.1 * kNoise);
+}
+
+Dataset StepsOfAPerson(const std::map<std::string, double>& settings, std::optional<double> noise = {}) {
+  SynthesisRequest request;
+  request.seed = 3;
+  request.set = {{"person", 1}, {"encoders", 1}};
+  for (const auto& [name, value] : settings) request.set[name] = value;
+  request.noise = noise;
+  return SynthesizeContact(request).value();
+}
+
+TEST(ContactSynthesis, APersonCarries70KilogramsOnSolesOf26Centimetres) {
+  const Dataset data = StepsOfAPerson({{"train", 2}, {"validate", 0}, {"fine", 0}});
+  EXPECT_TRUE(data.synthetic);
+  EXPECT_NEAR(data.constants.at("body_mass").value, 70, 1e-6);
+  for (const auto& [name, trial] : data.trials) {
+    const auto& channels = trial.grids.at("forces").channels;
+    const std::string plate = channels.count("right_force_y") > 0 ? "right" : "left";
+    const auto& force = channels.at(plate + "_force_y").values;
+    const double most = *std::max_element(force.begin(), force.end());
+    EXPECT_GT(most, 0.7 * 70 * 9.81);
+    EXPECT_LT(most, 1.5 * 70 * 9.81);
+    double heel = 1;
+    double toe = -1;
+    for (const double x : channels.at(plate + "_cop_x").values) {
+      if (!std::isfinite(x)) continue;
+      heel = std::min(heel, x);
+      toe = std::max(toe, x);
+    }
+    EXPECT_GT(toe - heel, 0.1) << "the foot rolls";
+    EXPECT_LT(toe - heel, 0.3);
+  }
+}
+
+// With the true parameters and motion the fitted model (coarser mesh, motion known 60 times a second)
+// predicts all six channels of a plate to a third of the noise.
+TEST(ContactSynthesis, OfAPersonTheFittedModelDiffersFromTheTruthByLittle) {
+  const Dataset noisy = StepsOfAPerson({});
+  const std::map<std::string, double> truth{{"stiffness", 1.9e6},
+                                            {"dissipation", 2.5},
+                                            {"static_friction", 0.9},
+                                            {"dynamic_friction", 0.6},
+                                            {"viscous_friction", 0.5}};
+  const Dataset data = StepsOfAPerson({}, 0.0);
+  const auto problem =
+      MakeContact(data, SettingsText(data, "objective: likelihood", "objective: normalised")).value();
+  Vector parameters = RestPoint(*problem);
+  for (const auto& [name, value] : truth)
+    parameters[FindParameter(problem->parameters(), name).value()] = value;
+  const Prediction prediction = PredictEverything(*problem, parameters);
+  std::map<std::string, std::pair<double, double>> squares;  // of errors over noise, and their number
+  for (std::size_t b = 0; b < problem->layout().size(); ++b) {
+    const Block& block = problem->layout()[b];
+    const double noise = *noisy.trials.at(block.trial).Find(block.channel).channel->sigma;
+    auto& [sum, count] = squares[block.channel.substr(block.channel.find('_') + 1)];
+    for (std::size_t i = 0; i < block.measured.size(); ++i) {
+      const double error = prediction.values(static_cast<int>(b))[block.sample[i]] - block.measured[i];
+      sum += error * error / (noise * noise);
+      count += 1;
+    }
+  }
+  ASSERT_EQ(squares.size(), 6U);
+  for (const auto& [kind, sum] : squares) {
+    const double ratio = std::sqrt(sum.first / sum.second);
+    std::printf("%-10s error of the fitted model %.3f of the noise\n", kind.c_str(), ratio);
+    EXPECT_LT(ratio, 1.0 / 3) << kind;
+  }
+}
+
+// Where the recorded coordinates have the middle of the stance foot's sole, and its rotation.
+std::vector<BodyMotion> SoleMiddles(const Dataset& data, const Trial& trial) {
+  const auto model =
+      MultibodyModel::Build(ReadOsim(data.files.at("model.osim"), "model.osim").value()).value();
+  const bool right = trial.task == "right stance";
+  const int body = model.BodyIndex(right ? "calcn_r" : "calcn_l").value();
+  const Grid& recorded = trial.grids.at("coordinates");
+  const auto motions = model.BodyMotions(recorded.time, RecordedMotion(model, recorded), {body}).value();
+  std::vector<BodyMotion> feet;
+  for (const auto& bodies : motions) {
+    feet.push_back(bodies.front());
+    feet.back().position += feet.back().rotation * Vec3(0.0325, -0.07343375, 0);
+  }
+  return feet;
+}
+
+TEST(ContactSynthesis, ErrorsOfTheMotionMoveTheRecordedFootAndNotTheForce) {
+  const std::map<std::string, double> size{{"train", 20}, {"validate", 0}, {"fine", 0}};
+  auto with_errors = size;
+  with_errors["motion_error"] = 0.005;
+  with_errors["rotation_error"] = 0.0262;
+  const Dataset exact = StepsOfAPerson(size);
+  const Dataset data = StepsOfAPerson(with_errors);
+  Vec3 shifts = Vec3::Zero();
+  Vec3 turns = Vec3::Zero();
+  int samples = 0;
+  for (const auto& [name, trial] : data.trials) {
+    const Trial& true_trial = exact.trials.at(name);
+    const auto& forces = trial.grids.at("forces").channels;
+    for (const auto& [channel, measured] : forces) {
+      const auto& same = true_trial.grids.at("forces").channels.at(channel).values;
+      ASSERT_EQ(measured.values.size(), same.size());
+      for (std::size_t i = 0; i < same.size(); ++i)
+        EXPECT_TRUE(measured.values[i] == same[i] || std::isnan(same[i])) << channel;
+    }
+    EXPECT_EQ(trial.grids.at("coordinates").channels.at("pelvis_ty").values,
+              true_trial.grids.at("coordinates").channels.at("pelvis_ty").values);
+    const auto recorded = SoleMiddles(data, trial);
+    const auto truth = SoleMiddles(exact, true_trial);
+    for (std::size_t i = 0; i < truth.size(); ++i) {
+      const Mat3 turned = recorded[i].rotation * truth[i].rotation.transpose();
+      const Vec3 turn = 0.5 * Vec3(turned(2, 1) - turned(1, 2), turned(0, 2) - turned(2, 0),
+                                   turned(1, 0) - turned(0, 1));  // small angles
+      shifts += (recorded[i].position - truth[i].position).cwiseAbs2();
+      turns += turn.cwiseAbs2();
+      ++samples;
+    }
+  }
+  // 20 stances of 0.93 s are about 20 x 3 independent values: their standard deviation is known to 9 %.
+  for (int axis = 0; axis < 3; ++axis) {
+    EXPECT_NEAR(std::sqrt(shifts[axis] / samples), 0.005, 3 * 0.09 * 0.005);
+    EXPECT_NEAR(std::sqrt(turns[axis] / samples), 0.0262, 3 * 0.09 * 0.0262);
+  }
+}
+
+TEST(ContactSynthesis, SmoothErrorsHaveTheStatedSizeAndCorrelation) {
+  constexpr int kDraws = 4000;
+  Random random(5);
+  double variance = 0;
+  double product = 0;
+  double turn = 0;
+  for (int i = 0; i < kDraws; ++i) {
+    const SmoothErrors errors(0.005, 0.02, 0.2, random);
+    const FootError now = errors.At(0.1);
+    variance += now.shift.y() * now.shift.y() / kDraws;
+    product += now.shift.y() * errors.At(0.3).shift.y() / kDraws;
+    turn += now.turn.x() * now.turn.x() / kDraws;
+  }
+  const double rounding = 4 * std::sqrt(2.0 / kDraws);
+  EXPECT_NEAR(variance / (0.005 * 0.005), 1, rounding);
+  EXPECT_NEAR(turn / (0.02 * 0.02), 1, rounding);
+  EXPECT_NEAR(product / variance, std::exp(-0.5), rounding);
 }
 
 TEST(ContactSynthesis, ADistortionChangesTheVerticalForceAndNothingElse) {
