@@ -24,11 +24,11 @@ enum class WarningKind {
   kOddTrial,  ///< the model fitted to the other trials contradicts this one: names {channel, trial, unit};
               ///< numbers {RMS error left out, largest of the others (if late: in step), number of
               ///< trials, time by which it is late [s] or 0}
-  kHeldFromSteps,       ///< intervals as if `names`, which earlier steps found, were known exactly
-  kUnfinishedStart,     ///< the values that it begins with, or is made of, are those of a run that was not
-                        ///< finished: names {file}
-  kStatedCost,          ///< that run states another cost than its values have: names {file}; numbers {stated,
-                        ///< evaluated}
+  kHeldFromSteps,    ///< intervals as if `names`, which earlier steps found, were known exactly
+  kUnfinishedStart,  ///< the values that it begins with, or is made of, are those of a run that was not
+                     ///< finished: names {file}
+  kStatedCost,       ///< that run states another cost than its values have: names {file}; numbers {stated,
+                     ///< evaluated}
   // Of a diagnosis.
   kNoiseAbsorbsMisfit,  ///< residuals count as independent, since a noise model would replace the model
   kCrossValidated,  ///< causes chosen by the prediction of trials left out of the fit (Diagnosis::left_out):

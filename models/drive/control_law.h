@@ -1,5 +1,5 @@
-// What a sampled controller computes at a tick, on double or on dual numbers. It does not depend on the joint,
-// so that the measured motion can be put through it as well.
+// What a sampled controller computes at a tick, on double or on dual numbers. It does not depend on the
+// joint, so that the measured motion can be put through it as well.
 #pragma once
 
 #include <algorithm>
