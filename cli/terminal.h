@@ -50,7 +50,7 @@ class ProgressLine {
 /// characters.
 void Print(std::FILE* stream, const std::string& text);
 
-/// Writes JSON to a file, or to standard output if the name is "-".
+/// Writes text to a file, or JSON to standard output if the name is "-".
 Status WriteText(const std::string& path, const std::string& text);
 
 }  // namespace sinew

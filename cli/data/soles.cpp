@@ -27,14 +27,14 @@ struct SolesWords {
 Result<int> Soles(const SolesWords& words) {
   if (words.floor_height && !std::isfinite(*words.floor_height))
     return Fail("--floor-height {}: expected a height in m", *words.floor_height);
-  SINEW_TRY(CheckFiles({{words.path}, {words.out}, words.json}));
+  SINEW_ASSIGN(const FileLocks locks, ClaimFiles({{words.path}, {words.out}, words.json}));
   SINEW_ASSIGN(const Dataset data, ReadDataset(words.path));
   const auto proposal = ProposeSoles(data, kModel, words.floor_height.value_or(0));
   if (!proposal) return Fail("{}: {}", words.path, proposal.error().message);
   const std::vector<std::string> notes = SolesNotes(*proposal);
   if (proposal->regions.empty())
     return Fail("{}: no sole can be proposed: {}", words.path, Join(notes, "; "));
-  for (const std::string& note : notes) std::fputs(Wrapped("note: " + note, 0).c_str(), stderr);
+  for (const std::string& note : notes) Print(stderr, Wrapped("note: " + note, 0));
   SINEW_TRY(WriteText(words.out, SolesYaml(*proposal, words.path, kModel)));
   SINEW_TRY(Report(
       words.json, [&] { return SolesJson(*proposal); }, words.out + "\n" + SolesText(*proposal)));

@@ -5,6 +5,7 @@
 #include <utility>
 
 #include "base/constants.h"
+#include "identify/files/columns.h"
 #include "identify/solvers/solver.h"
 
 namespace sinew::files {
@@ -27,12 +28,6 @@ constexpr std::array<std::pair<const char*, Vector FinishedSearch::*>, 2> kPoint
 
 double ToNumber(long count) {
   return count == kUnlimitedEvaluations ? kInfinity : static_cast<double>(count);
-}
-
-const std::vector<double>* Numbers(const Hdf5Node& node, const char* name, std::size_t count) {
-  const Hdf5Node* found = node.Find(name);
-  const bool fits = found != nullptr && found->array() != nullptr && found->array()->values.size() == count;
-  return fits ? &found->array()->values : nullptr;
 }
 
 Status CheckRange(const std::string& path, const FinishedSearch& search, std::size_t evaluations) {
@@ -80,11 +75,11 @@ Result<std::vector<FinishedSearch>> ReadSearches(const std::string& path, const 
   const std::size_t count = first == nullptr || first->array() == nullptr ? 0 : first->array()->values.size();
   std::vector<FinishedSearch> searches(count);
   const auto incomplete = [&] { return Fail("{}: /searches is not complete", path); };
-  const auto* cost = Numbers(*node, "cost", count);
-  const auto* iterations = Numbers(*node, "iterations", count);
+  const auto* cost = NumberColumn(*node, "cost", count);
+  const auto* iterations = NumberColumn(*node, "iterations", count);
   if (cost == nullptr || iterations == nullptr) return incomplete();
   for (const auto& [name, member] : kCounts) {
-    const auto* column = Numbers(*node, name, count);
+    const auto* column = NumberColumn(*node, name, count);
     if (column == nullptr) return incomplete();
     for (std::size_t i = 0; i < count; ++i) {
       const double number = (*column)[i];
@@ -94,13 +89,12 @@ Result<std::vector<FinishedSearch>> ReadSearches(const std::string& path, const 
     }
   }
   for (const auto& [name, member] : kTexts) {
-    const Hdf5Node* column = node->Find(name);
-    if (column == nullptr || column->texts() == nullptr || column->texts()->size() != count)
-      return incomplete();
-    for (std::size_t i = 0; i < count; ++i) searches[i].*member = (*column->texts())[i];
+    const auto* column = TextColumn(*node, name, count);
+    if (column == nullptr) return incomplete();
+    for (std::size_t i = 0; i < count; ++i) searches[i].*member = (*column)[i];
   }
   for (const auto& [name, member] : kPoints) {
-    const auto* rows = Numbers(*node, name, count * variables);
+    const auto* rows = NumberColumn(*node, name, count * variables);
     if (rows == nullptr) return incomplete();
     for (std::size_t i = 0; i < count; ++i)
       searches[i].*member =

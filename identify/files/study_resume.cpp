@@ -3,30 +3,19 @@
 #include <algorithm>
 #include <cmath>
 
+#include "identify/files/columns.h"
 #include "identify/files/origin.h"
 
 namespace sinew::files {
 namespace {
 
-const std::vector<double>* Numbers(const Hdf5Node& study, const std::string& name, std::size_t count) {
-  const Hdf5Node* node = study.Find(name);
-  const bool fits = node != nullptr && node->array() != nullptr && node->array()->values.size() == count;
-  return fits ? &node->array()->values : nullptr;
-}
-
-const std::vector<std::string>* Texts(const Hdf5Node& study, const std::string& name, std::size_t count) {
-  const Hdf5Node* node = study.Find(name);
-  const bool fits = node != nullptr && node->texts() != nullptr && node->texts()->size() == count;
-  return fits ? node->texts() : nullptr;
-}
-
 Status AddImprovements(const std::string& path, const Hdf5Node& study, std::vector<StudyRun>& runs) {
   const Hdf5Node* first = study.Find("improvements/run");
   const std::size_t count = first == nullptr || first->array() == nullptr ? 0 : first->array()->values.size();
-  const auto* of_run = Numbers(study, "improvements/run", count);
-  const auto* evaluation = Numbers(study, "improvements/evaluation", count);
-  const auto* cost = Numbers(study, "improvements/cost", count);
-  const auto* seconds = Numbers(study, "improvements/seconds", count);
+  const auto* of_run = NumberColumn(study, "improvements/run", count);
+  const auto* evaluation = NumberColumn(study, "improvements/evaluation", count);
+  const auto* cost = NumberColumn(study, "improvements/cost", count);
+  const auto* seconds = NumberColumn(study, "improvements/seconds", count);
   if (of_run == nullptr || evaluation == nullptr || cost == nullptr || seconds == nullptr)
     return Fail("{}: /study/improvements is not complete", path);
   for (std::size_t i = 0; i < count; ++i) {
@@ -53,14 +42,14 @@ Result<std::vector<StudyRun>> ReadStudyRuns(const std::string& path, const FitSe
 
   const Hdf5Node* names = study->Find("runs/solver");
   const std::size_t count = names == nullptr || names->texts() == nullptr ? 0 : names->texts()->size();
-  const auto* solver = Texts(*study, "runs/solver", count);
-  const auto* stop = Texts(*study, "runs/stop_reason", count);
-  const auto* test = Texts(*study, "runs/stop_test", count);
-  const auto* seed = Numbers(*study, "runs/seed", count);
-  const auto* cost = Numbers(*study, "runs/cost", count);
-  const auto* seconds = Numbers(*study, "runs/seconds", count);
-  const auto* evaluations = Numbers(*study, "runs/evaluations", count);
-  const auto* values = Numbers(*study, "runs/values", count * setup.free.size());
+  const auto* solver = TextColumn(*study, "runs/solver", count);
+  const auto* stop = TextColumn(*study, "runs/stop_reason", count);
+  const auto* test = TextColumn(*study, "runs/stop_test", count);
+  const auto* seed = NumberColumn(*study, "runs/seed", count);
+  const auto* cost = NumberColumn(*study, "runs/cost", count);
+  const auto* seconds = NumberColumn(*study, "runs/seconds", count);
+  const auto* evaluations = NumberColumn(*study, "runs/evaluations", count);
+  const auto* values = NumberColumn(*study, "runs/values", count * setup.free.size());
   if (solver == nullptr || stop == nullptr || test == nullptr || seed == nullptr || cost == nullptr ||
       seconds == nullptr || evaluations == nullptr || values == nullptr)
     return Fail("{}: /study/runs is not complete", path);
