@@ -12,7 +12,7 @@
 namespace sinew::solvers {
 namespace {
 
-constexpr long kEvaluations = 60;
+constexpr long kEvaluations = 200;
 
 }  // namespace
 

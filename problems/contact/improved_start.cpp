@@ -9,7 +9,7 @@
 namespace sinew {
 namespace {
 
-constexpr int kSearchEvaluations = 40;
+constexpr int kSearchEvaluations = 60;
 
 // Friction decides between slipping and sticking: its coefficients are kept while the pose is found.
 bool IsFriction(const Parameter& p) {
@@ -34,9 +34,9 @@ std::optional<Vector> ContactProblem::ImprovedStart(const std::vector<int>& free
   }
   if (setup.free.empty()) return {};
   LeastSquares fit(fitted, setup);
-  const Vector x =
-      solvers::FitGradually(fit, fit.Variables(parameters),
-                            {1.0 / 64, 1.0 / 32, 1.0 / 16, 1.0 / 8, 1.0 / 4, 1.0 / 2, 1}, kSearchEvaluations);
+  const Vector x = solvers::FitGradually(
+      fit, fit.Variables(parameters), {1.0 / 64, 1.0 / 32, 1.0 / 16, 1.0 / 8, 1.0 / 4, 1.0 / 2, 1.0 / 1.4, 1},
+      kSearchEvaluations);
   return fit.Parameters(x);
 }
 

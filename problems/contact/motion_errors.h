@@ -20,9 +20,9 @@ struct MotionErrorSettings {
   std::optional<double> rotation;  ///< about each axis [rad]
   std::optional<double> joint;     ///< of the angle of the foot's joint [rad]
   /// Standard deviation of what differs from step to step over that of what all steps have in common.
-  double between_steps = 0.4;
+  double between_steps = 1;
   double correlation_time = 0.2;  ///< [s] after which errors have a correlation of 0.48
-  double cutoff = 10;             ///< [Hz] highest frequency: knots are half its period apart
+  double cutoff = 20;             ///< [Hz] highest frequency: knots are half its period apart
 };
 
 /// Of the map under `motion_errors`. Errors: unknown keys, numbers not above 0, with file and line.

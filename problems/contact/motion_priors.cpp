@@ -107,9 +107,11 @@ void AddMotionErrors(const MotionErrorSettings& settings, std::vector<Stance>& s
       "deviations of the prior, {}), of which {:.0f} % of the variance differs from step to step",
       1e3 * position, rotation * 180 / kPi,
       settings.position && settings.rotation ? std::string("as set")
-      : markers.markers > 0 ? fmt::format("from the residuals of {} markers on it, {:.1f} mm",
-                                          markers.markers, 1e3 * markers.residual)
-                            : std::string("published ones: no marker is on it"),
+      : markers.markers == 0                 ? std::string("published ones: no marker is on it")
+      : markers.position > kPosition ? fmt::format("from the residuals of {} markers on it, {:.1f} mm",
+                                                   markers.markers, 1e3 * markers.residual)
+                                     : fmt::format("published ones: {} markers on it leave {:.1f} mm",
+                                                   markers.markers, 1e3 * markers.residual),
       100 * own_share * own_share));
 }
 

@@ -2,6 +2,9 @@
 
 #include <Eigen/Geometry>
 #include <Eigen/QR>
+#include <array>
+#include <cmath>
+#include <limits>
 
 #include "problems/contact/motion_errors.h"
 
@@ -13,9 +16,46 @@ Vec3 RotationVector(const Mat3& rotation) {
   return turn.angle() * turn.axis();
 }
 
+// Position and rotation vector about the pose in the middle [T x 6].
+Matrix PoseOf(const std::vector<BodyMotion>& motion) {
+  const Mat3 reference = motion[motion.size() / 2].rotation;
+  Matrix pose(static_cast<Eigen::Index>(motion.size()), 6);
+  for (std::size_t t = 0; t < motion.size(); ++t) {
+    pose.row(static_cast<Eigen::Index>(t)) << motion[t].position.transpose(),
+        RotationVector(motion[t].rotation * reference.transpose()).transpose();
+  }
+  return pose;
+}
+
+// Of frequencies from the lowest on, the one whose splines predict left-out samples best: generalised
+// cross-validation (Craven, Wahba 1979; for movements Woltring 1986).
+double BestCutoff(const std::vector<double>& times, double lowest, const Matrix& pose) {
+  constexpr std::array<double, 7> kMultiples{1, 1.2, 1.5, 1.8, 2.2, 2.6, 3.2};
+  constexpr double kMostColumns = 0.85;  // of the samples
+  const auto n = static_cast<double>(times.size());
+  double best = lowest;
+  double least = std::numeric_limits<double>::infinity();
+  for (const double multiple : kMultiples) {
+    const Matrix splines =
+        MotionErrorBasis::Splines(times, times.front(), times.back(), multiple * lowest).value;
+    if (static_cast<double>(splines.cols()) > kMostColumns * n) break;
+    const Matrix left = pose - splines * Eigen::ColPivHouseholderQR<Matrix>(splines).solve(pose);
+    const double score = left.squaredNorm() / std::pow(n - static_cast<double>(splines.cols()), 2);
+    if (score >= least) continue;
+    least = score;
+    best = multiple * lowest;
+  }
+  return best;
+}
+
 }  // namespace
 
-void SmoothMotion(const std::vector<double>& times, double cutoff, FootMotion& foot) {
+void SmoothMotion(const std::vector<double>& times, double lowest, FootMotion& foot) {
+  Matrix position = PoseOf(foot.bodies.front().motion);
+  // Metres and radians on one scale, that of a foot's length.
+  constexpr double kLever = 0.1;  // [m]
+  position.rightCols<3>() *= kLever;
+  const double cutoff = BestCutoff(times, lowest, position);
   const MotionErrorBasis splines = MotionErrorBasis::Splines(times, times.front(), times.back(), cutoff);
   if (splines.value.cols() >= splines.value.rows()) return;  // slower sampling has no such frequencies
   const Eigen::ColPivHouseholderQR<Matrix> fit(splines.value);
@@ -24,11 +64,7 @@ void SmoothMotion(const std::vector<double>& times, double cutoff, FootMotion& f
   for (std::size_t b = 0; b < foot.bodies.size(); ++b) {
     std::vector<BodyMotion>& motion = foot.bodies[b].motion;
     const Mat3 reference = motion[middle].rotation;
-    Matrix pose(static_cast<Eigen::Index>(times.size()), 6);
-    for (std::size_t t = 0; t < times.size(); ++t) {
-      pose.row(static_cast<Eigen::Index>(t)) << motion[t].position.transpose(),
-          RotationVector(motion[t].rotation * reference.transpose()).transpose();
-    }
+    const Matrix pose = PoseOf(motion);
     const Matrix weights = fit.solve(pose);
     const Matrix value = splines.value * weights;
     const Matrix rate = splines.rate * weights;

@@ -9,9 +9,10 @@
 namespace sinew {
 
 /// Replaces position and rotation of every body by least-squares cubic B-splines with knots half a period of
-/// the cutoff apart, and the velocities by their derivatives. Rotations are rotation vectors about the pose
-/// in the middle, which must differ from all others by less than half a turn. The joint's axes stay fixed to
-/// the first body. @param times [T, s] of the foot's motion @param cutoff [Hz]
-void SmoothMotion(const std::vector<double>& times, double cutoff, FootMotion& foot);
+/// a cutoff apart, and the velocities by their derivatives. The cutoff is the one that generalised
+/// cross-validation of the first body's pose prefers, from `lowest` on. Rotations are rotation vectors about
+/// the pose in the middle, which must differ from all others by less than half a turn. The joint's axes stay
+/// fixed to the first body. @param times [T, s] of the foot's motion
+void SmoothMotion(const std::vector<double>& times, double lowest, FootMotion& foot);
 
 }  // namespace sinew

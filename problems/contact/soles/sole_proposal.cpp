@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <limits>
 #include <map>
 #include <optional>
 #include <set>
@@ -15,6 +16,9 @@
 
 namespace sinew {
 namespace {
+
+// [N m] A person's free moments are within 10 N m; friction under 5 % of the load makes a twentieth of that.
+constexpr double kLargestUnloadedMoment = 2;
 
 constexpr double kThickness = 0.02;  // [m] only the bottom of a box has springs
 const std::array<const char*, 3> kPatchNames{"rearfoot", "forefoot", "toes"};
@@ -311,6 +315,30 @@ class Proposer {
     }
   }
 
+  // Mean free moment while the plate carries 1 to 5 % of its greatest load: no friction turns it then. NaN:
+  // not measured.
+  static double UnloadedMoment(const Trial& trial, const std::string& plate) {
+    constexpr double kLeast = 0.01;
+    constexpr double kMost = 0.05;
+    const auto force = trial.Find(plate + "_force_y");
+    const auto moment = trial.Find(plate + "_moment_y");
+    if (!force || !moment || force.grid != moment.grid) return std::numeric_limits<double>::quiet_NaN();
+    double peak = 0;
+    for (const double f : force.channel->values) {
+      if (std::isfinite(f)) peak = std::max(peak, f);
+    }
+    double sum = 0;
+    double count = 0;
+    for (std::size_t i = 0; i < force.channel->values.size(); ++i) {
+      const double f = force.channel->values[i];
+      const double m = moment.channel->values[i];
+      if (!(f > kLeast * peak && f < kMost * peak) || !std::isfinite(m)) continue;
+      sum += m;
+      count += 1;
+    }
+    return count == 0 ? std::numeric_limits<double>::quiet_NaN() : sum / count;
+  }
+
   // A channel that is fitted must be there on every plate of every trial that takes part.
   void ChooseChannels() {
     std::set<std::string> plates;
@@ -319,7 +347,16 @@ class Proposer {
       bool everywhere = true;
       for (const auto& [name, trial] : data_.trials) {
         for (const std::string& plate : PlateNames(trial)) {
-          if (plates.count(plate) > 0) everywhere &= Varies(trial, plate + "_" + channel);
+          if (plates.count(plate) == 0) continue;
+          everywhere &= Varies(trial, plate + "_" + channel);
+          if (channel != "moment_y" || !everywhere) continue;
+          const double offset = UnloadedMoment(trial, plate);
+          if (!(std::abs(offset) > kLargestUnloadedMoment)) continue;
+          everywhere = false;
+          proposal_.skipped.push_back(fmt::format(
+              "trial '{}', {}: the free moment is {:.1f} N*m while the plate carries next to nothing: an "
+              "offset, so that free moments are not fitted",
+              name, plate, offset));
         }
       }
       (everywhere ? proposal_.fit : proposal_.not_fit).push_back(channel);

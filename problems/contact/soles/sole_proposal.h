@@ -69,7 +69,7 @@ struct SoleProposal {
   std::vector<std::string> fit;      ///< of kContactChannels, those that all plates measure
   std::vector<std::string> not_fit;  ///< the others
   std::vector<PlateFinding> findings;
-  std::vector<std::string> skipped;  ///< sentences on trials that cannot be used
+  std::vector<std::string> skipped;  ///< sentences on trials, and channels of trials, that cannot be used
 };
 
 /// Geometry is estimated from training trials; held-out ones only tell which foot stands on which plate. A
