@@ -28,7 +28,7 @@ std::string Moving(const std::string& keys) {
   return text;
 }
 const char* const kErrors =
-    "motion_errors: {position: 0.0002, rotation: 0.002, correlation_time: 0.2, cutoff: 3}";
+    "motion_errors: {position: 0.0001, rotation: 0.001, correlation_time: 0.2, cutoff: 3}";
 
 const Dataset& OneStance() {
   static const Dataset kData = SteppingData({{"fine", 0}, {"train", 1}, {"validate", 0}}, 0);
