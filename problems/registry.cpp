@@ -1,6 +1,8 @@
 #include "problems/registry.h"
 
 #include "base/text.h"
+#include "problems/ankle_on_dynamometer/laboratory/synthesis.h"
+#include "problems/ankle_on_dynamometer/problem.h"
 #include "problems/ankle_study/emg_shape_synthesis.h"
 #include "problems/ankle_study/nms_synthesis.h"
 #include "problems/contact/problem.h"
@@ -24,6 +26,13 @@ constexpr double kSensorMargin = 0.1;
 
 double SensorMargin(bool with_sensor_effects) {
   return with_sensor_effects ? kSensorMargin : 0;
+}
+
+Result<BoundProblem> BindAnkle(const Dataset& data, const YamlReader& settings, bool with_sensor_effects) {
+  return Bind("ankle_on_dynamometer", settings, ReadAnkleSettings, [&](AnkleSettings ankle) {
+    return Bound(AnkleProblem::Make(data, std::move(ankle), SensorMargin(with_sensor_effects)),
+                 with_sensor_effects);
+  });
 }
 
 Result<BoundProblem> BindContact(const Dataset& data, const YamlReader& settings, bool with_sensor_effects) {
@@ -67,6 +76,9 @@ Result<BoundProblem> BindNms(const Dataset& data, const YamlReader& settings, bo
 
 const std::vector<ProblemEntry>& ProblemRegistry() {
   static const std::vector<ProblemEntry> kProblems{
+      {"ankle_on_dynamometer",
+       "an ankle, the straps that hold its foot and the dynamometer in one simulation, from torque and EMG",
+       DescribeAnkleChannels(), BindAnkle, SynthesizeAnkle, DefaultAnkleParameters, AnkleExperiment},
       {"contact", "contact parameters of soles from ground reaction forces under a measured motion",
        DescribeContactChannels(), BindContact, SynthesizeContact, DefaultContactParameters,
        ContactExperiment},

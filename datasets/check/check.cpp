@@ -101,11 +101,12 @@ CheckReport CheckData(const Dataset& dataset) {
   AppendNew(FindBrokenRotations(dataset), report.findings);
   AppendNew(FindLateInCycles(cycles_of_trial, of_trial), report.findings);
   std::vector<Finding> whole = FindImplausible(dataset, groups);
-  for (const ChannelGroup& group : groups) Append(FindOddScales(group), whole);
+  const std::vector<ChannelGroup> alike = ByTask(groups);
+  for (const ChannelGroup& group : alike) Append(FindOddScales(group), whole);
   Append(FindBrokenRelations(groups), whole);
   AppendNew(std::move(whole), report.findings);
   for (const ChannelGroup& group : groups) AppendNew(FindOddRepeats(group), report.findings);
-  for (const ChannelGroup& group : groups) Append(FindOddTrials(group), report.findings);
+  for (const ChannelGroup& group : alike) Append(FindOddTrials(group), report.findings);
   // What spoils most comes first: whole channels, then by time.
   std::stable_sort(report.findings.begin(), report.findings.end(), [](const Finding& a, const Finding& b) {
     return std::pair(a.whole, Duration(a.spans)) > std::pair(b.whole, Duration(b.spans));

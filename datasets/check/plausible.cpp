@@ -221,7 +221,7 @@ void CheckSpeeds(const OfTrial& channels, std::vector<Finding>& found) {
       found.push_back(WholeFinding(*speed, FindingKind::kSign, r, 1, position->channel));
       continue;
     }
-    const Signal rate{{}, {}, {}, {}, {}, {}, speed->time, slope};
+    const Signal rate{{}, {}, {}, {}, {}, {}, {}, speed->time, slope};
     const double range = RangeOf(rate);
     const auto unit_factor = range > 0 ? UnitNear(RangeOf(*speed) / range, 1.5) : std::nullopt;
     if (r > kDerivativeHolds && unit_factor) {

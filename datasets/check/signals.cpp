@@ -54,7 +54,7 @@ std::vector<ChannelGroup> GroupSignals(const Dataset& dataset) {
     }
     for (const auto& [grid_name, grid] : trial.grids) {
       for (const auto& [name, channel] : grid.channels) {
-        Signal signal{trial_name,   grid_name,    name,       trial.role,
+        Signal signal{trial_name,   trial.task,   grid_name,  name,          trial.role,
                       channel.kind, channel.unit, &grid.time, channel.values};
         LeaveOutUnloaded(name, grid, signal.values);
         ChannelGroup& group = groups[name + "/" + channel.unit + (count[name] > 1 ? "/" + grid_name : "")];
@@ -66,6 +66,20 @@ std::vector<ChannelGroup> GroupSignals(const Dataset& dataset) {
   std::vector<ChannelGroup> all;
   all.reserve(groups.size());
   for (auto& [key, group] : groups) all.push_back(std::move(group));
+  return all;
+}
+
+std::vector<ChannelGroup> ByTask(const std::vector<ChannelGroup>& groups) {
+  std::vector<ChannelGroup> all;
+  for (const ChannelGroup& group : groups) {
+    std::map<std::string, ChannelGroup> of_task;
+    for (const Signal& signal : group.signals) {
+      ChannelGroup& own = of_task[signal.task];
+      own.channel = group.channel;
+      own.signals.push_back(signal);
+    }
+    for (auto& [task, own] : of_task) all.push_back(std::move(own));
+  }
   return all;
 }
 

@@ -13,6 +13,7 @@ namespace sinew {
 /// One channel of one trial. Points into the data set, which must outlive it.
 struct Signal {
   std::string trial;
+  std::string task;  ///< of the trial
   std::string grid;
   std::string channel;
   Role role = Role::kTrain;
@@ -41,6 +42,9 @@ struct ChannelGroup {
 };
 
 [[nodiscard]] std::vector<ChannelGroup> GroupSignals(const Dataset& dataset);
+
+/// The trials of one task each: a rotation and a hold are rightly unlike each other.
+[[nodiscard]] std::vector<ChannelGroup> ByTask(const std::vector<ChannelGroup>& groups);
 
 /// From the 2nd to the 98th percentile of its values; 0 of fewer than ten.
 [[nodiscard]] double RangeOf(const Signal& signal);

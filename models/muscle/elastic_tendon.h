@@ -32,15 +32,30 @@ namespace elastic_tendon {
 /// l0] holds the fibre where a rigid tendon would.
 constexpr double kHold = 1e-6;
 
-/// Force of the fibre less that of the tendon [N]. @param sine of the pennation angle
+/// Forces at one length of the fibre.
+template <class T>
+struct Balance {
+  T imbalance{0.0};     ///< force of the fibre along the tendon less that of the tendon [N]
+  T tendon_force{0.0};  ///< [N]
+};
+
+/// @param sine of the pennation angle
 template <class T, class U>
-T Imbalance(const MuscleCurves& curves, const HillMuscle<T>& muscle, const T& sine, const U& unit_length,
-            const T& length, const T& velocity, const T& activation) {
+Balance<T> BalanceAt(const MuscleCurves& curves, const HillMuscle<T>& muscle, const T& sine,
+                     const U& unit_length, const T& length, const T& velocity, const T& activation) {
   const T cosine = PennationCosine(muscle, sine, length);
   const T fibre = FibreForce(curves, muscle, length, velocity, activation) * cosine;
   const T rigid = RigidFibreLength(muscle, sine, unit_length);
   const T hold = kHold * muscle.isometric_force * muscle.strength * (length - rigid) / muscle.optimal_length;
-  return fibre + hold - TendonForce(curves, muscle, unit_length, length, cosine);
+  const T tendon = TendonForce(curves, muscle, unit_length, length, cosine);
+  return {fibre + hold - tendon, tendon};
+}
+
+/// Force of the fibre less that of the tendon [N]. @param sine of the pennation angle
+template <class T, class U>
+T Imbalance(const MuscleCurves& curves, const HillMuscle<T>& muscle, const T& sine, const U& unit_length,
+            const T& length, const T& velocity, const T& activation) {
+  return BalanceAt(curves, muscle, sine, unit_length, length, velocity, activation).imbalance;
 }
 
 /// The same muscle without derivatives.

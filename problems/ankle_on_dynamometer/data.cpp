@@ -1,0 +1,264 @@
+#include "problems/ankle_on_dynamometer/data.h"
+
+#include <algorithm>
+#include <cmath>
+
+#include "base/spline.h"
+#include "base/text.h"
+#include "models/dynamometer/smooth_angle.h"
+#include "models/emg/sampling.h"
+
+namespace sinew {
+namespace {
+
+constexpr const char* kAngle = "machine_angle";
+constexpr const char* kTorque = "machine_torque";
+constexpr const char* kAnkle = "ankle_angle";
+constexpr const char* kExcitations = "excitations";
+constexpr const char* kFoot = "foot";
+constexpr const char* kPassiveTrial = "passive";
+constexpr double kSameTime = 1e-9;  // [s]
+
+Status CheckInput(const std::string& trial, const std::string& name, const Channel& channel,
+                  const std::vector<double>& time, const char* unit) {
+  if (channel.unit != unit)
+    return Fail("trial '{}': {} is in {}, expected {}", trial, name, channel.unit, unit);
+  for (std::size_t i = 0; i < time.size(); ++i) {
+    if (!std::isfinite(channel.values[i]))
+      return Fail(
+          "trial '{}': {} has a gap at t = {:.6g} s; expected a value at every time (sinew data cut takes a "
+          "part without gaps)",
+          trial, name, time[i]);
+  }
+  return {};
+}
+
+double ConditionOr(const Trial& trial, const char* name, double fallback) {
+  const auto found = trial.conditions.find(name);
+  return found == trial.conditions.end() ? fallback : found->second;
+}
+
+class Preparation {
+ public:
+  Preparation(const Dataset& data, AnkleSettings settings, double margin)
+      : data_(data),
+        margin_(margin),
+        prepared_{std::move(settings), MuscleCurves::Default(), {}, {}, {}, {}} {
+    for (const AnkleMuscle& muscle : prepared_.settings.muscles) prepared_.paths.push_back(muscle.path);
+  }
+
+  Result<AnkleData> Run() {
+    for (const auto& [name, trial] : data_.trials) SINEW_TRY(Add(name, trial));
+    if (prepared_.trials.empty())
+      return Fail(
+          "no trial has the channels {} and {}; `sinew list channels ankle_on_dynamometer` shows them",
+          kAngle, kTorque);
+    for (Block& block : prepared_.layout) block.weight = WeightOf(block);
+    return std::move(prepared_);
+  }
+
+ private:
+  Status Add(const std::string& name, const Trial& trial) {
+    const auto angle = trial.Find(kAngle);
+    const auto torque = trial.Find(kTorque);
+    if (!angle && !torque) return {};
+    if (!angle || !torque) return Fail("trial '{}' has no channel {}", name, angle ? kTorque : kAngle);
+    SINEW_TRY(CheckInput(name, kAngle, *angle.channel, angle.grid->time, "rad"));
+    AnkleTrial made;
+    made.name = name;
+    made.task = ConditionOr(trial, kFoot, 1) == 0           ? AnkleTask::kAttachmentAlone
+                : ConditionOr(trial, kPassiveTrial, 0) != 0 ? AnkleTask::kPassive
+                                                            : AnkleTask::kActive;
+    SINEW_ASSIGN(const auto motion, Smooth(name, angle.grid->time, angle.channel->values));
+    SINEW_TRY(AddBlock(made, trial, kTorque, "N*m", AnkleQuantity::kMachineTorque, 0, motion));
+    if (made.task != AnkleTask::kAttachmentAlone) {
+      SINEW_TRY(AddBlock(made, trial, kAnkle, "rad", AnkleQuantity::kAnkleAngle, 0, motion));
+      for (std::size_t m = 0; m < prepared_.settings.muscles.size(); ++m) {
+        const std::string channel = prepared_.settings.muscles[m].name + "_fibre_length";
+        if (trial.Find(channel))
+          SINEW_TRY(AddBlock(made, trial, channel, "m", AnkleQuantity::kFibreLength, m, motion));
+      }
+    }
+    if (made.task == AnkleTask::kActive) SINEW_TRY(AddExcitations(made, trial));
+    Discretise(made, motion);
+    prepared_.trials.push_back(std::move(made));
+    return {};
+  }
+
+  // The machine's angle without what is faster than the cut-off: its second derivative is needed.
+  Result<NaturalCubicSpline> Smooth(const std::string& name, const std::vector<double>& time,
+                                    std::vector<double> values) {
+    if (prepared_.settings.angle_cutoff != 0) {
+      const auto rate = UniformRate(time);
+      if (!rate) return Fail("trial '{}': {}: {}", name, kAngle, rate.error().message);
+      auto smooth = SmoothedAngle(values, *rate, prepared_.settings.angle_cutoff);
+      if (!smooth) return Fail("trial '{}': {}: {}", name, kAngle, smooth.error().message);
+      values = std::move(smooth->values);
+    }
+    auto spline = NaturalCubicSpline::Fit(time, std::move(values));
+    if (!spline) return Fail("trial '{}': {}: {}", name, kAngle, spline.error().message);
+    return std::move(*spline);
+  }
+
+  Status AddBlock(AnkleTrial& made, const Trial& trial, const std::string& channel, const char* unit,
+                  AnkleQuantity quantity, std::size_t muscle, const NaturalCubicSpline& motion) {
+    const auto found = trial.Find(channel);
+    const auto torque = trial.Find(kTorque);
+    const Grid& grid = found ? *found.grid : *torque.grid;
+    if (found && found.channel->unit != unit)
+      return Fail("trial '{}': {} is in {}, expected {}", made.name, channel, found.channel->unit, unit);
+    Block block;
+    block.trial = made.name;
+    block.channel = channel;
+    block.unit = unit;
+    block.role = trial.role == Role::kTrain ? BlockRole::kTrain : BlockRole::kValidate;
+    const double first = motion.first_time() - kSameTime;
+    const double last = motion.last_time() + kSameTime;
+    // Beyond the samples, at their mean distance.
+    const double apart = grid.time.size() < 2 ? 0.01
+                                              : (grid.time.back() - grid.time.front()) /
+                                                    static_cast<double>(grid.time.size() - 1);
+    const int extra = static_cast<int>(std::ceil(margin_ / apart));
+    for (int k = extra; k > 0; --k) {
+      const double t = grid.time.front() - k * apart;
+      if (t >= first) block.prediction_time.push_back(t);
+    }
+    const std::size_t before = block.prediction_time.size();
+    for (std::size_t i = 0; i < grid.time.size(); ++i) {
+      const double t = grid.time[i];
+      if (t < first || t > last)
+        return Fail("trial '{}': {} is measured at t = {:.6g} s, but {} only from {:.6g} to {:.6g} s",
+                    made.name, channel, t, kAngle, motion.first_time(), motion.last_time());
+      block.prediction_time.push_back(t);
+      if (found && std::isfinite(found.channel->values[i])) {
+        block.sample.push_back(static_cast<int>(before + i));
+        block.measured.push_back(found.channel->values[i]);
+      }
+    }
+    for (int k = 1; k <= extra; ++k) {
+      const double t = grid.time.back() + k * apart;
+      if (t <= last) block.prediction_time.push_back(t);
+    }
+    if (block.measured.empty()) {
+      if (quantity == AnkleQuantity::kMachineTorque)
+        return Fail("trial '{}': {} has no value", made.name, channel);
+      block.role = BlockRole::kPredicted;
+    } else {
+      block.sigma = found.channel->sigma;
+    }
+    made.stops.insert(made.stops.end(), block.prediction_time.begin(), block.prediction_time.end());
+    made.blocks.push_back({static_cast<int>(prepared_.layout.size()), quantity, muscle, {}});
+    prepared_.layout.push_back(std::move(block));
+    return {};
+  }
+
+  Status AddExcitations(AnkleTrial& made, const Trial& trial) {
+    bool cut = false;
+    for (const AnkleMuscle& muscle : prepared_.settings.muscles) {
+      const auto grid = trial.grids.find(kExcitations);
+      if (grid == trial.grids.end())
+        return Fail("trial '{}' has no grid '{}'; a trial of a person who relaxes has the condition {} = 1",
+                    made.name, kExcitations, kPassiveTrial);
+      const auto found = grid->second.channels.find(muscle.excitation);
+      if (found == grid->second.channels.end()) {
+        std::vector<std::string> names;
+        for (const auto& [known, channel] : grid->second.channels) names.push_back(known);
+        return Fail("trial '{}': grid '{}' has no channel '{}'{}", made.name, kExcitations, muscle.excitation,
+                    Suggestion(muscle.excitation, names));
+      }
+      SINEW_TRY(CheckInput(made.name, muscle.excitation, found->second, grid->second.time, "1"));
+      made.excitation_time = grid->second.time;
+      if (made.excitation_time.size() < 2)
+        return Fail("trial '{}': grid '{}' has one sample, expected more", made.name, kExcitations);
+      std::vector<double> values = found->second.values;
+      for (double& value : values) {
+        cut = cut || value < 0 || value > 1;
+        value = std::clamp(value, 0.0, 1.0);
+      }
+      made.excitations.push_back(std::move(values));
+    }
+    if (cut)
+      prepared_.notes.push_back(
+          fmt::format("trial '{}': excitations outside of 0..1 are cut off", made.name));
+    return {};
+  }
+
+  void Discretise(AnkleTrial& trial, const NaturalCubicSpline& motion) {
+    std::sort(trial.stops.begin(), trial.stops.end());
+    trial.stops.erase(std::unique(trial.stops.begin(), trial.stops.end(),
+                                  [](double a, double b) { return b - a < kSameTime; }),
+                      trial.stops.end());
+    const auto at = [&](double t) {
+      const auto value = motion.At(t);
+      return PlateMotion{value.value, value.first, value.second};
+    };
+    for (const double t : trial.stops) trial.plate.push_back(at(t));
+    trial.stage_times.push_back(trial.stops.front());
+    for (std::size_t s = 1; s < trial.stops.size(); ++s) {
+      const double span = trial.stops[s] - trial.stops[s - 1];
+      const int parts = std::max(1, static_cast<int>(std::ceil(span / prepared_.settings.step - 1e-6)));
+      for (int k = 0; k < parts; ++k) {
+        AnkleTrial::Step step;
+        step.begin = trial.stops[s - 1] + span * k / parts;
+        step.length = span / parts;
+        step.stop = k + 1 == parts ? static_cast<int>(s) : -1;
+        for (int i = 0; i < ImplicitStep::kStages; ++i) {
+          const auto stage = static_cast<std::size_t>(i);
+          trial.stage_times.push_back(step.begin + step.length * ImplicitStep::kNodes[stage]);
+          step.plate[stage] = at(trial.stage_times.back());
+        }
+        trial.steps.push_back(step);
+      }
+    }
+    for (AnkleBlock& block : trial.blocks) {
+      for (const double t : prepared_.layout[static_cast<std::size_t>(block.block)].prediction_time) {
+        const auto found = std::lower_bound(trial.stops.begin(), trial.stops.end(), t - kSameTime);
+        block.stop.push_back(static_cast<std::size_t>(found - trial.stops.begin()));
+      }
+    }
+  }
+
+  // Its stated noise, if all training blocks of the channel state it; else the channel's spread.
+  [[nodiscard]] double WeightOf(const Block& block) const {
+    bool all_sigma = block.sigma.has_value();
+    double squares = 0;
+    double samples = 0;
+    for (const Block& other : prepared_.layout) {
+      if (other.channel != block.channel || other.measured.empty()) continue;
+      if (other.role != BlockRole::kTrain && &other != &block) continue;
+      all_sigma = all_sigma && other.sigma;
+      const Eigen::Map<const Vector> measured(other.measured.data(), other.samples());
+      squares += (measured.array() - measured.mean()).square().sum();
+      samples += other.samples();
+    }
+    if (all_sigma) return 1 / *block.sigma;
+    const double deviation = samples > 0 ? std::sqrt(squares / samples) : 0;
+    if (deviation > 0) return 1 / deviation;
+    return block.unit == std::string("rad") ? 100 : block.unit == std::string("m") ? 1000 : 1;
+  }
+
+  const Dataset& data_;
+  double margin_;
+  AnkleData prepared_;
+};
+
+}  // namespace
+
+std::string DescribeAnkleChannels() {
+  return "machine_angle                               rad  input: of the plate, dorsiflexion positive\n"
+         "machine_torque, on any grid                 N*m  measured: of foot and attachment on the motor\n"
+         "grid excitations, one channel per muscle    1    input, 0..1; not in passive trials\n"
+         "ankle_angle (optional)                      rad  measured: of the foot against the shank\n"
+         "MUSCLE_fibre_length (optional)              m    measured\n"
+         "conditions of a trial:\n"
+         "  foot = 0                   the attachment alone (default 1)\n"
+         "  passive = 1                the person relaxes (default 0)\n"
+         "files:\n"
+         "  ankle_on_dynamometer.yaml  settings with that key (or give --config)\n";
+}
+
+Result<AnkleData> PrepareAnkleData(const Dataset& data, AnkleSettings settings, double margin) {
+  return Preparation(data, std::move(settings), margin).Run();
+}
+
+}  // namespace sinew
