@@ -5,6 +5,7 @@
 
 #include "base/spline.h"
 #include "base/text.h"
+#include "datasets/robust.h"
 #include "models/dynamometer/smooth_angle.h"
 #include "models/emg/sampling.h"
 
@@ -36,6 +37,35 @@ Status CheckInput(const std::string& trial, const std::string& name, const Chann
 double ConditionOr(const Trial& trial, const char* name, double fallback) {
   const auto found = trial.conditions.find(name);
   return found == trial.conditions.end() ? fallback : found->second;
+}
+
+struct Sampled {
+  std::vector<double> time;
+  std::vector<double> values;
+  double samples = 1;  // of the recording, in each
+};
+
+// Medians over 1 / rate: single samples that jump leave no trace. Slower channels stay as they are.
+Sampled AtRate(const Grid& grid, const Channel& channel, double rate) {
+  const auto count = static_cast<double>(grid.time.size() - 1);
+  const double samples =
+      rate > 0 ? std::floor(count / (grid.time.back() - grid.time.front()) / rate + 0.01) : 1;
+  if (!(samples >= 2)) return {grid.time, channel.values, 1};
+  Sampled sampled;
+  sampled.samples = samples;
+  const auto n = static_cast<std::size_t>(samples);
+  std::vector<double> bin;
+  for (std::size_t first = 0; first + n <= grid.time.size(); first += n) {
+    bin.clear();
+    double time = 0;
+    for (std::size_t i = first; i < first + n; ++i) {
+      time += grid.time[i] / samples;
+      if (std::isfinite(channel.values[i])) bin.push_back(channel.values[i]);
+    }
+    sampled.time.push_back(time);
+    sampled.values.push_back(2 * bin.size() > n ? Median(bin) : NAN);
+  }
+  return sampled;
 }
 
 class Preparation {
@@ -103,10 +133,10 @@ class Preparation {
   Status AddBlock(AnkleTrial& made, const Trial& trial, const std::string& channel, const char* unit,
                   AnkleQuantity quantity, std::size_t muscle, const NaturalCubicSpline& motion) {
     const auto found = trial.Find(channel);
-    const auto torque = trial.Find(kTorque);
-    const Grid& grid = found ? *found.grid : *torque.grid;
     if (found && found.channel->unit != unit)
       return Fail("trial '{}': {} is in {}, expected {}", made.name, channel, found.channel->unit, unit);
+    const auto from = found ? found : trial.Find(kTorque);
+    const Sampled grid = AtRate(*from.grid, *from.channel, prepared_.settings.rate);
     Block block;
     block.trial = made.name;
     block.channel = channel;
@@ -130,9 +160,9 @@ class Preparation {
         return Fail("trial '{}': {} is measured at t = {:.6g} s, but {} only from {:.6g} to {:.6g} s",
                     made.name, channel, t, kAngle, motion.first_time(), motion.last_time());
       block.prediction_time.push_back(t);
-      if (found && std::isfinite(found.channel->values[i])) {
+      if (found && std::isfinite(grid.values[i])) {
         block.sample.push_back(static_cast<int>(before + i));
-        block.measured.push_back(found.channel->values[i]);
+        block.measured.push_back(grid.values[i]);
       }
     }
     for (int k = 1; k <= extra; ++k) {
@@ -144,7 +174,9 @@ class Preparation {
         return Fail("trial '{}': {} has no value", made.name, channel);
       block.role = BlockRole::kPredicted;
     } else {
+      // The median of normal noise scatters 1.25 times as much as its mean.
       block.sigma = found.channel->sigma;
+      if (block.sigma && grid.samples > 1) *block.sigma *= 1.25 / std::sqrt(grid.samples);
     }
     made.stops.insert(made.stops.end(), block.prediction_time.begin(), block.prediction_time.end());
     made.blocks.push_back({static_cast<int>(prepared_.layout.size()), quantity, muscle, {}});

@@ -46,6 +46,8 @@ struct AnkleTrial {
   std::vector<double> excitation_time;           ///< [M, s]; empty: the muscles are silent
   std::vector<std::vector<double>> excitations;  ///< [muscles][M, 0..1]
   std::vector<AnkleBlock> blocks;
+  std::vector<int> columns;  ///< parameters of its simulation, increasing
+  int zero = -1;             ///< parameter that is the zero of its torque; -1: none
 };
 
 struct AnkleData {

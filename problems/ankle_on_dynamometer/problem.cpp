@@ -43,16 +43,20 @@ struct AnkleProblem::Scratch final : Problem::Workspace {
 
 AnkleProblem::AnkleProblem(AnkleData data, ParameterList list)
     : data_(std::move(data)), list_(std::move(list)), defaults_(AnkleDefaults(data_.settings)) {
-  for (const AnkleTrial& trial : data_.trials) {
-    std::vector<int> columns;
+  for (AnkleTrial& trial : data_.trials) {
+    std::vector<int>& columns = trial.columns;
     for (std::size_t slot = 0; slot < list_.index.size(); ++slot) {
       if (list_.index[slot] >= 0 && Matters(trial.task, static_cast<int>(slot)))
         columns.push_back(list_.index[slot]);
     }
     std::sort(columns.begin(), columns.end());
     columns.erase(std::unique(columns.begin(), columns.end()), columns.end());
-    for (const AnkleBlock& block : trial.blocks)
-      data_.layout[static_cast<std::size_t>(block.block)].columns = columns;
+    if (data_.settings.torque_zero > 0) AddZero(trial);
+    for (const AnkleBlock& block : trial.blocks) {
+      auto& of_block = data_.layout[static_cast<std::size_t>(block.block)].columns;
+      of_block = columns;
+      if (trial.zero >= 0 && block.quantity == AnkleQuantity::kMachineTorque) of_block.push_back(trial.zero);
+    }
   }
   ListSteps();
 }
@@ -65,6 +69,18 @@ Result<std::unique_ptr<AnkleProblem>> AnkleProblem::Make(const Dataset& data, An
   SINEW_TRY(CheckParameterList(problem->list_));
   SINEW_TRY(CheckLayout(problem->layout(), static_cast<int>(problem->parameters().size())));
   return problem;
+}
+
+void AnkleProblem::AddZero(AnkleTrial& trial) {
+  constexpr double kReach = 10;  // standard deviations
+  const double deviation = data_.settings.torque_zero;
+  Parameter p = BaseParameter("torque_zero@" + trial.name, "N*m", "reading of the machine without a torque",
+                              -kReach * deviation, kReach * deviation, 0);
+  p.kind = ParameterKind::kNuisance;
+  p.trial = trial.name;
+  p.prior = {0, deviation};
+  trial.zero = static_cast<int>(list_.parameters.size());
+  list_.parameters.push_back(std::move(p));
 }
 
 void AnkleProblem::ListSteps() {
@@ -174,15 +190,24 @@ Status AnkleProblem::PredictTrial(std::size_t t, const Query& query, TrialScratc
     }
   };
   scratch.plain = ValuesAt(query.parameters);
+  const double zero = trial.zero >= 0 ? query.parameters[trial.zero] : 0;
   SINEW_TRY(RunAnkleTrial(data_, trial, scratch.plain, scratch.memory,
                           [&](std::size_t stop, double torque, const StrappedFootRun<double>* run) {
-                            at_stop(stop, torque, run, [&](int block, Eigen::Index row, double value) {
+                            at_stop(stop, torque + zero, run, [&](int block, Eigen::Index row, double value) {
                               prediction.values(block)[row] = value;
                             });
                           }));
   if (!query.derivatives) return {};
   using Number = Dual<kLanes>;
-  const auto& columns = data_.layout[static_cast<std::size_t>(trial.blocks.front().block)].columns;
+  const auto& columns = trial.columns;
+  if (trial.zero >= 0 && query.Differentiates(trial.zero)) {
+    for (const AnkleBlock& block : trial.blocks) {
+      if (block.quantity != AnkleQuantity::kMachineTorque ||
+          !query.blocks[static_cast<std::size_t>(block.block)])
+        continue;
+      prediction.derivatives(block.block).col(static_cast<Eigen::Index>(columns.size())).setOnes();
+    }
+  }
   std::vector<std::size_t> places;  // in columns
   for (std::size_t c = 0; c < columns.size(); ++c) {
     if (query.Differentiates(columns[c])) places.push_back(c);

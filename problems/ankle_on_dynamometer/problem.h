@@ -31,8 +31,8 @@ class AnkleProblem final : public Problem {
   [[nodiscard]] std::string objective() const override {
     return "half the sum of squared residuals in units of their noise";
   }
-  /// Steps of the integration are fixed, and every stage is solved to rounding: strips of the sole that touch and
-  /// let go leave kinks that no search resolves further.
+  /// Steps of the integration are fixed, and every stage is solved to rounding: strips of the sole that touch
+  /// and let go leave kinks that no search resolves further.
   [[nodiscard]] double cost_noise_level() const override { return 1e-9; }
   /// machine_angle, machine_velocity, and the excitations' mean.
   [[nodiscard]] std::vector<Signal> ResidualCovariates(int block) const override;
@@ -46,6 +46,7 @@ class AnkleProblem final : public Problem {
   struct Scratch;
   struct TrialScratch;
   AnkleProblem(AnkleData data, ParameterList list);
+  void AddZero(AnkleTrial& trial);
   void ListSteps();
   Status PredictTrial(std::size_t trial, const Query& query, TrialScratch& scratch,
                       Prediction& prediction) const;

@@ -78,7 +78,7 @@ Result<ParameterChange> ReadChange(const YamlReader& yaml) {
 
 Result<AnkleSettings> ReadAnkleSettings(const YamlReader& yaml) {
   SINEW_TRY(yaml.OnlyKeys({"foot", "straps", "strips", "gravity", "shank_tilt", "transition_velocity", "step",
-                           "angle_cutoff", "muscles", "parameters"}));
+                           "angle_cutoff", "rate", "torque_zero", "muscles", "parameters"}));
   AnkleSettings settings;
   FootGeometry& foot = settings.foot;
   if (yaml.Has("foot")) {
@@ -103,6 +103,8 @@ Result<AnkleSettings> ReadAnkleSettings(const YamlReader& yaml) {
                yaml.NumberOr("transition_velocity", foot.transition_velocity, 1e-5, 10));
   SINEW_ASSIGN(settings.step, yaml.NumberOr("step", settings.step, 1e-5, 0.1));
   SINEW_ASSIGN(settings.angle_cutoff, yaml.NumberOr("angle_cutoff", settings.angle_cutoff, -1, 1e5));
+  SINEW_ASSIGN(settings.rate, yaml.NumberOr("rate", 0, 0, 1e6));
+  SINEW_ASSIGN(settings.torque_zero, yaml.NumberOr("torque_zero", 0, 0, 1e3));
   if (yaml.Has("muscles")) {
     SINEW_ASSIGN(const YamlReader section, yaml.At("muscles"));
     SINEW_ASSIGN(const auto names, section.Keys());
