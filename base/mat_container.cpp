@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <array>
 #include <cstdint>
+#include <optional>
 
 namespace sinew {
 namespace {
@@ -62,6 +63,48 @@ bool Inflates(std::string_view compressed) {
   return code == Z_STREAM_END;
 }
 
+// The first bytes of a zlib stream.
+std::string InflatedStart(std::string_view compressed) {
+  constexpr std::size_t kEnough = 512;  // names are shorter than 64
+  z_stream stream{};
+  if (inflateInit(&stream) != Z_OK) return {};
+  stream.next_in = reinterpret_cast<Bytef*>(const_cast<char*>(compressed.data()));
+  stream.avail_in = static_cast<uInt>(compressed.size());
+  std::string start(kEnough, '\0');
+  stream.next_out = reinterpret_cast<Bytef*>(start.data());
+  stream.avail_out = static_cast<uInt>(start.size());
+  inflate(&stream, Z_SYNC_FLUSH);
+  start.resize(start.size() - stream.avail_out);
+  inflateEnd(&stream);
+  return start;
+}
+
+// Takes the first element off; up to 4 bytes may stand within the tag itself. Nothing if it is not whole.
+std::optional<std::string_view> TakeElement(std::string_view& bytes, bool big_endian) {
+  if (bytes.size() < kTag) return std::nullopt;
+  const std::uint32_t type = Unsigned(bytes, 0, 4, big_endian);
+  const std::uint32_t size = type >> 16U != 0 ? type >> 16U : Unsigned(bytes, 4, 4, big_endian);
+  const std::size_t begin = type >> 16U != 0 ? 4 : kTag;
+  if (size > bytes.size() - begin) return std::nullopt;
+  const std::string_view content = bytes.substr(begin, size);
+  const std::size_t padded = begin == 4 ? kTag : kTag + (std::size_t{size} + kTag - 1) / kTag * kTag;
+  bytes.remove_prefix(std::min(padded, bytes.size()));
+  return content;
+}
+
+// Flags, name, "MCOS", class, reference: in place of flags, sizes, name, numbers.
+std::optional<Mat5Object> ObjectIn(std::string_view matrix, bool big_endian) {
+  constexpr std::uint32_t kOpaque = 17;
+  const auto flags = TakeElement(matrix, big_endian);
+  if (!flags || flags->size() < 4 || (Unsigned(*flags, 0, 4, big_endian) & 0xffU) != kOpaque)
+    return std::nullopt;
+  const auto name = TakeElement(matrix, big_endian);
+  const auto system = TakeElement(matrix, big_endian);
+  const auto class_name = TakeElement(matrix, big_endian);
+  if (!name || !system || !class_name) return std::nullopt;
+  return Mat5Object{std::string(*name), std::string(*class_name)};
+}
+
 }  // namespace
 
 Result<MatVersion> FindMatVersion(std::string_view bytes, const std::string& file) {
@@ -106,6 +149,22 @@ Result<std::size_t> CountMat5Elements(std::string_view bytes, const std::string&
     at = begin + size;
   }
   return count;
+}
+
+std::vector<Mat5Object> FindMat5Objects(std::string_view bytes) {
+  const bool big_endian = bytes.substr(kVersionAt + 2, 2) == "MI";
+  std::vector<Mat5Object> objects;
+  for (std::size_t at = kHeader; at + kTag <= bytes.size();) {
+    const std::uint32_t type = Unsigned(bytes, at, 4, big_endian);
+    const std::uint32_t size = Unsigned(bytes, at + 4, 4, big_endian);
+    const std::string_view content = bytes.substr(at + kTag, size);
+    const std::string inflated = type == kCompressed ? InflatedStart(content) : std::string();
+    std::string_view matrix = type == kCompressed ? std::string_view(inflated) : content;
+    if (type == kCompressed) matrix.remove_prefix(std::min(kTag, matrix.size()));
+    if (auto object = ObjectIn(matrix, big_endian)) objects.push_back(std::move(*object));
+    at += kTag + size;
+  }
+  return objects;
 }
 
 }  // namespace sinew

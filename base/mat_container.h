@@ -3,6 +3,7 @@
 
 #include <string>
 #include <string_view>
+#include <vector>
 
 #include "base/error.h"
 
@@ -18,5 +19,15 @@ Result<MatVersion> FindMatVersion(std::string_view bytes, const std::string& fil
 /// that does not end within the file; a compressed one that disagrees with its checksum (libmatio takes what
 /// is there, and does not look at the checksum).
 Result<std::size_t> CountMat5Elements(std::string_view bytes, const std::string& file);
+
+/// A variable of version 5 that is an object of MATLAB, such as a table: libmatio says neither its name nor
+/// its class.
+struct Mat5Object {
+  std::string name;
+  std::string class_name;
+};
+
+/// @pre CountMat5Elements found no fault.
+[[nodiscard]] std::vector<Mat5Object> FindMat5Objects(std::string_view bytes);
 
 }  // namespace sinew

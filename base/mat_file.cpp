@@ -19,10 +19,10 @@ namespace {
 constexpr int kMaxRank = 8;
 constexpr std::size_t kMemoryPerValue = 4 * sizeof(double);    // libmatio's copy, its buffers, and ours
 constexpr std::size_t kWorkingMemory = std::size_t{1} << 26U;  // [bytes]
-constexpr const char* kOnlyMatlab =
-    "is a table, a string, an object or a function, which MATLAB alone can read, expected an array or a "
-    "struct "
-    "of arrays (in MATLAB: s = table2struct(t, 'ToScalar', true), then save s)";
+constexpr const char* kExpectedArray =
+    "expected an array or a struct of arrays (in MATLAB: s = table2struct(t, 'ToScalar', true), then save s)";
+constexpr const char* kUnknownClass =
+    "is a table, a string, an object or a function of MATLAB, or was written by another program, ";
 
 struct CloseFile {
   void operator()(mat_t* file) const { Mat_Close(file); }
@@ -140,13 +140,13 @@ class Taker {
     if (IsNumeric(from.class_type) || from.class_type == MAT_C_CHAR) return TakeArray(from, where, value);
     if (from.class_type == MAT_C_STRUCT) return TakeStruct(from, where, depth, value);
     if (from.class_type == MAT_C_CELL) return TakeCell(from, where, depth, value);
-    return Other(kOnlyMatlab, value);
+    return Other(std::string(kUnknownClass) + kExpectedArray, value);
   }
 
  private:
-  static Status Other(const char* what, MatValue& value) {
+  static Status Other(std::string what, MatValue& value) {
     value.kind = MatKind::kOther;
-    value.other = what;
+    value.other = std::move(what);
     return {};
   }
 
@@ -194,7 +194,8 @@ class Taker {
   // A member that was never given a value is an empty array.
   Status TakeMember(const matvar_t* member, const std::string& where, int depth, MatValue& value) {
     if (member != nullptr && member->class_type != MAT_C_EMPTY) return Take(*member, where, depth + 1, value);
-    if (member != nullptr && member->rank > 0) return Other(kOnlyMatlab, value);
+    if (member != nullptr && member->rank > 0)
+      return Other(std::string(kUnknownClass) + kExpectedArray, value);
     value.shape = {0, 0};
     return {};
   }
@@ -331,7 +332,15 @@ Result<MatFile> ReadMat(const std::string& path, const std::set<std::string>& wa
   const std::lock_guard lock(Hdf5Mutex());
   SilenceHdf5();
   SINEW_TRY(TryInOwnProcess(path, "libmatio", memory, read));
-  return reader.Read(wanted, 0);
+  SINEW_ASSIGN(MatFile found, reader.Read(wanted, 0));
+  if (version == MatVersion::k73) return found;
+  for (const Mat5Object& object : FindMat5Objects(bytes)) {
+    MatValue& value = found.variables[object.name];
+    value.kind = MatKind::kOther;
+    value.other =
+        fmt::format("is a '{}', an object that MATLAB alone can read, {}", object.class_name, kExpectedArray);
+  }
+  return found;
 }
 
 }  // namespace sinew
