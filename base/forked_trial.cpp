@@ -19,9 +19,10 @@ namespace {
 constexpr rlim_t kProcessorSeconds = 2;
 constexpr unsigned kSeconds = 30;  // with waiting for a disk and for other processes
 constexpr std::uintmax_t kBytesPerSecond = 1U << 20;
-constexpr std::size_t kLongestMessage = 4096;  // [bytes] fits into a pipe, so that writing does not wait
+constexpr std::size_t kPiece = std::size_t{1} << 16U;  // [bytes] taken from the pipe at once
 constexpr int kRead = 0;
 constexpr int kFailed = 1;
+constexpr int kLost = 2;
 
 void LimitTime(const std::string& path) {
   for (const int signal : {SIGALRM, SIGXCPU, SIGSEGV, SIGBUS, SIGFPE, SIGILL, SIGABRT})
@@ -52,11 +53,22 @@ void LimitMemory(std::size_t more) {
   setrlimit(RLIMIT_AS, &memory);
 }
 
-// The work of the forked process, of which nothing but its error may reach its parent. noexcept: an
+bool WriteAll(int file, const std::string& bytes) {
+  std::size_t written = 0;
+  while (written < bytes.size()) {
+    const ssize_t count = write(file, bytes.data() + written, bytes.size() - written);
+    if (count < 0 && errno == EINTR) continue;
+    if (count <= 0) return false;
+    written += static_cast<std::size_t>(count);
+  }
+  return true;
+}
+
+// The work of the forked process, of which nothing but its result may reach its parent. noexcept: an
 // exception, such as too little memory, ends it like a crash. It ends by _exit, without the destructors and
 // buffers of its parent.
-[[noreturn]] void WorkAndExit(const std::string& path, std::size_t memory, int errors,
-                              const std::function<Status()>& work) noexcept {
+[[noreturn]] void WorkAndExit(const std::string& path, std::size_t memory, int result,
+                              const std::function<Result<std::string>()>& work) noexcept {
   LimitTime(path);
   if (memory != 0) LimitMemory(memory);
   const int nowhere = open("/dev/null", O_WRONLY | O_CLOEXEC);
@@ -64,18 +76,17 @@ void LimitMemory(std::size_t more) {
     dup2(nowhere, STDOUT_FILENO);
     dup2(nowhere, STDERR_FILENO);
   }
-  const Status done = work();
-  if (done) _exit(kRead);
-  const std::string& message = done.error().message;
-  const std::size_t length = std::min(message.size(), kLongestMessage);
-  _exit(write(errors, message.data(), length) == static_cast<ssize_t>(length) ? kFailed : kFailed + 1);
+  const Result<std::string> done = work();
+  const bool told = WriteAll(result, done ? *done : done.error().message);
+  _exit(!told ? kLost : done ? kRead : kFailed);
 }
 
 std::string ReadAll(int file) {
-  std::string text(kLongestMessage, '\0');
+  std::string text;
   std::size_t length = 0;
-  while (length < text.size()) {
-    const ssize_t count = read(file, text.data() + length, text.size() - length);
+  while (true) {
+    text.resize(length + kPiece);
+    const ssize_t count = read(file, text.data() + length, kPiece);
     if (count < 0 && errno == EINTR) continue;
     if (count <= 0) break;
     length += static_cast<std::size_t>(count);
@@ -91,14 +102,14 @@ std::mutex& Hdf5Mutex() {
   return mutex;
 }
 
-Status TryInOwnProcess(const std::string& path, const std::string& library, std::size_t memory,
-                       const std::function<Status()>& work) {
+Result<std::string> TryInOwnProcess(const std::string& path, const std::string& library, std::size_t memory,
+                                    const std::function<Result<std::string>()>& work) {
   int ends[2] = {-1, -1};
   if (pipe2(ends, O_CLOEXEC) != 0) return Fail("{}: cannot be checked: too many files are open", path);
   const pid_t child = fork();
   if (child == 0) WorkAndExit(path, memory, ends[1], work);
   close(ends[1]);
-  const std::string message = child > 0 ? ReadAll(ends[0]) : std::string();
+  std::string result = child > 0 ? ReadAll(ends[0]) : std::string();
   close(ends[0]);
   if (child < 0) return Fail("{}: cannot be checked: no further process can be started", path);
   int status = 0;
@@ -107,8 +118,8 @@ Status TryInOwnProcess(const std::string& path, const std::string& library, std:
     ended = waitpid(child, &status, 0);
   } while (ended < 0 && errno == EINTR);
   if (ended != child) return Fail("{}: cannot be checked: the process that reads it was lost", path);
-  if (WIFEXITED(status) && WEXITSTATUS(status) == kRead) return {};
-  if (WIFEXITED(status) && WEXITSTATUS(status) == kFailed) return Fail("{}", message);
+  if (WIFEXITED(status) && WEXITSTATUS(status) == kRead) return result;
+  if (WIFEXITED(status) && WEXITSTATUS(status) == kFailed) return Fail("{}", result);
   return Fail("{}: is damaged ({} could not read it)", path, library);
 }
 

@@ -390,9 +390,9 @@ Result<Hdf5Node> ReadHdf5(const std::string& path) {
   if (H5Fis_hdf5(path.c_str()) <= 0) return Fail("{}: is not an HDF5 file", path);
   // libhdf5 1.10 does not check all sizes and offsets in a file. The tree is freed within the trial, so that
   // the allocator too finds what was overwritten.
-  const auto read = [&]() -> Status {
+  const auto read = [&]() -> Result<std::string> {
     SINEW_TRY(ReadTree(path));
-    return {};
+    return std::string();
   };
   SINEW_TRY(TryInOwnProcess(path, "HDF5", 0, read));
   return ReadTree(path);

@@ -10,6 +10,7 @@
 #include "base/forked_trial.h"
 #include "base/hdf5_other_files.h"
 #include "base/mat_container.h"
+#include "base/mat_transfer.h"
 #include "base/read_file.h"
 #include "base/value_limits.h"
 
@@ -17,7 +18,7 @@ namespace sinew {
 namespace {
 
 constexpr int kMaxRank = 8;
-constexpr std::size_t kMemoryPerValue = 4 * sizeof(double);    // libmatio's copy, its buffers, and ours
+constexpr std::size_t kMemoryPerValue = 6 * sizeof(double);  // libmatio's copy, its buffers, ours, and packed
 constexpr std::size_t kWorkingMemory = std::size_t{1} << 26U;  // [bytes]
 constexpr const char* kExpectedArray =
     "expected an array or a struct of arrays (in MATLAB: s = table2struct(t, 'ToScalar', true), then save s)";
@@ -317,30 +318,32 @@ const MatValue* MatValue::Field(const std::string& name, std::size_t element) co
 Result<MatFile> ReadMat(const std::string& path, const std::set<std::string>& wanted) {
   SINEW_ASSIGN(const std::string bytes, ReadFile(path));
   SINEW_ASSIGN(const MatVersion version, FindMatVersion(bytes, path));
-  Reader reader(path, bytes.size());
-  const auto read = [&]() -> Status {
+  const auto read = [&]() -> Result<std::string> {
     std::size_t elements = 0;  // not known of version 7.3
     if (version == MatVersion::k73) {
       SINEW_TRY(RefuseOtherFiles(path));
     } else {
       SINEW_ASSIGN(elements, CountMat5Elements(bytes, path));
     }
-    SINEW_TRY(reader.Read(wanted, elements));
-    return {};
+    Reader reader(path, bytes.size());
+    SINEW_ASSIGN(const MatFile file, reader.Read(wanted, elements));
+    return PackMat(file);
   };
   const std::size_t memory = kWorkingMemory + kMemoryPerValue * MostValues(bytes.size());
   const std::lock_guard lock(Hdf5Mutex());
   SilenceHdf5();
-  SINEW_TRY(TryInOwnProcess(path, "libmatio", memory, read));
-  SINEW_ASSIGN(MatFile found, reader.Read(wanted, 0));
-  if (version == MatVersion::k73) return found;
+  SINEW_ASSIGN(const std::string packed, TryInOwnProcess(path, "libmatio", memory, read));
+  auto unpacked = UnpackMat(packed);
+  if (!unpacked) return Fail("{}: is damaged (libmatio could not read it)", path);
+  MatFile& found = *unpacked;
+  if (version == MatVersion::k73) return std::move(found);
   for (const Mat5Object& object : FindMat5Objects(bytes)) {
     MatValue& value = found.variables[object.name];
     value.kind = MatKind::kOther;
     value.other =
         fmt::format("is a '{}', an object that MATLAB alone can read, {}", object.class_name, kExpectedArray);
   }
-  return found;
+  return std::move(found);
 }
 
 }  // namespace sinew

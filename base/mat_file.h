@@ -46,7 +46,7 @@ struct MatFile {
 /// be a title within one (a channel of Spike2): then structs with a field `title` are read as well. The
 /// others are there without numbers, elements and text.
 ///
-/// Done in a process of its own first (TryInOwnProcess). Errors: no such file; not a MAT file; version 4;
+/// libmatio works in a process of its own (TryInOwnProcess). Errors: no such file; not a MAT file; version 4;
 /// HDF5 without MATLAB's header; truncated or damaged, also where only the checksum of compressed numbers
 /// says so; more numbers than the file can hold, or than 2^28; links to other files.
 Result<MatFile> ReadMat(const std::string& path, const std::set<std::string>& wanted);
