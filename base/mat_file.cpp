@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <cstdint>
+#include <filesystem>
 #include <functional>
 #include <memory>
 
@@ -50,6 +51,7 @@ Status TakeShape(const matvar_t& from, const std::string& where, std::size_t& ro
     value.shape.push_back(size);
   }
   if (value.shape.empty()) value.shape = {0, 0};
+  if (value.shape.size() == 1) value.shape.push_back(1);  // never of MATLAB
   if (value.count() > room) return Fail("{} announces more values than the file can hold", where);
   room -= value.count();
   return {};
@@ -316,8 +318,15 @@ const MatValue* MatValue::Field(const std::string& name, std::size_t element) co
 }
 
 Result<MatFile> ReadMat(const std::string& path, const std::set<std::string>& wanted) {
-  SINEW_ASSIGN(const std::string bytes, ReadFile(path));
+  constexpr std::size_t kHeader = 512;  // [bytes] before the content of version 7.3, which may have many GB
+  SINEW_ASSIGN(std::string bytes, ReadFileStart(path, kHeader));
   SINEW_ASSIGN(const MatVersion version, FindMatVersion(bytes, path));
+  if (version == MatVersion::k5) {
+    SINEW_ASSIGN(bytes, ReadFile(path));
+  }
+  std::error_code code;
+  const std::size_t size = std::filesystem::file_size(path, code);
+  if (code) return Fail("{}: cannot be read: {}", path, code.message());
   const auto read = [&]() -> Result<std::string> {
     std::size_t elements = 0;  // not known of version 7.3
     if (version == MatVersion::k73) {
@@ -325,11 +334,11 @@ Result<MatFile> ReadMat(const std::string& path, const std::set<std::string>& wa
     } else {
       SINEW_ASSIGN(elements, CountMat5Elements(bytes, path));
     }
-    Reader reader(path, bytes.size());
+    Reader reader(path, size);
     SINEW_ASSIGN(const MatFile file, reader.Read(wanted, elements));
     return PackMat(file);
   };
-  const std::size_t memory = kWorkingMemory + kMemoryPerValue * MostValues(bytes.size());
+  const std::size_t memory = kWorkingMemory + kMemoryPerValue * MostValues(size);
   const std::lock_guard lock(Hdf5Mutex());
   SilenceHdf5();
   SINEW_ASSIGN(const std::string packed, TryInOwnProcess(path, "libmatio", memory, read));

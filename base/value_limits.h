@@ -14,6 +14,7 @@ constexpr int kDeepestNesting = 32;                       ///< of groups, struct
 [[nodiscard]] constexpr std::size_t MostValues(std::size_t bytes) {
   constexpr std::size_t kPerByte = 1032;
   constexpr std::size_t kSmallFile = 4096;  // [bytes]
+  if (bytes >= kMaxValues / kPerByte) return kMaxValues;
   return std::min(kMaxValues, kPerByte * (bytes + kSmallFile));
 }
 

@@ -51,6 +51,20 @@ def version5(*variables):
     return _header(0x0100) + b"".join(variables)
 
 
+def big_endian(name, values):
+    """A file with a column of doubles, as a workstation of old writes it."""
+    def words(*numbers_):
+        return struct.pack(f">{len(numbers_)}I", *numbers_)
+
+    def element(kind, content):
+        return words(kind, len(content)) + content + bytes(-len(content) % 8)
+
+    values = np.asarray(values, ">f8")
+    header = b"MATLAB MAT-file, by hand".ljust(116) + bytes(8) + b"\1\0MI"
+    return header + element(14, element(6, words(6, 0)) + element(5, words(values.size, 1)) + element(1, name.encode()) +
+                            element(9, values.tobytes()))
+
+
 def channel(title, values, units="V", interval=0.001, start=0.0002):
     """The fields of a channel as Spike2 exports it."""
     return {"title": title, "comment": "No comment", "interval": [interval], "scale": [1], "offset": [0], "units": units,

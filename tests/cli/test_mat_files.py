@@ -11,7 +11,7 @@ from pathlib import Path
 import h5py
 import numpy as np
 
-from mat_files import channel, numbers, struct5, table, text, version5, write_version73
+from mat_files import big_endian, channel, numbers, struct5, table, text, version5, write_version73
 from program import ROOT, ProgramTest
 
 ANKLE = Path(os.environ.get("SINEW_SHARED_DATA", ROOT.parent / "shared" / "data")) / "dynamometer_ankle"
@@ -57,6 +57,11 @@ class BothVersions(MatFile):
                                                              data_map)):
             np.testing.assert_allclose(found["q"][0], [0, 0.01, 0.03], rtol=1e-12)
             np.testing.assert_allclose(found["q"][1], [np.pi / 2, np.nan, np.pi], rtol=1e-12)
+
+
+    def test_the_other_order_of_bytes(self):
+        found = self.bring(big_endian("q", [1.5, -2]), "time: {rate: 10}\nchannels: {q: {unit: m}}\n")
+        np.testing.assert_array_equal(found["q"][1], [1.5, -2])
 
 
 class Refused(MatFile):
