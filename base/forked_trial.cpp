@@ -20,9 +20,10 @@ constexpr rlim_t kProcessorSeconds = 2;
 constexpr unsigned kSeconds = 30;  // with waiting for a disk and for other processes
 constexpr std::uintmax_t kBytesPerSecond = 1U << 20;
 constexpr std::size_t kPiece = std::size_t{1} << 16U;  // [bytes] taken from the pipe at once
+// How the process ends. Libraries, and sanitizers, end one with 1.
 constexpr int kRead = 0;
-constexpr int kFailed = 1;
-constexpr int kLost = 2;
+constexpr int kFailed = 101;
+constexpr int kLost = 102;
 
 void LimitTime(const std::string& path) {
   for (const int signal : {SIGALRM, SIGXCPU, SIGSEGV, SIGBUS, SIGFPE, SIGILL, SIGABRT})
