@@ -54,6 +54,14 @@ void LimitMemory(std::size_t more) {
   setrlimit(RLIMIT_AS, &memory);
 }
 
+// Closes all other files: a lock that this process inherited would outlive its parent, should that be killed.
+int KeepOnly(int file) {
+  constexpr int kKept = STDERR_FILENO + 1;
+  if (file != kKept) file = dup2(file, kKept);
+  close_range(kKept + 1, ~0U, 0);
+  return file;
+}
+
 bool WriteAll(int file, const std::string& bytes) {
   std::size_t written = 0;
   while (written < bytes.size()) {
@@ -70,6 +78,7 @@ bool WriteAll(int file, const std::string& bytes) {
 // buffers of its parent.
 [[noreturn]] void WorkAndExit(const std::string& path, std::size_t memory, int result,
                               const std::function<Result<std::string>()>& work) noexcept {
+  result = KeepOnly(result);
   LimitTime(path);
   if (memory != 0) LimitMemory(memory);
   const int nowhere = open("/dev/null", O_WRONLY | O_CLOEXEC);
