@@ -156,12 +156,20 @@ class Taker {
   Status TakeArray(const matvar_t& from, const std::string& where, MatValue& value) {
     value.kind = from.class_type == MAT_C_CHAR ? MatKind::kText : MatKind::kNumbers;
     value.integers = from.class_type >= MAT_C_INT8 && from.isLogical == 0;
-    std::size_t unread = kMaxValues;
-    SINEW_TRY(TakeShape(from, where, with_data_ ? room_ : unread, value));
-    if (!with_data_) return {};
+    if (!with_data_) return TakeUnreadShape(from, value);
+    SINEW_TRY(TakeShape(from, where, room_, value));
     if (value.kind == MatKind::kNumbers) return TakeNumbers(from, where, value);
     TakeText(from, value);
     return {};
+  }
+
+  // An array that is too large matters only to who wants it.
+  static Status TakeUnreadShape(const matvar_t& from, MatValue& value) {
+    std::size_t room = kMaxValues;
+    const Status taken = TakeShape(from, "", room, value);
+    if (taken) return {};
+    value.shape.clear();
+    return Other(taken.error().message.substr(1), value);
   }
 
   Status TakeStruct(const matvar_t& from, const std::string& where, int depth, MatValue& value) {
