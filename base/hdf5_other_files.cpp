@@ -11,6 +11,30 @@ herr_t RefuseLink(const char* /*file*/, const char* /*group*/, const char* /*oth
   return -1;
 }
 
+herr_t CheckLink(hid_t group, const char* name, const H5L_info_t* /*link*/, void* status) {
+  auto& result = *static_cast<Status*>(status);
+  result = RefuseLinkToOtherFile(group, name, "/");
+  return result ? 0 : 1;
+}
+
+herr_t CheckObject(hid_t root, const char* name, const H5O_info_t* object, void* status) {
+  if (object->type != H5O_TYPE_DATASET) return 0;
+  auto& result = *static_cast<Status*>(status);
+  const hid_t dataset = H5Oopen(root, name, H5P_DEFAULT);
+  if (dataset < 0) return -1;
+  result = RefuseStorageInOtherFile(dataset, std::string("/") + name);
+  H5Oclose(dataset);
+  return result ? 0 : 1;
+}
+
+Status CheckEverything(hid_t file) {
+  Status status;
+  const bool visited = H5Lvisit(file, H5_INDEX_NAME, H5_ITER_INC, CheckLink, &status) >= 0 &&
+                       (!status || H5Ovisit(file, H5_INDEX_NAME, H5_ITER_INC, CheckObject, &status) >= 0);
+  if (!visited && status) return Fail("its groups cannot be read (truncated or damaged)");
+  return status;
+}
+
 }  // namespace
 
 std::int64_t AccessWithinThisFile() {
@@ -37,6 +61,19 @@ Status RefuseStorageInOtherFile(std::int64_t dataset, const std::string& where) 
   if (files < 0 || layout == H5D_LAYOUT_ERROR) return Fail("{}: cannot be read", where);
   if (files == 0 && layout != H5D_VIRTUAL) return {};
   return Fail("{}: its numbers are in another file, expected them in this one", where);
+}
+
+void SilenceHdf5() {
+  H5Eset_auto2(H5E_DEFAULT, nullptr, nullptr);
+}
+
+Status RefuseOtherFiles(const std::string& path) {
+  const hid_t file = H5Fopen(path.c_str(), H5F_ACC_RDONLY, H5P_DEFAULT);
+  if (file < 0) return Fail("{}: cannot be opened as HDF5 (truncated or damaged)", path);
+  const Status status = CheckEverything(file);
+  H5Fclose(file);
+  if (!status) return Fail("{}: {}", path, status.error().message);
+  return {};
 }
 
 }  // namespace sinew

@@ -1,42 +1,23 @@
 #include "base/hdf5_tree.h"
 
-#include <fcntl.h>
 #define H5_USE_110_API  // H5Oget_info has other arguments since 1.12
 #include <hdf5.h>
-#include <sys/resource.h>
-#include <sys/wait.h>
-#include <unistd.h>
 
 #include <algorithm>
-#include <cerrno>
-#include <csignal>
 #include <filesystem>
 #include <mutex>
 
+#include "base/forked_trial.h"
 #include "base/hdf5_other_files.h"
 #include "base/replace_file.h"
 #include "base/text.h"
+#include "base/value_limits.h"
 
 namespace sinew {
 namespace {
 
-constexpr std::size_t kMaxValues = std::size_t{1}
-                                   << 28;  // 2 GiB of doubles: beyond it a header is surely corrupt
-// Largest number of values per byte of a file: deflate compresses at most 1032 to 1, and a value has at least
-// one byte.
-constexpr std::size_t kMaxValuesPerByte = 1032;
-constexpr std::size_t kSmallFile = 4096;    // [bytes] allowance for datasets without stored values
 constexpr std::size_t kValuesPerNode = 64;  // values that a group or dataset itself counts as, for its memory
-constexpr int kDeepest = 32;
 constexpr std::size_t kImageGrowth = std::size_t{1} << 20;  // [bytes] by which a file grows while it is made
-// A damaged file can put libhdf5 into an endless loop. Time limit of a reading [s], with one more second for
-// every kBytesPerSecond of the file (an intact one is read a hundred times as fast).
-constexpr rlim_t kProcessorSeconds = 2;
-constexpr unsigned kSeconds = 30;  // with waiting for a disk and for other processes
-constexpr std::uintmax_t kBytesPerSecond = 1U << 20;
-
-// Held while a file is read or written: libhdf5 is not thread-safe in every build, and see ReadsWithoutCrash.
-std::mutex hdf5_mutex;
 
 // Closes an HDF5 identifier at the end of its scope.
 class Handle {
@@ -211,7 +192,7 @@ Status ReadDataset(hid_t dataset, const std::string& where, std::size_t& room, H
 }
 
 Status ReadNode(hid_t object, const std::string& where, int depth, std::size_t& room, Hdf5Node& node) {
-  if (depth > kDeepest) return Fail("{}: groups nested more than {} deep", where, kDeepest);
+  if (depth > kDeepestNesting) return Fail("{}: groups nested more than {} deep", where, kDeepestNesting);
   SINEW_TRY(ReserveValues(kValuesPerNode, where, room));
   SINEW_TRY(ReadAttributes(object, where, node));
   if (H5Iget_type(object) == H5I_DATASET) return ReadDataset(object, where, room, node);
@@ -242,58 +223,11 @@ Result<Hdf5Node> ReadTree(const std::string& path) {
   if (!group) return Fail("{}: has no root group (damaged file)", path);
   hsize_t bytes = 0;
   if (H5Fget_filesize(file.get(), &bytes) < 0) return Fail("{}: its size cannot be read", path);
-  std::size_t room = std::min<std::size_t>(kMaxValues, kMaxValuesPerByte * (bytes + kSmallFile));
+  std::size_t room = MostValues(bytes);
   Hdf5Node root;
   const Status status = ReadNode(group.get(), "/", 0, room, root);
   if (!status) return Fail("{}: {}", path, status.error().message);
   return root;
-}
-
-// The work of the forked process, of which nothing may reach its parent. noexcept: an exception, such as too
-// little memory, ends it like a crash.
-[[noreturn]] void ReadAndExit(const std::string& path) noexcept {
-  for (const int signal : {SIGALRM, SIGXCPU, SIGSEGV, SIGBUS, SIGFPE, SIGILL, SIGABRT})
-    std::signal(signal, SIG_DFL);
-  sigset_t time_up;
-  sigemptyset(&time_up);
-  sigaddset(&time_up, SIGALRM);
-  sigprocmask(SIG_UNBLOCK, &time_up, nullptr);
-  std::error_code code;
-  const std::uintmax_t more = std::filesystem::file_size(path, code) / kBytesPerSecond;
-  alarm(kSeconds + static_cast<unsigned>(more));
-  const rlimit processor{kProcessorSeconds + more, kProcessorSeconds + more};
-  setrlimit(RLIMIT_CPU, &processor);
-  const rlimit no_core{0, 0};
-  setrlimit(RLIMIT_CORE, &no_core);
-  const int nowhere = open("/dev/null", O_WRONLY | O_CLOEXEC);
-  if (nowhere >= 0) {
-    dup2(nowhere, STDOUT_FILENO);
-    dup2(nowhere, STDERR_FILENO);
-  }
-  // The tree is freed at once, so that the allocator too finds what was overwritten.
-  static_cast<void>(ReadTree(path));
-  _exit(0);
-}
-
-// Whether the file can be read without a crash. libhdf5 1.10 does not check all sizes and offsets in a file,
-// and damaged ones crash it; so the file is read in a forked process first. The two processes are equal up to
-// there, and so behave equally.
-//
-// Fork copies the calling thread only: a lock held by another thread stays locked in the copy. The functions
-// that the copy calls are safe: no other thread is within libhdf5 (hdf5_mutex is held), the C library handles
-// its allocator and streams, and nothing else is called. If it should hang nevertheless, its alarm ends it.
-// It ends by _exit, without the destructors and buffers of this process.
-Result<bool> ReadsWithoutCrash(const std::string& path) {
-  const pid_t child = fork();
-  if (child < 0) return Fail("{}: cannot be checked: no further process can be started", path);
-  if (child == 0) ReadAndExit(path);
-  int status = 0;
-  pid_t ended = -1;
-  do {
-    ended = waitpid(child, &status, 0);
-  } while (ended < 0 && errno == EINTR);
-  if (ended != child) return Fail("{}: cannot be checked: the process that reads it was lost", path);
-  return WIFEXITED(status) && WEXITSTATUS(status) == 0;
 }
 
 // ---- writing
@@ -451,19 +385,24 @@ Result<Hdf5Node> ReadHdf5(const std::string& path) {
   if (std::filesystem::is_directory(path, code)) return Fail("{}: is a folder, expected an HDF5 file", path);
   if (!std::filesystem::is_regular_file(path, code))
     return Fail("{}: is a device, a pipe or a socket, expected an HDF5 file", path);
-  const std::lock_guard lock(hdf5_mutex);
-  H5Eset_auto2(H5E_DEFAULT, nullptr, nullptr);  // its errors become ours, not a stack trace on stderr
+  const std::lock_guard lock(Hdf5Mutex());
+  SilenceHdf5();
   if (H5Fis_hdf5(path.c_str()) <= 0) return Fail("{}: is not an HDF5 file", path);
-  SINEW_ASSIGN(const bool survives, ReadsWithoutCrash(path));
-  if (!survives) return Fail("{}: is damaged (HDF5 could not read it)", path);
+  // libhdf5 1.10 does not check all sizes and offsets in a file. The tree is freed within the trial, so that
+  // the allocator too finds what was overwritten.
+  const auto read = [&]() -> Result<std::string> {
+    SINEW_TRY(ReadTree(path));
+    return std::string();
+  };
+  SINEW_TRY(TryInOwnProcess(path, "HDF5", 0, read));
   return ReadTree(path);
 }
 
 Status WriteHdf5(const std::string& path, const Hdf5Node& root) {
   std::string image;
   {
-    const std::lock_guard lock(hdf5_mutex);
-    H5Eset_auto2(H5E_DEFAULT, nullptr, nullptr);
+    const std::lock_guard lock(Hdf5Mutex());
+    SilenceHdf5();
     if (!MakeImage(root, image)) return Fail("{}: cannot be made (too little memory?)", path);
   }
   return ReplaceFile(path, image);

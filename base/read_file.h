@@ -1,6 +1,7 @@
 // Files that are read whole.
 #pragma once
 
+#include <cstddef>
 #include <string>
 
 #include "base/error.h"
@@ -11,5 +12,8 @@ namespace sinew {
 /// Errors: no such file; a folder; a device, a pipe or a socket; no permission; larger than 4 GiB; not
 /// readable.
 Result<std::string> ReadFile(const std::string& path);
+
+/// As ReadFile, but at most the first `most` bytes, of a file of any size.
+Result<std::string> ReadFileStart(const std::string& path, std::size_t most);
 
 }  // namespace sinew

@@ -9,6 +9,7 @@ namespace sinew {
 namespace {
 
 constexpr std::string_view kBlanks = " \t\r\n";
+constexpr std::size_t kMaxShown = 20;  // names in a message
 
 template <class Number>
 std::optional<Number> ParseWhole(std::string_view text) {
@@ -103,9 +104,22 @@ std::optional<std::string> ClosestName(std::string_view name, const std::vector<
   return closest;
 }
 
+std::string ByLikeness(std::string_view name, const std::vector<std::string>& candidates) {
+  const std::string wanted = Lowercase(name);
+  std::vector<std::pair<std::size_t, std::string>> ranked;
+  for (const std::string& candidate : candidates)
+    ranked.emplace_back(EditDistance(wanted, Lowercase(candidate)), candidate);
+  std::stable_sort(ranked.begin(), ranked.end(),
+                   [](const auto& a, const auto& b) { return a.first < b.first; });
+  std::vector<std::string> shown;
+  for (const auto& [distance, candidate] : ranked) {
+    if (shown.size() < kMaxShown) shown.push_back(candidate);
+  }
+  return Join(shown, ", ") + (candidates.size() > kMaxShown ? ", ..." : "");
+}
+
 std::string Suggestion(std::string_view name, const std::vector<std::string>& candidates) {
   if (const auto closest = ClosestName(name, candidates)) return "; did you mean '" + *closest + "'?";
-  constexpr std::size_t kMaxShown = 20;
   const std::vector<std::string> shown(candidates.begin(),
                                        candidates.begin() + std::min(candidates.size(), kMaxShown));
   return "; expected one of " + Join(shown, ", ") + (candidates.size() > kMaxShown ? ", ..." : "");

@@ -36,6 +36,9 @@ std::vector<std::string_view> SplitBlanks(Text&& text) = delete;
 [[nodiscard]] std::optional<std::string> ClosestName(std::string_view name,
                                                      const std::vector<std::string>& candidates);
 
+/// The candidates, those that need the fewest edits first; up to 20 of them, then "...".
+[[nodiscard]] std::string ByLikeness(std::string_view name, const std::vector<std::string>& candidates);
+
 /// "; did you mean 'stiffness'?" or, when nothing is close, "; expected one of a, b, c".
 [[nodiscard]] std::string Suggestion(std::string_view name, const std::vector<std::string>& candidates);
 

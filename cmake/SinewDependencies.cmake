@@ -9,6 +9,9 @@ find_package(yaml-cpp REQUIRED)
 find_package(CLI11 REQUIRED)
 find_package(TBB REQUIRED)
 find_package(HDF5 REQUIRED COMPONENTS C)
+# MAT files of MATLAB.
+pkg_check_modules(MATIO REQUIRED IMPORTED_TARGET matio)
+find_package(ZLIB REQUIRED)
 # Headers of Boost.Math alone.
 find_package(Boost REQUIRED)
 find_package(Simbody REQUIRED)

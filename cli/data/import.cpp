@@ -106,7 +106,9 @@ Result<int> Import(const ImportWords& words) {
 void AddImportCommand(Command data, const RunAction& run) {
   auto words = std::make_shared<ImportWords>();
   Command command = data.AddCommand("import", "Import measured files as a trial of a data set");
-  command.Add("files", words->files, ".trc .mot .sto .csv .osim .xml .yaml .obj").Required().Shows("FILE");
+  command.Add("files", words->files, ".trc .mot .sto .csv .mat .osim .xml .yaml .obj")
+      .Required()
+      .Shows("FILE");
   command.Add("--out", words->out, "Data set to write").Required().Shows("F.h5");
   command.Add("--map", words->map, "Which columns mean what (docs/import.md)").Shows("MAP.yaml");
   command.Add("--trial", words->trial, "Name of the trial; default: that of the first file");

@@ -138,6 +138,9 @@ Status GridMaker::AddColumn(const std::string& path, const std::string& column, 
   if (options_.map) {
     for (const auto& [name, mapped] : options_.map->channels) {
       if (mapped.column != column && mapped.column != meaning.channel) continue;
+      if (mapped.time)
+        return FailAt(options_.map->file, mapped.line,
+                      "channel '{}' has a time of its own, which only a .mat can", name);
       const ColumnMeaning refined = Refine(meaning, mapped);
       if (!refined.unit_is_known) without_unit_.push_back(name);
       SINEW_TRY(AddChannel(path, name, MakeMappedChannel(refined, mapped, values), grid));
@@ -245,6 +248,10 @@ Result<const CsvColumn*> GridMaker::FindColumn(const std::string& path, const Cs
 
 Result<std::vector<double>> GridMaker::TimesOf(const std::string& path, const CsvTable& table,
                                                const MappedTime& mapped) {
+  if (!mapped.rate_column.empty())
+    return FailAt(options_.map->file, mapped.line,
+                  "time: rate is {}, expected a number (only a .mat can hold the rate)",
+                  Quoted(mapped.rate_column));
   if (mapped.rate) {
     std::vector<double> times(table.lines.size());
     for (std::size_t i = 0; i < times.size(); ++i) times[i] = static_cast<double>(i) / *mapped.rate;
@@ -282,6 +289,11 @@ Result<NamedGrid> GridMaker::FromCsv(const std::string& path) {
       return FailAt(map.file, mapped.line,
                     "channel '{}' has no unit; a .csv does not contain it (1 if there is none)", name);
     }
+    if (mapped.time) {
+      return FailAt(map.file, mapped.line,
+                    "channel '{}' has a time of its own, which only a .mat can; a .csv has one time for all",
+                    name);
+    }
     SINEW_ASSIGN(const CsvColumn* column, FindColumn(path, table, mapped.column, mapped.line));
     SINEW_TRY(AddChannel(path, name, MakeMappedChannel(Refine({name, "1"}, mapped), mapped, column->values),
                          made.grid));
@@ -293,6 +305,65 @@ Result<NamedGrid> GridMaker::FromCsv(const std::string& path) {
         fmt::format("{}: columns that the map does not name were left out: {}", path, Listed(left_out)));
   }
   return made;
+}
+
+Result<UnitConversion> GridMaker::UnitOf(const std::string& name, const MappedChannel& mapped,
+                                         const MatColumn& column) {
+  const std::string& file = options_.map->file;
+  // Spike2's users write Deg and NM; where the case of letters makes a difference (mV, MV), it is kept.
+  auto stated = ToSi(column.unit);
+  if (!stated) stated = ToSi(Lowercase(column.unit));
+  if (!mapped.unit) {
+    if (column.unit.empty())
+      return FailAt(file, mapped.line,
+                    "channel '{}' has no unit; {} does not contain it (1 if there is none)", name,
+                    column.where);
+    if (!stated)
+      return FailAt(file, mapped.line, "channel '{}' has no unit, and that of {} is not known: {}", name,
+                    column.where, ToSi(column.unit).error().message);
+    return *stated;
+  }
+  const bool differs =
+      stated && (stated->si_unit != mapped.unit->si_unit || stated->factor != mapped.unit->factor);
+  if (differs || (!stated && !column.unit.empty())) {
+    notes_.push_back(fmt::format("{}: states the unit {}; that of the map was taken for channel '{}'",
+                                 column.where, Quoted(column.unit), name));
+  }
+  return *mapped.unit;
+}
+
+Result<std::vector<NamedGrid>> GridMaker::FromMat(const std::vector<std::string>& paths) {
+  const std::string& first = paths.front();
+  if (!options_.map) {
+    SINEW_ASSIGN(const MatFile file, ReadMat(first, {}));
+    std::vector<std::string> there;
+    for (const auto& [name, value] : file.variables) there.push_back(name + " (" + value.Describe() + ")");
+    return Fail("{}: needs a map that assigns its variables to channels (they are {})", first, Listed(there));
+  }
+  const ImportMap& map = *options_.map;
+  if (map.channels.empty()) return Fail("{}: names no channels for {}", map.file, first);
+  SINEW_ASSIGN(MatRecording recording, MatRecording::Read(paths, map, notes_));
+  std::vector<NamedGrid> grids;
+  for (const auto& [name, mapped] : map.channels) {
+    SINEW_ASSIGN(MatColumn column, recording.Channel(name, mapped, map.time));
+    SINEW_ASSIGN(const UnitConversion unit, UnitOf(name, mapped, column));
+    MappedChannel entry = mapped;
+    entry.unit = unit;
+    auto made = std::find_if(grids.begin(), grids.end(),
+                             [&](const NamedGrid& other) { return other.grid.time == *column.time; });
+    if (made == grids.end()) made = grids.insert(grids.end(), {name, {std::move(*column.time), {}}});
+    SINEW_TRY(AddChannel(first, name,
+                         MakeMappedChannel(Refine({name, "1"}, entry), entry, std::move(column.values)),
+                         made->grid));
+    used_channels_.insert(name);
+  }
+  if (grids.size() == 1) grids.front().name = Stem(first);
+  const std::vector<std::string> left_out = recording.Unused();
+  if (!left_out.empty()) {
+    notes_.push_back(
+        fmt::format("{}: variables that the map does not name were left out: {}", first, Listed(left_out)));
+  }
+  return grids;
 }
 
 Status GridMaker::CheckAllUsed() const {

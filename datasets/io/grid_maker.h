@@ -9,6 +9,7 @@
 #include "datasets/dataset.h"
 #include "datasets/io/csv_file.h"
 #include "datasets/io/import_options.h"
+#include "datasets/io/mat_recording.h"
 #include "datasets/io/storage_file.h"
 #include "datasets/io/trc_file.h"
 
@@ -29,6 +30,9 @@ class GridMaker {
   Result<NamedGrid> FromTrc(const std::string& path);
   Result<NamedGrid> FromStorage(const std::string& path);
   Result<NamedGrid> FromCsv(const std::string& path);
+  /// All MAT files of the trial at once, because one may hold the times of another's samples. Channels with
+  /// the same times share a grid; if there are several, each has the name of its first channel.
+  Result<std::vector<NamedGrid>> FromMat(const std::vector<std::string>& paths);
 
   /// Errors: a marker, channel or plate of the options that no file had: the first, with what the files do
   /// have.
@@ -48,6 +52,8 @@ class GridMaker {
                    const std::vector<double>& values, Grid& grid);
   Result<std::vector<double>> TimesOf(const std::string& path, const CsvTable& table,
                                       const MappedTime& mapped);
+  Result<UnitConversion> UnitOf(const std::string& name, const MappedChannel& mapped,
+                                const MatColumn& column);
   Result<const CsvColumn*> FindColumn(const std::string& path, const CsvTable& table, const std::string& name,
                                       long line);
 

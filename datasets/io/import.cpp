@@ -12,13 +12,14 @@
 namespace sinew {
 namespace {
 
-enum class FileType { kTrc, kStorage, kCsv, kModel, kText, kUnknown };
+enum class FileType { kTrc, kStorage, kCsv, kMat, kModel, kText, kUnknown };
 
 FileType TypeOf(const std::string& path) {
   const std::string extension = Lowercase(std::filesystem::path(path).extension().string());
   if (extension == ".trc") return FileType::kTrc;
   if (extension == ".mot" || extension == ".sto") return FileType::kStorage;
   if (extension == ".csv" || extension == ".txt") return FileType::kCsv;
+  if (extension == ".mat") return FileType::kMat;
   if (extension == ".osim") return FileType::kModel;
   if (extension == ".xml" || extension == ".yaml" || extension == ".yml" || extension == ".obj")
     return FileType::kText;
@@ -27,7 +28,8 @@ FileType TypeOf(const std::string& path) {
 
 bool HoldsData(const std::string& path) {
   const FileType type = TypeOf(path);
-  return type == FileType::kTrc || type == FileType::kStorage || type == FileType::kCsv;
+  return type == FileType::kTrc || type == FileType::kStorage || type == FileType::kCsv ||
+         type == FileType::kMat;
 }
 
 bool HasNumber(const Grid& grid) {
@@ -46,6 +48,7 @@ class Importer {
   Result<Dataset> Import(const std::vector<std::string>& paths) {
     SINEW_TRY(OpenTrial(paths));
     for (const std::string& path : paths) SINEW_TRY(ImportOne(path));
+    SINEW_TRY(ImportMat(paths));
     SINEW_TRY(maker_.CheckAllUsed());
     SINEW_TRY(ApplyMap());
     SINEW_TRY(dataset_.Check());
@@ -74,6 +77,8 @@ class Importer {
         return AddGrid(path, maker_.FromStorage(path));
       case FileType::kCsv:
         return AddGrid(path, maker_.FromCsv(path));
+      case FileType::kMat:
+        return {};  // together, see ImportMat
       case FileType::kModel:
         return AddText(path, "model.osim");
       case FileType::kText:
@@ -81,8 +86,20 @@ class Importer {
       case FileType::kUnknown:
         break;
     }
-    return Fail("{}: cannot be imported, expected .trc, .mot, .sto, .csv, .txt, .osim, .xml, .yaml or .obj",
-                path);
+    return Fail(
+        "{}: cannot be imported, expected .trc, .mot, .sto, .csv, .txt, .mat, .osim, .xml, .yaml or .obj",
+        path);
+  }
+
+  Status ImportMat(const std::vector<std::string>& paths) {
+    std::vector<std::string> files;
+    for (const std::string& path : paths) {
+      if (TypeOf(path) == FileType::kMat) files.push_back(path);
+    }
+    if (files.empty()) return {};
+    SINEW_ASSIGN(std::vector<NamedGrid> grids, maker_.FromMat(files));
+    for (NamedGrid& grid : grids) SINEW_TRY(AddGrid(files.front(), std::move(grid)));
+    return {};
   }
 
   Status AddGrid(const std::string& path, Result<NamedGrid> made) {

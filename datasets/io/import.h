@@ -17,12 +17,14 @@ namespace sinew {
 ///   columns keep their names (ChannelName shortens OpenSim 4's paths); those of a plate become
 ///   PLATE_force_*, PLATE_cop_*, PLATE_moment_*;
 /// - `.csv`, `.txt`: the channels that the map names, on a grid of the file's name;
+/// - `.mat`, all of them together: the channels that the map names, on one grid or, where their times differ,
+/// on one for each clock;
 /// - `.osim`: text "model.osim"; `.xml`, `.yaml`, `.yml`, `.obj`: text under the file's name.
 ///
 /// `notes` gets one line for whatever was decided: times that were rebuilt, columns left out, units that no
-/// file says. Errors: those of the readers; an unknown extension; a .csv without map; an entry of the map, or
-/// a plate, that no file has; a trial that exists (without `append`), a grid or text that exists with other
-/// content; no number in a file. The dataset is then unchanged.
+/// file says. Errors: those of the readers; an unknown extension; a .csv or .mat without map; an entry of the
+/// map, or a plate, that no file has; a trial that exists (without `append`), a grid or text that exists with
+/// other content; no number in a file. The dataset is then unchanged.
 Status ImportFiles(const std::vector<std::string>& paths, const ImportOptions& options, Dataset& dataset,
                    std::vector<std::string>& notes);
 

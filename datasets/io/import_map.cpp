@@ -10,6 +10,7 @@
 
 #include "base/text.h"
 #include "datasets/io/cells.h"
+#include "datasets/io/mat_path.h"
 #include "datasets/io/text_file.h"
 
 namespace sinew {
@@ -31,7 +32,10 @@ class MapParser {
     known.insert(known.end(), kTexts.begin(), kTexts.end());
     SINEW_TRY(
         ForEach(root, "the map", [&](const std::string& key, long line, const YAML::Node& value) -> Status {
-          if (key == "time") return ParseTime(value, line);
+          if (key == "time") {
+            SINEW_ASSIGN(map_.time, ParseTime(value, line, key));
+            return {};
+          }
           if (key == "channels") return ForEach(value, key, Bind(&MapParser::ParseChannel));
           if (key == "markers") return ForEach(value, key, Bind(&MapParser::ParseMarker));
           if (key == "constants") return ForEach(value, key, Bind(&MapParser::ParseConstant));
@@ -98,32 +102,42 @@ class MapParser {
     return conversion;
   }
 
-  Status ParseTime(const YAML::Node& node, long line) {
+  Result<MappedTime> ParseTime(const YAML::Node& node, long line, const std::string& where) const {
     MappedTime time;
     time.line = line;
-    SINEW_TRY(ForEach(node, "time", [&](const std::string& key, long at, const YAML::Node& value) -> Status {
+    SINEW_TRY(ForEach(node, where, [&](const std::string& key, long at, const YAML::Node& value) -> Status {
       if (key == "column") {
         SINEW_ASSIGN(time.column, Text(value, at, "column"));
         return {};
       }
-      if (key == "rate") {
-        SINEW_ASSIGN(const double rate, Number(value, at, "time: rate"));
-        if (!(rate > 0))
-          return FailAt(file_, at, "time: rate is {}, expected samples per second above 0", rate);
-        time.rate = rate;
-        return {};
-      }
-      if (key != "unit") return UnknownKey(key, at, "time", {"column", "unit", "rate"});
+      if (key == "rate") return ParseRate(value, at, where, time);
+      if (key != "unit") return UnknownKey(key, at, where, {"column", "unit", "rate"});
       SINEW_ASSIGN(const auto unit, Unit(value, at));
       if (unit.si_unit != "s")
         return FailAt(file_, at, "the unit of time is {}, expected s or ms", unit.si_unit);
       time.factor = unit.factor;
       return {};
     }));
-    if (time.column.empty() == !time.rate)
-      return FailAt(file_, line,
-                    time.rate ? "time has a column and a rate, expected one of them" : "time has no column");
-    map_.time = std::move(time);
+    const bool has_rate = time.rate || !time.rate_column.empty();
+    if (time.column.empty() == !has_rate)
+      return FailAt(file_, line, "{} has {}", where,
+                    has_rate ? "a column and a rate, expected one of them" : "no column");
+    return time;
+  }
+
+  // A number, or the variable of a .mat that holds it.
+  Status ParseRate(const YAML::Node& node, long line, const std::string& where, MappedTime& time) const {
+    SINEW_ASSIGN(const std::string text, Text(node, line, where + ": rate"));
+    const auto rate = ParseNumber(text);
+    if (!rate && ParseMatPath(text)) {
+      time.rate_column = text;
+      return {};
+    }
+    if (!rate || !std::isfinite(*rate))
+      return FailAt(file_, line, "{}: rate is {}, expected a number", where, Quoted(text));
+    if (!(*rate > 0))
+      return FailAt(file_, line, "{}: rate is {}, expected samples per second above 0", where, *rate);
+    time.rate = *rate;
     return {};
   }
 
@@ -146,6 +160,8 @@ class MapParser {
       SINEW_ASSIGN(channel.column, Text(value, line, where + ": column"));
     } else if (key == "unit") {
       SINEW_ASSIGN(channel.unit, Unit(value, line));
+    } else if (key == "time") {
+      SINEW_ASSIGN(channel.time, ParseTime(value, line, where + ": time"));
     } else if (key == "kind") {
       SINEW_ASSIGN(const std::string kind, Text(value, line, where + ": kind"));
       if (kind != "measured" && kind != "input") {
@@ -160,7 +176,7 @@ class MapParser {
       if (sigma <= 0) return FailAt(file_, line, "{}: sigma is {}, expected more than 0", where, sigma);
       channel.sigma = sigma;
     } else {
-      return UnknownKey(key, line, where, {"column", "unit", "kind", "scale", "sigma"});
+      return UnknownKey(key, line, where, {"column", "unit", "time", "kind", "scale", "sigma"});
     }
     return {};
   }

@@ -12,22 +12,25 @@
 
 namespace sinew {
 
-/// The source of one channel.
-struct MappedChannel {
-  std::string column;                  ///< its name in the file
-  std::optional<UnitConversion> unit;  ///< that the file's numbers have; .csv needs it
-  std::optional<ChannelKind> kind;     ///< measured, if nothing else is known
-  double scale = 1;                    ///< the file's numbers are multiplied by it first; not 0
-  std::optional<double> sigma;         ///< > 0, in the file's unit after `scale`
-  long line = 0;                       ///< in the map
-};
-
-/// The time column of a .csv, or the rate of one that has none: its first line is then at 0 s.
+/// The times of the samples: a column, or the rate where no column holds them: the first sample is then at 0
+/// s.
 struct MappedTime {
   std::string column;          ///< empty if there is a rate
   double factor = 1;           ///< to seconds
   std::optional<double> rate;  ///< [1/s, > 0]
+  std::string rate_column;     ///< the variable of a .mat with the rate [1/s]
   long line = 0;
+};
+
+/// The source of one channel.
+struct MappedChannel {
+  std::string column;                  ///< its name in the file; a path within a .mat (ParseMatPath)
+  std::optional<UnitConversion> unit;  ///< that the file's numbers have; .csv needs it
+  std::optional<MappedTime> time;      ///< of a column of a .mat that is sampled unlike the others
+  std::optional<ChannelKind> kind;     ///< measured, if nothing else is known
+  double scale = 1;                    ///< the file's numbers are multiplied by it first; not 0
+  std::optional<double> sigma;         ///< > 0, in the file's unit after `scale`
+  long line = 0;                       ///< in the map
 };
 
 struct MappedMarker {
@@ -35,8 +38,8 @@ struct MappedMarker {
   long line = 0;
 };
 
-/// Time and channels of .csv; new names for markers of .trc and columns of .sto and .mot; and what no file
-/// says.
+/// Time and channels of .csv and .mat; new names for markers of .trc and columns of .sto and .mot; and what
+/// no file says.
 struct ImportMap {
   std::string file;  ///< the map's own, for messages
   std::optional<MappedTime> time;
@@ -51,6 +54,7 @@ struct ImportMap {
 ///
 ///     time: {column: t, unit: s}     # or {rate: 148}, samples per second, where no column says it
 ///     channels: {position: {column: qm, unit: deg, kind: measured, scale: 1.0, sigma: 0.1}}
+///                                    # and time: {...} in a channel of a .mat
 ///     markers: {R.ASIS: RASI}
 ///     constants: {gear_ratio: {value: 120, unit: "1"}}
 ///     conditions: {speed_rad_per_s: 0.52}

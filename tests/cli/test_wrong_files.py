@@ -140,7 +140,7 @@ class Import(ProgramTest):
     def test_files_that_are_not_there_or_not_known(self):
         self.fails("walk.mot: no such file", "data", "import", "walk.mot", "--out", "walk.h5")
         self.write("walk.pdf", "%PDF")
-        self.fails("walk.pdf: cannot be imported, expected .trc, .mot, .sto, .csv, .txt, .osim, .xml, .yaml or .obj",
+        self.fails("walk.pdf: cannot be imported, expected .trc, .mot, .sto, .csv, .txt, .mat, .osim, .xml, .yaml or .obj",
                    "data", "import", "walk.pdf", "--out", "walk.h5")
 
     def test_plates_that_the_file_lacks(self):

@@ -57,6 +57,8 @@ TEST(ImportMap, BadMapsAreErrorsWithTheirLine) {
       {"channels: [a, b]\n", "m.yaml:1: channels: expected NAME: VALUE pairs"},
       {"time: {unit: s}\n", "m.yaml:1: time has no column"},
       {"time: {column: t, rate: 148}\n", "m.yaml:1: time has a column and a rate, expected one of them"},
+      {"time: {rate: 12 Hz}\n", "m.yaml:1: time: rate is '12 Hz', expected a number"},
+      {"channels: {x: {time: {unit: s}}}\n", "m.yaml:1: channel 'x': time has no column"},
       {"time: {rate: 0}\n", "m.yaml:1: time: rate is 0, expected samples per second above 0"},
       {"time: {column: t, unit: m}\n", "m.yaml:1: the unit of time is m, expected s or ms"},
       {"constants: {mass: 3}\n", "m.yaml:1: constant 'mass': expected NAME: VALUE pairs"},

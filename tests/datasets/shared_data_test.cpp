@@ -1,4 +1,5 @@
 // The readers on files that laboratories and other programs wrote.
+#include <algorithm>
 #include <cmath>
 
 #include "base/constants.h"
@@ -149,6 +150,61 @@ TEST(SharedData, ServoLogsComeInThroughAMap) {
       EXPECT_NEAR(grid.time[1] - grid.time[0], step, kTime);
     }
   }
+}
+
+TEST(SharedData, EveryRecordingOfTheDynamometerComesInWithItsMap) {
+  SKIP_WITHOUT("dynamometer_ankle");
+  const std::filesystem::path folder = Shared("dynamometer_ankle");
+  const std::string maps = std::string(SINEW_SOURCE_DIR) + "/docs/examples/dynamometer_ankle/";
+  int recordings = 0;
+  for (const auto& entry : std::filesystem::directory_iterator(folder)) {
+    if (entry.path().extension() != ".mat") continue;
+    const bool passive = entry.path().filename().string().rfind("Pas", 0) == 0;
+    ImportOptions options;
+    options.trial = "trial";
+    const auto map = ReadImportMap(maps + (passive ? "passive.yaml" : "contraction.yaml"));
+    ASSERT_TRUE(map) << ErrorOf(map);
+    options.map = *map;
+    std::vector<std::string> files = {entry.path().string()};
+    if (!passive) files.push_back((folder / "fascicles" / entry.path().filename()).string());
+    Dataset dataset;
+    std::vector<std::string> notes;
+    ASSERT_EQ(ErrorOf(ImportFiles(files, options, dataset, notes)), "");
+    const Trial& trial = dataset.trials.at("trial");
+    const auto torque = trial.Find("machine_torque");
+    ASSERT_EQ(torque.grid->time.size(), 34000U);
+    EXPECT_NEAR(torque.grid->time.back(), 17, 1e-3);
+    EXPECT_EQ(torque.channel->unit, "N*m");
+    const auto length = trial.Find("tib_ant_fascicle_1");
+    EXPECT_EQ(static_cast<bool>(length), !passive);
+    if (length) {
+      EXPECT_EQ(length.grid->time.size(), 500U);
+      EXPECT_NEAR(length.grid->time[1] - length.grid->time[0], 0.03, 1e-9);
+      EXPECT_GT(length.channel->values.front(), 0.06);
+      EXPECT_LT(length.channel->values.front(), 0.082);
+    }
+    ++recordings;
+  }
+  EXPECT_EQ(recordings, 14);
+}
+
+TEST(SharedData, AnAnkleHeldInDorsiflexionIsPulledIntoPlantarflexion) {
+  SKIP_WITHOUT("dynamometer_ankle");
+  ImportOptions options;
+  const auto map =
+      ReadImportMap(std::string(SINEW_SOURCE_DIR) + "/docs/examples/dynamometer_ankle/passive.yaml");
+  ASSERT_TRUE(map) << ErrorOf(map);
+  options.map = *map;
+  Dataset dataset;
+  std::vector<std::string> notes;
+  ASSERT_EQ(ErrorOf(ImportFile(Shared("dynamometer_ankle/Pas_-15.mat"), options, dataset, notes)), "");
+  const Trial& trial = dataset.trials.at("Pas_-15");
+  const auto median = [](std::vector<double> values) {
+    std::nth_element(values.begin(), values.begin() + 17000, values.end());
+    return values[17000];
+  };
+  EXPECT_NEAR(median(trial.Find("machine_angle").channel->values), 20 * kPi / 180, 0.002);
+  EXPECT_NEAR(median(trial.Find("machine_torque").channel->values), -18.1, 0.05);
 }
 
 }  // namespace
