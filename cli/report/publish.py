@@ -16,7 +16,7 @@ import run_file
 RUN_PARTS = (("prediction", "run_prediction"), ("fit", "run_fit"), ("unused", "run_unused"),
              ("unmeasured", "run_unmeasured"), ("parameters", "run_parameters"), ("correlation", "run_correlation"),
              ("convergence", "run_convergence"), ("starts", "run_starts"), ("motion", "run_motion"),
-             ("contact", "run_contact"))
+             ("dynamometer", "run_dynamometer"), ("contact", "run_contact"))
 DIAGNOSIS_PARTS = (("traces", "diagnosis_residuals"), ("scores", "diagnosis_scores"), ("choice", "diagnosis_choice"),
                    ("structure", "diagnosis_structure"),
                    ("unknown", "diagnosis_unknown"), ("gain", "diagnosis_gain"),

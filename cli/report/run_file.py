@@ -37,6 +37,9 @@ VERDICTS = ("identifiable", "weak", "not_identifiable", "at_bound")
 DETERMINED = ("identifiable", "weak")  # has a value of its own: correlations with it mean something
 STUDY_COLUMNS = ("solver", "seed", "cost", "success", "evaluations", "evaluations_to_target", "seconds",
                  "seconds_to_target", "stop_reason", "values")
+DYNAMOMETER_COLUMNS = ("time", "machine_angle", "machine_torque", "torque_of_attachment", "torque_of_sole", "torque_of_straps",
+                       "interaction_torque", "ankle_angle", "moment_of_muscles", "moment_passive", "power_of_muscles",
+                       "power_to_machine", "power_lost_in_boundary")
 CONTACT_ARRAYS = ("time", "outline", "pressure", "slip", "centre_of_pressure")
 DEEPEST = 32
 CHECK_SECONDS = 30  # a check reads names and sizes, not data: it takes milliseconds
@@ -206,6 +209,10 @@ def _check_run(path, file):
         for plate in plates:
             _check_motion(path, file, f"/details/motion_errors/{trial}/{plate}")
             has.add("motion")
+    for trial, node in file.get("details/ankle_on_dynamometer", {}).items():
+        if "interaction_torque" in node:
+            _columns(path, file, f"/details/ankle_on_dynamometer/{trial}", DYNAMOMETER_COLUMNS)
+            has.add("dynamometer")
     for trial, regions in file.get("details/contact", {}).items():
         for region in regions:
             _check_region(path, file, f"/details/contact/{trial}/{region}")
