@@ -24,7 +24,7 @@ enum class WarningKind {
   kOddTrial,  ///< the model fitted to the other trials contradicts this one: names {channel, trial, unit};
               ///< numbers {RMS error left out, largest of the others (if late: in step), number of
               ///< trials, time by which it is late [s] or 0}
-  kHeldFromSteps,    ///< intervals as if `names`, which earlier steps found, were known exactly
+  kHeldFromSteps,    ///< intervals contain the errors of `names`, which earlier steps found
   kUnfinishedStart,  ///< the values that it begins with, or is made of, are those of a run that was not
                      ///< finished: names {file}
   kStatedCost,       ///< that run states another cost than its values have: names {file}; numbers {stated,

@@ -4,6 +4,7 @@
 #include <memory>
 #include <utility>
 
+#include "identify/identification/carried_uncertainty.h"
 #include "identify/role_view.h"
 
 namespace sinew {
@@ -58,7 +59,7 @@ Status CheckSteps(const Problem& problem, const FitRequest& request) {
   return {};
 }
 
-// What the last step's intervals leave out.
+// Of whose errors the last step's intervals hold a part.
 std::vector<std::string> HeldAsKnown(const Found& found, const Identification& last) {
   std::vector<std::string> held;
   for (const auto& [name, value] : found) {
@@ -82,6 +83,7 @@ Result<Identification> IdentifyStepwise(const Problem& problem, const FitRequest
   Found found;
   std::vector<FinishedStep> steps;
   std::vector<Warning> warnings;
+  CarriedErrors carried;
   for (std::size_t s = 0; s < problem.steps().size(); ++s) {
     const FitStep& step = problem.steps()[s];
     const auto view = ViewOf(problem, step);
@@ -89,6 +91,7 @@ Result<Identification> IdentifyStepwise(const Problem& problem, const FitRequest
     SINEW_ASSIGN(Identification fit, Identify(*view, std::move(setup), options));
     const bool last = s + 1 == problem.steps().size();
     const bool usable = fit.result.stop.usable();
+    if (usable && !fit.uncertainty.parameters.empty()) SINEW_TRY(CarryErrors(*view, fit, carried));
     for (Warning& warning : fit.warnings) {
       if (!last) warning.step = step.name;
       warnings.push_back(std::move(warning));

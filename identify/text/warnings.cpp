@@ -57,7 +57,9 @@ std::string HeldFromSteps(const Warning& w) {
   const std::string more =
       w.names.size() > kShown ? fmt::format(" and {} more", w.names.size() - kShown) : "";
   return fmt::format(
-      "errors and intervals are those of the last step, which takes what earlier steps found ({}{}) as exact",
+      "the last step holds what earlier steps found ({}{}); errors and intervals contain theirs, but its "
+      "data do not "
+      "correct them",
       Join({w.names.begin(), w.names.begin() + static_cast<std::ptrdiff_t>(shown)}, ", "), more);
 }
 

@@ -33,7 +33,7 @@ class AnkleProblem final : public Problem {
   }
   /// Steps of the integration are fixed, and every stage is solved to rounding: strips of the sole that touch
   /// and let go leave kinks that no search resolves further.
-  [[nodiscard]] double cost_noise_level() const override { return 1e-9; }
+  [[nodiscard]] double cost_noise_level() const override { return 1e-7; }
   /// machine_angle, machine_velocity, and the excitations' mean.
   [[nodiscard]] std::vector<Signal> ResidualCovariates(int block) const override;
   /// Per trial, under ankle_on_dynamometer/TRIAL: what the machine's torque is made of, forces between foot

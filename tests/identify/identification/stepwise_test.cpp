@@ -51,6 +51,24 @@ TEST(Stepwise, EachStepHoldsWhatWasFoundBefore) {
   EXPECT_EQ(fit->prediction.quality.size(), 2U) << "of everything that was measured";
 }
 
+// b is the mean of the second trial less a, whose variance adds to that of the mean.
+TEST(Stepwise, ErrorsOfHeldValuesAreCarried) {
+  const Sum problem;
+  const auto fit = IdentifyStepwise(problem, {}, {});
+  ASSERT_TRUE(fit) << fit.error().message;
+  const ParameterVerdict& a = fit->steps[0].uncertainty.parameters[0];
+  const ParameterVerdict& b = fit->uncertainty.parameters[0];
+  Sum alone;
+  alone.steps_ = {{"step 1 (b)", {1}, {1}}};
+  const auto known = IdentifyStepwise(alone, {}, {});
+  ASSERT_TRUE(known) << known.error().message;
+  const ParameterVerdict& b_alone = known->uncertainty.parameters[0];
+  EXPECT_NEAR(b.std_error_robust,
+              std::hypot(b_alone.std_error_robust, std::max(a.std_error, a.std_error_robust)),
+              1e-6 * b.std_error_robust);
+  EXPECT_GT(b.ci95_upper - b.ci95_lower, 1.15 * (b_alone.ci95_upper - b_alone.ci95_lower));
+}
+
 // The first step fits only its own trial: where trials disagree, the result depends on the order.
 TEST(Stepwise, IsNotTheFitOfEverything) {
   Sum problem;
