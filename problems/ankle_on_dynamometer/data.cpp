@@ -110,6 +110,7 @@ class Preparation {
       }
     }
     if (made.task == AnkleTask::kActive) SINEW_TRY(AddExcitations(made, trial));
+    if (made.task == AnkleTask::kPassive) NoteIfActive(made, trial, motion);
     Discretise(made, motion);
     prepared_.trials.push_back(std::move(made));
     return {};
@@ -182,6 +183,38 @@ class Preparation {
     made.blocks.push_back({static_cast<int>(prepared_.layout.size()), quantity, muscle, {}});
     prepared_.layout.push_back(std::move(block));
     return {};
+  }
+
+  // What speaks against a passive trial, or against the signs of its channels.
+  void NoteIfActive(const AnkleTrial& made, const Trial& trial, const NaturalCubicSpline& motion) {
+    constexpr double kSilent = 0.05;      // excitation
+    constexpr double kLeastRange = 0.15;  // [rad] of a rotation that shows a stiffness
+    constexpr double kClear = 0.6;        // correlation
+    const auto emg = trial.grids.find(kExcitations);
+    for (const AnkleMuscle& muscle : prepared_.settings.muscles) {
+      if (emg == trial.grids.end()) break;
+      const auto found = emg->second.channels.find(muscle.excitation);
+      if (found == emg->second.channels.end()) continue;
+      const auto known = Finite(found->second.values);
+      const double high = known.empty() ? 0 : Quantile(known, 0.98);
+      if (high > kSilent)
+        prepared_.notes.push_back(
+            fmt::format("trial '{}' is said to be passive, but the excitation of {} reaches {:.2g}; its "
+                        "muscles are taken as "
+                        "silent",
+                        made.name, muscle.name, high));
+    }
+    const auto torque = trial.Find(kTorque);
+    std::vector<double> angles;
+    for (const double t : torque.grid->time) angles.push_back(motion.At(t).value);
+    const auto [least, most] = std::minmax_element(angles.begin(), angles.end());
+    const double together = Correlation(angles, torque.channel->values);
+    if (*most - *least > kLeastRange && together > kClear)
+      prepared_.notes.push_back(fmt::format(
+          "trial '{}': the torque of the passive ankle rises with the angle (correlation {:.2f}), as if it "
+          "pushed "
+          "away from rest: is the sign of {} or of {} wrong? Both are positive towards dorsiflexion",
+          made.name, together, kAngle, kTorque));
   }
 
   Status AddExcitations(AnkleTrial& made, const Trial& trial) {
