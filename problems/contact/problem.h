@@ -75,8 +75,8 @@ class ContactProblem final : public Problem {
   void DifferentiatePose(const Stance& stance, int t, const std::array<bool, kChannels>& wanted,
                          const Query& query, const PlateChannels& channels, Scratch& scratch,
                          Prediction& prediction) const;
-  /// Of the soles, per part [m].
-  [[nodiscard]] std::vector<Vec3> SolePlaces(const Stance& stance, const Vector& parameters) const;
+  /// Sets the places of the soles that are parameters. @param places [parts of the stance, m] zero elsewhere
+  void SolePlacesInto(const Stance& stance, const Vector& parameters, std::vector<Vec3>& places) const;
   /// Of the place's parameter for a group. @param slot index into places_
   [[nodiscard]] int PlaceIndex(std::size_t slot, int group) const {
     const int groups =
