@@ -34,13 +34,12 @@ constexpr double kMinExplained = 0.1;
 Status CheckThatDataSuffice(const Problem& problem, const FitSetup& setup) {
   int rows = 0;
   for (const Block& block : problem.layout()) rows += block.role == BlockRole::kTrain ? block.samples() : 0;
-  // A prior is one more observation, of its parameter.
-  const auto priors = static_cast<int>(std::count_if(setup.free.begin(), setup.free.end(), [&](int index) {
-    return setup.parameters[static_cast<std::size_t>(index)].prior.has_value();
+  // A prior is an observation of its parameter: it takes no more from the samples than it brings.
+  const auto open = static_cast<int>(std::count_if(setup.free.begin(), setup.free.end(), [&](int index) {
+    return !setup.parameters[static_cast<std::size_t>(index)].prior;
   }));
-  if (rows + priors < 2 * static_cast<int>(setup.free.size()) + 20) {
-    return Fail("{} samples are too few to fit {} parameters and to judge what is left", rows,
-                setup.free.size());
+  if (rows < 2 * open + 20) {
+    return Fail("{} samples are too few to fit {} parameters and to judge what is left", rows, open);
   }
   return {};
 }
@@ -170,8 +169,8 @@ class DiagnosisRun {
   // Steps 1 and 2.
   Status DescribeResidual() {
     const LeastSquares fit(problem_, *state_.base.refit.setup);
-    SINEW_ASSIGN(const auto residuals, NoiseBlocks(fit, state_.base.refit.x));
-    out_.tests = TestResiduals(residuals);
+    SINEW_ASSIGN(const auto rows, NoiseRowsAt(fit, state_.base.refit.x));
+    out_.tests = TestResiduals(rows.blocks);
     SINEW_ASSIGN(out_.structure, FindStructure(problem_, state_.base.refit.point));
     out_.threshold = state_.base.family.threshold;
     out_.family_p_value = state_.base.family.p_value;

@@ -200,6 +200,8 @@ Status AddBlocks(const Trial& trial, const ContactSettings& settings, Stance& st
       add(*found.grid, *found.channel, stance.plate, kind.rfind("cop", 0) == 0, settings.cop_force_share,
           block);
       SetAccuracy(settings, stance, block);
+      // The deviations follow the plate: what they leave is smaller than the noise, and correlated.
+      block.white = settings.motion_errors && block.sigma;
     }
     if (fitted) {
       if (block.measured.empty()) {

@@ -63,8 +63,25 @@ Matrix InverseOfNormal(const Matrix& normal, const Matrix& columns) {
   return inverse;
 }
 
-bool IsPlain(const noise::NoiseModel& noise) {
-  return noise.channels.size() == 1 && !noise.IsColoured();
+// Levels that differ by less weigh the residuals alike.
+constexpr double kSameLevel = 0.01;
+
+// Whether whitening leaves the least squares as they are: white noise of one channel, or, beside priors, of
+// the levels by which the residuals are weighted already.
+bool LeavesTheFit(const noise::NoiseModel& noise, bool priors) {
+  if (noise.IsColoured()) return false;
+  if (!priors) return noise.channels.size() == 1;
+  return std::all_of(noise.channels.begin(), noise.channels.end(),
+                     [](const auto& channel) { return std::abs(channel.deviation - 1) < kSameLevel; });
+}
+
+// Whether both are white with the same levels.
+bool AreAlike(const noise::NoiseModel& a, const noise::NoiseModel& b) {
+  if (a.IsColoured() || b.IsColoured() || a.channels.size() != b.channels.size()) return false;
+  for (std::size_t c = 0; c < a.channels.size(); ++c) {
+    if (!(std::abs(a.channels[c].deviation / b.channels[c].deviation - 1) < kSameLevel)) return false;
+  }
+  return true;
 }
 
 }  // namespace
@@ -108,11 +125,12 @@ double Deviance(const LeastSquares& fit, const Vector& residual, const noise::No
   if (counted != nullptr) *counted = 0;
   for (std::size_t c = 0; c < sum.size(); ++c) {
     if (count[c] == 0) continue;
+    if (counted != nullptr) *counted += static_cast<int>(count[c]);
+    count[c] -= noise.channels[c].spent;
     const double least = std::pow(noise.channels[c].least_deviation, 2);
     const double variance = std::max({sum[c] / count[c], least, std::numeric_limits<double>::min()});
     // The second term is zero unless the lower limit replaces the estimate.
     deviance += count[c] * std::log(variance) + (sum[c] / variance - count[c]);
-    if (counted != nullptr) *counted += static_cast<int>(count[c]);
   }
   return deviance;
 }
@@ -154,8 +172,9 @@ Status Refitter::EstimateNoise(LeastSquares& fit, bool white, const noise::Noise
   noise::NoiseModelOptions how;
   how.white = white;
   how.like = like;
-  SINEW_ASSIGN(const auto blocks, NoiseBlocks(fit, refit.x));
-  SINEW_ASSIGN(refit.noise, noise::EstimateNoiseModel(blocks, how));
+  SINEW_ASSIGN(auto rows, NoiseRowsAt(fit, refit.x));
+  how.priors = std::move(rows.priors);
+  SINEW_ASSIGN(refit.noise, noise::EstimateNoiseModel(rows.blocks, how));
   return {};
 }
 
@@ -222,8 +241,9 @@ Status Refitter::FitGeneralised(LeastSquares& fit, Refit& refit) const {
     if (round > 0) {
       const noise::NoiseModel before = refit.noise;
       SINEW_TRY(EstimateNoise(fit, false, &before, refit));
+      if (AreAlike(before, refit.noise)) break;
     }
-    if (IsPlain(refit.noise) && fit.PriorVariables().empty()) break;
+    if (LeavesTheFit(refit.noise, !fit.PriorVariables().empty())) break;
     const noise::Whitening whitening(refit.noise, stretches);
     fit.set_transform(&whitening);
     solvers::LocalFit whitened(fit);
