@@ -131,6 +131,7 @@ class DiagnosisRun {
       out_.warnings.push_back({WarningKind::kNoiseAbsorbsMisfit, {}, {}, {}});
     }
     out_.base_point = base.point;
+    state_.refitter->ExpectNoise(base.noise);
     Say(DiagnosisStep::kScore);
     SINEW_ASSIGN(state_.base, ScoreModel(problem_, state_.candidates, std::move(base), options_.alarm_level,
                                          options_.seed));

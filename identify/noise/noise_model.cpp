@@ -431,7 +431,7 @@ bool NoiseModel::IsColoured() const {
 
 Result<NoiseModel> EstimateNoiseModel(const std::vector<NoiseBlock>& blocks,
                                       const NoiseModelOptions& options) {
-  if (OnlyLevels(blocks, options)) return WhiteLevels(blocks, options.priors).Estimate();
+  if (OnlyLevels(blocks, options)) return WhiteLevels(blocks, options.priors).Estimate(options.like);
   const ReducedBlocks reduced = Reduce(blocks);
   if (reduced.samples <= reduced.columns) {
     return Fail("{} residuals cannot tell their noise besides {} fitted values: add samples", reduced.samples,

@@ -102,13 +102,20 @@ WhiteLevels::Solution WhiteLevels::Solve(const std::vector<double>& variance, bo
   return solution;
 }
 
-NoiseModel WhiteLevels::Estimate() const {
+NoiseModel WhiteLevels::Estimate(const NoiseModel* like) const {
   const auto lowest = [](const Channel& channel) {
     return std::max(channel.least * channel.least, std::numeric_limits<double>::min());
   };
   std::vector<double> variance;
-  for (const Channel& channel : channels_)
-    variance.push_back(std::max(lowest(channel), channel.squares / std::max(channel.rows, 1.0)));
+  for (const Channel& channel : channels_) {
+    double first = channel.squares / std::max(channel.rows, 1.0);
+    if (like != nullptr) {
+      for (const ChannelNoiseModel& known : like->channels) {
+        if (known.channel == channel.name) first = known.deviation * known.deviation;
+      }
+    }
+    variance.push_back(std::max(lowest(channel), first));
+  }
   Solution solution;
   for (int i = 0; i < kMaxLevelIterations; ++i) {
     solution = Solve(variance, true);

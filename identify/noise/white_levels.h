@@ -18,8 +18,8 @@ class WhiteLevels {
   /// @param blocks as for EstimateNoiseModel @param priors of some regressors
   WhiteLevels(const std::vector<NoiseBlock>& blocks, const std::vector<PriorRow>& priors);
 
-  /// Levels no lower than the largest stated one of a channel.
-  [[nodiscard]] NoiseModel Estimate() const;
+  /// Levels no lower than the largest stated one of a channel. @param like where to begin, may be null
+  [[nodiscard]] NoiseModel Estimate(const NoiseModel* like) const;
 
   /// -2 log restricted likelihood of the levels of `model`, up to a constant.
   [[nodiscard]] double Deviance(const NoiseModel& model) const;

@@ -187,19 +187,22 @@ Status Refitter::Finish(const LeastSquares& fit, Refit& refit) const {
   return {};
 }
 
-Refit Refitter::FitOrdinary(std::vector<int> released, const std::vector<Vector>& starts,
-                            double tolerance) const {
+Refit Refitter::Prepare(std::vector<int> released, const std::vector<Vector>& starts) const {
   Refit refit;
   std::sort(released.begin(), released.end());
   refit.released = std::move(released);
   auto setup = std::make_shared<FitSetup>(SetupWith(refit.released));
   setup->rest = starts.front();
   refit.setup = setup;
-  if (interrupt_ != nullptr && interrupt_->load()) {
-    refit.failure = "interrupted";
-    return refit;
-  }
-  LeastSquares fit(problem_, *setup);
+  if (interrupt_ != nullptr && interrupt_->load()) refit.failure = "interrupted";
+  return refit;
+}
+
+Refit Refitter::FitOrdinary(std::vector<int> released, const std::vector<Vector>& starts,
+                            double tolerance) const {
+  Refit refit = Prepare(std::move(released), starts);
+  if (!refit.usable()) return refit;
+  LeastSquares fit(problem_, *refit.setup);
   const auto found = FitFromStarts(fit, starts, tolerance);
   refit.failure = found.failure;
   if (!refit.usable()) return refit;
@@ -212,7 +215,47 @@ Refit Refitter::FitOrdinary(std::vector<int> released, const std::vector<Vector>
   return refit;
 }
 
+bool Refitter::Expects(const LeastSquares& fit) const {
+  return expected_ && !expected_->IsColoured() && !fit.PriorVariables().empty() && !independent_;
+}
+
+Refit Refitter::FitUnderExpectedNoise(std::vector<int> released, const std::vector<Vector>& starts) const {
+  Refit refit = Prepare(std::move(released), starts);
+  if (!refit.usable()) return refit;
+  LeastSquares fit(problem_, *refit.setup);
+  const auto stretches = TrainStretches(fit);
+  noise::NoiseModel under = *expected_;
+  std::vector<Vector> from = starts;
+  Status status;
+  for (int round = 0; round < kNoiseRounds && status; ++round) {
+    const noise::Whitening whitening(under, stretches);
+    fit.set_transform(&whitening);
+    const auto found = FitFromStarts(fit, from, kOrdinaryTolerance);
+    fit.set_transform(nullptr);
+    refit.failure = found.failure;
+    if (!refit.usable()) return refit;
+    refit.x = found.x;
+    refit.converged = found.converged;
+    from = {fit.Parameters(found.x)};
+    status = EstimateNoise(fit, false, &under, refit);
+    if (!status || AreAlike(under, refit.noise)) break;
+    under = refit.noise;
+  }
+  if (status) {
+    auto workspace = fit.NewWorkspace();
+    const auto cost = fit.Cost(refit.x, workspace);
+    if (cost) refit.cost = *cost;
+    status = Finish(fit, refit);
+  }
+  if (!status) refit.failure = status.error().message;
+  return refit;
+}
+
 Refit Refitter::Fit(std::vector<int> released, const std::vector<Vector>& starts) const {
+  if (expected_) {
+    const FitSetup setup = SetupWith(released);
+    if (Expects(LeastSquares(problem_, setup))) return FitUnderExpectedNoise(std::move(released), starts);
+  }
   Refit refit = FitOrdinary(std::move(released), starts, kOrdinaryTolerance);
   if (!refit.usable()) return refit;
   LeastSquares fit(problem_, *refit.setup);
