@@ -16,7 +16,6 @@
 #include "identify/diagnosis/tabulation.h"
 #include "identify/equal_noise_view.h"
 #include "identify/error_concentration.h"
-#include "identify/solvers/held_out_nuisance.h"
 #include "identify/solvers/improved_start.h"
 
 namespace sinew {
@@ -180,8 +179,8 @@ class DiagnosisRun {
 
   // Step 6, second half. @param noise of the extended model
   Status MeasureGain(const noise::NoiseModel& noise) {
-    SINEW_ASSIGN(out_.base_point, solvers::FitHeldOutNuisance(problem_, out_.base_point));
-    SINEW_ASSIGN(out_.extended_point, solvers::FitHeldOutNuisance(problem_, out_.extended_point));
+    SINEW_ASSIGN(out_.base_point, state_.held_out.Fitted(out_.base_point));
+    SINEW_ASSIGN(out_.extended_point, state_.held_out.Fitted(out_.extended_point));
     SINEW_ASSIGN(const FullPrediction base, PredictAll(problem_, out_.base_point));
     SINEW_ASSIGN(FullPrediction extended, PredictAll(problem_, out_.extended_point));
     for (const auto& [b, residual] : state_.added) {

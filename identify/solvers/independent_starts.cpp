@@ -136,7 +136,8 @@ class Searching {
       else if (best != nullptr)
         ends_.push_back(*best);
     }
-    return End(ends_.empty() ? std::move(first) : std::move(ends_), "basin hopping");
+    return End(ends_.empty() ? std::move(first) : std::move(ends_),
+               in_stages_ ? "continuation" : "basin hopping");
   }
 
  private:
