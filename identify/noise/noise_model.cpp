@@ -429,6 +429,11 @@ bool NoiseModel::IsColoured() const {
                      [](const ChannelNoiseModel& c) { return !c.coefficients.empty(); });
 }
 
+bool NoiseModel::CountsPriors() const {
+  return std::any_of(channels.begin(), channels.end(),
+                     [](const ChannelNoiseModel& c) { return c.spent > 0; });
+}
+
 Result<NoiseModel> EstimateNoiseModel(const std::vector<NoiseBlock>& blocks,
                                       const NoiseModelOptions& options) {
   if (OnlyLevels(blocks, options)) return WhiteLevels(blocks, options.priors).Estimate(options.like);

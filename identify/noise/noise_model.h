@@ -34,6 +34,8 @@ struct NoiseModel {
   std::vector<int> channel_of;  ///< [train blocks] index into channels
 
   [[nodiscard]] bool IsColoured() const;
+  /// Whether the levels were estimated beside values with priors (WhiteLevels).
+  [[nodiscard]] bool CountsPriors() const;
 };
 
 /// Residual and regressors of one training block, one row per sample.

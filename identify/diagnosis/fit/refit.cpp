@@ -216,7 +216,7 @@ Refit Refitter::FitOrdinary(std::vector<int> released, const std::vector<Vector>
 }
 
 bool Refitter::Expects(const LeastSquares& fit) const {
-  return expected_ && !expected_->IsColoured() && !fit.PriorVariables().empty() && !independent_;
+  return expected_ && expected_->CountsPriors() && !fit.PriorVariables().empty() && !independent_;
 }
 
 Refit Refitter::FitUnderExpectedNoise(std::vector<int> released, const std::vector<Vector>& starts) const {

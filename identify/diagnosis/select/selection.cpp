@@ -282,7 +282,7 @@ class Selector {
                           std::back_inserter(added));
       // Beside hundreds of values that follow the data refits end at neighbouring minima: those of all
       // candidates would say no more than their scores, and take hours.
-      const bool many_minima = base_.refit.setup->HasNuisancePriors() && !base_.refit.noise.IsColoured();
+      const bool many_minima = base_.refit.noise.CountsPriors();
       scores_contradicted_ = !many_minima && ContradictsScore(scored, *best, added.front());
       if (scores_contradicted_) best = FitExtensions(chosen, scored, wanted);
     }
