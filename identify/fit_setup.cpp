@@ -42,6 +42,13 @@ bool FitSetup::IsFree(int parameter) const {
   return std::binary_search(free.begin(), free.end(), parameter);
 }
 
+bool FitSetup::HasNuisancePriors() const {
+  return std::any_of(free.begin(), free.end(), [&](int index) {
+    const Parameter& p = parameters[static_cast<std::size_t>(index)];
+    return p.kind == ParameterKind::kNuisance && p.prior.has_value();
+  });
+}
+
 bool FitSetup::IsHeld(int parameter) const {
   return std::binary_search(held.begin(), held.end(), parameter);
 }

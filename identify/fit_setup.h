@@ -30,6 +30,9 @@ struct FitSetup {
 
   [[nodiscard]] bool IsFree(int parameter) const;
   [[nodiscard]] bool IsHeld(int parameter) const;
+  /// Whether nuisance parameters with priors are free: hundreds of values that may follow the data as far as
+  /// their priors let them.
+  [[nodiscard]] bool HasNuisancePriors() const;
 };
 
 /// By default all base parameters, and the nuisance parameters of training trials, are free, and all effects

@@ -16,7 +16,6 @@
 #include "identify/diagnosis/tabulation.h"
 #include "identify/equal_noise_view.h"
 #include "identify/error_concentration.h"
-#include "identify/solvers/held_out_nuisance.h"
 #include "identify/solvers/improved_start.h"
 
 namespace sinew {
@@ -34,13 +33,12 @@ constexpr double kMinExplained = 0.1;
 Status CheckThatDataSuffice(const Problem& problem, const FitSetup& setup) {
   int rows = 0;
   for (const Block& block : problem.layout()) rows += block.role == BlockRole::kTrain ? block.samples() : 0;
-  // A prior is one more observation, of its parameter.
-  const auto priors = static_cast<int>(std::count_if(setup.free.begin(), setup.free.end(), [&](int index) {
-    return setup.parameters[static_cast<std::size_t>(index)].prior.has_value();
+  // A prior is an observation of its parameter: it takes no more from the samples than it brings.
+  const auto open = static_cast<int>(std::count_if(setup.free.begin(), setup.free.end(), [&](int index) {
+    return !setup.parameters[static_cast<std::size_t>(index)].prior;
   }));
-  if (rows + priors < 2 * static_cast<int>(setup.free.size()) + 20) {
-    return Fail("{} samples are too few to fit {} parameters and to judge what is left", rows,
-                setup.free.size());
+  if (rows < 2 * open + 20) {
+    return Fail("{} samples are too few to fit {} parameters and to judge what is left", rows, open);
   }
   return {};
 }
@@ -132,6 +130,7 @@ class DiagnosisRun {
       out_.warnings.push_back({WarningKind::kNoiseAbsorbsMisfit, {}, {}, {}});
     }
     out_.base_point = base.point;
+    state_.refitter->ExpectNoise(base.noise);
     Say(DiagnosisStep::kScore);
     SINEW_ASSIGN(state_.base, ScoreModel(problem_, state_.candidates, std::move(base), options_.alarm_level,
                                          options_.seed));
@@ -170,8 +169,8 @@ class DiagnosisRun {
   // Steps 1 and 2.
   Status DescribeResidual() {
     const LeastSquares fit(problem_, *state_.base.refit.setup);
-    SINEW_ASSIGN(const auto residuals, NoiseBlocks(fit, state_.base.refit.x));
-    out_.tests = TestResiduals(residuals);
+    SINEW_ASSIGN(const auto rows, NoiseRowsAt(fit, state_.base.refit.x));
+    out_.tests = TestResiduals(rows.blocks);
     SINEW_ASSIGN(out_.structure, FindStructure(problem_, state_.base.refit.point));
     out_.threshold = state_.base.family.threshold;
     out_.family_p_value = state_.base.family.p_value;
@@ -180,8 +179,8 @@ class DiagnosisRun {
 
   // Step 6, second half. @param noise of the extended model
   Status MeasureGain(const noise::NoiseModel& noise) {
-    SINEW_ASSIGN(out_.base_point, solvers::FitHeldOutNuisance(problem_, out_.base_point));
-    SINEW_ASSIGN(out_.extended_point, solvers::FitHeldOutNuisance(problem_, out_.extended_point));
+    SINEW_ASSIGN(out_.base_point, state_.held_out.Fitted(out_.base_point));
+    SINEW_ASSIGN(out_.extended_point, state_.held_out.Fitted(out_.extended_point));
     SINEW_ASSIGN(const FullPrediction base, PredictAll(problem_, out_.base_point));
     SINEW_ASSIGN(FullPrediction extended, PredictAll(problem_, out_.extended_point));
     for (const auto& [b, residual] : state_.added) {

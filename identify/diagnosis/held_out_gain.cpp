@@ -4,6 +4,8 @@
 #include <cmath>
 #include <limits>
 #include <map>
+#include <set>
+#include <string>
 #include <utility>
 
 #include "base/random.h"
@@ -55,10 +57,32 @@ HeldOut::HeldOut(const Problem& problem) : problem_(problem) {
     const Block& block = problem.layout()[b];
     if (block.role == BlockRole::kValidate && block.samples() > 0) blocks_.push_back(static_cast<int>(b));
   }
+  std::set<std::string> trials;
+  for (std::size_t i = 0; i < blocks_.size(); ++i) {
+    if (block(i).group.empty()) trials.insert(block(i).trial);
+  }
+  for (std::size_t i = 0; i < problem.parameters().size(); ++i) {
+    const Parameter& p = problem.parameters()[i];
+    if (p.kind == ParameterKind::kNuisance && p.prior && trials.count(p.trial) > 0)
+      priors_.push_back(static_cast<int>(i));
+  }
+}
+
+Result<Vector> HeldOut::Fitted(const Vector& point) const {
+  constexpr std::size_t kKept = 4;
+  for (const auto& [known, answer] : fitted_) {
+    if (known == point) return answer;
+  }
+  std::vector<Vector> earlier;
+  for (const auto& one : fitted_) earlier.push_back(one.second);
+  SINEW_ASSIGN(Vector answer, solvers::FitHeldOutNuisance(problem_, point, earlier));
+  if (fitted_.size() == kKept) fitted_.erase(fitted_.begin());
+  fitted_.emplace_back(point, answer);
+  return answer;
 }
 
 Result<std::vector<Vector>> HeldOut::Residuals(const Vector& point) const {
-  SINEW_ASSIGN(const Vector parameters, solvers::FitHeldOutNuisance(problem_, point));
+  SINEW_ASSIGN(const Vector parameters, Fitted(point));
   std::vector<bool> wanted(problem_.layout().size(), false);
   for (const int b : blocks_) wanted[static_cast<std::size_t>(b)] = true;
   Prediction prediction(problem_.layout());
@@ -77,6 +101,21 @@ Result<std::vector<Vector>> HeldOut::Residuals(const Vector& point) const {
       return Fail("trial '{}', {}: a predicted value is not finite", b.trial, b.channel);
     residuals.push_back(std::move(residual));
   }
+  return residuals;
+}
+
+Result<std::vector<Vector>> HeldOut::ResidualsWithPriors(const Vector& point) const {
+  SINEW_ASSIGN(auto residuals, Residuals(point));
+  if (priors_.empty()) return residuals;
+  SINEW_ASSIGN(const Vector parameters, Fitted(point));
+  Vector deviations(static_cast<Eigen::Index>(priors_.size()));
+  for (std::size_t i = 0; i < priors_.size(); ++i) {
+    const Parameter& p = problem_.parameters()[static_cast<std::size_t>(priors_[i])];
+    const double value = parameters[priors_[i]];
+    deviations[static_cast<Eigen::Index>(i)] =
+        ((p.scale == Scale::kLog ? std::log(value) : value) - p.prior->mean) / p.prior->standard_deviation;
+  }
+  residuals.push_back(std::move(deviations));
   return residuals;
 }
 
@@ -120,6 +159,7 @@ Matrix HeldOut::WhitenedBlock(std::size_t i, const Matrix& given, const noise::N
 double HeldOut::Innovations(const std::vector<Vector>& residuals, const noise::NoiseModel& noise) const {
   double sum = 0;
   for (std::size_t i = 0; i < blocks_.size(); ++i) sum += WhitenedBlock(i, residuals[i], noise).squaredNorm();
+  for (std::size_t i = blocks_.size(); i < residuals.size(); ++i) sum += residuals[i].squaredNorm();
   return sum;
 }
 
@@ -131,6 +171,7 @@ Matrix HeldOut::Whitened(const Matrix& rows, const noise::NoiseModel& noise) con
     white.middleRows(first, count) = WhitenedBlock(i, rows.middleRows(first, count), noise);
     first += count;
   }
+  white.bottomRows(rows.rows() - first) = rows.bottomRows(rows.rows() - first);
   return white;
 }
 

@@ -3,6 +3,7 @@
 
 #include <cstdint>
 #include <functional>
+#include <utility>
 #include <vector>
 
 #include "identify/diagnosis/diagnosis.h"
@@ -18,10 +19,22 @@ class HeldOut {
   [[nodiscard]] bool exists() const { return !blocks_.empty(); }
   /// Indices into the layout.
   [[nodiscard]] const std::vector<int>& blocks() const { return blocks_; }
+  /// Nuisance parameters of held-out trials whose priors ResidualsWithPriors counts, increasing.
+  [[nodiscard]] const std::vector<int>& priors() const { return priors_; }
+
+  /// The point with the nuisance parameters of every held-out trial fitted to that trial [P]. The last points
+  /// are kept, because a fit of hundreds of values takes seconds. Not thread-safe. Errors: those of
+  /// Problem::Predict.
+  [[nodiscard]] Result<Vector> Fitted(const Vector& point) const;
 
   /// Weighted residuals [held-out blocks][samples], with the nuisance parameters of every held-out trial
   /// fitted to that trial. Errors: those of Problem::Predict.
   [[nodiscard]] Result<std::vector<Vector>> Residuals(const Vector& point) const;
+
+  /// The same, and below them the rows of the priors of these nuisance parameters [priors, standard
+  /// deviations]: a likelihood of held-out trials whose values follow the data has to count what they deviate
+  /// by. Without priors, or where samples have groups, whose noise says it: as Residuals.
+  [[nodiscard]] Result<std::vector<Vector>> ResidualsWithPriors(const Vector& point) const;
 
   /// Adds `term(block)` (weighted, empty: nothing) to the residuals.
   void Add(const std::function<Vector(const Block&)>& term, std::vector<Vector>& residuals) const {
@@ -40,7 +53,8 @@ class HeldOut {
   [[nodiscard]] double Innovations(const std::vector<Vector>& residuals,
                                    const noise::NoiseModel& noise) const;
 
-  /// Rows of all held-out blocks, one below the other, whitened likewise [sum of samples x k].
+  /// Rows of all held-out blocks, one below the other, whitened likewise [sum of samples x k]. Further rows,
+  /// of priors, stay as they are.
   [[nodiscard]] Matrix Whitened(const Matrix& rows, const noise::NoiseModel& noise) const;
 
   /// The same for every group of samples (Block::group), in a fixed order; empty: there are no groups.
@@ -64,7 +78,9 @@ class HeldOut {
 
   const Problem& problem_;
   std::vector<int> blocks_;
-  noise::NoiseModel own_;  // of the blocks with groups, per channel
+  std::vector<int> priors_;                                // parameters whose priors count
+  noise::NoiseModel own_;                                  // of the blocks with groups, per channel
+  mutable std::vector<std::pair<Vector, Vector>> fitted_;  // points, last one last, and their answers
 };
 
 /// Standard deviation of the noise of a block, weighted: the one stated by the data, else that of the noise

@@ -5,7 +5,6 @@
 
 #include "base/decompositions.h"
 #include "identify/role_view.h"
-#include "identify/solvers/held_out_nuisance.h"
 
 namespace sinew::diagnosis {
 namespace {
@@ -22,15 +21,16 @@ Matrix Root(const Matrix& covariance) {
 
 }  // namespace
 
-Result<Matrix> HeldOutSensitivity(const Problem& problem, const std::vector<int>& blocks, const Refit& refit,
-                                  const Matrix& covariance, Matrix& nuisance) {
+Result<Matrix> HeldOutSensitivity(const Problem& problem, const HeldOut& held_out, const Refit& refit,
+                                  const Vector& fitted, const Matrix& covariance, Matrix& nuisance) {
+  const std::vector<int>& blocks = held_out.blocks();
   const auto is_held_out = [&](const std::string& trial) {
     return std::any_of(blocks.begin(), blocks.end(),
                        [&](int b) { return problem.layout()[static_cast<std::size_t>(b)].trial == trial; });
   };
   FitSetup setup;
   setup.parameters = refit.setup->parameters;
-  SINEW_ASSIGN(setup.rest, solvers::FitHeldOutNuisance(problem, refit.point));
+  setup.rest = fitted;
   std::vector<int> own;
   for (std::size_t i = 0; i < setup.parameters.size(); ++i) {
     const Parameter& p = setup.parameters[i];
@@ -50,6 +50,7 @@ Result<Matrix> HeldOutSensitivity(const Problem& problem, const std::vector<int>
 
   Eigen::Index rows = 0;
   for (const int b : blocks) rows += problem.layout()[static_cast<std::size_t>(b)].samples();
+  rows += static_cast<Eigen::Index>(held_out.priors().size());
   Matrix ordered = Matrix::Zero(rows, jacobian.cols());
   Eigen::Index row = 0;
   for (const int b : blocks) {
@@ -59,8 +60,15 @@ Result<Matrix> HeldOutSensitivity(const Problem& problem, const std::vector<int>
     }
     row += count;
   }
+  const std::vector<int> with_prior = fit.PriorVariables();
+  for (std::size_t i = 0; i < with_prior.size(); ++i) {
+    const int parameter = setup.free[static_cast<std::size_t>(with_prior[i])];
+    const auto& counted = held_out.priors();
+    if (std::binary_search(counted.begin(), counted.end(), parameter))
+      ordered.row(row++) = jacobian.row(fit.data_rows() + static_cast<Eigen::Index>(i));
+  }
   nuisance.resize(rows, static_cast<Eigen::Index>(own.size()));
-  Matrix fitted = Matrix::Zero(rows, covariance.cols());
+  Matrix changes = Matrix::Zero(rows, covariance.cols());
   for (std::size_t v = 0; v < setup.free.size(); ++v) {
     const auto column = ordered.col(static_cast<Eigen::Index>(v));
     const auto at = std::find(own.begin(), own.end(), setup.free[v]);
@@ -69,13 +77,13 @@ Result<Matrix> HeldOutSensitivity(const Problem& problem, const std::vector<int>
       continue;
     }
     const auto& free = refit.setup->free;
-    fitted.col(std::find(free.begin(), free.end(), setup.free[v]) - free.begin()) = column;
+    changes.col(std::find(free.begin(), free.end(), setup.free[v]) - free.begin()) = column;
   }
   Matrix finite = covariance;
   for (Eigen::Index i = 0; i < finite.cols(); ++i) {
     if (!std::isfinite(finite(i, i))) finite(i, i) = kOpen;
   }
-  return Matrix(fitted * Root(finite));
+  return Matrix(changes * Root(finite));
 }
 
 double PredictiveDeviance(const Vector& residual, const Matrix& changes) {

@@ -30,9 +30,9 @@ class HeldOutValidation {
   explicit HeldOutValidation(DiagnosisState& state) : state_(state), selection_(state.selection) {}
 
   Result<std::vector<WithdrawnCause>> Run() {
-    SINEW_ASSIGN(const auto of_base, state_.held_out.Residuals(state_.base.refit.point));
+    SINEW_ASSIGN(const auto of_base, Residuals(state_.base.refit.point));
     while (!selection_.causes.empty()) {
-      SINEW_ASSIGN(const auto with, state_.held_out.Residuals(selection_.model.point));
+      SINEW_ASSIGN(const auto with, Residuals(selection_.model.point));
       const double together = Gain(of_base, with);
       const bool rejected = together < 0 && ChangesEnoughToJudge(of_base, with) &&
                             PredictsWorse(state_.base.refit, of_base, with);
@@ -69,6 +69,12 @@ class HeldOutValidation {
     WithdrawnCause told;
   };
 
+  // Priors belong to the likelihood.
+  [[nodiscard]] Result<std::vector<Vector>> Residuals(const Vector& point) const {
+    return selection_.cross_validated ? state_.held_out.Residuals(point)
+                                      : state_.held_out.ResidualsWithPriors(point);
+  }
+
   // Reduction of the held-out loss by the model.
   [[nodiscard]] double Gain(const std::vector<Vector>& before, const std::vector<Vector>& with) const {
     return state_.Loss(before, selection_.model.noise) - state_.Loss(with, selection_.model.noise);
@@ -94,9 +100,11 @@ class HeldOutValidation {
     if (selection_.cross_validated) return {};
     const auto covariance = state_.CovarianceOf(refit);
     if (!covariance) return {};
+    const auto fitted = state_.held_out.Fitted(refit.point);
+    if (!fitted) return {};
     Matrix nuisance;
     const auto changes =
-        HeldOutSensitivity(state_.problem, state_.held_out.blocks(), refit, *covariance, nuisance);
+        HeldOutSensitivity(state_.problem, state_.held_out, refit, *fitted, *covariance, nuisance);
     if (!changes || !changes->allFinite() || !nuisance.allFinite()) return {};
     const Matrix white = state_.held_out.Whitened(*changes, selection_.model.noise);
     if (nuisance.cols() == 0) return white;
@@ -193,7 +201,7 @@ class HeldOutValidation {
       if (!state_.candidate(candidate).trial.empty()) continue;
       Refit without = Without(candidate);
       if (!without.usable()) continue;
-      const auto before = state_.held_out.Residuals(without.point);
+      const auto before = Residuals(without.point);
       if (!before) continue;
       const double gain = Gain(*before, with);
       const bool counts = gain < worst.gain && (rejected_together || (ChangesEnoughToJudge(*before, with) &&
@@ -208,7 +216,7 @@ class HeldOutValidation {
                                                       const std::vector<Vector>& with) const {
     double most = 0;
     std::optional<TraceErrors> worst;
-    for (std::size_t b = 0; b < before.size(); ++b) {
+    for (std::size_t b = 0; b < state_.held_out.blocks().size(); ++b) {
       const double more = with[b].squaredNorm() - before[b].squaredNorm();
       if (more <= most) continue;
       most = more;
@@ -236,7 +244,7 @@ class HeldOutValidation {
   // A cause may have been rejected because of another one that is rejected, too: it is judged again without
   // that. @return true if one was restored
   bool Restore() {
-    const auto now = state_.held_out.Residuals(selection_.model.point);
+    const auto now = Residuals(selection_.model.point);
     if (!now) return false;
     double least = kRestored * state_.Loss(*now, selection_.model.noise);
     std::optional<Refit> better;
@@ -250,7 +258,7 @@ class HeldOutValidation {
         start[index] = withdrawn_[i].point[index];
       Refit refit = state_.Fit(released, {start});
       if (!refit.usable()) continue;
-      const auto with = state_.held_out.Residuals(refit.point);
+      const auto with = Residuals(refit.point);
       if (!with || !(state_.Loss(*with, refit.noise) < least)) continue;
       least = state_.Loss(*with, refit.noise);
       better = std::move(refit);
@@ -330,8 +338,8 @@ class HeldOutValidation {
 
   // True if held-out trials are predicted no worse than with the model.
   [[nodiscard]] bool Generalises(const Refit& refit) const {
-    const auto now = state_.held_out.Residuals(selection_.model.point);
-    const auto then = state_.held_out.Residuals(refit.point);
+    const auto now = Residuals(selection_.model.point);
+    const auto then = Residuals(refit.point);
     return now && then &&
            state_.Loss(*then, selection_.model.noise) <= state_.Loss(*now, selection_.model.noise);
   }
@@ -364,10 +372,10 @@ class HeldOutValidation {
   // Replaces the cause by the next alternative of its set that generalises.
   bool ReplaceByRival(const Rejection& rejection) {
     const ChosenCause cause = selection_.causes[rejection.cause];
-    const auto before = state_.held_out.Residuals(rejection.without.point);
+    const auto before = Residuals(rejection.without.point);
     for (const Rival& rival : selection_.rivals) {
       if (rival.instead_of != cause.candidate || !before) continue;
-      const auto with = state_.held_out.Residuals(rival.refit.point);
+      const auto with = Residuals(rival.refit.point);
       if (!with || state_.Loss(*before, rival.refit.noise) <= state_.Loss(*with, rival.refit.noise)) continue;
       const int next = rival.candidate;
       selection_.model = rival.refit;

@@ -13,6 +13,7 @@
 #include "identify/noise/lagged_products.h"
 #include "identify/noise/quasi_newton.h"
 #include "identify/noise/restricted_likelihood.h"
+#include "identify/noise/white_levels.h"
 
 namespace sinew::noise {
 namespace {
@@ -393,6 +394,16 @@ class Estimator {
   Matrix of_left_;  // scratch
 };
 
+// Whether only levels are to be estimated, beside regressors with priors.
+bool OnlyLevels(const std::vector<NoiseBlock>& blocks, const NoiseModelOptions& options) {
+  if (options.priors.empty()) return false;
+  return options.white || std::all_of(blocks.begin(), blocks.end(), [&](const NoiseBlock& block) {
+           return std::any_of(blocks.begin(), blocks.end(), [&](const NoiseBlock& other) {
+             return other.white && other.channel == block.channel;
+           });
+         });
+}
+
 }  // namespace
 
 double ChannelNoiseModel::ProcessDeviation() const {
@@ -418,8 +429,14 @@ bool NoiseModel::IsColoured() const {
                      [](const ChannelNoiseModel& c) { return !c.coefficients.empty(); });
 }
 
+bool NoiseModel::CountsPriors() const {
+  return std::any_of(channels.begin(), channels.end(),
+                     [](const ChannelNoiseModel& c) { return c.spent > 0; });
+}
+
 Result<NoiseModel> EstimateNoiseModel(const std::vector<NoiseBlock>& blocks,
                                       const NoiseModelOptions& options) {
+  if (OnlyLevels(blocks, options)) return WhiteLevels(blocks, options.priors).Estimate(options.like);
   const ReducedBlocks reduced = Reduce(blocks);
   if (reduced.samples <= reduced.columns) {
     return Fail("{} residuals cannot tell their noise besides {} fitted values: add samples", reduced.samples,
@@ -428,7 +445,9 @@ Result<NoiseModel> EstimateNoiseModel(const std::vector<NoiseBlock>& blocks,
   return Estimator(reduced, blocks, options).Estimate();
 }
 
-double RestrictedDeviance(const std::vector<NoiseBlock>& blocks, const NoiseModel& model) {
+double RestrictedDeviance(const std::vector<NoiseBlock>& blocks, const NoiseModel& model,
+                          const NoiseModelOptions& options) {
+  if (OnlyLevels(blocks, options)) return WhiteLevels(blocks, options.priors).Deviance(model);
   const ReducedBlocks reduced = Reduce(blocks);
   // Every regressor is treated as one that channels share: one evaluation need not be fast.
   std::vector<int> place(static_cast<std::size_t>(reduced.columns));

@@ -18,6 +18,9 @@ struct ChannelNoiseModel {
   std::vector<double> coefficients;  ///< [order]; empty: white
   double deviation = 1;  ///< standard deviation of the innovation, in units of the weighted residual, > 0
   double least_deviation = 0;  ///< white channels: lower limit of `deviation`
+  /// Degrees of freedom that fitted values with priors take from the channel's rows: its residual is smaller
+  /// than the noise by as much. 0: there are none, or they are not counted.
+  double spent = 0;
 
   /// Standard deviation of the process itself, in units of the weighted residual; infinite if not stationary.
   [[nodiscard]] double ProcessDeviation() const;
@@ -31,6 +34,8 @@ struct NoiseModel {
   std::vector<int> channel_of;  ///< [train blocks] index into channels
 
   [[nodiscard]] bool IsColoured() const;
+  /// Whether the levels were estimated beside values with priors (WhiteLevels).
+  [[nodiscard]] bool CountsPriors() const;
 };
 
 /// Residual and regressors of one training block, one row per sample.
@@ -45,6 +50,13 @@ struct NoiseBlock {
   std::optional<double> stated;  ///< noise level stated by the data [unit of `residual`], > 0
   bool white = false;            ///< order 0, and a level of at least `stated`; see Block::white
   double largest_root = 1;       ///< in (0, 1]: limit for the autoregression, from Block::noise_memory
+};
+
+/// The row of a prior: residual + slope x change of the variable, in standard deviations of the prior.
+struct PriorRow {
+  int column = 0;  ///< global index of the regressor, as in NoiseBlock::columns
+  double slope = 0;
+  double residual = 0;
 };
 
 /// Penalty of one coefficient in the deviance: log(rows) (Schwarz 1978) or 2 (Akaike 1974).
@@ -76,6 +88,9 @@ struct NoiseModelOptions {
   /// Noise model of similar residuals: its orders are used, which takes a fifth of the time of choosing them.
   /// May be null.
   const NoiseModel* like = nullptr;
+  /// Priors of regressors. They count where every channel is white (WhiteLevels); elsewhere all regressors
+  /// are treated as free.
+  std::vector<PriorRow> priors;
 };
 
 /// Restricted maximum likelihood (Patterson, Thompson 1971; Harville 1974) of the autoregressions of all
@@ -99,6 +114,9 @@ struct NoiseModelOptions {
 /// higher by half the noise level is described by a root of 0.998, and the fit under this noise ignores the
 /// trial's mean.)
 ///
+/// Where all channels are white and some regressors have priors, their number may exceed that of the samples:
+/// see WhiteLevels.
+///
 /// Regressors that are linear combinations of others count once. Several channels are estimated in turn with
 /// the others fixed until the likelihood no longer changes. After one pass over the samples the cost does not
 /// depend on their number (lagged cross products). Errors: not more samples than regressors in all.
@@ -107,8 +125,9 @@ Result<NoiseModel> EstimateNoiseModel(const std::vector<NoiseBlock>& blocks,
 
 /// -2 log restricted likelihood of `model` for these blocks, regressors profiled out (exact, without the
 /// constants that do not depend on the model). Comparable between noise models of any order with the same
-/// regressors.
-[[nodiscard]] double RestrictedDeviance(const std::vector<NoiseBlock>& blocks, const NoiseModel& model);
+/// regressors. @param options the priors that the models were estimated with
+[[nodiscard]] double RestrictedDeviance(const std::vector<NoiseBlock>& blocks, const NoiseModel& model,
+                                        const NoiseModelOptions& options = {});
 
 /// The whitening filter of a noise model: (x_t - sum a_i x_{t-1-i}) / deviation. The first samples of each
 /// stretch are predicted from those before them and divided by the deviation of that prediction, so that no

@@ -7,6 +7,22 @@
 #include "base/sparse_cholesky.h"
 
 namespace sinew::solvers {
+namespace {
+
+// Of a symmetric matrix, mostly positive definite. The decomposition of a large full one without square roots
+// is not blocked, and several times slower.
+Vector Solve(const Matrix& matrix, const Vector& right) {
+  constexpr Eigen::Index kLarge = 96;
+  const SparseCholesky sparse(matrix);
+  if (sparse.usable()) return sparse.Solve(right);
+  if (matrix.rows() >= kLarge) {
+    const Eigen::LLT<Matrix> root(matrix);
+    if (root.info() == Eigen::Success) return root.solve(right);
+  }
+  return matrix.ldlt().solve(right);
+}
+
+}  // namespace
 
 bool BoxQuadraticModel::Set(Eigen::Index variables, const Vector& residuals, const SparseJacobian& jacobian) {
   normal.setZero(variables, variables);
@@ -16,10 +32,9 @@ bool BoxQuadraticModel::Set(Eigen::Index variables, const Vector& residuals, con
     const Vector pull = piece.values.transpose() * residuals.segment(piece.first_row, piece.values.rows());
     for (std::size_t a = 0; a < piece.variables.size(); ++a) {
       gradient[piece.variables[a]] += pull[static_cast<Eigen::Index>(a)];
-      for (std::size_t b = 0; b < piece.variables.size(); ++b) {
-        normal(piece.variables[a], piece.variables[b]) +=
-            products(static_cast<Eigen::Index>(a), static_cast<Eigen::Index>(b));
-      }
+      auto column = normal.col(piece.variables[a]);
+      for (std::size_t b = 0; b < piece.variables.size(); ++b)
+        column[piece.variables[b]] += products(static_cast<Eigen::Index>(b), static_cast<Eigen::Index>(a));
     }
   }
   return normal.allFinite() && gradient.allFinite();
@@ -49,9 +64,7 @@ Vector BoxQuadraticModel::BoxStep(const Vector& x, int held, double damping, dou
       for (Eigen::Index j = 0; j < n; ++j) reduced(j, i) = normal(moving[j], moving[i]) * scale[j] * scale[i];
       reduced(i, i) += damping;
     }
-    const SparseCholesky sparse(reduced);
-    const Vector found = sparse.usable() ? sparse.Solve(pull) : Vector(reduced.ldlt().solve(pull));
-    const Vector solution = found.cwiseProduct(scale);
+    const Vector solution = Solve(reduced, pull).cwiseProduct(scale);
     std::vector<int> inside;
     for (Eigen::Index i = 0; i < n; ++i) {
       const int v = moving[static_cast<std::size_t>(i)];

@@ -2,6 +2,8 @@
 
 #include <set>
 #include <string>
+#include <utility>
+#include <vector>
 
 #include "identify/fit_setup.h"
 #include "identify/least_squares.h"
@@ -16,7 +18,8 @@ constexpr long kEvaluations = 200;
 
 }  // namespace
 
-Result<Vector> FitHeldOutNuisance(const Problem& problem, const Vector& parameters) {
+Result<Vector> FitHeldOutNuisance(const Problem& problem, const Vector& parameters,
+                                  const std::vector<Vector>& earlier) {
   std::set<std::string> held_out;
   for (const Block& block : problem.layout()) {
     if (block.role == BlockRole::kValidate) held_out.insert(block.trial);
@@ -37,13 +40,23 @@ Result<Vector> FitHeldOutNuisance(const Problem& problem, const Vector& paramete
     });
     const LeastSquares least_squares(alone, setup);
     LocalFit fit(least_squares);
-    const auto outcome = fit.Minimize(least_squares.Variables(answer), -1, {0, 1e-9}, kEvaluations);
-    if (outcome.failure.empty()) answer = least_squares.Parameters(outcome.x);
-    const auto improved = ImprovedStart(least_squares, answer);
-    if (!improved) continue;
-    const auto second = fit.Minimize(least_squares.Variables(*improved), -1, {0, 1e-9}, kEvaluations);
-    if (second.failure.empty() && (!outcome.failure.empty() || second.cost < outcome.cost))
-      answer = least_squares.Parameters(second.x);
+    auto best = fit.Minimize(least_squares.Variables(answer), -1, {0, 1e-9}, kEvaluations);
+    const auto try_from = [&](const Vector& start) {
+      auto found = fit.Minimize(least_squares.Variables(start), -1, {0, 1e-9}, kEvaluations);
+      if (found.failure.empty() && (!best.failure.empty() || found.cost < best.cost)) best = std::move(found);
+    };
+    if (setup.HasNuisancePriors() && !earlier.empty()) {
+      for (const Vector& other : earlier) {
+        Vector start = answer;
+        for (const int index : setup.free) start[index] = other[index];
+        try_from(start);
+      }
+    } else {
+      const auto improved =
+          ImprovedStart(least_squares, best.failure.empty() ? least_squares.Parameters(best.x) : answer);
+      if (improved) try_from(*improved);
+    }
+    if (best.failure.empty()) answer = least_squares.Parameters(best.x);
   }
   return answer;
 }

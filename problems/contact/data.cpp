@@ -69,6 +69,9 @@ Result<Model> LoadModel(const Dataset& data, const ContactSettings& settings) {
 
 // Frames of the motion while the plate records, continued by `margin` on both sides as far as there are any.
 Result<std::vector<double>> Frames(const Grid& forces, const std::vector<double>& motion, double margin) {
+  if (forces.time.empty() || motion.empty())
+    return Fail("{} samples of the forces and {} frames of the motion: nothing to compare",
+                forces.time.size(), motion.size());
   std::vector<double> time;
   for (const double t : motion) {
     if (t >= forces.time.front() - margin && t <= forces.time.back() + margin) time.push_back(t);
@@ -197,6 +200,8 @@ Status AddBlocks(const Trial& trial, const ContactSettings& settings, Stance& st
       add(*found.grid, *found.channel, stance.plate, kind.rfind("cop", 0) == 0, settings.cop_force_share,
           block);
       SetAccuracy(settings, stance, block);
+      // The deviations follow the plate: what they leave is smaller than the noise, and correlated.
+      block.white = settings.motion_errors && block.sigma;
     }
     if (fitted) {
       if (block.measured.empty()) {
@@ -219,11 +224,17 @@ Status AddBlocks(const Trial& trial, const ContactSettings& settings, Stance& st
 }
 
 // The greatest vertical force, and from when to when the plate is loaded.
-void FindLoad(const Grid& grid, const Channel& force, Stance& stance) {
+Status FindLoad(const Grid& grid, const Channel& force, const ContactSettings& settings, Stance& stance) {
   constexpr double kLoaded = 0.02;  // of the greatest force
+  bool measured = false;
   for (const double f : force.values) {
-    if (std::isfinite(f)) stance.greatest_force = std::max(stance.greatest_force, f);
+    if (!std::isfinite(f)) continue;
+    measured = true;
+    stance.greatest_force = std::max(stance.greatest_force, f);
   }
+  // The accuracy of every channel is a share of this force.
+  if (settings.motion_errors && measured && !(stance.greatest_force > 0))
+    return Fail("plate '{}' never carries an upward force: is it upside down?", stance.plate);
   bool any = false;
   for (std::size_t i = 0; i < grid.time.size(); ++i) {
     const double t = grid.time[i];
@@ -235,6 +246,7 @@ void FindLoad(const Grid& grid, const Channel& force, Stance& stance) {
     any = true;
   }
   if (!(stance.loaded[1] > stance.loaded[0])) stance.loaded = {stance.time.front(), stance.time.back()};
+  return {};
 }
 
 Status AddTrial(const std::string& name, const Trial& trial, const Model& model,
@@ -256,7 +268,7 @@ Status AddTrial(const std::string& name, const Trial& trial, const Model& model,
                                                    : PredictionTimes(*vertical.grid, motion, margin));
     SINEW_ASSIGN(Stance stance,
                  MakeStance(name, plate, std::move(time), motion, model.multibody, model.bodies, settings));
-    FindLoad(*vertical.grid, *vertical.channel, stance);
+    SINEW_TRY(FindLoad(*vertical.grid, *vertical.channel, settings, stance));
     if (settings.motion_errors) {
       stance.markers = MeasuredMarkers(trial, model.osim, model.multibody, stance.foot, stance.time);
       const MarkerPose by_markers = MoveToMarkers(stance.time, stance.foot, stance.markers);

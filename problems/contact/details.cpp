@@ -79,7 +79,8 @@ Status ContactProblem::WriteDetails(const Vector& parameters, Hdf5Node& details)
     // Where springs move, the kinematics of one instant after the other.
     std::optional<PosedFoot> posed;
     if (settings_.moves_springs()) posed.emplace(stance.kinematics);
-    const std::vector<Vec3> places = SolePlaces(stance, parameters);
+    std::vector<Vec3> places(stance.parts.size(), Vec3::Zero());
+    SolePlacesInto(stance, parameters, places);
     for (std::size_t r = 0; r < stance.regions.size(); ++r) {
       const EffectRegion& prepared = stance.kinematics.regions[r];
       const ContactKinematics& kinematics = prepared.kinematics;

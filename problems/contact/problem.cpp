@@ -172,13 +172,12 @@ ContactEffectValues ContactProblem::EffectsOn(const std::string& plate, const Ve
   return values;
 }
 
-std::vector<Vec3> ContactProblem::SolePlaces(const Stance& stance, const Vector& parameters) const {
-  std::vector<Vec3> places(stance.parts.size(), Vec3::Zero());
+void ContactProblem::SolePlacesInto(const Stance& stance, const Vector& parameters,
+                                    std::vector<Vec3>& places) const {
   for (std::size_t slot = 0; slot < places_.size(); ++slot) {
     for (std::size_t p = 0; p < stance.parts.size(); ++p)
       places[p][places_[slot]] = parameters[PlaceIndex(slot, stance.parts[p].group)];
   }
-  return places;
 }
 
 Status ContactProblem::Predict(const Query& query, Workspace& workspace, Prediction& prediction) const {
@@ -203,10 +202,7 @@ Status ContactProblem::Predict(const Query& query, Workspace& workspace, Predict
       scratch.differentiates_effects |= query.Differentiates(first + i);
     scratch.differentiates_edges = query.Differentiates(first + static_cast<int>(kToeRegion)) ||
                                    query.Differentiates(first + static_cast<int>(kHeelRegion));
-    for (std::size_t slot = 0; slot < places_.size(); ++slot) {
-      for (std::size_t p = 0; p < stance.parts.size(); ++p)
-        scratch.places[p][places_[slot]] = query.parameters[PlaceIndex(slot, stance.parts[p].group)];
-    }
+    SolePlacesInto(stance, query.parameters, scratch.places);
     for (int t = 0; t < static_cast<int>(stance.time.size()); ++t) {
       PredictInstant(stance, t, wanted, query, scratch, prediction);
     }

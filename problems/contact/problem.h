@@ -39,15 +39,17 @@ class ContactProblem final : public Problem {
   Status Predict(const Query& query, Workspace& workspace, Prediction& prediction) const override;
   [[nodiscard]] std::string objective() const override;
   /// With motion errors: springs that touch or leave the floor bend the cost at as many places as there are
-  /// springs and instants; a search cannot settle between two of them more closely than this.
-  [[nodiscard]] double cost_noise_level() const override { return settings_.motion_errors ? 1e-6 : 0; }
+  /// springs and instants; a search settles between two of them more closely than this only after hundreds of
+  /// steps that change no conclusion (of a cost of 100, a hundredth of a unit of the log-likelihood).
+  [[nodiscard]] double cost_noise_level() const override { return settings_.motion_errors ? 1e-4 : 0; }
   /// With motion errors: how far the foot of each stance moved from the recorded motion [mm, degrees].
   [[nodiscard]] std::vector<FigureOfMerit> FiguresOfMerit(
       const Vector& parameters, const std::vector<Vector>& predicted) const override;
   /// Per trial and region: outline of the faces, pressure and slip of each at every instant, centre of
   /// pressure.
   Status WriteDetails(const Vector& parameters, Hdf5Node& details) const override;
-  /// With motion errors: their deviations are followed from small ones on.
+  /// With motion errors: their deviations are followed from small ones on, at the given frictions or, where
+  /// these are free, at those that the measured forces suggest; the best of these.
   [[nodiscard]] std::optional<Vector> ImprovedStart(const std::vector<int>& free,
                                                     const std::vector<bool>& compared,
                                                     const Vector& parameters) const override;
@@ -75,8 +77,12 @@ class ContactProblem final : public Problem {
   void DifferentiatePose(const Stance& stance, int t, const std::array<bool, kChannels>& wanted,
                          const Query& query, const PlateChannels& channels, Scratch& scratch,
                          Prediction& prediction) const;
-  /// Of the soles, per part [m].
-  [[nodiscard]] std::vector<Vec3> SolePlaces(const Stance& stance, const Vector& parameters) const;
+  /// Static frictions to begin a search at, from ratios of the measured horizontal and vertical forces of the
+  /// compared blocks; none where not all three forces are compared.
+  [[nodiscard]] std::vector<double> SuggestedFrictions(const std::vector<bool>& compared) const;
+  void SetFrictions(const std::vector<int>& free, double friction, Vector& parameters) const;
+  /// Sets the places of the soles that are parameters. @param places [parts of the stance, m] zero elsewhere
+  void SolePlacesInto(const Stance& stance, const Vector& parameters, std::vector<Vec3>& places) const;
   /// Of the place's parameter for a group. @param slot index into places_
   [[nodiscard]] int PlaceIndex(std::size_t slot, int group) const {
     const int groups =

@@ -9,53 +9,50 @@
 namespace sinew {
 namespace {
 
-const char* const kRobotSettings =
-    R"(# How the contact problem sees this robot: one box per sole, both with the same parameters.
-contact:
-  model: model.osim
-  floor_height: 0.0
-  transition_velocity: 0.01
-  objective: thesis
-  fit: [force_y]
-  regions:
-    - name: right_sole
-      body: calcn_r
-      plate: right
-      position: [0.02, -0.04519, 0.0]
-      mesh: {box: {size: [0.16, 0.02, 0.09], strips: [12, 7]}}
-    - name: left_sole
-      body: calcn_l
-      plate: left
-      position: [0.02, -0.04519, 0.0]
-      mesh: {box: {size: [0.16, 0.02, 0.09], strips: [12, 7]}}
-  parameters:
-    stiffness: {lower: 1.0e4, upper: 1.0e7, start: 1.0e5}
-    dissipation: {lower: 0, upper: 600, start: 10}
-)";
+// What a settings file says of a body that steps.
+struct BodySettings {
+  std::string body;  // as comments call it
+  std::string objective;
+  std::string fit;   // channels
+  std::string sole;  // position and mesh of each sole
+  std::string parameters;
+};
 
-const char* const kPersonSettings =
-    R"(# How the contact problem sees this body: one box per sole, both with the same parameters.
+std::string SettingsText(const BodySettings& settings) {
+  std::string regions;
+  for (const std::string side : {"right", "left"}) {
+    regions += fmt::format("    - name: {}_sole\n      body: calcn_{}\n      plate: {}\n{}", side, side[0],
+                           side, settings.sole);
+  }
+  return fmt::format(
+      R"(# How the contact problem sees this {}: one box per sole, both with the same parameters.
 contact:
   model: model.osim
   floor_height: 0.0
   transition_velocity: 0.01
-  objective: likelihood
-  fit: [force_x, force_y, force_z, cop_x, cop_z, moment_y]
+  objective: {}
+  fit: [{}]
   regions:
-    - name: right_sole
-      body: calcn_r
-      plate: right
-      position: [0.0325, -0.07343375, 0.0]
+{}  parameters:
+{})",
+      settings.body, settings.objective, settings.fit, regions, settings.parameters);
+}
+
+const BodySettings kRobotSettings{"robot", "thesis", "force_y",
+                                  R"(      position: [0.02, -0.04519, 0.0]
+      mesh: {box: {size: [0.16, 0.02, 0.09], strips: [12, 7]}}
+)",
+                                  R"(    stiffness: {lower: 1.0e4, upper: 1.0e7, start: 1.0e5}
+    dissipation: {lower: 0, upper: 600, start: 10}
+)"};
+
+const BodySettings kPersonSettings{"body", "likelihood", "force_x, force_y, force_z, cop_x, cop_z, moment_y",
+                                   R"(      position: [0.0325, -0.07343375, 0.0]
       mesh: {box: {size: [0.26, 0.0325, 0.14625], strips: [18, 10]}}
-    - name: left_sole
-      body: calcn_l
-      plate: left
-      position: [0.0325, -0.07343375, 0.0]
-      mesh: {box: {size: [0.26, 0.0325, 0.14625], strips: [18, 10]}}
-  parameters:
-    stiffness: {lower: 1.0e4, upper: 1.0e8, start: 1.0e6}
+)",
+                                   R"(    stiffness: {lower: 1.0e4, upper: 1.0e8, start: 1.0e6}
     dissipation: {lower: 0, upper: 100, start: 1}
-)";
+)"};
 
 const Vec3 kRobotSole(0.16, 0.02, 0.09);
 const Vec3 kRobotSolePosition(0.02, -0.04519, 0);
@@ -90,7 +87,7 @@ SteppingBody RobotThatSteps() {
   body.title = "a small humanoid robot stepping";
   body.subject = "robot with the proportions of NAO, 5.8 kg, 0.573 m";
   body.osim = kNaoLikeOsim;
-  body.settings = kRobotSettings;
+  body.settings = SettingsText(kRobotSettings);
   body.sole_size = kRobotSole;
   body.sole_position = kRobotSolePosition;
   body.squares = {12, 7};
@@ -108,7 +105,7 @@ SteppingBody PersonThatSteps() {
     body.osim = ScaleElement(body.osim, length, kSize);
   body.osim = ScaleElement(body.osim, "mass", kMass);
   body.osim = ScaleElement(body.osim, "inertia", kMass * kSize * kSize);
-  body.settings = kPersonSettings;
+  body.settings = SettingsText(kPersonSettings);
   body.size = kSize;
   body.step.size = kSize;
   body.step.depth = 0.010;

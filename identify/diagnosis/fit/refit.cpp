@@ -63,8 +63,25 @@ Matrix InverseOfNormal(const Matrix& normal, const Matrix& columns) {
   return inverse;
 }
 
-bool IsPlain(const noise::NoiseModel& noise) {
-  return noise.channels.size() == 1 && !noise.IsColoured();
+// Levels that differ by less weigh the residuals alike.
+constexpr double kSameLevel = 0.01;
+
+// Whether whitening leaves the least squares as they are: white noise of one channel, or, beside priors, of
+// the levels by which the residuals are weighted already.
+bool LeavesTheFit(const noise::NoiseModel& noise, bool priors) {
+  if (noise.IsColoured()) return false;
+  if (!priors) return noise.channels.size() == 1;
+  return std::all_of(noise.channels.begin(), noise.channels.end(),
+                     [](const auto& channel) { return std::abs(channel.deviation - 1) < kSameLevel; });
+}
+
+// Whether both are white with the same levels.
+bool AreAlike(const noise::NoiseModel& a, const noise::NoiseModel& b) {
+  if (a.IsColoured() || b.IsColoured() || a.channels.size() != b.channels.size()) return false;
+  for (std::size_t c = 0; c < a.channels.size(); ++c) {
+    if (!(std::abs(a.channels[c].deviation / b.channels[c].deviation - 1) < kSameLevel)) return false;
+  }
+  return true;
 }
 
 }  // namespace
@@ -108,11 +125,12 @@ double Deviance(const LeastSquares& fit, const Vector& residual, const noise::No
   if (counted != nullptr) *counted = 0;
   for (std::size_t c = 0; c < sum.size(); ++c) {
     if (count[c] == 0) continue;
+    if (counted != nullptr) *counted += static_cast<int>(count[c]);
+    count[c] -= noise.channels[c].spent;
     const double least = std::pow(noise.channels[c].least_deviation, 2);
     const double variance = std::max({sum[c] / count[c], least, std::numeric_limits<double>::min()});
     // The second term is zero unless the lower limit replaces the estimate.
     deviance += count[c] * std::log(variance) + (sum[c] / variance - count[c]);
-    if (counted != nullptr) *counted += static_cast<int>(count[c]);
   }
   return deviance;
 }
@@ -154,8 +172,9 @@ Status Refitter::EstimateNoise(LeastSquares& fit, bool white, const noise::Noise
   noise::NoiseModelOptions how;
   how.white = white;
   how.like = like;
-  SINEW_ASSIGN(const auto blocks, NoiseBlocks(fit, refit.x));
-  SINEW_ASSIGN(refit.noise, noise::EstimateNoiseModel(blocks, how));
+  SINEW_ASSIGN(auto rows, NoiseRowsAt(fit, refit.x));
+  how.priors = std::move(rows.priors);
+  SINEW_ASSIGN(refit.noise, noise::EstimateNoiseModel(rows.blocks, how));
   return {};
 }
 
@@ -168,19 +187,22 @@ Status Refitter::Finish(const LeastSquares& fit, Refit& refit) const {
   return {};
 }
 
-Refit Refitter::FitOrdinary(std::vector<int> released, const std::vector<Vector>& starts,
-                            double tolerance) const {
+Refit Refitter::Prepare(std::vector<int> released, const std::vector<Vector>& starts) const {
   Refit refit;
   std::sort(released.begin(), released.end());
   refit.released = std::move(released);
   auto setup = std::make_shared<FitSetup>(SetupWith(refit.released));
   setup->rest = starts.front();
   refit.setup = setup;
-  if (interrupt_ != nullptr && interrupt_->load()) {
-    refit.failure = "interrupted";
-    return refit;
-  }
-  LeastSquares fit(problem_, *setup);
+  if (interrupt_ != nullptr && interrupt_->load()) refit.failure = "interrupted";
+  return refit;
+}
+
+Refit Refitter::FitOrdinary(std::vector<int> released, const std::vector<Vector>& starts,
+                            double tolerance) const {
+  Refit refit = Prepare(std::move(released), starts);
+  if (!refit.usable()) return refit;
+  LeastSquares fit(problem_, *refit.setup);
   const auto found = FitFromStarts(fit, starts, tolerance);
   refit.failure = found.failure;
   if (!refit.usable()) return refit;
@@ -193,7 +215,47 @@ Refit Refitter::FitOrdinary(std::vector<int> released, const std::vector<Vector>
   return refit;
 }
 
+bool Refitter::Expects(const LeastSquares& fit) const {
+  return expected_ && expected_->CountsPriors() && !fit.PriorVariables().empty() && !independent_;
+}
+
+Refit Refitter::FitUnderExpectedNoise(std::vector<int> released, const std::vector<Vector>& starts) const {
+  Refit refit = Prepare(std::move(released), starts);
+  if (!refit.usable()) return refit;
+  LeastSquares fit(problem_, *refit.setup);
+  const auto stretches = TrainStretches(fit);
+  noise::NoiseModel under = *expected_;
+  std::vector<Vector> from = starts;
+  Status status;
+  for (int round = 0; round < kNoiseRounds && status; ++round) {
+    const noise::Whitening whitening(under, stretches);
+    fit.set_transform(&whitening);
+    const auto found = FitFromStarts(fit, from, kOrdinaryTolerance);
+    fit.set_transform(nullptr);
+    refit.failure = found.failure;
+    if (!refit.usable()) return refit;
+    refit.x = found.x;
+    refit.converged = found.converged;
+    from = {fit.Parameters(found.x)};
+    status = EstimateNoise(fit, false, &under, refit);
+    if (!status || AreAlike(under, refit.noise)) break;
+    under = refit.noise;
+  }
+  if (status) {
+    auto workspace = fit.NewWorkspace();
+    const auto cost = fit.Cost(refit.x, workspace);
+    if (cost) refit.cost = *cost;
+    status = Finish(fit, refit);
+  }
+  if (!status) refit.failure = status.error().message;
+  return refit;
+}
+
 Refit Refitter::Fit(std::vector<int> released, const std::vector<Vector>& starts) const {
+  if (expected_) {
+    const FitSetup setup = SetupWith(released);
+    if (Expects(LeastSquares(problem_, setup))) return FitUnderExpectedNoise(std::move(released), starts);
+  }
   Refit refit = FitOrdinary(std::move(released), starts, kOrdinaryTolerance);
   if (!refit.usable()) return refit;
   LeastSquares fit(problem_, *refit.setup);
@@ -222,8 +284,9 @@ Status Refitter::FitGeneralised(LeastSquares& fit, Refit& refit) const {
     if (round > 0) {
       const noise::NoiseModel before = refit.noise;
       SINEW_TRY(EstimateNoise(fit, false, &before, refit));
+      if (AreAlike(before, refit.noise)) break;
     }
-    if (IsPlain(refit.noise) && fit.PriorVariables().empty()) break;
+    if (LeavesTheFit(refit.noise, !fit.PriorVariables().empty())) break;
     const noise::Whitening whitening(refit.noise, stretches);
     fit.set_transform(&whitening);
     solvers::LocalFit whitened(fit);

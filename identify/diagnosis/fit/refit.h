@@ -4,6 +4,7 @@
 
 #include <atomic>
 #include <memory>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -82,6 +83,11 @@ class Refitter {
   /// be compared only between models with the same assumption. Not thread-safe.
   void AssumeIndependentErrors() { independent_ = true; }
 
+  /// Noise of the base model. Where it is white beside values with priors, hundreds of nuisance values that
+  /// follow the data, further fits are least squares under it from the begin, and its levels are where theirs
+  /// begin: a search for each set of levels would take most of the time. Not thread-safe.
+  void ExpectNoise(const noise::NoiseModel& noise) { expected_ = noise; }
+
   /// Covariance of the variables [n x n, unit box] under the refit's own noise model; zero rows and columns
   /// for variables on a bound and those that change nothing. Variables that take part in a combination that
   /// the data do not determine (rank loss) have an infinite variance and covariances of zero.
@@ -95,6 +101,12 @@ class Refitter {
   [[nodiscard]] Status EstimateNoise(LeastSquares& fit, bool white, const noise::NoiseModel* like,
                                      Refit& refit) const;
   [[nodiscard]] Status FitGeneralised(LeastSquares& fit, Refit& refit) const;
+  /// Whether ExpectNoise applies to this fit.
+  [[nodiscard]] bool Expects(const LeastSquares& fit) const;
+  [[nodiscard]] Refit FitUnderExpectedNoise(std::vector<int> released,
+                                            const std::vector<Vector>& starts) const;
+  /// Without a fit: released candidates and setup. Not usable after an interrupt.
+  [[nodiscard]] Refit Prepare(std::vector<int> released, const std::vector<Vector>& starts) const;
   [[nodiscard]] Status Finish(const LeastSquares& fit, Refit& refit) const;
 
   const Problem& problem_;
@@ -102,6 +114,7 @@ class Refitter {
   const std::vector<Candidate>& candidates_;
   const std::atomic<bool>* interrupt_;
   bool independent_ = false;
+  std::optional<noise::NoiseModel> expected_;
 };
 
 /// Least squares by a short search from every start, the best of them continued to convergence. @param starts

@@ -318,12 +318,12 @@ class DesignMaker {
 
 }  // namespace
 
-Result<std::vector<noise::NoiseBlock>> NoiseBlocks(const LeastSquares& fit, const Vector& x) {
+Result<NoiseRows> NoiseRowsAt(const LeastSquares& fit, const Vector& x) {
   auto workspace = fit.NewWorkspace();
   SparseJacobian jacobian = fit.NewJacobian();
   Vector residuals;
   SINEW_TRY(fit.Evaluate(x, workspace, residuals, &jacobian));
-  std::vector<noise::NoiseBlock> blocks;
+  NoiseRows rows;
   for (std::size_t t = 0; t < fit.train_blocks().size(); ++t) {
     const auto& train = fit.train_blocks()[t];
     const Block& block = fit.problem().layout()[static_cast<std::size_t>(train.block)];
@@ -336,9 +336,14 @@ Result<std::vector<noise::NoiseBlock>> NoiseBlocks(const LeastSquares& fit, cons
     if (block.sigma) noise.stated = block.weight * *block.sigma;
     noise.white = block.white;
     noise.largest_root = noise::LargestRoot(block);
-    blocks.push_back(std::move(noise));
+    rows.blocks.push_back(std::move(noise));
   }
-  return blocks;
+  const std::vector<int> priors = fit.PriorVariables();
+  for (std::size_t i = 0; i < priors.size(); ++i) {
+    const SparseJacobian::Piece& piece = jacobian.pieces[fit.train_blocks().size() + i];
+    rows.priors.push_back({priors[i], piece.values(0, 0), residuals[piece.first_row]});
+  }
+  return rows;
 }
 
 Result<Design> MakeDesign(const LeastSquares& fit, const Vector& x, const std::vector<Candidate>& candidates,

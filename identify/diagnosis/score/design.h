@@ -32,9 +32,14 @@ struct Design {
   std::vector<DesignColumn> columns;  ///< [K]
 };
 
-/// Residuals and the columns of the fitted parameters, as EstimateNoiseModel needs them. Errors: those of
-/// Problem::Predict at x.
-Result<std::vector<noise::NoiseBlock>> NoiseBlocks(const LeastSquares& fit, const Vector& x);
+/// Residuals and the columns of the fitted parameters, as EstimateNoiseModel needs them.
+struct NoiseRows {
+  std::vector<noise::NoiseBlock> blocks;  ///< [training blocks]
+  std::vector<noise::PriorRow> priors;    ///< of fitted parameters
+};
+
+/// Errors: those of Problem::Predict at x.
+Result<NoiseRows> NoiseRowsAt(const LeastSquares& fit, const Vector& x);
 
 /// Linearises the fit at x. Candidates that the fit has released already get no columns, nor do those whose
 /// prediction fails.

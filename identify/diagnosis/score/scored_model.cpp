@@ -72,23 +72,26 @@ Matrix LeadingDirections(const Design& design) {
 Result<noise::NoiseModel> NoiseWithCandidatesFitted(const LeastSquares& fit, const Vector& x,
                                                     const Design& design, const noise::NoiseModel& own,
                                                     bool white) {
-  SINEW_ASSIGN(auto blocks, NoiseBlocks(fit, x));
+  SINEW_ASSIGN(auto rows, NoiseRowsAt(fit, x));
+  std::vector<noise::NoiseBlock>& blocks = rows.blocks;
   const Matrix directions = LeadingDirections(design);
   for (std::size_t t = 0; t < blocks.size(); ++t) {
     noise::NoiseBlock& block = blocks[t];
-    const auto rows = block.residual.size();
-    block.regressors.conservativeResize(rows, block.regressors.cols() + directions.cols());
+    const auto samples = block.residual.size();
+    block.regressors.conservativeResize(samples, block.regressors.cols() + directions.cols());
     block.regressors.rightCols(directions.cols()) =
-        directions.middleRows(fit.train_blocks()[t].first_row, rows);
+        directions.middleRows(fit.train_blocks()[t].first_row, samples);
     for (Eigen::Index k = 0; k < directions.cols(); ++k)
       block.columns.push_back(fit.variables() + static_cast<int>(k));
   }
   noise::NoiseModelOptions how;
   how.white = white;
+  how.priors = std::move(rows.priors);
   SINEW_ASSIGN(auto behind, noise::EstimateNoiseModel(blocks, how));
   // With so many regressors the estimate has a larger variance; it is used only if the likelihood clearly
   // rejects the other one.
-  const double rejection = noise::RestrictedDeviance(blocks, own) - noise::RestrictedDeviance(blocks, behind);
+  const double rejection =
+      noise::RestrictedDeviance(blocks, own, how) - noise::RestrictedDeviance(blocks, behind, how);
   return rejection > kRejected ? behind : own;
 }
 

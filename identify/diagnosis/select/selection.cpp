@@ -280,7 +280,10 @@ class Selector {
       Set added;
       std::set_difference(best->released.begin(), best->released.end(), chosen.begin(), chosen.end(),
                           std::back_inserter(added));
-      scores_contradicted_ = ContradictsScore(scored, *best, added.front());
+      // Beside hundreds of values that follow the data refits end at neighbouring minima: those of all
+      // candidates would say no more than their scores, and take hours.
+      const bool many_minima = base_.refit.noise.CountsPriors();
+      scores_contradicted_ = !many_minima && ContradictsScore(scored, *best, added.front());
       if (scores_contradicted_) best = FitExtensions(chosen, scored, wanted);
     }
     for (const auto& [released, starts] : wanted) {

@@ -15,7 +15,7 @@ namespace {
 const NoiseProcess kWhite;
 const NoiseProcess kFirstOrder = {{0.9}, {}, 0};
 // The criterion that finds the true order almost always, if there is one.
-const NoiseModelOptions kConsistent = {6, OrderCriterion::kBic, false, nullptr};
+const NoiseModelOptions kConsistent = {6, OrderCriterion::kBic, false, nullptr, {}};
 
 NoiseModel Estimated(const std::vector<NoiseBlock>& blocks, const NoiseModelOptions& options = {}) {
   auto model = EstimateNoiseModel(blocks, options);

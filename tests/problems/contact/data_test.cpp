@@ -174,6 +174,14 @@ TEST(ContactData, ObjectivesNeedWhatTheyDivideBy) {
             "trial 'train_1': channel 'right_force_y' does not vary: nothing to fit");
 }
 
+TEST(ContactData, WithMotionErrorsAPlateMustCarryAnUpwardForce) {
+  const auto turn_over = [](Dataset& data) {
+    for (double& value : data.trials[kTrial].grids["forces"].channels["right_force_y"].values) value *= -1;
+  };
+  EXPECT_EQ(ErrorAfter(turn_over, "objective: thesis", "objective: likelihood\n  motion_errors: {}"),
+            "trial 'train_1': plate 'right' never carries an upward force: is it upside down?");
+}
+
 TEST(ContactData, TheCentreOfPressureIsComparedUnderALoadedFootOnly) {
   Dataset data = ExactData();
   EraseChannel(data, "left_force_y");  // train_2 takes no part

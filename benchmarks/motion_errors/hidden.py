@@ -1,0 +1,205 @@
+#!/usr/bin/python3
+"""Effects hidden in two fitted stances whose motion was measured with errors: are they found, named, and is nothing found where nothing is?
+
+README.md describes the studies and the counts.
+
+usage: hidden.py --sinew PATH --seeds 2001:2030 --out RESULTS.json [--size 2] [--per-seed 2] [--jobs 1] [--seconds 3000]
+       hidden.py --report RESULTS.json...
+"""
+import argparse
+import json
+import math
+import subprocess
+import sys
+import tempfile
+import time
+from concurrent.futures import ThreadPoolExecutor
+from pathlib import Path
+
+import numpy as np
+
+sys.path.append(str(Path(__file__).resolve().parents[1] / "coverage"))
+from report import wilson  # noqa: E402
+from run import POSITION, ROTATION, draw, write_settings  # noqa: E402
+
+DETECTABLE = 3.605  # length of a signature that a test for it alone at 5 % detects with 95 %
+LONGEST = 900       # [s] of one diagnosis
+# Name: lower and upper end of what may be hidden, which are those of the problem; the parameter that is not 0 comes first.
+EFFECTS = {
+    "height_offset": (-0.01, 0.01),
+    "right.height_offset": (-0.01, 0.01),
+    "right_force_y.time_offset": (-0.05, 0.05),
+    "right_force_x.time_offset": (-0.05, 0.05),
+    "right_force_y.gain": (-0.2, 0.2),
+    "right_force_x.gain": (-0.2, 0.2),
+    "right_force_y.offset": (-100, 100),
+    "tilted_floor": (-0.05, 0.05),
+    "floor_compliance": (0, 1e-5),
+    "stiffness_exponent": (-0.5, 2),
+    "missing_toe_region": (0, 1),
+    "unmodelled_mass": (-5, 5),
+}
+OF_NULL_ONE = ("gain",)  # the null of these parameters is 1
+
+
+def request(name, value):
+    if name == "tilted_floor":
+        return f"tilted_floor:floor_slope_x={value!r},floor_slope_z=0"
+    parameter = {"missing_toe_region": "toe_region_weight"}.get(name, "value" if "." in name else name)
+    return f"{name}:{parameter}={1 + value if name.endswith(OF_NULL_ONE) else value!r}"
+
+
+def synthesize(options, seed, truth, data, effects):
+    values = {**truth, "person": 1, "encoders": 1, "train": 2, "validate": 1, "slip": 0.1,
+              "motion_error": POSITION, "rotation_error": ROTATION}
+    words = [options.sinew, "data", "synthesize", "contact", "--seed", seed, "--out", data, "--quiet"]
+    words += [w for name, value in values.items() for w in ("--set", f"{name}={value!r}")]
+    words += [w for effect in effects for w in ("--effect", effect)]
+    done = subprocess.run([str(w) for w in words], capture_output=True, text=True, check=False)
+    if done.returncode != 0:
+        raise RuntimeError(done.stderr[-400:])
+
+
+def diagnose(options, folder, data, settings):
+    found = folder / "found.json"
+    found.unlink(missing_ok=True)
+    began = time.monotonic()
+    try:
+        done = subprocess.run([str(w) for w in (options.sinew, "diagnose", "contact", "--data", data, "--config", settings, "--threads", 1,
+                                                "--quiet", "--out", folder / "found.h5", "--json", found)],
+                              capture_output=True, text=True, check=False, timeout=LONGEST)
+    except subprocess.TimeoutExpired:
+        return None, f"took longer than {LONGEST} s", LONGEST
+    if not found.exists():
+        return None, done.stderr[-400:], time.monotonic() - began
+    return json.loads(found.read_text()), "", time.monotonic() - began
+
+
+def facts(found, seconds):
+    return {"verdict": found["verdict"], "p": found["family_p_value"], "seconds": seconds,
+            "causes": [c["effect"] for c in found["causes"]],
+            "alternatives": [a["effect"] for a in found["alternatives"]],
+            "withdrawn": [w["effect"] for w in found.get("withdrawn", [])],
+            "terms": [f"{u['port']}({u['signal']})" for u in found["unknown_terms"]],
+            "base": found["base"]["stop_test"], "cost": found["base"]["cost"]}
+
+
+def unit_sizes(found):
+    """Of the effects that this diagnosis could judge: the value whose signature has the length DETECTABLE."""
+    sizes = {}
+    for score in found["scores"]:
+        least = score.get("smallest_detectable")
+        if score["effect"] in EFFECTS and least:
+            sizes[score["effect"]] = DETECTABLE * least["value"] / (found["threshold"] + 1.645)
+    return sizes
+
+
+def study(options, seed):
+    """The stances with nothing hidden, then the same ones with one effect at a time."""
+    with tempfile.TemporaryDirectory(prefix="hidden_") as folder:
+        folder = Path(folder)
+        settings, _ = write_settings(folder)
+        truth = draw(seed)
+        data = folder / "data.h5"
+        synthesize(options, seed, truth, data, [])
+        found, failure, seconds = diagnose(options, folder, data, settings)
+        if found is None:
+            return {"seed": seed, "failure": failure}
+        one = {"seed": seed, "truth": truth, "none": facts(found, seconds), "hidden": [], "beyond": []}
+        sizes = unit_sizes(found)
+        random = np.random.default_rng([24, seed])
+        for name in random.permutation(list(EFFECTS)):
+            name = str(name)
+            low, high = EFFECTS[name]
+            sign = 1 if low == 0 or random.uniform() < 0.5 else -1
+            value = sign * options.size * sizes.get(name, math.inf)
+            if not low <= value <= high:
+                one["beyond"].append(name)  # no value that the problem allows has this size
+                continue
+            if len(one["hidden"]) == options.per_seed:
+                break
+            try:
+                synthesize(options, seed, truth, data, [request(name, value)])
+            except RuntimeError as error:
+                one["hidden"].append({"effect": name, "value": value, "failure": str(error)})
+                continue
+            found, failure, seconds = diagnose(options, folder, data, settings)
+            case = {"effect": name, "value": value, "size": options.size}
+            one["hidden"].append({**case, "failure": failure} if found is None else {**case, **facts(found, seconds)})
+        return one
+
+
+def share(title, hits, n):
+    if n == 0:
+        return
+    low, high = wilson(hits, n)
+    print(f"  {title}: {hits} of {n}, {100 * hits / n:.1f} % (Wilson {100 * low:.1f} .. {100 * high:.1f})")
+
+
+def show(results):
+    for one in results:
+        if "failure" in one:
+            print(f"  seed {one['seed']}: {one['failure']}")
+    good = [one for one in results if "none" in one]
+    none = [one["none"] for one in good]
+    print("nothing hidden")
+    share("false alarms (verdict not adequate)", sum(c["verdict"] != "adequate" for c in none), len(none))
+    share("p-value below 0.05", sum(c["p"] <= 0.05 for c in none), len(none))
+    cases = [c for one in good for c in one["hidden"] if "verdict" in c]
+    failed = [c for one in good for c in one["hidden"] if "failure" in c]
+    print(f"hidden, {len(cases)} cases ({len(failed)} failed)")
+    found = [c for c in cases if c["verdict"] != "adequate"]
+    stated = [c for c in found if c["effect"] in c["causes"] + c["alternatives"]]
+    share("detected", len(found), len(cases))
+    share("truth in the stated set, of all", len(stated), len(cases))
+    share("truth in the stated set, of the detected", len(stated), len(found))
+    share("named first, of the detected", sum(c["causes"][:1] == [c["effect"]] for c in found), len(found))
+    share("unexplained, of the detected", sum(c["verdict"] == "unexplained" for c in found), len(found))
+    if stated:
+        print(f"  size of the stated set where it holds the truth: {np.mean([len(c['causes']) + len(c['alternatives']) for c in stated]):.1f}")
+    for name in EFFECTS:
+        own = [c for c in cases if c["effect"] == name]
+        beyond = sum(name in one["beyond"] for one in good)
+        print(f"    {name:26s} {sum(c in stated for c in own)} stated, {sum(c in found for c in own)} detected of {len(own)}; "
+              f"beyond its range in {beyond} seeds")
+    seconds = [c["seconds"] for c in none + cases]
+    print(f"  {np.median(seconds):.0f} s per diagnosis in the median, {max(seconds):.0f} s at most (busy machine)")
+
+
+def main():
+    parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
+    parser.add_argument("--sinew", type=Path)
+    parser.add_argument("--seeds", default="1:2", help="first:last")
+    parser.add_argument("--size", type=float, default=2, help="over the size that an oracle detects with 95 %%")
+    parser.add_argument("--per-seed", type=int, default=2, help="hidden effects, one at a time")
+    parser.add_argument("--jobs", type=int, default=1)
+    parser.add_argument("--seconds", type=float, default=math.inf, help="no study begins later")
+    parser.add_argument("--out", type=Path)
+    parser.add_argument("--report", type=Path, nargs="*")
+    options = parser.parse_args()
+    if options.report:
+        show([one for path in options.report for one in json.loads(path.read_text())])
+        return
+    options.sinew = options.sinew.resolve()
+    first, last = map(int, options.seeds.split(":"))
+    began = time.monotonic()
+    results = []
+
+    def work(seed):
+        if time.monotonic() - began > options.seconds:
+            return
+        try:
+            results.append(study(options, seed))
+        except RuntimeError as error:
+            results.append({"seed": seed, "failure": str(error)})
+        if options.out:
+            options.out.write_text(json.dumps(results))
+
+    with ThreadPoolExecutor(options.jobs) as pool:
+        list(pool.map(work, range(first, last + 1)))
+    if results:
+        show(results)
+
+
+if __name__ == "__main__":
+    main()
