@@ -39,9 +39,8 @@ class ContactProblem final : public Problem {
   Status Predict(const Query& query, Workspace& workspace, Prediction& prediction) const override;
   [[nodiscard]] std::string objective() const override;
   /// With motion errors: springs that touch or leave the floor bend the cost at as many places as there are
-  /// springs and instants; a search settles between two of them more closely than this only after hundreds of
-  /// steps that change no conclusion (of a cost of 100, a hundredth of a unit of the log-likelihood).
-  [[nodiscard]] double cost_noise_level() const override { return settings_.motion_errors ? 1e-4 : 0; }
+  /// springs and instants; a search cannot settle between two of them more closely than this.
+  [[nodiscard]] double cost_noise_level() const override { return settings_.motion_errors ? 1e-6 : 0; }
   /// With motion errors: how far the foot of each stance moved from the recorded motion [mm, degrees].
   [[nodiscard]] std::vector<FigureOfMerit> FiguresOfMerit(
       const Vector& parameters, const std::vector<Vector>& predicted) const override;

@@ -15,6 +15,8 @@ constexpr long kScoutEvaluations = 8;  // per start, before the best one is cont
 constexpr long kFitEvaluations = 80;
 constexpr double kOrdinaryTolerance = 1e-7;  // relative: 0.1 units of deviance in 1e6 samples
 constexpr double kWhitenedTolerance = 1e-3;  // absolute, in half the deviance
+// The same beside hundreds of values, where searches among kinks of the cost go on for long.
+constexpr double kExpectedTolerance = 1e-2;
 constexpr int kNoiseRounds = 2;
 // Ratio to the least sum of squares above which a fit under coloured noise has absorbed the misfit in the
 // noise. (The inefficiency of ordinary least squares costs it a few percent.)
@@ -135,15 +137,17 @@ double Deviance(const LeastSquares& fit, const Vector& residual, const noise::No
   return deviance;
 }
 
-solvers::LocalFit::Outcome FitFromStarts(const LeastSquares& fit, const std::vector<Vector>& starts,
-                                         double tolerance) {
+namespace {
+
+solvers::LocalFit::Outcome FitFrom(const LeastSquares& fit, const std::vector<Vector>& starts,
+                                   const solvers::LocalFit::Tolerance& tolerance) {
   solvers::LocalFit search(fit);
   solvers::LocalFit::Outcome best;
   best.cost = std::numeric_limits<double>::infinity();
   const bool only = starts.size() == 1;
   for (const Vector& start : starts) {
     auto outcome =
-        search.Minimize(fit.Variables(start), -1, {0, tolerance}, only ? kFitEvaluations : kScoutEvaluations);
+        search.Minimize(fit.Variables(start), -1, tolerance, only ? kFitEvaluations : kScoutEvaluations);
     if (outcome.cost < best.cost) {
       best = std::move(outcome);
     } else if (!std::isfinite(best.cost) && !outcome.failure.empty()) {
@@ -152,8 +156,15 @@ solvers::LocalFit::Outcome FitFromStarts(const LeastSquares& fit, const std::vec
   }
   if (!std::isfinite(best.cost)) return best;
   best.failure.clear();
-  if (!best.converged && !only) best = search.Minimize(best.x, -1, {0, tolerance}, kFitEvaluations);
+  if (!best.converged && !only) best = search.Minimize(best.x, -1, tolerance, kFitEvaluations);
   return best;
+}
+
+}  // namespace
+
+solvers::LocalFit::Outcome FitFromStarts(const LeastSquares& fit, const std::vector<Vector>& starts,
+                                         double tolerance) {
+  return FitFrom(fit, starts, {0, tolerance});
 }
 
 FitSetup Refitter::SetupWith(const std::vector<int>& released) const {
@@ -230,7 +241,7 @@ Refit Refitter::FitUnderExpectedNoise(std::vector<int> released, const std::vect
   for (int round = 0; round < kNoiseRounds && status; ++round) {
     const noise::Whitening whitening(under, stretches);
     fit.set_transform(&whitening);
-    const auto found = FitFromStarts(fit, from, kOrdinaryTolerance);
+    const auto found = FitFrom(fit, from, {kExpectedTolerance, kOrdinaryTolerance});
     fit.set_transform(nullptr);
     refit.failure = found.failure;
     if (!refit.usable()) return refit;
