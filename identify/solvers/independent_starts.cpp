@@ -99,6 +99,7 @@ class Searching {
       : evaluator_(evaluator),
         options_(options),
         in_stages_(evaluator.fit().setup().HasNuisancePriors()),
+        improved_(in_stages_ && options.improved_starts),
         local_(LocalSolver(in_stages_, options.cost_tolerance)),
         sampler_(evaluator.fit()),
         size_of_signals_(SizeOfSignals(evaluator.fit())),
@@ -137,7 +138,7 @@ class Searching {
         ends_.push_back(*best);
     }
     return End(ends_.empty() ? std::move(first) : std::move(ends_),
-               in_stages_ ? "continuation" : "basin hopping");
+               improved_ ? "continuation" : "basin hopping");
   }
 
  private:
@@ -145,7 +146,7 @@ class Searching {
     return in_stages_ ? kEvaluationsInStages : kEvaluationsPerSearch;
   }
 
-  [[nodiscard]] double same() const { return in_stages_ ? kSamePosterior : 0; }
+  [[nodiscard]] double same() const { return improved_ ? kSamePosterior : 0; }
   [[nodiscard]] double SameAs(double cost) const { return std::max(kSameMinimum * cost, same()); }
 
   static bool IsBetter(const Stage& a, const Stage& b) { return a.cost < b.cost; }
@@ -183,10 +184,10 @@ class Searching {
   std::vector<Vector> Sample(const Vector& start, int chain, bool with_start) const {
     // Seeds of different chains must not share points.
     const std::uint64_t seed = options_.seed + 1000003ULL * static_cast<std::uint64_t>(chain + 1);
-    const int at_once = in_stages_ ? kAtOnceInStages : kAtOnce;
+    const int at_once = improved_ ? kAtOnceInStages : kAtOnce;
     const int count = with_start ? at_once - 1 : at_once;
     std::vector<Vector> starts =
-        in_stages_ ? Improved(start, count, seed) : sampler_.Anywhere(start, count, seed);
+        improved_ ? Improved(start, count, seed) : sampler_.Anywhere(start, count, seed);
     if (with_start) starts.insert(starts.begin(), start);
     return starts;
   }
@@ -233,7 +234,7 @@ class Searching {
   Stage Hop(Stage at, int chain) {
     Random random(options_.seed + 7919ULL * static_cast<std::uint64_t>(chain));
     int without_gain = 0;
-    while (!in_stages_ && without_gain < kPatience && !Done()) {
+    while (!improved_ && without_gain < kPatience && !Done()) {
       std::vector<Vector> points;
       for (int i = 0; i < kAtOnce; ++i) points.push_back(sampler_.Near(at.x, random));
       const double before = at.cost;
@@ -278,6 +279,7 @@ class Searching {
   Evaluator& evaluator_;
   const SolverOptions& options_;
   bool in_stages_;
+  bool improved_;  // starts in place of basin hopping
   std::unique_ptr<Solver> local_;
   StartSampler sampler_;
   double size_of_signals_;

@@ -21,10 +21,11 @@ inline constexpr double kSamePosterior = 0.25;
 
 /// A search that ends when independent starts agree.
 ///
-/// Local searches are by `lm`; by `continuation` where nuisance parameters have priors. There the other
-/// starts are near the given one and are improved by Problem::ImprovedStart, because a search over hundreds
-/// of values that follow the data gets lost from anywhere; there are two of them at a time; further ones take
-/// the place of basin hopping; and costs are taken for the same within kSamePosterior.
+/// Local searches are by `lm`; by `continuation` where nuisance parameters have priors. With
+/// SolverOptions::improved_starts the other starts are near the given one there and are improved by
+/// Problem::ImprovedStart, because a search over hundreds of values that follow the data gets lost from
+/// anywhere; there are two of them at a time; further ones take the place of basin hopping; and costs are
+/// taken for the same within kSamePosterior.
 ///
 /// 1. Local searches from the given start and from three others anywhere in the box. Where the best
 ///    cost is reached twice and white noise is left, this is the answer. Where structure is left, basin
