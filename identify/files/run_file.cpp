@@ -6,6 +6,8 @@
 
 #include "base/constants.h"
 #include "base/text.h"
+#include "identify/files/diagnosis_file.h"
+#include "identify/files/kept_work.h"
 #include "identify/files/run_groups.h"
 #include "identify/files/searches.h"
 #include "identify/text/findings.h"
@@ -207,6 +209,8 @@ Result<Hdf5Node> RunTree(const Problem& problem, const Identification& identific
   if (!identification.finished.empty())
     files::WriteSearches(identification.finished, FreeNames(identification.setup).size(),
                          root.At("searches"));
+  if (identification.interrupted)
+    files::WriteKeptWork(identification.kept_residuals, identification.setup.record, root);
   if (!result.stages.empty()) WriteStages(result.stages, root.At("stages"));
   if (!result.stop.usable()) return root;
 
@@ -219,11 +223,11 @@ Result<Hdf5Node> RunTree(const Problem& problem, const Identification& identific
   return root;
 }
 
-Hdf5Node UnfinishedRunTree(const LeastSquares& problem, const IdentificationOptions& options,
+Hdf5Node UnfinishedRunTree(const LeastSquares& problem, const std::string& solver, std::uint64_t seed,
                            const Provenance& provenance, const Evaluator& evaluator) {
   Hdf5Node root;
   Hdf5Node& run = root.At("run");
-  files::WriteProvenance(provenance, options.solver, options.solver_options.seed, run);
+  files::WriteProvenance(provenance, solver, seed, run);
   run.attributes["finished"] = std::int64_t{0};
   run.attributes["stop_reason"] = std::string("running");
   run.attributes["stop_test"] = std::string();
@@ -238,6 +242,7 @@ Hdf5Node UnfinishedRunTree(const LeastSquares& problem, const IdentificationOpti
   files::WriteTrace(evaluator.trace(), FreeNames(problem.setup()), root.At("trace"));
   if (!evaluator.finished().empty())
     files::WriteSearches(evaluator.finished(), problem.setup().free.size(), root.At("searches"));
+  files::WriteKeptWork(evaluator.kept_residuals(), problem.setup().record, root);
   const Vector best = evaluator.has_best() ? problem.Parameters(evaluator.best().x) : problem.setup().rest;
   files::WriteParameters(problem.setup(), best, root.At("parameters"));
   return root;
@@ -255,7 +260,8 @@ Result<RecordedRun> ReadRun(const std::string& path) {
   recorded.data_hash = run->Text("data_hash");
   recorded.seed = SeedOf(*run);
   recorded.version = run->Text("version");
-  recorded.cost = root.Find("diagnosis") == nullptr ? run->Number("cost", kNaN) : kNaN;
+  const bool diagnosed = root.Find("diagnosis") != nullptr || recorded.solver == kDiagnoseSolver;
+  recorded.cost = diagnosed ? kNaN : run->Number("cost", kNaN);
   recorded.steps = static_cast<int>(run->Number("steps", 0));
   recorded.finished = run->Number("finished", 0) == 1;
 
@@ -297,6 +303,9 @@ Result<RecordedRun> ReadRun(const std::string& path) {
   }
   SINEW_ASSIGN(recorded.finished_searches,
                files::ReadSearches(path, root, recorded.trace.size(), x->array()->shape[1]));
+  SINEW_ASSIGN(files::KeptWork kept, files::ReadKeptWork(path, root, recorded.trace.size()));
+  recorded.kept_residuals = std::move(kept.residuals);
+  recorded.fits = std::move(kept.fits);
   return recorded;
 }
 

@@ -67,12 +67,14 @@ Result<Identification> Identify(const Problem& problem, FitSetup setup, Identifi
   }
   out.trace = evaluator.trace();
   out.finished = evaluator.finished();
+  out.kept_residuals = evaluator.kept_residuals();
   out.failures = evaluator.failures();
   const auto is_interrupted = [&] { return interrupt != nullptr && interrupt->load(); };
   out.interrupted = is_interrupted();
   if (!out.result.stop.usable()) return out;
 
-  SINEW_ASSIGN(out.parameters, solvers::FitHeldOutNuisance(problem, least_squares.Parameters(out.result.x)));
+  SINEW_ASSIGN(out.parameters, solvers::FitHeldOutNuisance(problem, least_squares.Parameters(out.result.x),
+                                                           out.setup.record));
   if (out.failures > 0) {
     out.warnings.push_back({WarningKind::kFailedEvaluations,
                             {},
