@@ -1,0 +1,185 @@
+#!/usr/bin/python3
+"""Kills commands at random moments and resumes them: is every file readable, and the result that of an uninterrupted run?
+
+    benchmarks/interruptions/campaign.py --sinew build/release/sinew --kills 300 --terms 100 --seed 1
+"""
+import argparse
+import collections
+import os
+import pathlib
+import random
+import shutil
+import signal
+import statistics
+import subprocess
+import sys
+import tempfile
+import time
+
+import h5py
+
+sys.path.insert(0, str(pathlib.Path(__file__).resolve().parents[2] / "tests/cli"))
+from program import differences  # noqa: E402
+
+from cases import DATA, DRAWN, others, solvers  # noqa: E402
+
+LONGEST = 600  # [s] of any command
+STATUS = {signal.SIGKILL: {-signal.SIGKILL}, signal.SIGTERM: {143, -signal.SIGTERM}}
+NOT_COMPARED = ("seconds_to_target",)  # of a study, besides everything that is called seconds
+
+
+class Broken(Exception):
+    pass
+
+
+class Campaign:
+    def __init__(self, sinew, folder):
+        self.sinew, self.folder = sinew, folder
+        self.whole, self.seconds = {}, {}
+
+    def run(self, words):
+        """Seconds that a command took which has to succeed."""
+        began = time.monotonic()
+        done = subprocess.run([self.sinew, *words], cwd=self.folder, capture_output=True, text=True, timeout=LONGEST)
+        # 1: it ran, but there is no usable answer (a solver at its limit, a diagnosis without a conclusion)
+        if done.returncode not in (0, 1):
+            raise Broken(f"{' '.join(words)}: status {done.returncode}\n{done.stderr}")
+        return time.monotonic() - began
+
+    def prepare(self, cases):
+        for _, line in DATA:
+            name = next(name for name, other in DATA if other == line)
+            self.run([*line.split(), "--out", name])
+        for _, line in DRAWN:
+            self.run(line.split())
+        for case in cases:
+            self.seconds[case.name] = self.run(case.command())
+            self.whole[case.name] = self.folder / f"whole_{len(self.whole)}"
+            (self.folder / case.out).rename(self.whole[case.name])
+
+    def leftovers(self):
+        return [name for name in os.listdir(self.folder) if name.startswith(".sinew-")]
+
+    def check_files(self):
+        """Whatever stands in the folder is whole."""
+        for path in self.folder.glob("*.h5"):
+            try:
+                with h5py.File(path) as file:
+                    file.visititems(lambda _, item: item[()] if isinstance(item, h5py.Dataset) else None)
+            except OSError as error:
+                raise Broken(f"{path.name} cannot be read: {error}") from error
+
+    def stop(self, words, how, moment):
+        """Runs a command for so long. Returns seconds it had, None if it had ended before."""
+        began = time.monotonic()
+        with subprocess.Popen([self.sinew, *words], cwd=self.folder, stdout=subprocess.DEVNULL, stderr=subprocess.PIPE,
+                              text=True) as program:
+            try:
+                program.communicate(timeout=moment)
+            except subprocess.TimeoutExpired:
+                program.send_signal(how)
+                sent = time.monotonic()
+                _, errors = program.communicate(timeout=LONGEST)
+                if program.returncode in STATUS[how]:
+                    if time.monotonic() - sent > 10:
+                        raise Broken(f"{' '.join(words)}: ended {time.monotonic() - sent:.1f} s after {how.name}")
+                    return sent - began
+                if program.returncode not in (0, 1):
+                    raise Broken(f"{' '.join(words)}: status {program.returncode} after {how.name}\n{errors}")
+        return None
+
+    def same(self, case):
+        new, old = self.folder / case.out, self.whole[case.name]
+        if case.out == "page":
+            missing = sorted({p.name for p in old.iterdir()} ^ {p.name for p in new.iterdir()})
+            return [f"page/{name}" for name in missing]
+        with h5py.File(new) as first, h5py.File(old) as second:
+            return [place for place in differences(first, second) if not place.endswith(NOT_COMPARED)]
+
+    def interrupt(self, case, how, draw):
+        """One interruption, sometimes another one of the resumed command. Returns seconds lost, None if it came too late."""
+        words, spent = case.command(), 0.0
+        again = (*words, "--resume") if case.resumes else words
+        for attempt in range(draw.choice((1, 1, 2, 3))):
+            had = self.stop(again if attempt else words, how, draw.uniform(0, self.seconds[case.name]))
+            if had is None:
+                if attempt == 0:
+                    self.remove(case)
+                    return None
+                break
+            spent += had
+            self.check_files()
+            if case.out == "page" and (self.folder / "page").exists() and self.same(case):
+                raise Broken(f"half a page after {how.name}")
+        spent += self.run(again)
+        if self.leftovers():
+            raise Broken(f"{case.name}: left after the next command: {self.leftovers()}")
+        if differing := self.same(case):
+            shutil.copytree(self.folder, f"/tmp/interruption_{os.getpid()}", dirs_exist_ok=True)
+            raise Broken(f"{case.name} after {how.name}: differs from the uninterrupted result in {differing[:5]}")
+        self.remove(case)
+        return max(0.0, spent - self.seconds[case.name])
+
+    def remove(self, case):
+        path = self.folder / case.out
+        shutil.rmtree(path) if path.is_dir() else path.unlink(missing_ok=True)
+
+
+def listed_solvers(sinew):
+    text = subprocess.run([sinew, "list", "solvers"], capture_output=True, text=True, check=True).stdout
+    return [line.split()[0] for line in text.splitlines()[1:] if len(line) > 34 and line[34:40].strip() in ("global", "local")]
+
+
+def summary(lost):
+    return f"{statistics.median(lost):.2f}, {max(lost):.2f}" if lost else "-"
+
+
+def main():
+    parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
+    parser.add_argument("--sinew", required=True)
+    parser.add_argument("--kills", type=int, default=300)
+    parser.add_argument("--terms", type=int, default=100)
+    parser.add_argument("--seed", type=int, default=1)
+    parser.add_argument("--only", default="", help="cases whose name contains this")
+    options = parser.parse_args()
+    sinew = os.path.abspath(options.sinew)
+    cases = [case for case in solvers(listed_solvers(sinew)) for _ in range(1)] + others() * 4
+    cases = [case for case in cases if options.only in case.name]
+    draw = random.Random(options.seed)
+    lost = collections.defaultdict(lambda: collections.defaultdict(list))
+    broken, late = [], 0
+    with tempfile.TemporaryDirectory() as folder:
+        campaign = Campaign(sinew, pathlib.Path(folder))
+        campaign.prepare(list(dict.fromkeys(cases)))
+        for how, wanted in ((signal.SIGKILL, options.kills), (signal.SIGTERM, options.terms)):
+            done = 0
+            while done < wanted:
+                case = draw.choice(cases)
+                try:
+                    seconds = campaign.interrupt(case, how, draw)
+                except Broken as error:
+                    broken.append(str(error))
+                    print(f"BROKEN {error}", flush=True)
+                    campaign.remove(case)
+                    done += 1
+                    continue
+                if seconds is None:
+                    late += 1
+                    continue
+                done += 1
+                lost[how][case.name].append(seconds)
+                if done % 20 == 0:
+                    print(f"{how.name}: {done} of {wanted}", file=sys.stderr, flush=True)
+        print(f"{late} more came after the end. {len(broken)} broken.")
+        for how, of_cases in lost.items():
+            every = [seconds for values in of_cases.values() for seconds in values]
+            print(f"{how.name}: {len(every)} resumed to the uninterrupted result; seconds lost, median and worst: {summary(every)}")
+        print("| command | uninterrupted, s | interrupted | SIGKILL: s lost, median, worst | SIGTERM |\n|---|---|---|---|---|")
+        for name, whole in campaign.seconds.items():
+            killed, stopped = lost[signal.SIGKILL][name], lost[signal.SIGTERM][name]
+            print(f"| {name} | {whole:.1f} | {len(killed) + len(stopped)} | {summary(killed)} | {summary(stopped)} |")
+    return 1 if broken else 0
+
+
+if __name__ == "__main__":
+    sys.exit(main())
