@@ -1,4 +1,5 @@
 // sinew report: hands run files to the report's own program (cli/report, Python), which executes a notebook.
+#include <sys/prctl.h>
 #include <sys/wait.h>
 #include <unistd.h>
 
@@ -56,6 +57,7 @@ Result<int> RunReport(const std::string& folder, const std::vector<std::string>&
   child = fork();
   if (child < 0) return Fail("cannot start {}", kPython);
   if (child == 0) {
+    prctl(PR_SET_PDEATHSIG, SIGTERM);  // it writes nothing after this process was killed
     execv(kPython, arguments.data());
     _exit(127);
   }

@@ -1,7 +1,7 @@
 """Commands that are interrupted: of every kind that takes long, on small problems.
 
-A case has the words of the command without its output, and what its output is called. `resumes` is false for a command that is
-simply given again.
+A case has the words of the command without its output, the option for that, and what it is called. `resumes` is false for a
+command that is simply given again.
 """
 from dataclasses import dataclass
 
@@ -11,10 +11,11 @@ class Case:
     name: str
     words: tuple
     out: str
+    option: str = "--out"
     resumes: bool = True
 
     def command(self):
-        return (*self.words, "--out-dir" if self.out == "page" else "--out", self.out)
+        return (*self.words, self.option, self.out) if self.option else self.words
 
 
 DATA = (
@@ -25,6 +26,13 @@ DATA = (
                   "position_noise=0.0001 --effect coulomb_friction:value=0.2 --effect position.time_offset:value=0.02"),
     ("toss.h5", "data synthesize free_body --seed 2 --set train=8 --set validate=2"),
 )
+COHORT = """subjects: {anna: {seed: 1}, bert: {seed: 2}}
+out: results
+steps:
+  data: data synthesize contact --seed {seed} --set encoders=1 --out {out}/data.h5
+  fit: identify contact --data {data} --solver sa --max-evaluations 20000 --out {out}/run.h5
+  why: diagnose contact --data {data} --out {out}/why.h5
+"""
 # What `report` draws.
 DRAWN = (
     ("drawn_1.h5", "identify contact --data contact.h5 --solver lm --quiet --out drawn_1.h5"),
@@ -49,5 +57,6 @@ def others():
         Case("diagnose, large misfit", ("diagnose", "drive", "--data", "misfit.h5", *work), "why.h5"),
         Case("compare", ("compare", "nms", "--data", "nms.h5", "--solvers", "sa,lm,restarts", "--repeats", "3",
                          "--max-evaluations", "400", *work), "study.h5"),
-        Case("report", ("report", "drawn_1.h5", "drawn_2.h5", *work), "page", resumes=False),
+        Case("report", ("report", "drawn_1.h5", "drawn_2.h5", *work), "page", "--out-dir", resumes=False),
+        Case("run", ("run", "cohort.yaml", *work), "results", "", resumes=False),
     ]
