@@ -19,12 +19,12 @@ class Case:
 
 
 DATA = (
-    ("nms.h5", "data synthesize nms --seed 2 --set cycles=8"),
+    ("nms.h5", "data synthesize nms --seed 2 --set cycles=4"),
     ("contact.h5", "data synthesize contact --seed 4 --set encoders=1"),
-    ("drive.h5", "data synthesize drive --seed 7 --set duration=10 --effect asymmetric_friction:forward_friction=0.16,backward_friction=0.08"),
-    ("misfit.h5", "data synthesize drive --seed 8 --set train=2 --set validate=1 --set duration=3 --set rate=200 --set "
+    ("drive.h5", "data synthesize drive --seed 7 --set duration=5 --effect asymmetric_friction:forward_friction=0.16,backward_friction=0.08"),
+    ("misfit.h5", "data synthesize drive --seed 8 --set train=2 --set validate=1 --set duration=2 --set rate=100 --set "
                   "position_noise=0.0001 --effect coulomb_friction:value=0.2 --effect position.time_offset:value=0.02"),
-    ("toss.h5", "data synthesize free_body --seed 2 --set train=8 --set validate=2"),
+    ("toss.h5", "data synthesize free_body --seed 2 --set train=4 --set validate=2"),
 )
 COHORT = """subjects: {anna: {seed: 1}, bert: {seed: 2}}
 out: results
@@ -43,7 +43,7 @@ DRAWN = (
 def solvers(listed):
     """Every solver, on the calibration of a small muscle model; chains and other problems beside them."""
     names = [*listed, "sa+lm", "cmaes+ceres"]
-    return [Case("identify " + name, ("identify", "nms", "--data", "nms.h5", "--solver", name, "--max-evaluations", "1000",
+    return [Case("identify " + name, ("identify", "nms", "--data", "nms.h5", "--solver", name, "--max-evaluations", "600",
                                       "--threads", "1", "--quiet"), "run.h5") for name in names]
 
 

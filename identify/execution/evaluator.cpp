@@ -77,13 +77,6 @@ const TraceEntry* Evaluator::Replayed(const Vector& x) const {
   return entry.x.size() == x.size() && entry.x == x ? &entry : nullptr;
 }
 
-// The first failure is told in the result, which has to be that of an uninterrupted run.
-Error Evaluator::FailureAgain(const Vector& x) {
-  if (failures_ > 0) return {"failed in the run that is resumed"};
-  const Result<double> again = fit_.Cost(x, workspace_);
-  return again ? Error{"failed in the run that is resumed"} : again.error();
-}
-
 bool Evaluator::ReplayResiduals(const Vector& x, Vector& residuals, SparseJacobian* jacobian) const {
   const TraceEntry* known = Replayed(x);
   if (known == nullptr || !std::isfinite(known->cost)) return false;
@@ -149,8 +142,8 @@ void Evaluator::Keep(TraceEntry entry) {
   if (is_best) best_ = static_cast<long>(trace_.size()) - 1;
 }
 
-void Evaluator::Record(const Vector& x, double cost) {
-  Keep({seconds(), cost, x});
+void Evaluator::Record(const Vector& x, double cost, const std::string& failure) {
+  Keep({seconds(), cost, x, failure});
   if (options_.progress) {
     options_.progress({evaluations(), trace_.back().seconds, has_best() ? best().cost : kInfinity}, *this);
   }
@@ -158,7 +151,7 @@ void Evaluator::Record(const Vector& x, double cost) {
 
 Evaluator::Outcome Evaluator::RecordFailure(const Vector& x, const Error& error) {
   if (failures_++ == 0) first_failure_ = error.message;
-  Record(x, kInfinity);
+  Record(x, kInfinity, error.message);
   return Outcome::kFailed;
 }
 
@@ -177,7 +170,7 @@ Evaluator::Outcome Evaluator::Cost(const Vector& x, double& cost, Infeasible inf
   if (admitted != Outcome::kOk) return admitted;
   if (const TraceEntry* known = Replayed(x)) {
     cost = known->cost;
-    if (!std::isfinite(cost)) return RecordFailure(x, FailureAgain(x));
+    if (!std::isfinite(cost)) return RecordFailure(x, {known->failure});
     Record(x, cost);
     return Outcome::kOk;
   }
@@ -193,8 +186,7 @@ Evaluator::Outcome Evaluator::Residuals(const Vector& x, Vector& residuals, Spar
   const Outcome admitted = Admit(x, infeasible);
   if (admitted != Outcome::kOk) return admitted;
   const TraceEntry* known = Replayed(x);
-  if (known != nullptr && !std::isfinite(known->cost) && failures_ > 0)
-    return RecordFailure(x, {"failed in the run that is resumed"});
+  if (known != nullptr && !std::isfinite(known->cost)) return RecordFailure(x, {known->failure});
   if (ReplayResiduals(x, residuals, jacobian)) {
     KeepResiduals(residuals, jacobian);
     Record(x, 0.5 * residuals.squaredNorm());

@@ -28,6 +28,7 @@ struct TraceEntry {
   double seconds = 0;  ///< since the start of the run
   double cost = 0;     ///< infinite if the simulation failed there
   Vector x;
+  std::string failure = {};  ///< why it failed, or was rejected; empty if it did not
 };
 
 /// State of a running search, for a progress display.
@@ -165,14 +166,12 @@ class Evaluator {
   Outcome Admit(const Vector& x, Infeasible infeasible);
   /// The record of this evaluation if the run is resumed and its recorded point is x, else nullptr.
   const TraceEntry* Replayed(const Vector& x) const;
-  /// The message of a point that failed in the run that is resumed.
-  [[nodiscard]] Error FailureAgain(const Vector& x);
   /// Residuals and derivatives from that record. @return false: they are not in it
   bool ReplayResiduals(const Vector& x, Vector& residuals, SparseJacobian* jacobian) const;
   void KeepResiduals(const Vector& residuals, const SparseJacobian* jacobian);
   void Keep(TraceEntry entry);
   [[nodiscard]] std::unique_lock<std::mutex> LockRecord() const;
-  void Record(const Vector& x, double cost);
+  void Record(const Vector& x, double cost, const std::string& failure = {});
   Outcome RecordFailure(const Vector& x, const Error& error);
 
   const LeastSquares& fit_;

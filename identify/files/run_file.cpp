@@ -6,6 +6,7 @@
 
 #include "base/constants.h"
 #include "base/text.h"
+#include "identify/files/columns.h"
 #include "identify/files/diagnosis_file.h"
 #include "identify/files/kept_work.h"
 #include "identify/files/run_groups.h"
@@ -183,6 +184,23 @@ void FindDispensable(const Hdf5Node& root, RecordedRun& run) {
   }
 }
 
+// Runs of earlier versions have none.
+Status ReadFailures(const std::string& path, const Hdf5Node& node, std::vector<TraceEntry>& trace) {
+  const Hdf5Node* reasons = node.Find("failures/reason");
+  if (reasons == nullptr) return {};
+  const std::size_t count = reasons->texts() == nullptr ? 0 : reasons->texts()->size();
+  const auto* evaluation = files::NumberColumn(node, "failures/evaluation", count);
+  if (reasons->texts() == nullptr || evaluation == nullptr)
+    return Fail("{}: /trace/failures is not complete", path);
+  for (std::size_t i = 0; i < count; ++i) {
+    const double at = (*evaluation)[i];
+    if (!(at >= 0 && at < static_cast<double>(trace.size())))
+      return Fail("{}: /trace/failures names an evaluation that is not there", path);
+    trace[static_cast<std::size_t>(at)].failure = (*reasons->texts())[i];
+  }
+  return {};
+}
+
 }  // namespace
 
 Result<Hdf5Node> RunTree(const Problem& problem, const Identification& identification,
@@ -301,6 +319,7 @@ Result<RecordedRun> ReadRun(const std::string& path) {
     recorded.trace.push_back(
         {seconds->array()->values[i], cost->array()->values[i], Eigen::Map<const Vector>(row, width)});
   }
+  SINEW_TRY(ReadFailures(path, *trace, recorded.trace));
   SINEW_ASSIGN(recorded.finished_searches,
                files::ReadSearches(path, root, recorded.trace.size(), x->array()->shape[1]));
   SINEW_ASSIGN(files::KeptWork kept, files::ReadKeptWork(path, root, recorded.trace.size()));

@@ -7,6 +7,7 @@
 
 #include "base/constants.h"
 #include "base/random.h"
+#include "identify/execution/failure_reasons.h"
 #include "tests/identify/support/toy_problem.h"
 
 namespace sinew {
@@ -232,7 +233,7 @@ TEST_F(EvaluatorTest, AReplayedRunIsTheUninterruptedRunToTheLastBit) {
   resumed_options.replay = interrupted.trace();
   Evaluator resumed = Make(resumed_options);
   AutocorrelationExcess(resumed, 80);
-  EXPECT_EQ(predictions_, 1) << "only the first failure is predicted again, for its reason";
+  EXPECT_EQ(predictions_, 0) << "what was recorded is not predicted again";
   Evaluator on = Make(resumed_options);
   AutocorrelationExcess(on, 200);
   ASSERT_EQ(on.evaluations(), 200);
@@ -277,7 +278,7 @@ TEST_F(EvaluatorTest, ResidualsAndDerivativesAreKeptAsFarAsThereIsRoom) {
   Evaluator again = Make(resumed_options);
   predictions_ = 0;
   DescendOnDerivatives(again, 8);
-  EXPECT_LE(predictions_, 2) << "only the first failure is predicted again, for its reason";
+  EXPECT_EQ(predictions_, 0) << "what was kept is not predicted again";
   Evaluator resumed = Make(resumed_options);
   DescendOnDerivatives(resumed, 12);
   for (std::size_t i = 0; i < 12; ++i) {
@@ -291,6 +292,21 @@ TEST_F(EvaluatorTest, ResidualsAndDerivativesAreKeptAsFarAsThereIsRoom) {
   Evaluator little = Make(keeping);
   DescendOnDerivatives(little, 8);
   EXPECT_EQ(little.kept_residuals().size(), 1U);
+}
+
+TEST_F(EvaluatorTest, FailuresAreCountedByReason) {
+  Evaluator evaluator = Make();
+  double cost = 0;
+  evaluator.Cost(At(0, 0), cost);
+  evaluator.Cost(At(3.5, 0), cost);
+  for (const double a : {-2.0, -2.5, -3.25e-7 - 1}) evaluator.Cost(At(a, 0), cost);
+  const auto reasons = FailuresByReason(evaluator.trace());
+  ASSERT_EQ(reasons.size(), 2U);
+  EXPECT_EQ(reasons[0].message, "a = -2 is out of reach");
+  EXPECT_EQ(reasons[0].count, 3);
+  EXPECT_EQ(reasons[0].first, 2U);
+  EXPECT_EQ(reasons[1].message, "constraint 'a at most 3' is violated");
+  EXPECT_EQ(reasons[1].count, 1);
 }
 
 TEST_F(EvaluatorTest, TheFirstFailureHasItsReasonAlsoWhenResumed) {
