@@ -98,7 +98,8 @@ void LeastSquares::AddTo(Digest& digest) const {
     // Of blocks that are not compared only the ranges matter, which no view changes.
     digest.Add(count(static_cast<std::size_t>(block.role)));
     if (block.role != BlockRole::kTrain) continue;
-    digest.Add(block.weight);
+    digest.Add(block.weight).Add(block.sigma.value_or(0)).Add(block.noise_memory.value_or(0));
+    digest.Add(count(block.white ? 1 : 0));
     digest.Add(block.relative_weight.data(), block.relative_weight.size());
     digest.Add(block.measured.data(), block.measured.size());
     for (const int sample : block.sample) digest.Add(count(static_cast<std::size_t>(sample)));

@@ -94,8 +94,8 @@ class LeastSquares {
   /// It must outlive its use. Not thread-safe.
   void set_transform(const RowTransform* transform) { transform_ = transform; }
 
-  /// Adds everything that Evaluate and Constraints depend on and that differs between fits of one problem and
-  /// its views: parameters, which are free, the values of the others, layout, transform.
+  /// Adds everything that Evaluate, Constraints and noise models depend on and that differs between fits of
+  /// one problem and its views: parameters, which are free, the values of the others, layout, transform.
   void AddTo(Digest& digest) const;
 
   [[nodiscard]] Workspace NewWorkspace() const;
