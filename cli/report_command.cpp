@@ -6,6 +6,7 @@
 #include <atomic>
 #include <cerrno>
 #include <csignal>
+#include <cstdlib>
 #include <filesystem>
 
 #include "base/held_file.h"
@@ -54,6 +55,7 @@ Result<int> RunReport(const std::string& folder, const std::vector<std::string>&
   };
   StoppableWork work([] { return std::string(); }, pass_on);
   work.Finish();
+  setenv("SINEW_REPORT_PARENT", std::to_string(getpid()).c_str(), 1);  // NOLINT(concurrency-mt-unsafe)
   child = fork();
   if (child < 0) return Fail("cannot start {}", kPython);
   if (child == 0) {

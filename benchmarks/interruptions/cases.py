@@ -19,7 +19,7 @@ class Case:
 
 
 DATA = (
-    ("nms.h5", "data synthesize nms --seed 2 --set cycles=4"),
+    ("nms.h5", "data synthesize nms --seed 2 --set cycles=3"),
     ("contact.h5", "data synthesize contact --seed 4 --set encoders=1"),
     ("drive.h5", "data synthesize drive --seed 7 --set duration=5 --effect asymmetric_friction:forward_friction=0.16,backward_friction=0.08"),
     ("misfit.h5", "data synthesize drive --seed 8 --set train=2 --set validate=1 --set duration=2 --set rate=100 --set "

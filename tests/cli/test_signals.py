@@ -183,6 +183,13 @@ class Stopped(ProgramTest):
             for moment in (0.05, 0.5, 1.5):
                 self.assertIsNotNone(self.stop(stop, moment, "report", "run.h5", "--out-dir", "page"))
                 self.assertFalse(self.path("page").exists())
+        for moment in (0.2, 0.6, 1):  # what a killed one has started ends at once, and leaves the next one its folder
+            killed = self.start("report", "run.h5", "--out-dir", "page")
+            time.sleep(moment)
+            killed.kill()
+            self.succeeds("report", "run.h5", "--out-dir", "page")
+            killed.communicate()
+            self.assertEqual(sorted(os.listdir(self.path("page"))), ["index.html", "index.ipynb"])
 
 
 if __name__ == "__main__":
