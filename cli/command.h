@@ -90,6 +90,7 @@ void AddIdentifyCommand(Command app, const RunAction& run);
 void AddDiagnoseCommand(Command app, const RunAction& run);
 void AddCompareCommand(Command app, const RunAction& run);
 void AddReportCommand(Command app, const RunAction& run);
+void AddCohortCommand(Command app, const RunAction& run);
 void AddMbsCommand(Command app, const RunAction& run);
 
 }  // namespace sinew

@@ -14,7 +14,8 @@ namespace {
 namespace fs = std::filesystem;
 
 constexpr std::chrono::milliseconds kRetryInterval{20};
-constexpr std::chrono::milliseconds kPatience{2000};  // until somebody is told that the program waits
+constexpr std::chrono::milliseconds kPatience{
+    2000};  // until somebody is told that the program waits, or ends
 
 bool IsSameFile(const std::string& a, const std::string& b) {
   std::error_code code;
@@ -40,7 +41,8 @@ Result<FileLock> Claim(const std::string& path, IfBusy if_busy) {
     }
     if (lock.held() || lock.unsupported()) return lock;
     const std::string holder = lock.holder().empty() ? "another process" : lock.holder();
-    if (if_busy == IfBusy::kRefuse)
+    // A process that was told to stop needs a moment to save what it has.
+    if (if_busy == IfBusy::kRefuse && tries >= kPatience / kRetryInterval)
       return Fail("{}: is being written by {}; wait for it, or write another file", path, holder);
     if (tries == kPatience / kRetryInterval)
       Print(stderr, fmt::format("note: waiting for {}, which is changing {}\n", holder, path));

@@ -28,7 +28,7 @@ using FileLocks = std::vector<FileLock>;
 /// What a command does if another process is changing a file that it is to write.
 enum class IfBusy {
   kWait,   ///< says so and waits: what is changed takes seconds
-  kRefuse  ///< for work that takes long, of which two into one file are surely a mistake
+  kRefuse  ///< after two seconds; for work that takes long, of which two into one file are surely a mistake
 };
 
 /// CheckFiles, then the locks of what is written. Where the file system has no locks, a warning on standard

@@ -1,16 +1,21 @@
 // sinew diagnose: what the fitted model still gets wrong, why, and what the cause brings.
 #include <algorithm>
 #include <cstdio>
+#include <filesystem>
 
 #include "base/text.h"
 #include "cli/binding.h"
 #include "cli/command.h"
 #include "cli/command_files.h"
 #include "cli/data/data_warnings.h"
+#include "cli/run_checkpoint.h"
 #include "cli/stop_signals.h"
 #include "cli/terminal.h"
+#include "identify/equal_noise_view.h"
 #include "identify/files/diagnosis_file.h"
 #include "identify/files/diagnosis_json.h"
+#include "identify/files/kept_work.h"
+#include "identify/files/origin.h"
 #include "identify/files/recorded_cost.h"
 #include "identify/text/diagnosis_overview.h"
 #include "identify/text/diagnosis_sentences.h"
@@ -25,6 +30,7 @@ struct DiagnoseWords {
   std::string solver;  // empty: that of the problem
   std::string out;
   std::string json;
+  bool resume = false;
 };
 
 template <class Named>
@@ -32,9 +38,28 @@ bool IsNamed(const std::vector<Named>& pairs, const std::string& name) {
   return std::any_of(pairs.begin(), pairs.end(), [&](const Named& pair) { return pair.first == name; });
 }
 
-// What a diagnosis file has as the solver of its run. The effects that it holds away from their null were
-// found.
-const char* const kDiagnoseSolver = "diagnose";
+// What a diagnosis follows from besides data, settings, bounds and starts.
+files::OriginFacts FactsOf(const DiagnoseWords& words, const FitSetup& setup, const std::string& solver) {
+  std::vector<std::string> held;
+  for (const int index : setup.held) held.push_back(setup.parameters[static_cast<std::size_t>(index)].name);
+  return {{"--seed", std::to_string(words.fit.seed)}, {"--solver", solver}, {"--fix", Join(held, ",")}};
+}
+
+// What was done of the diagnosis that is resumed. Errors: no such file, or a finished one; it was made from
+// something else.
+Result<RecordedRun> Recorded(const std::string& path, const Problem& problem, const FitSetup& setup,
+                             const Hdf5Node& origin) {
+  SINEW_ASSIGN(RecordedRun run, ReadRun(path));
+  SINEW_ASSIGN(const Hdf5Node tree, ReadHdf5(path));
+  const Hdf5Node* then = tree.Find("origin");
+  if (run.solver != kDiagnoseSolver || then == nullptr)
+    return Fail("--resume: {} is no diagnosis that was begun: give another --out", path);
+  SINEW_TRY(files::CheckSameOrigin(path, *then, origin));
+  const EqualNoiseView equal(problem);
+  const Problem& fitted = problem.weights_are_noise_levels() ? problem : equal;
+  SINEW_TRY(files::CheckBestCost(path, run, LeastSquares(fitted, setup)));
+  return run;
+}
 
 // The answer of a run as the start of the base fit: what was free there starts from its value, what was held
 // is held, effects as well; words of the command line go before. Errors: another problem or other data, a
@@ -115,21 +140,46 @@ Result<int> RunDiagnose(const DiagnoseWords& words) {
   options.seed = words.fit.seed;
   options.threads = words.fit.threads;
   options.interrupt = &InterruptFlag();
+  FitRecord record;
+  options.record = &record;
+  options.base_search.most_kept = kMostKept;
+  const std::string solver = words.solver.empty() ? binding.problem().default_solver() : words.solver;
+  const Hdf5Node origin = files::OriginTree(provenance, setup, FactsOf(words, setup, solver));
+  if (words.resume && std::filesystem::exists(words.out)) {
+    SINEW_ASSIGN(RecordedRun run, Recorded(words.out, binding.problem(), setup, origin));
+    options.base_search.replay = std::move(run.trace);
+    options.base_search.finished = std::move(run.finished_searches);
+    options.base_search.replayed_residuals = std::move(run.kept_residuals);
+    record.Restore(std::move(run.fits));
+  } else if (words.resume) {
+    NoteBeginning(words.out);
+  }
   ProgressLine line("diagnose", words.fit.quiet);
   options.progress = [&](const DiagnosisProgress& now) { line.Show(text::ProgressText(now)); };
-  const std::string begin_again = " before it had a result, and nothing was written: begin it again";
-  StoppableWork work([&] { return begin_again; });
+  RunCheckpoint checkpoint({words.out, kDiagnoseSolver, words.fit.seed, provenance, &origin, record, line},
+                           options.base_search.replay.size());
+  options.base_search.watch = checkpoint.watch();
+  options.base_search.progress = [&](const Progress&, const Evaluator&) { checkpoint.SaveIfDue(); };
+  record.after_keep = [&] { checkpoint.SaveIfDue(); };
+  std::string how_to_go_on;
+  options.at_end = [&] {
+    if (InterruptFlag()) how_to_go_on = checkpoint.SaveNow();
+  };
+  StoppableWork work([&] { return checkpoint.SaveNow(); });
   auto result = Diagnose(binding.problem(), std::move(setup), options);
   const bool interrupted = work.Finish() != 0;
   line.Clear();
-  if (interrupted) return ReportStopped(program, begin_again);
+  if (interrupted) return ReportStopped(program, how_to_go_on);
   if (!result) return tl::unexpected(result.error());
   Diagnosis& diagnosis = *result;
   for (Warning& note : notes) diagnosis.warnings.push_back(std::move(note));
   for (Warning& warning : DataWarnings(binding.data, binding.problem().layout(), words.binding.data))
     diagnosis.warnings.push_back(std::move(warning));
 
-  SINEW_ASSIGN(const Hdf5Node tree, DiagnosisTree(binding.problem(), diagnosis, provenance, options));
+  SINEW_ASSIGN(Hdf5Node tree, DiagnosisTree(binding.problem(), diagnosis, provenance, options));
+  // A job that is put back into a queue after its end repeats its answer without the fits.
+  tree.At("origin") = origin;
+  files::WriteKeptWork({}, &record, tree);
   SINEW_TRY(WriteHdf5(words.out, tree));
   if (words.json != "-") PrintDiagnosis(words, binding, diagnosis);
   if (!words.json.empty())
@@ -150,6 +200,8 @@ void AddDiagnoseCommand(Command app, const RunAction& run) {
   command.Add("--from", words->from, "Start the base fit from the answer of a run file").Shows("RUN.h5");
   command.Add("--solver", words->solver, "Of the base fit; default: the problem's own, mostly restarts")
       .Shows("S");
+  command.AddFlag("--resume", words->resume,
+                  "Continue an interrupted diagnosis: refits that were done are kept");
   command.Add("--out", words->out, "Diagnosis file to write (docs/run_file.md)").Required().Shows("DIAG.h5");
   AddJsonTo(command, words->json);
   command.Runs(run, [=] { return RunDiagnose(*words); });

@@ -142,6 +142,9 @@ Result<int> RunIdentify(const IdentifyWords& words) {
   if (words.intervals != "profile" && words.intervals != "linear")
     return Fail("--intervals: '{}'{}", words.intervals, Suggestion(words.intervals, {"profile", "linear"}));
   options.profiles = words.intervals == "profile";
+  options.evaluator.most_kept = kMostKept;
+  FitRecord record;
+  if (!words.stepwise) setup.record = &record;
   SINEW_TRY(MakeSolver(options.solver, options.solver_options));  // a wrong name writes nothing
   if (words.resume && words.stepwise) return Fail("--resume: steps are done again, not resumed");
   if (words.resume && !std::filesystem::exists(words.out)) {
@@ -150,14 +153,19 @@ Result<int> RunIdentify(const IdentifyWords& words) {
     SINEW_ASSIGN(RecordedRun recorded, Recorded(words, options.solver, provenance, binding.problem(), setup));
     options.evaluator.replay = std::move(recorded.trace);
     options.evaluator.finished = std::move(recorded.finished_searches);
+    options.evaluator.replayed_residuals = std::move(recorded.kept_residuals);
+    record.Restore(std::move(recorded.fits));
   }
 
   ProgressLine line("identify " + options.solver, words.fit.quiet);
-  RunCheckpoint checkpoint(words.out, options, provenance, line);
+  RunCheckpoint checkpoint({words.out, options.solver, words.fit.seed, provenance, nullptr, record, line},
+                           options.evaluator.replay.size());
   options.evaluator.watch = checkpoint.watch();
   options.evaluator.progress = [&](const Progress& progress, const Evaluator& evaluator) {
-    checkpoint.AtEvaluation(progress, evaluator);
+    line.Show(progress, evaluator.options().budget);
+    checkpoint.SaveIfDue();
   };
+  record.after_keep = [&] { checkpoint.SaveIfDue(); };
   StoppableWork work([&] { return checkpoint.SaveNow(); });
   SINEW_ASSIGN(Identification identification,
                words.stepwise ? IdentifyStepwise(binding.problem(), request, options)
@@ -178,7 +186,7 @@ Result<int> RunIdentify(const IdentifyWords& words) {
   if (!words.json.empty())
     SINEW_TRY(WriteText(words.json, RunJson(binding.problem(), identification, provenance)));
   if (identification.interrupted) {
-    return ReportStopped(*words.binding.program, HowToResume(words.out, identification.trace.size()));
+    return ReportStopped(*words.binding.program, checkpoint.HowToResume(identification.trace.size()));
   }
   if (!identification.result.stop.usable()) {
     return ReportNotUsable(*words.binding.program, identification.result.stop.test);

@@ -1,10 +1,12 @@
 // sinew report: hands run files to the report's own program (cli/report, Python), which executes a notebook.
+#include <sys/prctl.h>
 #include <sys/wait.h>
 #include <unistd.h>
 
 #include <atomic>
 #include <cerrno>
 #include <csignal>
+#include <cstdlib>
 #include <filesystem>
 
 #include "base/held_file.h"
@@ -53,9 +55,11 @@ Result<int> RunReport(const std::string& folder, const std::vector<std::string>&
   };
   StoppableWork work([] { return std::string(); }, pass_on);
   work.Finish();
+  setenv("SINEW_REPORT_PARENT", std::to_string(getpid()).c_str(), 1);  // NOLINT(concurrency-mt-unsafe)
   child = fork();
   if (child < 0) return Fail("cannot start {}", kPython);
   if (child == 0) {
+    prctl(PR_SET_PDEATHSIG, SIGTERM);  // it writes nothing after this process was killed
     execv(kPython, arguments.data());
     _exit(127);
   }

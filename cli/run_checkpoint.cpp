@@ -10,54 +10,66 @@
 namespace sinew {
 namespace {
 
-constexpr double kInterval = 2;  // [s] between savings of a run that goes on ...
-constexpr double kShare = 20;  // ... but at least so many times what one saving takes: long traces are large
+constexpr std::chrono::seconds kInterval{2};  // between savings of a run that goes on ...
+constexpr int kShare = 20;  // ... but at least so many times what one saving takes: long traces are large
 
 }  // namespace
 
-RunCheckpoint::RunCheckpoint(std::string out, const IdentificationOptions& options,
-                             const Provenance& provenance, ProgressLine& line)
-    : out_(std::move(out)),
-      options_(options),
-      provenance_(provenance),
-      line_(line),
-      resumed_(options.evaluator.replay.size()),
-      next_saving_(kInterval) {
-  options_.evaluator.replay.clear();
-  options_.evaluator.finished.clear();
+RunCheckpoint::RunCheckpoint(File file, std::size_t resumed_evaluations)
+    : file_(std::move(file)),
+      resumed_evaluations_(resumed_evaluations),
+      resumed_fits_(file_.record.size()),
+      next_saving_(Clock::now() + kInterval) {}
+
+bool RunCheckpoint::IsBehind(std::size_t evaluations) const {
+  if (evaluations != resumed_evaluations_) return evaluations < resumed_evaluations_;
+  return file_.record.size() <= resumed_fits_;
 }
 
-void RunCheckpoint::AtEvaluation(const Progress& progress, const Evaluator& evaluator) {
-  line_.Show(progress, options_.evaluator.budget);
-  if (progress.seconds < next_saving_ || IsBehind(evaluator.trace().size())) return;
-  const double began = evaluator.seconds();
+void RunCheckpoint::SaveIfDue() {
+  const std::unique_lock saving(saving_, std::try_to_lock);
+  if (!saving.owns_lock() || Clock::now() < next_saving_) return;
+  const std::lock_guard lock(watch_.mutex);
+  if (watch_.running == nullptr || IsBehind(watch_.running->trace().size())) return;
+  const auto began = Clock::now();
   // A checkpoint that cannot be written is no reason to stop: the answer itself may find room again.
-  const Status saved = WriteHdf5(out_, UnfinishedRunTree(evaluator.fit(), options_, provenance_, evaluator));
+  const Status saved = Write();
   if (!saved && !unsaved_noted_) {
-    line_.Clear();
+    file_.line.Clear();
     Print(stderr, Wrapped("warning: this run continues without checkpoints: " + saved.error().message, 0));
   }
   unsaved_noted_ = !saved;
-  const double ended = evaluator.seconds();
-  next_saving_ = ended + std::max(kInterval, kShare * (ended - began));
+  const auto ended = Clock::now();
+  next_saving_ = ended + std::max<Clock::duration>(kInterval, kShare * (ended - began));
 }
 
 std::string RunCheckpoint::SaveNow() {
+  const std::lock_guard saving(saving_);
   const std::lock_guard lock(watch_.mutex);
   const Evaluator* search = watch_.running;
   const std::size_t evaluations = search == nullptr ? 0 : search->trace().size();
   if (IsBehind(evaluations)) {
-    if (resumed_ > 0) return HowToResume(out_, resumed_);
+    if (resumed_evaluations_ > 0) return HowToResume(resumed_evaluations_);
     return " before anything was evaluated: begin it again";
   }
-  const Status saved = WriteHdf5(out_, UnfinishedRunTree(search->fit(), options_, provenance_, *search));
+  if (search == nullptr) return HowToResume(resumed_evaluations_);
+  const Status saved = Write();
   if (!saved) return ", and what was found is lost: " + saved.error().message;
-  return HowToResume(out_, evaluations);
+  return HowToResume(evaluations);
 }
 
-std::string HowToResume(const std::string& out, std::size_t evaluations) {
-  return fmt::format("; {} holds {} evaluation{}: the same command with --resume goes on", out, evaluations,
-                     evaluations == 1 ? "" : "s");
+Status RunCheckpoint::Write() {
+  const Evaluator& search = *watch_.running;
+  Hdf5Node tree = UnfinishedRunTree(search.fit(), file_.solver, file_.seed, file_.provenance, search);
+  if (file_.origin != nullptr) tree.At("origin") = *file_.origin;
+  return WriteHdf5(file_.out, tree);
+}
+
+std::string RunCheckpoint::HowToResume(std::size_t evaluations) const {
+  const std::size_t fits = file_.record.size();
+  const std::string more = fits == 0 ? "" : fmt::format(" and {} fit{}", fits, fits == 1 ? "" : "s");
+  return fmt::format("; {} holds {} evaluation{}{}: the same command with --resume goes on", file_.out,
+                     evaluations, evaluations == 1 ? "" : "s", more);
 }
 
 }  // namespace sinew

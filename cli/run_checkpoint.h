@@ -1,7 +1,9 @@
-// The run file of an identification that is still going on.
+// The run file of an identification or a diagnosis that is still going on.
 #pragma once
 
+#include <chrono>
 #include <cstddef>
+#include <mutex>
 #include <string>
 
 #include "cli/terminal.h"
@@ -9,38 +11,54 @@
 
 namespace sinew {
 
-/// Saves a search every few seconds, and whenever it is asked to.
+/// Evaluator::Options::most_kept of what is saved: 16 MB.
+inline constexpr std::size_t kMostKept = std::size_t{1} << 21;
+
+/// Saves a search, and the fits that follow it, every few seconds and whenever it is asked to.
 class RunCheckpoint {
  public:
-  /// @param options as the search has them, evaluator.replay among them @param line is cleared before a
-  /// warning
-  RunCheckpoint(std::string out, const IdentificationOptions& options, const Provenance& provenance,
-                ProgressLine& line);
+  /// What all its files have in common; the references outlive it.
+  struct File {
+    std::string out;
+    std::string solver;
+    std::uint64_t seed = 1;
+    const Provenance& provenance;
+    const Hdf5Node* origin = nullptr;  ///< written as /origin; may be null
+    const FitRecord& record;
+    ProgressLine& line;  ///< cleared before a warning
+  };
 
-  /// For Evaluator::Options::progress.
-  void AtEvaluation(const Progress& progress, const Evaluator& evaluator);
+  /// @param resumed_evaluations of the file that is resumed; its fits are in the record
+  RunCheckpoint(File file, std::size_t resumed_evaluations);
+
+  /// To be called after every evaluation of the search and every fit (FitRecord::after_keep).
+  void SaveIfDue();
 
   /// For Evaluator::Options::watch.
   [[nodiscard]] EvaluatorWatch* watch() { return &watch_; }
 
-  /// For StoppableWork: saves what the search has evaluated now. @return how to go on
+  /// For StoppableWork: saves what there is now. @return how to go on
   std::string SaveNow();
 
   /// A file that is resumed holds more than a search that still repeats it: it is not written again then.
-  [[nodiscard]] bool IsBehind(std::size_t evaluations) const { return evaluations <= resumed_; }
+  [[nodiscard]] bool IsBehind(std::size_t evaluations) const;
+
+  /// "; RUN.h5 holds its N evaluations: the same command with --resume goes on"
+  [[nodiscard]] std::string HowToResume(std::size_t evaluations) const;
 
  private:
-  std::string out_;
-  IdentificationOptions options_;
-  Provenance provenance_;
-  ProgressLine& line_;
+  using Clock = std::chrono::steady_clock;
+
+  /// @pre watch_.mutex is held, and a search is running
+  Status Write();
+
+  File file_;
   EvaluatorWatch watch_;
-  std::size_t resumed_;  // evaluations of the file
-  double next_saving_;
+  std::size_t resumed_evaluations_;
+  std::size_t resumed_fits_;
+  std::mutex saving_;  // locked before the watch
+  Clock::time_point next_saving_;
   bool unsaved_noted_ = false;
 };
-
-/// "; RUN.h5 holds its N evaluations: the same command with --resume goes on"
-std::string HowToResume(const std::string& out, std::size_t evaluations);
 
 }  // namespace sinew

@@ -17,6 +17,7 @@
 #include "base/text.h"
 #include "base/version.h"
 #include "cli/command.h"
+#include "cli/parsed_words.h"
 #include "cli/stop_signals.h"
 #include "cli/terminal.h"
 
@@ -106,14 +107,8 @@ void KeepStandardStreams() {
   }
 }
 
-int Run(int argc, char** argv, const Program& program) {
-  CLI::App app(program.description);
-  app.set_version_flag("--version", std::string("sinew ") + kVersion);
+void AddCommands(CLI::App& app, const Program& program, const RunAction& run) {
   app.require_subcommand(1);
-  app.set_help_all_flag("--help-all", "Help of every command");
-
-  Action action;
-  const RunAction run = [&action](Action chosen) { action = std::move(chosen); };
   const Command root(app, program);
   AddListCommand(root, run);
   AddDataCommand(root, run);
@@ -122,12 +117,26 @@ int Run(int argc, char** argv, const Program& program) {
   AddDiagnoseCommand(root, run);
   AddCompareCommand(root, run);
   AddReportCommand(root, run);
+  AddCohortCommand(root, run);
   if (program.mechanisms) AddMbsCommand(root, run);
-  const std::vector<std::string> words(argv + std::min(argc, 1), argv + argc);
+}
+
+// "--solvers ,: expected names...", or empty if there is nothing to be said.
+std::string WrongList(const Program& program, const CLI::App& app, const std::vector<std::string>& words) {
   std::string named = program.name;
   const std::string list = ListWithoutName(*FindCommand(app, words, named), words);
-  if (!list.empty())
-    return Refuse(program, list + ": expected names, separated by commas (see " + named + " --help)");
+  return list.empty() ? "" : list + ": expected names, separated by commas (see " + named + " --help)";
+}
+
+int Run(int argc, char** argv, const Program& program) {
+  CLI::App app(program.description);
+  app.set_version_flag("--version", std::string("sinew ") + kVersion);
+  app.set_help_all_flag("--help-all", "Help of every command");
+
+  Action action;
+  AddCommands(app, program, [&action](Action chosen) { action = std::move(chosen); });
+  const std::vector<std::string> words(argv + std::min(argc, 1), argv + argc);
+  if (const std::string wrong = WrongList(program, app, words); !wrong.empty()) return Refuse(program, wrong);
   try {
     app.parse(argc, argv);
   } catch (const CLI::Success& success) {
@@ -140,6 +149,39 @@ int Run(int argc, char** argv, const Program& program) {
 }
 
 }  // namespace
+
+Result<ParsedWords> ParseWords(const Program& program, const std::vector<std::string>& words) {
+  CLI::App app(program.description);
+  AddCommands(app, program, [](const Action&) {});
+  if (const std::string wrong = WrongList(program, app, words); !wrong.empty()) return Fail("{}", wrong);
+  try {
+    app.parse(std::vector<std::string>(words.rbegin(), words.rend()));  // CLI11 takes them from the back
+  } catch (const CLI::Success&) {
+    return Fail("{} asks for help only", Join(words, " "));
+  } catch (const CLI::ParseError& error) {
+    return Fail("{}", Explain(program, app, error));
+  }
+  ParsedWords parsed;
+  const CLI::App* command = &app;
+  while (!command->get_subcommands().empty()) {
+    command = command->get_subcommands().front();
+    parsed.command += (parsed.command.empty() ? "" : " ") + command->get_name();
+  }
+  for (const CLI::Option* option : command->get_options()) {
+    for (const std::string& name : option->get_lnames()) {
+      parsed.options.insert("--" + name);
+      if (option->count() > 0) parsed.given.insert("--" + name);
+    }
+  }
+  for (const char* name : {"--out", "--out-dir", "--json"}) {
+    const CLI::Option* option = command->get_option_no_throw(name);
+    if (option == nullptr || option->count() == 0 || option->get_items_expected_max() == 0) continue;
+    for (const std::string& value : option->results()) {
+      if (value != "-") parsed.written.push_back(value);
+    }
+  }
+  return parsed;
+}
 
 int RunCommandLine(int argc, char** argv, const Program& program) {
   try {

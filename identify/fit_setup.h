@@ -7,6 +7,7 @@
 
 #include "base/error.h"
 #include "base/linear_algebra.h"
+#include "identify/execution/fit_record.h"
 #include "identify/problem.h"
 
 namespace sinew {
@@ -27,6 +28,9 @@ struct FitSetup {
   std::vector<int> free;              ///< indices, increasing
   std::vector<int> held;              ///< indices that the request fixes at a value, increasing
   Vector rest;                        ///< [P] start of every free parameter, value of every other one
+  /// Local fits that have been done, of this setup and of all that are made from it; may be null. No part of
+  /// what is asked: the answers are the same without it.
+  FitRecord* record = nullptr;
 
   [[nodiscard]] bool IsFree(int parameter) const;
   [[nodiscard]] bool IsHeld(int parameter) const;

@@ -84,6 +84,30 @@ LeastSquares::LeastSquares(const Problem& problem, const FitSetup& setup) : prob
   rows_ = data_rows_ + static_cast<int>(priors_.size() + ranges_.size());
 }
 
+void LeastSquares::AddTo(Digest& digest) const {
+  const auto count = [](std::size_t number) { return static_cast<std::uint64_t>(number); };
+  digest.Add(count(setup_.free.size()));
+  for (const int index : setup_.free) {
+    const Parameter& p = setup_.parameters[static_cast<std::size_t>(index)];
+    digest.Add(count(static_cast<std::size_t>(index))).Add(count(static_cast<std::size_t>(p.scale)));
+    digest.Add(p.lower).Add(p.upper).Add(count(p.prior ? 1 : 0));
+    if (p.prior) digest.Add(p.prior->mean).Add(p.prior->standard_deviation);
+  }
+  digest.Add(setup_.rest.data(), count(static_cast<std::size_t>(setup_.rest.size())));
+  for (const Block& block : problem_.layout()) {
+    // Of blocks that are not compared only the ranges matter, which no view changes.
+    digest.Add(count(static_cast<std::size_t>(block.role)));
+    if (block.role != BlockRole::kTrain) continue;
+    digest.Add(block.weight).Add(block.sigma.value_or(0)).Add(block.noise_memory.value_or(0));
+    digest.Add(count(block.white ? 1 : 0));
+    digest.Add(block.relative_weight.data(), block.relative_weight.size());
+    digest.Add(block.measured.data(), block.measured.size());
+    for (const int sample : block.sample) digest.Add(count(static_cast<std::size_t>(sample)));
+  }
+  digest.Add(count(transform_ == nullptr ? 0 : 1));
+  if (transform_ != nullptr) transform_->AddTo(digest);
+}
+
 LeastSquares::Workspace LeastSquares::NewWorkspace() const {
   return {problem_.NewWorkspace(), Prediction(problem_.layout()), setup_.rest, Vector(rows_), {}};
 }

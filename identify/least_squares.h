@@ -5,6 +5,7 @@
 #include <memory>
 #include <vector>
 
+#include "base/digest.h"
 #include "identify/fit_setup.h"
 #include "identify/layout.h"
 #include "identify/problem.h"
@@ -37,6 +38,8 @@ class RowTransform {
   /// @param train_block index into LeastSquares::train_blocks()
   /// @param rows [samples of the block x any] residuals or columns of the Jacobian
   virtual void Apply(int train_block, Eigen::Ref<Matrix> rows) const = 0;
+  /// Adds everything that Apply depends on.
+  virtual void AddTo(Digest& digest) const = 0;
 };
 
 /// The weighted least-squares problem of a Problem and a FitSetup.
@@ -90,6 +93,10 @@ class LeastSquares {
   /// Applies `transform` to residuals and Jacobian of the training blocks from now on; nullptr: no transform.
   /// It must outlive its use. Not thread-safe.
   void set_transform(const RowTransform* transform) { transform_ = transform; }
+
+  /// Adds everything that Evaluate, Constraints and noise models depend on and that differs between fits of
+  /// one problem and its views: parameters, which are free, the values of the others, layout, transform.
+  void AddTo(Digest& digest) const;
 
   [[nodiscard]] Workspace NewWorkspace() const;
   /// A Jacobian of the right shape for Evaluate, allocated once and reused.

@@ -9,7 +9,8 @@ namespace sinew {
 /// What a reader of a result must be told; after the colon, what `names` and `numbers` of the warning hold.
 enum class WarningKind {
   // Of an identification.
-  kFailedEvaluations,   ///< rejected by the solver: numbers {failed, all}, message of the first
+  kFailedEvaluations,   ///< rejected by the solver: numbers {failed, all, then of each name how many}; names
+                        ///< are the most frequent reasons (execution/failure_reasons.h); message of the first
   kNotConverged,        ///< the search ended early: message is the solver's stop test
   kNotAMinimum,         ///< a local search lowered the cost: numbers {from, to}
   kSearchUnfinished,    ///< that local search did not converge: intervals are rough

@@ -3,6 +3,7 @@
 An exception out of nowhere would tear imports, temporary files and kernels apart at any line, so the signals are held
 from the first line of the program to its last.
 """
+import os
 import signal
 
 STOPS = (signal.SIGINT, signal.SIGTERM)
@@ -20,6 +21,12 @@ def hold():
 def pressed():
     """The signal that waits, or None."""
     return next((stop for stop in STOPS if stop in signal.sigpending()), None)
+
+
+def orphaned():
+    """The program that asked for the report was killed; the same one may be at work again already."""
+    parent = os.environ.get("SINEW_REPORT_PARENT")
+    return parent is not None and parent != str(os.getppid())
 
 
 def stop_if_pressed():

@@ -75,6 +75,14 @@ class _ThisPython(KernelSpecManager):
         return KernelSpec(argv=command, display_name="Python 3", language="python")
 
 
+def _transport(scratch):
+    """How we talk to the kernel: by sockets in the folder of this one, because two kernels that start at the same time may choose the
+    same TCP port, and then one of them dies."""
+    sockets = os.path.join(scratch, "kernel")
+    longest = 107 - len("-10")  # bytes of a Unix socket's name
+    return {"transport": "ipc", "ip": sockets} if len(os.fsencode(sockets)) <= longest else {}
+
+
 async def execute(notebook, folder):
     """Runs all cells with `folder` as the working folder; outputs land in the notebook. Raises NotebookFailed."""
     with tempfile.TemporaryDirectory(prefix="sinew_report_", ignore_cleanup_errors=True) as scratch:
@@ -82,7 +90,7 @@ async def execute(notebook, folder):
         environment = {key: value for key, value in os.environ.items() if key not in ("MPLBACKEND", "MATPLOTLIBRC")}
         environment["IPYTHONDIR"] = scratch
         manager = AsyncKernelManager(kernel_name="python3", kernel_spec_manager=_ThisPython(),
-                                     connection_file=os.path.join(scratch, "kernel.json"))
+                                     connection_file=os.path.join(scratch, "kernel.json"), **_transport(scratch))
         client = NotebookClient(notebook, km=manager, timeout=CELL_SECONDS, startup_timeout=STARTUP_SECONDS,
                                 record_timing=False, resources={"metadata": {"path": folder}})
         try:

@@ -96,6 +96,8 @@ def _make_folder(out_dir, folder):
 
 def _remove_empty(folders):
     """Takes back folders that were made for nothing, innermost first."""
+    if interrupt.orphaned():
+        return
     for path in folders:
         if os.path.isdir(path) and not os.listdir(path):
             os.rmdir(path)

@@ -3,12 +3,14 @@
 #include <chrono>
 #include <cmath>
 #include <limits>
+#include <optional>
 #include <vector>
 
 #include "identify/check_problem.h"
 #include "identify/diagnosis/diagnosis_state.h"
 #include "identify/diagnosis/discover/discovery.h"
 #include "identify/diagnosis/discover/structure.h"
+#include "identify/diagnosis/fit/base_fit_record.h"
 #include "identify/diagnosis/held_out_validation.h"
 #include "identify/diagnosis/score/quantised_channels.h"
 #include "identify/diagnosis/select/cross_validated_search.h"
@@ -68,11 +70,19 @@ class DiagnosisRun {
       : problem_(problem), options_(options), state_(problem, options) {}
 
   Result<Diagnosis> Run(FitSetup setup) {
+    Result<Diagnosis> found = Diagnosed(std::move(setup));
+    if (options_.at_end) options_.at_end();
+    return found;
+  }
+
+ private:
+  Result<Diagnosis> Diagnosed(FitSetup setup) {
     const auto began = std::chrono::steady_clock::now();
     SINEW_TRY(CheckProblem(problem_, setup));
     SINEW_TRY(Continue());
     SINEW_TRY(CheckThatDataSuffice(problem_, setup));
     out_.setup = std::move(setup);
+    out_.setup.record = options_.record;
     out_.has_held_out = state_.held_out.exists();
     state_.candidates = ListCandidates(problem_, out_.setup);
     RemoveQuantisation(problem_, state_.candidates);
@@ -80,17 +90,16 @@ class DiagnosisRun {
     SINEW_ASSIGN(const bool fitted, FitBase());
     if (fitted) SINEW_TRY(RunSteps());
     out_.seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - began).count();
-    return std::move(out_);
+    return out_;  // not moved: the search of the base fit refers to the setup
   }
 
- private:
   void Say(DiagnosisStep step) const {
     if (options_.progress) options_.progress({step});
   }
 
   // Step 0. Returns false if there is no usable base fit; the diagnosis then has no conclusion.
   Result<bool> FitBase() {
-    const LeastSquares fit(problem_, out_.setup);
+    const LeastSquares& fit = base_fit_.emplace(problem_, out_.setup);
     SolverOptions how;
     how.seed = options_.seed;
     how.threads = options_.threads;
@@ -98,11 +107,19 @@ class DiagnosisRun {
     how.improved_starts = true;
     const std::string name = options_.solver.empty() ? problem_.default_solver() : options_.solver;
     SINEW_ASSIGN(const auto solver, MakeSolver(name, how));
-    Evaluator::Options gate;
+    Evaluator::Options gate = options_.base_search;
     gate.interrupt = options_.interrupt;
+    gate.began = std::chrono::steady_clock::now();
     gate.budget.max_evaluations = name == "ceres" ? kBaseEvaluations : kMaxEvaluations;
-    Evaluator evaluator(fit, gate);
-    out_.base = solver->Solve(evaluator, solvers::BestStart(fit));
+    Evaluator& evaluator = base_search_.emplace(fit, std::move(gate));
+    const BaseFitRecord kept(fit, name, options_.seed);
+    if (auto known = kept.Find(); known) {
+      out_.base = std::move(*known);
+      evaluator.RestoreAll();
+    } else {
+      out_.base = solver->Solve(evaluator, solvers::BestStart(fit));
+      kept.Keep(out_.base);
+    }
     out_.base_point = fit.Parameters(out_.base.x);
     out_.extended_point = out_.base_point;
     if (!out_.base.stop.usable() || !out_.base.stop.converged()) {
@@ -321,6 +338,8 @@ class DiagnosisRun {
   const DiagnosisOptions& options_;
   DiagnosisState state_;
   Diagnosis out_;
+  std::optional<LeastSquares> base_fit_;
+  std::optional<Evaluator> base_search_;  // until the end: a checkpoint holds its evaluations
 };
 
 }  // namespace

@@ -45,6 +45,11 @@ struct DiagnosisOptions {
   int threads = 1;
   const std::atomic<bool>* interrupt = nullptr;
   std::function<void(const DiagnosisProgress&)> progress;  ///< what is done now
+  /// What was done before, and is not done again: the refits (FitSetup::record), may be null; the search of
+  /// the base fit (Evaluator::Options::replay and finished). Those that are made are added to the record.
+  FitRecord* record = nullptr;
+  Evaluator::Options base_search;  ///< its budget and interrupt are set by the diagnosis
+  std::function<void()> at_end;    ///< while the search of the base fit can still be watched; may be empty
 };
 
 /// A fitted value of one parameter.

@@ -13,7 +13,8 @@
 namespace sinew::diagnosis {
 
 struct DiagnosisState {
-  DiagnosisState(const Problem& of, const DiagnosisOptions& how) : problem(of), options(how), held_out(of) {}
+  DiagnosisState(const Problem& of, const DiagnosisOptions& how)
+      : problem(of), options(how), held_out(of, how.record) {}
 
   const Problem& problem;
   const DiagnosisOptions& options;

@@ -52,7 +52,7 @@ double NoiseFloorOf(const Block& block, const noise::NoiseModel& noise, const La
   return model == nullptr ? 0 : model->ProcessDeviation();
 }
 
-HeldOut::HeldOut(const Problem& problem) : problem_(problem) {
+HeldOut::HeldOut(const Problem& problem, FitRecord* record) : problem_(problem), record_(record) {
   for (std::size_t b = 0; b < problem.layout().size(); ++b) {
     const Block& block = problem.layout()[b];
     if (block.role == BlockRole::kValidate && block.samples() > 0) blocks_.push_back(static_cast<int>(b));
@@ -75,7 +75,7 @@ Result<Vector> HeldOut::Fitted(const Vector& point) const {
   }
   std::vector<Vector> earlier;
   for (const auto& one : fitted_) earlier.push_back(one.second);
-  SINEW_ASSIGN(Vector answer, solvers::FitHeldOutNuisance(problem_, point, earlier));
+  SINEW_ASSIGN(Vector answer, solvers::FitHeldOutNuisance(problem_, point, record_, earlier));
   if (fitted_.size() == kKept) fitted_.erase(fitted_.begin());
   fitted_.emplace_back(point, answer);
   return answer;

@@ -14,7 +14,8 @@ namespace sinew::diagnosis {
 /// The residuals of the held-out trials, their noise, and the gain of one model over another.
 class HeldOut {
  public:
-  explicit HeldOut(const Problem& problem);
+  /// @param record of FitSetup, may be null; both outlive it
+  HeldOut(const Problem& problem, FitRecord* record);
 
   [[nodiscard]] bool exists() const { return !blocks_.empty(); }
   /// Indices into the layout.
@@ -77,6 +78,7 @@ class HeldOut {
   [[nodiscard]] double FloorOf(const Block& block, const noise::NoiseModel& trained) const;
 
   const Problem& problem_;
+  FitRecord* record_;
   std::vector<int> blocks_;
   std::vector<int> priors_;                                // parameters whose priors count
   noise::NoiseModel own_;                                  // of the blocks with groups, per channel

@@ -77,6 +77,52 @@ const TraceEntry* Evaluator::Replayed(const Vector& x) const {
   return entry.x.size() == x.size() && entry.x == x ? &entry : nullptr;
 }
 
+bool Evaluator::ReplayResiduals(const Vector& x, Vector& residuals, SparseJacobian* jacobian) const {
+  const TraceEntry* known = Replayed(x);
+  if (known == nullptr || !std::isfinite(known->cost)) return false;
+  const auto& kept = options_.replayed_residuals;
+  const auto found = std::lower_bound(kept.begin(), kept.end(), evaluations(),
+                                      [](const KeptResiduals& one, long at) { return one.evaluation < at; });
+  if (found == kept.end() || found->evaluation != evaluations()) return false;
+  const auto rows = static_cast<std::size_t>(fit_.residuals());
+  std::size_t needed = rows;
+  if (jacobian != nullptr) {
+    for (const SparseJacobian::Piece& piece : jacobian->pieces)
+      needed += static_cast<std::size_t>(piece.values.size());
+  }
+  if (found->numbers.size() != needed) return false;
+  const double* next = found->numbers.data();
+  residuals = Eigen::Map<const Vector>(next, static_cast<Eigen::Index>(rows));
+  next += rows;
+  if (jacobian == nullptr) return true;
+  for (SparseJacobian::Piece& piece : jacobian->pieces) {
+    std::copy_n(next, piece.values.size(), piece.values.data());
+    next += piece.values.size();
+  }
+  return true;
+}
+
+void Evaluator::KeepResiduals(const Vector& residuals, const SparseJacobian* jacobian) {
+  if (options_.most_kept == 0 || !keeps_residuals_) return;
+  auto numbers = static_cast<std::size_t>(residuals.size());
+  if (jacobian != nullptr) {
+    for (const SparseJacobian::Piece& piece : jacobian->pieces)
+      numbers += static_cast<std::size_t>(piece.values.size());
+  }
+  keeps_residuals_ = kept_numbers_ + numbers <= options_.most_kept;
+  if (!keeps_residuals_) return;
+  KeptResiduals kept{evaluations(), {}};
+  kept.numbers.reserve(numbers);
+  kept.numbers.assign(residuals.data(), residuals.data() + residuals.size());
+  if (jacobian != nullptr) {
+    for (const SparseJacobian::Piece& piece : jacobian->pieces)
+      kept.numbers.insert(kept.numbers.end(), piece.values.data(), piece.values.data() + piece.values.size());
+  }
+  kept_numbers_ += numbers;
+  const auto lock = LockRecord();
+  kept_residuals_.push_back(std::move(kept));
+}
+
 std::optional<std::string> Evaluator::Violated(const Vector& x) const {
   if (fit_.constraints() == 0) return std::nullopt;
   Vector values;
@@ -96,8 +142,8 @@ void Evaluator::Keep(TraceEntry entry) {
   if (is_best) best_ = static_cast<long>(trace_.size()) - 1;
 }
 
-void Evaluator::Record(const Vector& x, double cost) {
-  Keep({seconds(), cost, x});
+void Evaluator::Record(const Vector& x, double cost, const std::string& failure) {
+  Keep({seconds(), cost, x, failure});
   if (options_.progress) {
     options_.progress({evaluations(), trace_.back().seconds, has_best() ? best().cost : kInfinity}, *this);
   }
@@ -105,7 +151,7 @@ void Evaluator::Record(const Vector& x, double cost) {
 
 Evaluator::Outcome Evaluator::RecordFailure(const Vector& x, const Error& error) {
   if (failures_++ == 0) first_failure_ = error.message;
-  Record(x, kInfinity);
+  Record(x, kInfinity, error.message);
   return Outcome::kFailed;
 }
 
@@ -124,7 +170,7 @@ Evaluator::Outcome Evaluator::Cost(const Vector& x, double& cost, Infeasible inf
   if (admitted != Outcome::kOk) return admitted;
   if (const TraceEntry* known = Replayed(x)) {
     cost = known->cost;
-    if (!std::isfinite(cost)) return RecordFailure(x, {"failed in the run that is resumed"});
+    if (!std::isfinite(cost)) return RecordFailure(x, {known->failure});
     Record(x, cost);
     return Outcome::kOk;
   }
@@ -139,6 +185,13 @@ Evaluator::Outcome Evaluator::Residuals(const Vector& x, Vector& residuals, Spar
                                         Infeasible infeasible) {
   const Outcome admitted = Admit(x, infeasible);
   if (admitted != Outcome::kOk) return admitted;
+  const TraceEntry* known = Replayed(x);
+  if (known != nullptr && !std::isfinite(known->cost)) return RecordFailure(x, {known->failure});
+  if (ReplayResiduals(x, residuals, jacobian)) {
+    KeepResiduals(residuals, jacobian);
+    Record(x, 0.5 * residuals.squaredNorm());
+    return Outcome::kOk;
+  }
   const Status status = fit_.Evaluate(x, workspace_, residuals, jacobian);
   if (!status) return RecordFailure(x, status.error());
   if (jacobian != nullptr) {
@@ -146,6 +199,7 @@ Evaluator::Outcome Evaluator::Residuals(const Vector& x, Vector& residuals, Spar
       if (!piece.values.allFinite()) return RecordFailure(x, {"a derivative is not finite"});
     }
   }
+  KeepResiduals(residuals, jacobian);
   Record(x, 0.5 * residuals.squaredNorm());
   return Outcome::kOk;
 }
@@ -197,6 +251,12 @@ void Evaluator::Restore(const Evaluator& parent, const FinishedSearch& search) {
   failures_ = search.failures;
   infeasible_ = search.infeasible;
   first_failure_ = search.first_failure;
+}
+
+void Evaluator::RestoreAll() {
+  for (const TraceEntry& entry : options_.replay) Keep(entry);
+  const auto lock = LockRecord();
+  finished_ = options_.finished;
 }
 
 void Evaluator::Absorb(const Evaluator& child) {

@@ -28,6 +28,7 @@ struct TraceEntry {
   double seconds = 0;  ///< since the start of the run
   double cost = 0;     ///< infinite if the simulation failed there
   Vector x;
+  std::string failure = {};  ///< why it failed, or was rejected; empty if it did not
 };
 
 /// State of a running search, for a progress display.
@@ -35,6 +36,12 @@ struct Progress {
   long evaluations = 0;
   double seconds = 0;
   double best_cost = std::numeric_limits<double>::infinity();
+};
+
+/// Residuals and derivatives of one evaluation, as they are kept for a search that is resumed.
+struct KeptResiduals {
+  long evaluation = 0;          ///< index in the record
+  std::vector<double> numbers;  ///< the residuals, then the pieces of the Jacobian, if it was asked for
 };
 
 class Evaluator;
@@ -53,9 +60,9 @@ struct EvaluatorWatch {
 /// points count as evaluations, with an infinite cost in the trace.
 ///
 /// Resuming: with Options::replay, evaluation i is answered from record i if its point is the recorded one to
-/// the last bit; a deterministic solver thus repeats its search without predictions. Only costs are recorded:
-/// residuals and derivatives are computed again. A point that differs from the record is predicted, so that a
-/// record of another search does no harm.
+/// the last bit; a deterministic solver thus repeats its search without predictions. Residuals and
+/// derivatives are recorded as far as Options::most_kept allows, and computed again beyond. A point that
+/// differs from the record is predicted, so that a record of another search does no harm.
 ///
 /// Not thread-safe. Parallel searches have one Evaluator each, and Absorb merges their records into the
 /// parent's in a fixed order, so that the trace does not depend on the number of threads.
@@ -76,6 +83,9 @@ class Evaluator {
     /// Of the run that is resumed: their evaluations are those of `replay` from `first` on.
     std::vector<FinishedSearch> finished;
     std::vector<TraceEntry> replay;  ///< evaluations of the run that is resumed, in their order
+    std::vector<KeptResiduals> replayed_residuals;  ///< of some of these, in their order
+    /// Numbers of residuals and derivatives that are kept for a search that is resumed; 0: none.
+    std::size_t most_kept = 0;
     std::chrono::steady_clock::time_point began = std::chrono::steady_clock::now();
   };
 
@@ -118,6 +128,8 @@ class Evaluator {
   /// Best evaluated point that satisfies the constraints; @pre has_best().
   [[nodiscard]] const TraceEntry& best() const { return trace_[static_cast<std::size_t>(best_)]; }
   [[nodiscard]] const std::vector<TraceEntry>& trace() const { return trace_; }
+  /// Of the first evaluations with residuals or derivatives, as many as Options::most_kept allows.
+  [[nodiscard]] const std::vector<KeptResiduals>& kept_residuals() const { return kept_residuals_; }
   [[nodiscard]] const Options& options() const { return options_; }
   [[nodiscard]] double seconds() const;
   /// The remaining budget, that of the share if one is set.
@@ -145,6 +157,8 @@ class Evaluator {
                                                    long max_evaluations) const;
   /// Takes the evaluations of such a search over, of the parent that is resumed. @pre nothing was evaluated
   void Restore(const Evaluator& parent, const FinishedSearch& search);
+  /// Takes over everything that the run which is resumed has evaluated. @pre nothing was evaluated
+  void RestoreAll();
 
  private:
   [[nodiscard]] long evaluation_limit() const;
@@ -152,9 +166,12 @@ class Evaluator {
   Outcome Admit(const Vector& x, Infeasible infeasible);
   /// The record of this evaluation if the run is resumed and its recorded point is x, else nullptr.
   const TraceEntry* Replayed(const Vector& x) const;
+  /// Residuals and derivatives from that record. @return false: they are not in it
+  bool ReplayResiduals(const Vector& x, Vector& residuals, SparseJacobian* jacobian) const;
+  void KeepResiduals(const Vector& residuals, const SparseJacobian* jacobian);
   void Keep(TraceEntry entry);
   [[nodiscard]] std::unique_lock<std::mutex> LockRecord() const;
-  void Record(const Vector& x, double cost);
+  void Record(const Vector& x, double cost, const std::string& failure = {});
   Outcome RecordFailure(const Vector& x, const Error& error);
 
   const LeastSquares& fit_;
@@ -163,6 +180,9 @@ class Evaluator {
   SparseJacobian gradient_jacobian_;
   std::vector<TraceEntry> trace_;
   std::vector<FinishedSearch> finished_;
+  std::vector<KeptResiduals> kept_residuals_;
+  std::size_t kept_numbers_ = 0;
+  bool keeps_residuals_ = true;  // until the first that finds no room: a search is repeated from its start
   long best_ = -1;
   long failures_ = 0;
   long infeasible_ = 0;

@@ -220,7 +220,7 @@ void WriteCurves(const Diagnosis& diagnosis, Hdf5Node& node) {
 
 void WriteRun(const Problem& problem, const Diagnosis& diagnosis, const Provenance& provenance,
               const DiagnosisOptions& options, Hdf5Node& run) {
-  files::WriteProvenance(provenance, "diagnose", options.seed, run);
+  files::WriteProvenance(provenance, kDiagnoseSolver, options.seed, run);
   const Stop& stop = diagnosis.base.stop;
   const bool interrupted = options.interrupt != nullptr && options.interrupt->load();
   run.attributes["finished"] = std::int64_t{interrupted ? 0 : 1};

@@ -8,6 +8,10 @@
 
 namespace sinew {
 
+/// What a diagnosis file has as the solver of its run. The effects that it holds away from their null were
+/// found.
+inline constexpr const char* kDiagnoseSolver = "diagnose";
+
 /// Whoever reads run files (ReadRun) finds the extended model in it: /parameters at the extended point, with
 /// the effect parameters of the causes free.
 ///

@@ -6,6 +6,9 @@
 
 #include "base/constants.h"
 #include "base/text.h"
+#include "identify/files/columns.h"
+#include "identify/files/diagnosis_file.h"
+#include "identify/files/kept_work.h"
 #include "identify/files/run_groups.h"
 #include "identify/files/searches.h"
 #include "identify/text/findings.h"
@@ -181,6 +184,23 @@ void FindDispensable(const Hdf5Node& root, RecordedRun& run) {
   }
 }
 
+// Runs of earlier versions have none.
+Status ReadFailures(const std::string& path, const Hdf5Node& node, std::vector<TraceEntry>& trace) {
+  const Hdf5Node* reasons = node.Find("failures/reason");
+  if (reasons == nullptr) return {};
+  const std::size_t count = reasons->texts() == nullptr ? 0 : reasons->texts()->size();
+  const auto* evaluation = files::NumberColumn(node, "failures/evaluation", count);
+  if (reasons->texts() == nullptr || evaluation == nullptr)
+    return Fail("{}: /trace/failures is not complete", path);
+  for (std::size_t i = 0; i < count; ++i) {
+    const double at = (*evaluation)[i];
+    if (!(at >= 0 && at < static_cast<double>(trace.size())))
+      return Fail("{}: /trace/failures names an evaluation that is not there", path);
+    trace[static_cast<std::size_t>(at)].failure = (*reasons->texts())[i];
+  }
+  return {};
+}
+
 }  // namespace
 
 Result<Hdf5Node> RunTree(const Problem& problem, const Identification& identification,
@@ -207,6 +227,8 @@ Result<Hdf5Node> RunTree(const Problem& problem, const Identification& identific
   if (!identification.finished.empty())
     files::WriteSearches(identification.finished, FreeNames(identification.setup).size(),
                          root.At("searches"));
+  if (identification.interrupted)
+    files::WriteKeptWork(identification.kept_residuals, identification.setup.record, root);
   if (!result.stages.empty()) WriteStages(result.stages, root.At("stages"));
   if (!result.stop.usable()) return root;
 
@@ -219,11 +241,11 @@ Result<Hdf5Node> RunTree(const Problem& problem, const Identification& identific
   return root;
 }
 
-Hdf5Node UnfinishedRunTree(const LeastSquares& problem, const IdentificationOptions& options,
+Hdf5Node UnfinishedRunTree(const LeastSquares& problem, const std::string& solver, std::uint64_t seed,
                            const Provenance& provenance, const Evaluator& evaluator) {
   Hdf5Node root;
   Hdf5Node& run = root.At("run");
-  files::WriteProvenance(provenance, options.solver, options.solver_options.seed, run);
+  files::WriteProvenance(provenance, solver, seed, run);
   run.attributes["finished"] = std::int64_t{0};
   run.attributes["stop_reason"] = std::string("running");
   run.attributes["stop_test"] = std::string();
@@ -238,6 +260,7 @@ Hdf5Node UnfinishedRunTree(const LeastSquares& problem, const IdentificationOpti
   files::WriteTrace(evaluator.trace(), FreeNames(problem.setup()), root.At("trace"));
   if (!evaluator.finished().empty())
     files::WriteSearches(evaluator.finished(), problem.setup().free.size(), root.At("searches"));
+  files::WriteKeptWork(evaluator.kept_residuals(), problem.setup().record, root);
   const Vector best = evaluator.has_best() ? problem.Parameters(evaluator.best().x) : problem.setup().rest;
   files::WriteParameters(problem.setup(), best, root.At("parameters"));
   return root;
@@ -255,7 +278,8 @@ Result<RecordedRun> ReadRun(const std::string& path) {
   recorded.data_hash = run->Text("data_hash");
   recorded.seed = SeedOf(*run);
   recorded.version = run->Text("version");
-  recorded.cost = root.Find("diagnosis") == nullptr ? run->Number("cost", kNaN) : kNaN;
+  const bool diagnosed = root.Find("diagnosis") != nullptr || recorded.solver == kDiagnoseSolver;
+  recorded.cost = diagnosed ? kNaN : run->Number("cost", kNaN);
   recorded.steps = static_cast<int>(run->Number("steps", 0));
   recorded.finished = run->Number("finished", 0) == 1;
 
@@ -295,8 +319,12 @@ Result<RecordedRun> ReadRun(const std::string& path) {
     recorded.trace.push_back(
         {seconds->array()->values[i], cost->array()->values[i], Eigen::Map<const Vector>(row, width)});
   }
+  SINEW_TRY(ReadFailures(path, *trace, recorded.trace));
   SINEW_ASSIGN(recorded.finished_searches,
                files::ReadSearches(path, root, recorded.trace.size(), x->array()->shape[1]));
+  SINEW_ASSIGN(files::KeptWork kept, files::ReadKeptWork(path, root, recorded.trace.size()));
+  recorded.kept_residuals = std::move(kept.residuals);
+  recorded.fits = std::move(kept.fits);
   return recorded;
 }
 

@@ -26,7 +26,7 @@ Result<Hdf5Node> RunTree(const Problem& problem, const Identification& identific
                          const Provenance& provenance);
 
 /// A run that still goes on: what it needs to be resumed, and the best point so far.
-Hdf5Node UnfinishedRunTree(const LeastSquares& problem, const IdentificationOptions& options,
+Hdf5Node UnfinishedRunTree(const LeastSquares& problem, const std::string& solver, std::uint64_t seed,
                            const Provenance& provenance, const Evaluator& evaluator);
 
 /// What is taken from an earlier run to resume it, or to start from its answer.
@@ -43,6 +43,8 @@ struct RecordedRun {
   std::vector<std::string> variables;  ///< names of the free parameters
   std::vector<TraceEntry> trace;
   std::vector<FinishedSearch> finished_searches;
+  std::vector<KeptResiduals> kept_residuals;           ///< of an unfinished run
+  FitRecord::Answers fits;                             ///< the same
   std::vector<std::pair<std::string, double>> values;  ///< every parameter
   /// Nuisance values of trials or with a prior: other data need not have them.
   std::set<std::string> incidental;

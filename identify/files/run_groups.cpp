@@ -68,6 +68,16 @@ void WriteTrace(const std::vector<TraceEntry>& trace, const std::vector<std::str
   node.At("seconds").SetVector(std::move(seconds));
   node.At("cost").SetVector(std::move(cost));
   node.At("x").SetMatrix(trace.size(), variables.size(), std::move(x));
+  std::vector<double> failed;
+  std::vector<std::string> reason;
+  for (std::size_t i = 0; i < trace.size(); ++i) {
+    if (trace[i].failure.empty()) continue;
+    failed.push_back(static_cast<double>(i));
+    reason.push_back(trace[i].failure);
+  }
+  if (failed.empty()) return;
+  node.At("failures/evaluation").SetVector(std::move(failed));
+  node.At("failures/reason").data = std::move(reason);
 }
 
 void WriteSentences(const std::vector<text::Sentence>& findings, const std::vector<Warning>& warnings,

@@ -4,6 +4,7 @@
 
 #include "identify/check_problem.h"
 #include "identify/error_concentration.h"
+#include "identify/execution/failure_reasons.h"
 #include "identify/identification/odd_trials.h"
 #include "identify/solvers/held_out_nuisance.h"
 #include "identify/solvers/improved_start.h"
@@ -40,6 +41,20 @@ Status AnalyseAndImprove(const LeastSquares& least_squares, UncertaintyOptions h
   return {};
 }
 
+Warning FailuresOf(const Identification& found, const std::string& first) {
+  constexpr std::size_t kMostReasons = 5;
+  Warning warning{WarningKind::kFailedEvaluations,
+                  {},
+                  {static_cast<double>(found.failures), static_cast<double>(found.trace.size())},
+                  first};
+  for (const FailureReason& reason : FailuresByReason(found.trace)) {
+    if (warning.names.size() == kMostReasons) break;
+    warning.names.push_back(reason.message);
+    warning.numbers.push_back(static_cast<double>(reason.count));
+  }
+  return warning;
+}
+
 }  // namespace
 
 Result<Identification> Identify(const Problem& problem, FitSetup setup, IdentificationOptions options) {
@@ -67,17 +82,16 @@ Result<Identification> Identify(const Problem& problem, FitSetup setup, Identifi
   }
   out.trace = evaluator.trace();
   out.finished = evaluator.finished();
+  out.kept_residuals = evaluator.kept_residuals();
   out.failures = evaluator.failures();
   const auto is_interrupted = [&] { return interrupt != nullptr && interrupt->load(); };
   out.interrupted = is_interrupted();
   if (!out.result.stop.usable()) return out;
 
-  SINEW_ASSIGN(out.parameters, solvers::FitHeldOutNuisance(problem, least_squares.Parameters(out.result.x)));
+  SINEW_ASSIGN(out.parameters, solvers::FitHeldOutNuisance(problem, least_squares.Parameters(out.result.x),
+                                                           out.setup.record));
   if (out.failures > 0) {
-    out.warnings.push_back({WarningKind::kFailedEvaluations,
-                            {},
-                            {static_cast<double>(out.failures), static_cast<double>(out.trace.size())},
-                            evaluator.first_failure()});
+    out.warnings.push_back(FailuresOf(out, evaluator.first_failure()));
   }
   if (!out.result.stop.converged())
     out.warnings.push_back({WarningKind::kNotConverged, {}, {}, out.result.stop.test});

@@ -43,7 +43,8 @@ struct Identification {
   FitSetup setup;
   SolverResult result;
   std::vector<TraceEntry> trace;
-  std::vector<FinishedSearch> finished;  ///< of the search from many starts
+  std::vector<FinishedSearch> finished;       ///< of the search from many starts
+  std::vector<KeptResiduals> kept_residuals;  ///< see Evaluator
   long failures = 0;
   bool interrupted = false;            ///< before the end: the search, or that the intervals were found
   double seconds = 0;                  ///< of solving

@@ -223,7 +223,7 @@ std::vector<OddTrial> FindOddTrials(const Problem& problem, const FitSetup& setu
   }
   std::vector<OddTrial> found;
   if (left_out.empty()) return found;
-  const auto judged = solvers::FitHeldOutNuisance(Split(problem, trials, all), point);
+  const auto judged = solvers::FitHeldOutNuisance(Split(problem, trials, all), point, setup.record);
   if (!judged) return found;
   point = *judged;
   for (const std::string& trial : left_out) {

@@ -137,6 +137,7 @@ class Whitening final : public RowTransform {
   /// @param stretches [train blocks] as in NoiseBlock.
   Whitening(NoiseModel model, std::vector<std::vector<int>> stretches);
   void Apply(int train_block, Eigen::Ref<Matrix> rows) const override;
+  void AddTo(Digest& digest) const override;
 
   [[nodiscard]] const NoiseModel& model() const { return model_; }
 

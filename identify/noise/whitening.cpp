@@ -46,6 +46,18 @@ void Whitening::Apply(int train_block, Eigen::Ref<Matrix> rows) const {
   rows /= model_.channels[channel].deviation;
 }
 
+void Whitening::AddTo(Digest& digest) const {
+  for (const ChannelNoiseModel& channel : model_.channels) {
+    digest.Add(channel.coefficients.data(), channel.coefficients.size());
+    digest.Add(channel.deviation);
+  }
+  for (std::size_t b = 0; b < stretches_.size(); ++b) {
+    digest.Add(static_cast<std::uint64_t>(model_.channel_of[b]));
+    digest.Add(static_cast<std::uint64_t>(stretches_[b].size()));
+    for (const int start : stretches_[b]) digest.Add(static_cast<std::uint64_t>(start));
+  }
+}
+
 std::vector<int> Stretches(const Block& block) {
   const std::vector<double> intervals = Intervals(block);
   std::vector<int> starts = {0};

@@ -9,6 +9,7 @@ class Share final : public RowTransform {
  public:
   explicit Share(double share) : share_(share) {}
   void Apply(int /*train_block*/, Eigen::Ref<Matrix> rows) const override { rows *= share_; }
+  void AddTo(Digest& digest) const override { digest.Add(share_); }
 
  private:
   double share_;

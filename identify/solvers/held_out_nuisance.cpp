@@ -18,7 +18,7 @@ constexpr long kEvaluations = 200;
 
 }  // namespace
 
-Result<Vector> FitHeldOutNuisance(const Problem& problem, const Vector& parameters,
+Result<Vector> FitHeldOutNuisance(const Problem& problem, const Vector& parameters, FitRecord* record,
                                   const std::vector<Vector>& earlier) {
   std::set<std::string> held_out;
   for (const Block& block : problem.layout()) {
@@ -29,6 +29,7 @@ Result<Vector> FitHeldOutNuisance(const Problem& problem, const Vector& paramete
     FitSetup setup;
     setup.parameters = problem.parameters();
     setup.rest = answer;
+    setup.record = record;
     for (std::size_t i = 0; i < setup.parameters.size(); ++i) {
       const Parameter& p = setup.parameters[i];
       if (p.kind == ParameterKind::kNuisance && p.trial == trial) setup.free.push_back(static_cast<int>(i));

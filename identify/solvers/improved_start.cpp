@@ -4,12 +4,37 @@
 #include <vector>
 
 namespace sinew::solvers {
+namespace {
+
+std::optional<Vector> StartOfProblem(const LeastSquares& fit, const Vector& parameters) {
+  std::vector<bool> compared;
+  for (const Block& block : fit.problem().layout()) compared.push_back(block.role == BlockRole::kTrain);
+  return fit.problem().ImprovedStart(fit.setup().free, compared, parameters);
+}
+
+// It may contain fits of its own, which the record of the setup does not see.
+std::optional<Vector> RecordedStart(const LeastSquares& fit, const Vector& parameters) {
+  FitRecord* const record = fit.setup().record;
+  if (record == nullptr) return StartOfProblem(fit, parameters);
+  Digest question;
+  fit.AddTo(question);
+  question.Add("improved start").Add(parameters.data(), static_cast<std::size_t>(parameters.size()));
+  if (const auto known = record->Find(question); known) {
+    if (known->numbers.empty()) return {};
+    if (known->numbers.size() == static_cast<std::size_t>(parameters.size()))
+      return Vector(Eigen::Map<const Vector>(known->numbers.data(), parameters.size()));
+  }
+  auto improved = StartOfProblem(fit, parameters);
+  FitRecord::Answer answer;
+  if (improved) answer.numbers.assign(improved->data(), improved->data() + improved->size());
+  record->Keep(question, std::move(answer));
+  return improved;
+}
+
+}  // namespace
 
 std::optional<Vector> ImprovedStart(const LeastSquares& fit, const Vector& parameters) {
-  const Problem& problem = fit.problem();
-  std::vector<bool> compared;
-  for (const Block& block : problem.layout()) compared.push_back(block.role == BlockRole::kTrain);
-  auto improved = problem.ImprovedStart(fit.setup().free, compared, parameters);
+  auto improved = RecordedStart(fit, parameters);
   if (!improved) return {};
   for (const int index : fit.setup().free) {
     const Parameter& p = fit.setup().parameters[static_cast<std::size_t>(index)];

@@ -15,6 +15,9 @@ constexpr double kLargestRefitDamping = 1e8;
 // the largest gradient by 100 e.
 constexpr double kPenalty = 1e4;
 
+// Of an answer in the record, before the point: cost, converged, evaluations, penalty.
+constexpr std::size_t kAnswerNumbers = 4;
+
 }  // namespace
 
 LocalFit::LocalFit(const LeastSquares& least_squares, double penalty)
@@ -64,6 +67,36 @@ Result<double> LocalFit::ModelAt(const Vector& x) {
 
 LocalFit::Outcome LocalFit::Minimize(const Vector& start, int held, Tolerance tolerance,
                                      long max_evaluations) {
+  FitRecord* const record = least_squares_.setup().record;
+  if (record == nullptr) return Search(start, held, tolerance, max_evaluations);
+  Digest question;
+  least_squares_.AddTo(question);
+  question.Add(penalty_).Add(start.data(), static_cast<std::size_t>(start.size()));
+  question.Add(static_cast<double>(held)).Add(tolerance.absolute).Add(tolerance.relative);
+  question.Add(static_cast<double>(max_evaluations));
+  const auto n = static_cast<std::size_t>(start.size());
+  if (const auto known = record->Find(question); known && known->numbers.size() == kAnswerNumbers + n) {
+    Outcome outcome;
+    outcome.cost = known->numbers[0];
+    outcome.converged = known->numbers[1] != 0;
+    evaluations_ += static_cast<long>(known->numbers[2]);
+    penalty_ = known->numbers[3];
+    outcome.x = Eigen::Map<const Vector>(known->numbers.data() + kAnswerNumbers, start.size());
+    outcome.failure = known->text;
+    return outcome;
+  }
+  const long before = evaluations_;
+  Outcome outcome = Search(start, held, tolerance, max_evaluations);
+  FitRecord::Answer answer;
+  answer.numbers = {outcome.cost, outcome.converged ? 1.0 : 0.0, static_cast<double>(evaluations_ - before),
+                    penalty_};
+  answer.numbers.insert(answer.numbers.end(), outcome.x.data(), outcome.x.data() + outcome.x.size());
+  answer.text = outcome.failure;
+  record->Keep(question, std::move(answer));
+  return outcome;
+}
+
+LocalFit::Outcome LocalFit::Search(const Vector& start, int held, Tolerance tolerance, long max_evaluations) {
   Outcome outcome;
   outcome.x = start.cwiseMax(0).cwiseMin(1);
   const long last = evaluations_ + max_evaluations;

@@ -34,12 +34,15 @@ class LocalFit {
 
   /// @param start [n, in 0..1] @param held variable that is fixed, or -1 @param max_evaluations of residuals,
   /// with or without Jacobian
+  ///
+  /// The one place through which the refits of a diagnosis and of profiles go: what the record of the setup
+  /// (FitSetup::record) holds is taken from there, and counts as many evaluations as it took.
   Outcome Minimize(const Vector& start, int held, Tolerance tolerance, long max_evaluations);
 
   /// Cost at x [n, in 0..1], penalties included, and its Gauss-Newton model there: model(). One evaluation.
   /// Errors: no prediction at x, or a derivative that is not finite.
   Result<double> ModelAt(const Vector& x);
-  /// Of the last point with derivatives; the next call that evaluates overwrites it.
+  /// Of the point of the last ModelAt; the next call that evaluates overwrites it.
   [[nodiscard]] const BoxQuadraticModel& model() const { return equations_; }
 
   [[nodiscard]] const LeastSquares& least_squares() const { return least_squares_; }
@@ -47,6 +50,7 @@ class LocalFit {
   [[nodiscard]] double penalty() const { return penalty_; }
 
  private:
+  Outcome Search(const Vector& start, int held, Tolerance tolerance, long max_evaluations);
   Status Cost(const Vector& x, double& cost);
   Status CostAndDerivatives(const Vector& x, double& cost);
   void AddPenalties(const Vector& x, double& cost, bool derivatives);

@@ -14,6 +14,8 @@
 namespace sinew::solvers {
 namespace {
 
+// Distance in the unit box.
+constexpr double kBeside = 1e-3;
 constexpr double kStepTolerance = 1e-10;          // in the unit box
 constexpr int kDefaultGlobalEvaluations = 20000;  // global searches without a budget
 constexpr long kMaxStogoEvaluations = 100000;
@@ -144,7 +146,23 @@ class NloptSolver : public Solver {
     Vector x = start;
     double cost = 0;
     const nlopt_result result = nlopt_optimize(opt, x.data(), &cost);
-    return {StopFromNlopt(result, opt, call), nlopt_get_numevals(opt), {}};
+    Search search{StopFromNlopt(result, opt, call), nlopt_get_numevals(opt), {}};
+    const bool sees_values_only = name_[0] == 'L' && name_[1] == 'N';
+    if (sees_values_only && search.stop.converged() && evaluator.has_best() && EndedBesideFailures(evaluator))
+      search.stop = {Termination::kSolverFailed,
+                     "it ended beside points without prediction, which may lie between "
+                     "it and the minimum; " +
+                         search.stop.test};
+    return search;
+  }
+
+  // A search that knows values only cannot tell a minimum from the edge of a region without prediction.
+  static bool EndedBesideFailures(const Evaluator& evaluator) {
+    const Vector& best = evaluator.best().x;
+    return std::any_of(evaluator.trace().begin(), evaluator.trace().end(), [&](const TraceEntry& entry) {
+      return !std::isfinite(entry.cost) && (entry.x - best).cwiseAbs().maxCoeff() <= kBeside &&
+             !evaluator.Violated(entry.x);
+    });
   }
 
   [[nodiscard]] Stop StopFromNlopt(nlopt_result result, nlopt_opt opt, const Call& call) const {

@@ -4,6 +4,9 @@
 #include <limits>
 
 #include "base/constants.h"
+#include "base/numbers.h"
+#include "base/text.h"
+#include "identify/execution/failure_reasons.h"
 
 namespace sinew {
 namespace {
@@ -23,6 +26,31 @@ std::string ConstrainedSolvers() {
   return fmt::format("{}", fmt::join(names, ", "));
 }
 
+const Vector& FirstFailure(const Evaluator& evaluator) {
+  for (const TraceEntry& entry : evaluator.trace()) {
+    if (!std::isfinite(entry.cost)) return entry.x;
+  }
+  return evaluator.trace().front().x;
+}
+
+// "stiffness = 9e5 N/m3, dissipation = 30 s/m", of the free parameters.
+std::string PointText(const Evaluator& evaluator, const Vector& x) {
+  constexpr std::size_t kMostShown = 8;
+  const FitSetup& setup = evaluator.fit().setup();
+  const Vector parameters = evaluator.fit().Parameters(x);
+  std::vector<std::string> values;
+  for (const int index : setup.free) {
+    const Parameter& p = setup.parameters[static_cast<std::size_t>(index)];
+    if (values.size() == kMostShown) {
+      values.push_back(fmt::format("... ({} in all)", setup.free.size()));
+      break;
+    }
+    values.push_back(
+        fmt::format("{} = {}{}", p.name, Readable(parameters[index], 4), p.unit == "1" ? "" : " " + p.unit));
+  }
+  return values.empty() ? "the start" : Join(values, ", ");
+}
+
 Stop StopWithoutAnswer(const Evaluator& evaluator) {
   if (evaluator.trace().empty()) {
     return {Termination::kNoPrediction, "not even the start was evaluated: " + StopFrom(evaluator).test};
@@ -37,9 +65,16 @@ Stop StopWithoutAnswer(const Evaluator& evaluator) {
                                                *violated, ConstrainedSolvers())
                                  : "")};
   }
+  const auto reasons = FailuresByReason(evaluator.trace());
+  std::string more;
+  for (const FailureReason& reason : reasons) {
+    if (reasons.size() > 1)
+      more += fmt::format("{}{} because {}", more.empty() ? "; " : ", ", reason.count, reason.message);
+  }
   return {Termination::kNoPrediction,
-          fmt::format("{} of {} points have no prediction; the first: {}", evaluator.failures(),
-                      evaluator.evaluations(), evaluator.first_failure())};
+          fmt::format("{} of {} points have no prediction; the first, at {}: {}{}", evaluator.failures(),
+                      evaluator.evaluations(), PointText(evaluator, FirstFailure(evaluator)),
+                      evaluator.first_failure(), more)};
 }
 
 }  // namespace

@@ -11,6 +11,17 @@
 namespace sinew::text {
 namespace {
 
+// "5 of 200 evaluations failed and were rejected; the first because A; in all 4 because B, 1 because A"
+std::string FailedEvaluations(const Warning& w) {
+  std::string text =
+      fmt::format("{:.0f} of {:.0f} evaluations failed and were rejected; the first because {}", w.numbers[0],
+                  w.numbers[1], w.message);
+  if (w.names.size() < 2) return text;
+  for (std::size_t i = 0; i < w.names.size() && i + 2 < w.numbers.size(); ++i)
+    text += fmt::format("{}{:.0f} because {}", i == 0 ? "; in all " : ", ", w.numbers[i + 2], w.names[i]);
+  return text;
+}
+
 std::string DependentResiduals(const Warning& w) {
   std::vector<std::string> channels;
   for (std::size_t i = 0; i < w.names.size(); ++i)
@@ -100,8 +111,7 @@ std::string NoiseLevelUnknown(const Warning& w) {
 std::string Text(const Warning& w, const std::vector<LeftOutData>& left_out) {
   switch (w.kind) {
     case WarningKind::kFailedEvaluations:
-      return fmt::format("{:.0f} of {:.0f} evaluations failed and were rejected; the first because {}",
-                         w.numbers[0], w.numbers[1], w.message);
+      return FailedEvaluations(w);
     case WarningKind::kNotConverged:
       return fmt::format("the search did not converge ({}): the answer is the best point so far", w.message);
     case WarningKind::kNotAMinimum:

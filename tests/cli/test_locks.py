@@ -65,7 +65,7 @@ class Locks(ProgramTest):
         with lock.open("r+") as file:  # as another machine would hold it
             fcntl.flock(file, fcntl.LOCK_EX)
             waiting = self.start("data", "synthesize", "drive", "--out", "run.h5")
-            time.sleep(2.5)
+            time.sleep(5)  # two of them until it says so; a busy machine needs a while to begin
             self.assertIsNone(waiting.poll())
         said, errors = waiting.communicate(timeout=LONGEST)
         self.assertEqual(waiting.returncode, 0)

@@ -110,7 +110,7 @@ class Resumed(WithStances):
         search.send_signal(signal.SIGINT)
         said, errors = search.communicate(timeout=LONGEST)
         self.assertEqual(search.returncode, 130)
-        self.assertRegex(errors, "^sinew: stopped by SIGINT; run.h5 holds [0-9]+ evaluations: the same command with --resume goes on\n$")
+        self.assertRegex(errors, "^sinew: stopped by SIGINT; run.h5 holds [0-9]+ evaluations( and [0-9]+ fits?)?: the same command with --resume goes on\n$")
         self.assertIn("NOT converged: interrupted after", said)
         with h5py.File(self.path("run.h5")) as run:
             self.assertEqual(run["run"].attrs["stop_reason"], "interrupted")

@@ -76,7 +76,7 @@ class Stopped(ProgramTest):
             for stop in BOTH:
                 with self.subTest(solver=solver, stop=stop.name):
                     said = self.stop_midway(stop, seconds, *words, "parts.h5")
-                    self.assertRegex(said or "", r"; parts.h5 holds \d+ evaluations: the same command with --resume goes on\n$")
+                    self.assertRegex(said or "", r"; parts.h5 holds \d+ evaluations( and \d+ fits?)?: the same command with --resume goes on\n$")
                     with h5py.File(self.path("parts.h5")) as run:
                         self.assertEqual(run["run"].attrs["finished"], 0)
                         evaluations = len(run["trace/cost"])
@@ -104,6 +104,40 @@ class Stopped(ProgramTest):
         self.succeeds(*words, "parts.h5", "--resume")
         self.same("whole.h5", "parts.h5")
 
+    def test_identify_by_derivatives(self):
+        """Residuals and derivatives of the search, and the fits of the intervals, are not evaluated again."""
+        self.succeeds("data", "synthesize", "nms", "--out", "nms.h5")
+        for solver in ("lm", "ceres"):
+            words = ("identify", "nms", "--data", "nms.h5", "--solver", solver, "--quiet", "--threads", 1, "--out")
+            seconds = self.timed(*words, "whole.h5")
+            with self.subTest(solver=solver):
+                self.stop_midway(signal.SIGTERM, seconds, *words, "parts.h5")
+                with h5py.File(self.path("parts.h5")) as run:
+                    self.assertGreater(len(run["resume/residuals/evaluation"]), 0)
+                self.succeeds(*words, "parts.h5", "--resume")
+                self.same("whole.h5", "parts.h5")
+                self.path("parts.h5").unlink()
+
+    def test_diagnose(self):
+        self.succeeds("data", "synthesize", "drive", "--out", "drive.h5", "--effect", "asymmetric_friction:forward_friction=0.16,backward_friction=0.08")
+        words = ("diagnose", "drive", "--data", "drive.h5", "--quiet", "--out")
+        seconds = self.timed(*words, "whole.h5")
+        for stop in BOTH:
+            with self.subTest(stop=stop.name):
+                said = self.stop_midway(stop, seconds, *words, "parts.h5")
+                self.assertRegex(said, r"; parts.h5 holds \d+ evaluations and \d+ fits: the same command with --resume goes on\n$")
+                with h5py.File(self.path("parts.h5")) as run:
+                    self.assertEqual(run["run"].attrs["finished"], 0)
+                    kept = len(run["resume/fits/question"])
+                again = self.stop(stop, 0.2, *words, "parts.h5", "--resume")
+                with h5py.File(self.path("parts.h5")) as run:
+                    self.assertGreaterEqual(len(run["resume/fits/question"]), kept, again)
+                self.refuses("was made with --seed 1, not 2", *words, "parts.h5", "--resume", "--seed", 2)
+                self.refuses("was made with --fix , not inertia", *words, "parts.h5", "--resume", "--fix", "inertia=0.15")
+                self.succeeds(*words, "parts.h5", "--resume")
+                self.same("whole.h5", "parts.h5")
+                self.path("parts.h5").unlink()
+
     def test_a_problem_whose_simulations_take_long(self):
         self.succeeds("data", "synthesize", "free_body", "--out", "toss.h5")
         words = ("identify", "free_body", "--data", "toss.h5", "--quiet", "--out", "parts.h5")
@@ -112,8 +146,8 @@ class Stopped(ProgramTest):
             self.assertEqual(run["run"].attrs["finished"], 0)
 
     def test_before_anything_is_there(self):
-        for moment in (0.1, 0.2, 0.05, 0.4, 0.8):  # the first of them that meets it at work
-            said = self.stop(signal.SIGTERM, moment, "diagnose", "contact", "--data", "stances.h5", "--out", "d.h5", "--quiet")
+        for moment in (0.4, 0.6, 0.3, 0.8, 0.2):  # the first of them that meets it at work
+            said = self.stop(signal.SIGTERM, moment, "data", "synthesize", "emg_shape", "--out", "d.h5")
             self.path("d.h5").unlink(missing_ok=True)
             if said:
                 break
@@ -149,6 +183,13 @@ class Stopped(ProgramTest):
             for moment in (0.05, 0.5, 1.5):
                 self.assertIsNotNone(self.stop(stop, moment, "report", "run.h5", "--out-dir", "page"))
                 self.assertFalse(self.path("page").exists())
+        for moment in (0.2, 0.6, 1):  # what a killed one has started ends at once, and leaves the next one its folder
+            killed = self.start("report", "run.h5", "--out-dir", "page")
+            time.sleep(moment)
+            killed.kill()
+            self.succeeds("report", "run.h5", "--out-dir", "page")
+            killed.communicate()
+            self.assertEqual(sorted(os.listdir(self.path("page"))), ["index.html", "index.ipynb"])
 
 
 if __name__ == "__main__":

@@ -7,6 +7,7 @@
 
 #include "base/constants.h"
 #include "base/random.h"
+#include "identify/execution/failure_reasons.h"
 #include "tests/identify/support/toy_problem.h"
 
 namespace sinew {
@@ -242,6 +243,82 @@ TEST_F(EvaluatorTest, AReplayedRunIsTheUninterruptedRunToTheLastBit) {
   }
   EXPECT_EQ(on.failures(), whole.failures());
   EXPECT_EQ(on.best().x, whole.best().x);
+}
+
+// A search that depends on every residual and derivative, to the last bit.
+void DescendOnDerivatives(Evaluator& evaluator, int steps) {
+  SparseJacobian jacobian = evaluator.fit().NewJacobian();
+  Vector residuals;
+  Vector x = evaluator.fit().Start();
+  for (int i = 0; i < steps; ++i) {
+    if (evaluator.Residuals(x, residuals, i % 3 == 2 ? nullptr : &jacobian) == Outcome::kStop) return;
+    double sum = residuals.sum();
+    for (const SparseJacobian::Piece& piece : jacobian.pieces) sum += piece.values.sum();
+    for (double& value : x) value = std::abs(std::sin(1e6 * (sum + value)));
+  }
+}
+
+TEST_F(EvaluatorTest, ResidualsAndDerivativesAreKeptAsFarAsThereIsRoom) {
+  Evaluator whole = Make();
+  DescendOnDerivatives(whole, 12);
+  EXPECT_TRUE(whole.kept_residuals().empty());
+
+  Evaluator::Options keeping;
+  keeping.most_kept = 1000;
+  keeping.budget.max_evaluations = 8;
+  Evaluator stopped = Make(keeping);
+  DescendOnDerivatives(stopped, 12);
+  ASSERT_EQ(stopped.kept_residuals().size(), 8U - static_cast<std::size_t>(stopped.failures()));
+  ASSERT_GT(stopped.kept_residuals().size(), 2U);
+
+  Evaluator::Options resumed_options;
+  resumed_options.most_kept = 1000;
+  resumed_options.replay = stopped.trace();
+  resumed_options.replayed_residuals = stopped.kept_residuals();
+  Evaluator again = Make(resumed_options);
+  predictions_ = 0;
+  DescendOnDerivatives(again, 8);
+  EXPECT_EQ(predictions_, 0) << "what was kept is not predicted again";
+  Evaluator resumed = Make(resumed_options);
+  DescendOnDerivatives(resumed, 12);
+  for (std::size_t i = 0; i < 12; ++i) {
+    ASSERT_EQ(resumed.trace()[i].x, whole.trace()[i].x) << i;
+    ASSERT_EQ(resumed.trace()[i].cost, whole.trace()[i].cost) << i;
+  }
+  EXPECT_EQ(resumed.kept_residuals().size(), 12U - static_cast<std::size_t>(resumed.failures()))
+      << "a run that is stopped again keeps all of it";
+
+  keeping.most_kept = stopped.kept_residuals()[0].numbers.size() + 1;
+  Evaluator little = Make(keeping);
+  DescendOnDerivatives(little, 8);
+  EXPECT_EQ(little.kept_residuals().size(), 1U);
+}
+
+TEST_F(EvaluatorTest, FailuresAreCountedByReason) {
+  Evaluator evaluator = Make();
+  double cost = 0;
+  evaluator.Cost(At(0, 0), cost);
+  evaluator.Cost(At(3.5, 0), cost);
+  for (const double a : {-2.0, -2.5, -3.25e-7 - 1}) evaluator.Cost(At(a, 0), cost);
+  const auto reasons = FailuresByReason(evaluator.trace());
+  ASSERT_EQ(reasons.size(), 2U);
+  EXPECT_EQ(reasons[0].message, "a = -2 is out of reach");
+  EXPECT_EQ(reasons[0].count, 3);
+  EXPECT_EQ(reasons[0].first, 2U);
+  EXPECT_EQ(reasons[1].message, "constraint 'a at most 3' is violated");
+  EXPECT_EQ(reasons[1].count, 1);
+}
+
+TEST_F(EvaluatorTest, TheFirstFailureHasItsReasonAlsoWhenResumed) {
+  double cost = 0;
+  Evaluator stopped = Make();
+  stopped.Cost(At(3.5, 0), cost);
+  ASSERT_EQ(stopped.failures(), 1);
+  Evaluator::Options options;
+  options.replay = stopped.trace();
+  Evaluator resumed = Make(options);
+  resumed.Cost(At(3.5, 0), cost);
+  EXPECT_EQ(resumed.first_failure(), stopped.first_failure());
 }
 
 TEST_F(EvaluatorTest, ARecordOfAnotherSearchIsIgnored) {

@@ -65,9 +65,10 @@ class Transfer {
 
   /// @param step [n] of the refit's variables
   Status Apply(const Vector& step, LinearTerm& term) const {
-    const HeldOut held_out(problem_);
+    const HeldOut held_out(problem_, refit_.setup->record);
     if (!held_out.exists()) return {};
-    SINEW_ASSIGN(const Vector point, solvers::FitHeldOutNuisance(problem_, refit_.point));
+    SINEW_ASSIGN(const Vector point,
+                 solvers::FitHeldOutNuisance(problem_, refit_.point, refit_.setup->record));
     SINEW_ASSIGN(term.before, held_out.Residuals(point));
     const RoleView view(problem_, [](const Block& block) {
       return block.role == BlockRole::kValidate ? BlockRole::kTrain : BlockRole::kPredicted;

@@ -92,10 +92,11 @@ FitSetup WithoutLeftOut(FitSetup setup, const Fold& fold) {
   return setup;
 }
 
-Result<Vector> LeftOutResiduals(const Problem& problem, const Fold& fold, const Vector& parameters) {
+Result<Vector> LeftOutResiduals(const Problem& problem, const Fold& fold, const Vector& parameters,
+                                FitRecord* record) {
   Vector at = parameters;
   if (!fold.window) {
-    SINEW_ASSIGN(at, solvers::FitHeldOutNuisance(FoldView(problem, fold), parameters));
+    SINEW_ASSIGN(at, solvers::FitHeldOutNuisance(FoldView(problem, fold), parameters, record));
   }
   const Layout& layout = problem.layout();
   std::vector<bool> wanted(layout.size(), false);

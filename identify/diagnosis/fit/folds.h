@@ -46,9 +46,9 @@ class FoldView final : public ProblemView {
 [[nodiscard]] FitSetup WithoutLeftOut(FitSetup setup, const Fold& fold);
 
 /// Weighted residuals of what the fold leaves out of the training data, at parameters that were fitted to the
-/// rest [P]; nuisance values of trials that are left out as a whole are fitted to them. Errors: those of
-/// Problem::Predict.
+/// rest [P]; nuisance values of trials that are left out as a whole are fitted to them.
+/// @param record of FitSetup, may be null. Errors: those of Problem::Predict.
 [[nodiscard]] Result<Vector> LeftOutResiduals(const Problem& problem, const Fold& fold,
-                                              const Vector& parameters);
+                                              const Vector& parameters, FitRecord* record);
 
 }  // namespace sinew::diagnosis

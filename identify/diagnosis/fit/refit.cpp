@@ -5,6 +5,7 @@
 #include <limits>
 
 #include "base/decompositions.h"
+#include "identify/diagnosis/fit/refit_record.h"
 #include "identify/diagnosis/score/design.h"
 #include "identify/noise/autoregression.h"
 
@@ -198,21 +199,28 @@ Status Refitter::Finish(const LeastSquares& fit, Refit& refit) const {
   return {};
 }
 
-Refit Refitter::Prepare(std::vector<int> released, const std::vector<Vector>& starts) const {
+Refit Refitter::Asked(std::vector<int> released, const std::vector<Vector>& starts) const {
   Refit refit;
   std::sort(released.begin(), released.end());
   refit.released = std::move(released);
   auto setup = std::make_shared<FitSetup>(SetupWith(refit.released));
   setup->rest = starts.front();
-  refit.setup = setup;
-  if (interrupt_ != nullptr && interrupt_->load()) refit.failure = "interrupted";
+  refit.setup = std::move(setup);
   return refit;
 }
 
 Refit Refitter::FitOrdinary(std::vector<int> released, const std::vector<Vector>& starts,
                             double tolerance) const {
-  Refit refit = Prepare(std::move(released), starts);
-  if (!refit.usable()) return refit;
+  return RecordedRefit(problem_, Asked(std::move(released), starts), RefitKind::kOrdinary, starts, tolerance,
+                       [&](Refit asked) { return MakeOrdinary(std::move(asked), starts, tolerance); });
+}
+
+Refit Refitter::MakeOrdinary(Refit refit, const std::vector<Vector>& starts, double tolerance) const {
+  if (interrupt_ != nullptr && interrupt_->load()) {
+    refit.failure = "interrupted";
+    refit.interrupted = true;
+    return refit;
+  }
   LeastSquares fit(problem_, *refit.setup);
   const auto found = FitFromStarts(fit, starts, tolerance);
   refit.failure = found.failure;
@@ -231,7 +239,8 @@ bool Refitter::Expects(const LeastSquares& fit) const {
 }
 
 Refit Refitter::FitUnderExpectedNoise(std::vector<int> released, const std::vector<Vector>& starts) const {
-  Refit refit = Prepare(std::move(released), starts);
+  Refit refit = Asked(std::move(released), starts);
+  if (interrupt_ != nullptr && interrupt_->load()) refit.failure = "interrupted";
   if (!refit.usable()) return refit;
   LeastSquares fit(problem_, *refit.setup);
   const auto stretches = TrainStretches(fit);
@@ -267,7 +276,13 @@ Refit Refitter::Fit(std::vector<int> released, const std::vector<Vector>& starts
     const FitSetup setup = SetupWith(released);
     if (Expects(LeastSquares(problem_, setup))) return FitUnderExpectedNoise(std::move(released), starts);
   }
-  Refit refit = FitOrdinary(std::move(released), starts, kOrdinaryTolerance);
+  const RefitKind kind = independent_ ? RefitKind::kIndependent : RefitKind::kGeneralised;
+  return RecordedRefit(problem_, Asked(std::move(released), starts), kind, starts, kOrdinaryTolerance,
+                       [&](Refit asked) { return MakeGeneralised(std::move(asked), starts); });
+}
+
+Refit Refitter::MakeGeneralised(Refit refit, const std::vector<Vector>& starts) const {
+  refit = MakeOrdinary(std::move(refit), starts, kOrdinaryTolerance);
   if (!refit.usable()) return refit;
   LeastSquares fit(problem_, *refit.setup);
   const Vector ordinary = refit.x;

@@ -30,6 +30,7 @@ struct Refit {
   bool noise_absorbs_misfit = false;  ///< the noise model would have absorbed the misfit: errors
                                       ///< are assumed independent, the fit is ordinary least squares
   std::string failure;                ///< why the fit failed; empty if it did not
+  bool interrupted = false;           ///< that is why: it was not begun
 
   [[nodiscard]] bool usable() const { return failure.empty(); }
   [[nodiscard]] int parameters() const { return static_cast<int>(setup->free.size()); }
@@ -66,6 +67,7 @@ class Refitter {
   /// of evaluations is usable, with `converged` false.
   ///
   /// Thread-safe: const, and each call has its own workspaces. The result depends on the arguments alone.
+  /// What the record of the base setup holds (FitSetup::record) is taken from there.
   /// Source of step 3: Cochrane, Orcutt (1949), J. Am. Stat. Assoc. 44:32-61, with the noise model by
   /// restricted likelihood.
   [[nodiscard]] Refit Fit(std::vector<int> released, const std::vector<Vector>& starts) const;
@@ -96,6 +98,9 @@ class Refitter {
   [[nodiscard]] Result<Matrix> Covariance(const Refit& refit, const std::vector<int>& held = {}) const;
 
  private:
+  [[nodiscard]] Refit Asked(std::vector<int> released, const std::vector<Vector>& starts) const;
+  [[nodiscard]] Refit MakeOrdinary(Refit refit, const std::vector<Vector>& starts, double tolerance) const;
+  [[nodiscard]] Refit MakeGeneralised(Refit refit, const std::vector<Vector>& starts) const;
   /// Noise model of the refit's residual; white if errors are assumed independent. @param like see
   /// NoiseModelOptions, may be null
   [[nodiscard]] Status EstimateNoise(LeastSquares& fit, bool white, const noise::NoiseModel* like,
@@ -105,8 +110,6 @@ class Refitter {
   [[nodiscard]] bool Expects(const LeastSquares& fit) const;
   [[nodiscard]] Refit FitUnderExpectedNoise(std::vector<int> released,
                                             const std::vector<Vector>& starts) const;
-  /// Without a fit: released candidates and setup. Not usable after an interrupt.
-  [[nodiscard]] Refit Prepare(std::vector<int> released, const std::vector<Vector>& starts) const;
   [[nodiscard]] Status Finish(const LeastSquares& fit, Refit& refit) const;
 
   const Problem& problem_;

@@ -123,7 +123,7 @@ std::vector<double> CrossValidatedSearch::LeftOutErrors(const Set& released, con
     const LeastSquares fit(view, setup);
     const auto found = FitFromStarts(fit, {start}, tolerance);
     if (!found.failure.empty() || !std::isfinite(found.cost)) return {};
-    const auto residuals = LeftOutResiduals(searched_, fold, fit.Parameters(found.x));
+    const auto residuals = LeftOutResiduals(searched_, fold, fit.Parameters(found.x), setup.record);
     if (!residuals) return {};
     if (residuals->size() > 0)
       errors.push_back(residuals->norm() / std::sqrt(static_cast<double>(residuals->size())));

@@ -65,6 +65,43 @@ TEST(Diagnose, AFixedEffectKeepsItsValue) {
   for (const Cause& cause : diagnosis->causes) EXPECT_NE(cause.effect, "step");
 }
 
+// Whatever part of the fits an interrupted diagnosis had done, the resumed one has the same result.
+TEST(Diagnose, ResumesFromAnyPartOfItsFits) {
+  LinearLaws::Truth truth;
+  truth.effects = {{"step_size", 1}};
+  const LinearLaws problem(truth, 5);
+  const FitSetup setup = MakeFitSetup(problem, {}).value();
+  const auto whole = Diagnose(problem, setup, {});
+  ASSERT_TRUE(whole) << whole.error().message;
+  FitRecord all;
+  const auto with_record = [&](FitRecord& record) {
+    DiagnosisOptions options;
+    options.record = &record;
+    const auto found = Diagnose(problem, setup, options);
+    ASSERT_TRUE(found) << found.error().message;
+    EXPECT_EQ(found->base_point, whole->base_point);
+    EXPECT_EQ(found->extended_point, whole->extended_point);
+    EXPECT_EQ(text::Sentences(*found).size(), text::Sentences(*whole).size());
+    ASSERT_EQ(found->scores.size(), whole->scores.size());
+    for (std::size_t i = 0; i < found->scores.size(); ++i)
+      EXPECT_EQ(found->scores[i].delta_lr, whole->scores[i].delta_lr);
+  };
+  with_record(all);
+  ASSERT_GT(all.size(), 20U);
+  for (const int every : {1, 2, 3}) {
+    FitRecord::Answers some;
+    int i = 0;
+    for (const auto& entry : all.All()) {
+      if (++i % every == 0) some.insert(entry);
+    }
+    const std::size_t before = some.size();
+    FitRecord part;
+    part.Restore(std::move(some));
+    with_record(part);
+    EXPECT_EQ(part.size() > before, every > 1);
+  }
+}
+
 TEST(Diagnose, FalseAlarmsHaveTheStatedRate) {
   // 400 cases at 5 %: 20 expected, standard deviation 4.4; four of them above or below is the limit.
   for (const double correlation : {0.0, 0.8}) {

@@ -67,7 +67,7 @@ TEST(Folds, AViewOfAWindowLacksItsSamplesAndTheResidualsAreThoseOfThem) {
   EXPECT_EQ(rest.samples() + gone, whole.samples());
   EXPECT_EQ(rest.predictions(), whole.predictions()) << "the trajectory goes on";
   EXPECT_EQ(view.layout()[1].role, BlockRole::kPredicted) << "held-out trials are not compared";
-  const auto residuals = LeftOutResiduals(one, fold, RestPoint(one));
+  const auto residuals = LeftOutResiduals(one, fold, RestPoint(one), nullptr);
   ASSERT_TRUE(residuals);
   EXPECT_EQ(residuals->size(), gone);
 }

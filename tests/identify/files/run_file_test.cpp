@@ -117,7 +117,7 @@ TEST_F(RunFileTest, ARunningSearchIsUnfinishedAndHasItsTrace) {
   const FitSetup setup = MakeFitSetup(problem_, {}).value();
   const LeastSquares least_squares(problem_, setup);
   Evaluator evaluator(least_squares, {});
-  const auto at_once = Reread(UnfinishedRunTree(least_squares, {}, kRunProvenance, evaluator));
+  const auto at_once = Reread(UnfinishedRunTree(least_squares, "lm", 1, kRunProvenance, evaluator));
   ASSERT_TRUE(at_once) << at_once.error().message;
   EXPECT_TRUE(at_once->trace.empty());
   EXPECT_EQ(at_once->values[1].second, 0) << "nothing was evaluated: the start";
@@ -125,12 +125,46 @@ TEST_F(RunFileTest, ARunningSearchIsUnfinishedAndHasItsTrace) {
   double cost = 0;
   evaluator.Cost(least_squares.Variables(toy::Values({1, 3})), cost);
   evaluator.Cost(least_squares.Variables(toy::Values({2, 3})), cost);
-  const auto read = Reread(UnfinishedRunTree(least_squares, {}, kRunProvenance, evaluator));
+  const auto read = Reread(UnfinishedRunTree(least_squares, "lm", 1, kRunProvenance, evaluator));
   ASSERT_TRUE(read) << read.error().message;
   EXPECT_FALSE(read->finished);
   ASSERT_EQ(read->trace.size(), 2U);
   EXPECT_EQ(read->trace[1].x, evaluator.trace()[1].x);
   EXPECT_EQ(read->values[0].second, least_squares.Parameters(evaluator.best().x)[0]);
+}
+
+TEST_F(RunFileTest, AnUnfinishedRunKeepsItsFitsAndResiduals) {
+  FitRecord record;
+  record.Keep(Digest().Add(1.0), {{1.5, std::nan("")}, "why"});
+  record.Keep(Digest().Add(2.0), {{}, ""});
+  FitSetup setup = MakeFitSetup(problem_, {}).value();
+  setup.record = &record;
+  const LeastSquares least_squares(problem_, setup);
+  Evaluator::Options options;
+  options.most_kept = 1000;
+  Evaluator evaluator(least_squares, options);
+  double cost = 0;
+  Vector residuals;
+  evaluator.Cost(least_squares.Variables(toy::Values({1, 3})), cost);
+  evaluator.Residuals(least_squares.Variables(toy::Values({2, 3})), residuals, nullptr);
+  Hdf5Node tree = UnfinishedRunTree(least_squares, "lm", 1, kRunProvenance, evaluator);
+  const auto read = Reread(tree);
+  ASSERT_TRUE(read) << read.error().message;
+  ASSERT_EQ(read->fits.size(), 2U);
+  const auto& answer = read->fits.at(Digest().Add(1.0).value());
+  EXPECT_EQ(answer.text, "why");
+  ASSERT_EQ(answer.numbers.size(), 2U);
+  EXPECT_EQ(answer.numbers[0], 1.5);
+  ASSERT_EQ(read->kept_residuals.size(), 1U);
+  EXPECT_EQ(read->kept_residuals[0].evaluation, 1);
+  EXPECT_EQ(read->kept_residuals[0].numbers,
+            std::vector<double>(residuals.data(), residuals.data() + residuals.size()));
+
+  tree.At("resume/fits/question").data = std::vector<std::string>{"nothing", "of the kind"};
+  EXPECT_THAT(Reread(tree).error().message, testing::HasSubstr("/resume/fits/question 'nothing' is none"));
+  tree.At("resume").children.erase("fits");
+  tree.At("resume/residuals/evaluation").SetVector({2});
+  EXPECT_THAT(Reread(tree).error().message, testing::HasSubstr("do not belong together"));
 }
 
 TEST_F(RunFileTest, ARunWithoutAnAnswerHasItsReason) {

@@ -124,7 +124,8 @@ TEST(Identification, FailedEvaluationsAreAWarningWithTheFirstReason) {
   ASSERT_FALSE(found.warnings.empty());
   const Warning& warning = found.warnings.front();
   EXPECT_EQ(warning.kind, WarningKind::kFailedEvaluations);
-  EXPECT_THAT(warning.numbers, testing::ElementsAre(found.failures, found.trace.size()));
+  EXPECT_THAT(warning.numbers, testing::ElementsAre(found.failures, found.trace.size(), found.failures));
+  EXPECT_THAT(warning.names, testing::ElementsAre(warning.message));
   EXPECT_THAT(warning.message, HasSubstr("the foot slips"));
 }
 

@@ -162,6 +162,40 @@ TEST_P(Conformance, GoesOnWhereSomePointsHaveNoPrediction) {
   EXPECT_LE(fit.least_squares.Parameters(run.result.x)[0], 0.5);
 }
 
+// Half of a squared distance, curved, with its minimum 0 at (5.5, 4), in the box [0, 10]^2.
+class PartlyImpossible final : public FunctionProblem {
+ public:
+  explicit PartlyImpossible(const std::function<bool(double, double)>& fails) {
+    Add("a", 0, 10, 1);
+    Add("b", 0, 10, 2);
+    AddBlock("t", {0, 0, 0}, {0, 1}, [fails](const Vector& p, auto values, Matrix* derivatives) -> Status {
+      if (fails(p[0], p[1])) return Fail("no balance at a = {}, b = {}", p[0], p[1]);
+      values << p[0] - 5.5, p[1] - 4, 0.05 * (p[0] * p[1] - 22);
+      if (derivatives != nullptr) *derivatives << 1, 0, 0, 1, 0.05 * p[1], 0.05 * p[0];
+      return {};
+    });
+  }
+};
+
+// Predictions fail on 40 % of the box, beside the minimum, in stripes or around it: whatever says that it
+// converged has found the minimum.
+TEST_P(Conformance, WhereMuchOfTheBoxHasNoPredictionItFindsTheMinimumOrSaysThatItDidNot) {
+  const std::vector<std::pair<const char*, std::function<bool(double, double)>>> regions{
+      {"half", [](double a, double) { return a > 6; }},
+      {"stripes", [](double a, double b) { return std::fmod(a + b, 1) > 0.6 && std::abs(a - 5.5) > 0.5; }},
+      {"corner", [](double a, double b) { return a + b > 10.95; }},
+      {"disc", [](double a, double b) { return std::hypot(a - 9, b - 7) < 4.4; }}};
+  for (const auto& [name, fails] : regions) {
+    const PartlyImpossible problem(fails);
+    const Fit fit(problem);
+    const Outcome run = Solve(fit.least_squares, 3000);
+    const double share = run.result.cost / CostAtStart(fit.least_squares);
+    EXPECT_TRUE(run.result.stop.usable()) << name;
+    EXPECT_TRUE(share < 1e-3 || !run.result.stop.converged())
+        << name << ": " << share << " of the cost at the start, and: " << run.result.stop.test;
+  }
+}
+
 TEST_P(Conformance, StartWithoutPrediction) {
   FunctionProblem problem;
   MakeRosenbrock(problem, 0);

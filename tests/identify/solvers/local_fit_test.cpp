@@ -3,6 +3,7 @@
 #include <gtest/gtest.h>
 
 #include <cmath>
+#include <tuple>
 
 #include "identify/role_view.h"
 #include "tests/identify/support/function_problem.h"
@@ -47,6 +48,63 @@ TEST(LocalFitTest, ARoleViewHasTheNoiseLevelOfItsProblem) {
   const NoisyCost problem(0, 0.25);
   const RoleView view(problem, [](const Block& block) { return block.role; });
   EXPECT_EQ(view.cost_noise_level(), 0.25);
+}
+
+/// y = x^2 in two trials of two samples each; counts its predictions.
+class Counted : public FunctionProblem {
+ public:
+  Counted() {
+    Add("x", 0, 10, 7.3);
+    for (const char* trial : {"one", "two"}) {
+      AddBlock(trial, {3.9, 4.2}, {0},
+               [this](const Vector& p, Eigen::Ref<Vector> values, Matrix* derivatives) {
+                 ++predictions;
+                 values.setConstant(p[0] * p[0]);
+                 if (derivatives != nullptr) derivatives->setConstant(2 * p[0]);
+                 return Status();
+               });
+    }
+  }
+  mutable int predictions = 0;
+};
+
+TEST(LocalFitTest, WhatIsInTheRecordIsNotFittedAgain) {
+  const Counted problem;
+  FitRecord record;
+  int kept = 0;
+  record.after_keep = [&] { ++kept; };
+  FitSetup setup = MakeFitSetup(problem, {}).value();
+  const auto fitted = [](const Problem& of, const FitSetup& with, double start, double tolerance) {
+    const LeastSquares least_squares(of, with);
+    solvers::LocalFit fit(least_squares);
+    const auto outcome = fit.Minimize(Vector::Constant(1, start), -1, {0, tolerance}, 60);
+    return std::tuple(outcome.x[0], outcome.cost, outcome.converged, outcome.failure, fit.evaluations(),
+                      fit.penalty());
+  };
+  const auto alone = fitted(problem, setup, 0.7, 1e-9);
+  setup.record = &record;
+  EXPECT_EQ(fitted(problem, setup, 0.7, 1e-9), alone);
+  EXPECT_EQ(kept, 1);
+  problem.predictions = 0;
+  EXPECT_EQ(fitted(problem, setup, 0.7, 1e-9), alone);
+  EXPECT_EQ(problem.predictions, 0);
+  EXPECT_EQ(kept, 1);
+
+  // Whatever else is asked is fitted.
+  fitted(problem, setup, 0.6, 1e-9);
+  fitted(problem, setup, 0.7, 1e-8);
+  const RoleView one_trial(problem, [](const Block& block) {
+    return block.trial == "one" ? BlockRole::kTrain : BlockRole::kValidate;
+  });
+  fitted(one_trial, setup, 0.7, 1e-9);
+  const EditedView weighted(problem, [](Block& block) { block.weight = 2; });
+  fitted(weighted, setup, 0.7, 1e-9);
+  const EditedView measured(problem, [](Block& block) { block.measured[1] = 4.3; });
+  fitted(measured, setup, 0.7, 1e-9);
+  FitSetup wider = setup;
+  wider.parameters[0].upper = 11;
+  fitted(problem, wider, 0.7, 1e-9);
+  EXPECT_EQ(kept, 7);
 }
 
 }  // namespace

@@ -128,6 +128,14 @@ Lines EveryWarning() {
   Diagnosis d;
   d.left_out = {{{"walk_1"}, {}}, {{"walk_2", "walk_3", "walk_4"}, {}}, {{"run"}, {{0.5, 1.25}}}};
   d.warnings = {{WarningKind::kFailedEvaluations, {}, {3, 200}, "the foot slips at a = 0.3"},
+                {WarningKind::kFailedEvaluations,
+                 {"the foot slips at a = 0.3"},
+                 {3, 200, 3},
+                 "the foot slips at a = 0.3"},
+                {WarningKind::kFailedEvaluations,
+                 {"the robot falls", "the foot slips at a = 0.3"},
+                 {5, 200, 4, 1},
+                 "the foot slips at a = 0.3"},
                 {WarningKind::kNotConverged, {}, {}, "200 evaluations"},
                 {WarningKind::kNotAMinimum, {}, {12.5, 12.25}, {}},
                 {WarningKind::kSearchUnfinished, {}, {}, {}},

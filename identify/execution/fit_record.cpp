@@ -1,0 +1,36 @@
+#include "identify/execution/fit_record.h"
+
+#include <utility>
+
+namespace sinew {
+
+std::optional<FitRecord::Answer> FitRecord::Find(const Digest& question) const {
+  const std::lock_guard lock(mutex_);
+  const auto found = answers_.find(question.value());
+  return found == answers_.end() ? std::nullopt : std::optional(found->second);
+}
+
+void FitRecord::Keep(const Digest& question, Answer answer) {
+  {
+    const std::lock_guard lock(mutex_);
+    answers_.emplace(question.value(), std::move(answer));
+  }
+  if (after_keep) after_keep();
+}
+
+FitRecord::Answers FitRecord::All() const {
+  const std::lock_guard lock(mutex_);
+  return answers_;
+}
+
+std::size_t FitRecord::size() const {
+  const std::lock_guard lock(mutex_);
+  return answers_.size();
+}
+
+void FitRecord::Restore(Answers answers) {
+  const std::lock_guard lock(mutex_);
+  answers_ = std::move(answers);
+}
+
+}  // namespace sinew
