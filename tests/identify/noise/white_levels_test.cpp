@@ -11,9 +11,9 @@
 namespace sinew::noise {
 namespace {
 
-constexpr int kSamples = 40;   // of a channel
-constexpr int kWeights = 100;  // with priors: more than all samples
-constexpr int kFree = 2;       // without
+constexpr int kObservations = 40;  // of a channel
+constexpr int kWeights = 100;      // with priors: more than all samples
+constexpr int kFree = 2;           // without
 
 // Two channels of white noise that share smooth random curves and two free regressors.
 struct Case {
@@ -22,11 +22,11 @@ struct Case {
 };
 
 Matrix Smooth(Random& random) {
-  Matrix curves(kSamples, kFree + kWeights);
+  Matrix curves(kObservations, kFree + kWeights);
   for (Eigen::Index k = 0; k < curves.cols(); ++k) {
     const double frequency = 0.02 + 0.01 * random.Uniform(0, 1);
     const double phase = random.Uniform(0, 6.3);
-    for (Eigen::Index t = 0; t < kSamples; ++t)
+    for (Eigen::Index t = 0; t < kObservations; ++t)
       curves(t, k) = std::sin(6.283 * frequency * static_cast<double>(t) + phase);
   }
   return curves;
@@ -61,19 +61,19 @@ NoiseModel Levels(double first, double second) {
 // -2 log restricted likelihood of the readings, whose covariance is that of the weights' curves and the
 // noise.
 double DenseDeviance(const Case& of, double first, double second) {
-  Matrix all(2 * kSamples, kFree + kWeights);
-  Vector readings(2 * kSamples);
+  Matrix all(2 * kObservations, kFree + kWeights);
+  Vector readings(2 * kObservations);
   for (int b = 0; b < 2; ++b) {
     const NoiseBlock& block = of.blocks[static_cast<std::size_t>(b)];
-    all.middleRows(b * kSamples, kSamples) = block.regressors;
-    readings.segment(b * kSamples, kSamples) = block.residual;
+    all.middleRows(b * kObservations, kObservations) = block.regressors;
+    readings.segment(b * kObservations, kObservations) = block.residual;
   }
   const Matrix random = all.rightCols(kWeights);
   const Matrix fixed = all.leftCols(kFree);
   Matrix covariance = random * random.transpose();
-  for (int i = 0; i < kSamples; ++i) {
+  for (int i = 0; i < kObservations; ++i) {
     covariance(i, i) += first * first;
-    covariance(kSamples + i, kSamples + i) += second * second;
+    covariance(kObservations + i, kObservations + i) += second * second;
   }
   const Matrix precision = covariance.inverse();
   const Matrix information = fixed.transpose() * precision * fixed;
@@ -104,7 +104,7 @@ TEST(WhiteLevels, AreFoundBesideMoreRegressorsThanSamples) {
     ASSERT_TRUE(model) << model.error().message;
     first += std::pow(model->channels[0].deviation, 2) / kCases;
     second += std::pow(model->channels[1].deviation, 2) / kCases;
-    left += (2 * kSamples - model->channels[0].spent - model->channels[1].spent) / kCases;
+    left += (2 * kObservations - model->channels[0].spent - model->channels[1].spent) / kCases;
     // The answer is a minimum of its deviance.
     const WhiteLevels levels(one.blocks, one.priors);
     const double a = model->channels[0].deviation;
