@@ -47,8 +47,7 @@ class ContactProblem final : public Problem {
   /// Per trial and region: outline of the faces, pressure and slip of each at every instant, centre of
   /// pressure.
   Status WriteDetails(const Vector& parameters, Hdf5Node& details) const override;
-  /// With motion errors: their deviations are followed from small ones on, at the given frictions or, where
-  /// these are free, at those that the measured forces suggest; the best of these.
+  /// With motion errors: their deviations are followed from small ones on.
   [[nodiscard]] std::optional<Vector> ImprovedStart(const std::vector<int>& free,
                                                     const std::vector<bool>& compared,
                                                     const Vector& parameters) const override;
@@ -76,10 +75,6 @@ class ContactProblem final : public Problem {
   void DifferentiatePose(const Stance& stance, int t, const std::array<bool, kChannels>& wanted,
                          const Query& query, const PlateChannels& channels, Scratch& scratch,
                          Prediction& prediction) const;
-  /// Static frictions to begin a search at, from ratios of the measured horizontal and vertical forces of the
-  /// compared blocks; none where not all three forces are compared.
-  [[nodiscard]] std::vector<double> SuggestedFrictions(const std::vector<bool>& compared) const;
-  void SetFrictions(const std::vector<int>& free, double friction, Vector& parameters) const;
   /// Sets the places of the soles that are parameters. @param places [parts of the stance, m] zero elsewhere
   void SolePlacesInto(const Stance& stance, const Vector& parameters, std::vector<Vec3>& places) const;
   /// Of the place's parameter for a group. @param slot index into places_
