@@ -1,0 +1,90 @@
+#include "models/dynamometer/smooth_angle.h"
+
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <cmath>
+
+#include "base/random.h"
+
+namespace sinew {
+namespace {
+
+constexpr double kRate = 200;
+
+std::vector<double> NoisyMotion(double frequency, double noise, Random& random) {
+  std::vector<double> values;
+  for (int i = 0; i < 1600; ++i) {
+    const double t = i / kRate;
+    values.push_back(0.4 * std::sin(2 * std::acos(-1) * frequency * t) + noise * random.Normal());
+  }
+  return values;
+}
+
+double FarthestApart(const std::vector<double>& a, const std::vector<double>& b) {
+  double largest = 0;
+  for (std::size_t i = 0; i < a.size(); ++i) largest = std::max(largest, std::abs(a[i] - b[i]));
+  return largest;
+}
+
+TEST(SmoothAngleTest, SlowMotionInNoiseGetsALowCutOff) {
+  Random random(1);
+  const auto slow = SmoothedAngle(NoisyMotion(0.3, 2e-3, random), kRate, -1);
+  ASSERT_TRUE(slow) << slow.error().message;
+  EXPECT_GE(slow->cutoff, 2);
+  EXPECT_LT(slow->cutoff, 8);
+  const auto fast = SmoothedAngle(NoisyMotion(4, 2e-3, random), kRate, -1);
+  ASSERT_TRUE(fast) << fast.error().message;
+  EXPECT_GT(fast->cutoff, 2 * slow->cutoff);
+}
+
+// The cut-off that is found is about as good as the best one, which knows the motion.
+TEST(SmoothAngleTest, CutOffIsNearlyTheBest) {
+  for (const std::uint64_t seed : {2, 3, 4}) {
+    Random random(seed);
+    Random silent(seed);
+    const auto noisy = NoisyMotion(1, 2e-3, random);
+    const auto clean = NoisyMotion(1, 0, silent);
+    const auto error = [&](double cutoff) {
+      const auto smooth = SmoothedAngle(noisy, kRate, cutoff);
+      double squares = 0;
+      for (std::size_t i = 0; i < clean.size(); ++i) squares += std::pow(smooth->values[i] - clean[i], 2);
+      return std::sqrt(squares / static_cast<double>(clean.size()));
+    };
+    double best = error(0);
+    for (double f = 2; f <= 40; f *= 1.15) best = std::min(best, error(f));
+    EXPECT_LT(error(-1), 1.2 * best) << "seed " << seed;
+    EXPECT_LT(error(-1), 0.5 * error(0)) << "seed " << seed;
+  }
+}
+
+TEST(SmoothAngleTest, AnAngleWithoutNoiseStaysAsItIs) {
+  Random random(5);
+  for (const double frequency : {0.3, 1.0, 4.0}) {
+    const auto clean = NoisyMotion(frequency, 0, random);
+    const auto smooth = SmoothedAngle(clean, kRate, -1);
+    ASSERT_TRUE(smooth) << smooth.error().message;
+    EXPECT_LT(FarthestApart(smooth->values, clean), 1e-3) << frequency << " Hz";
+  }
+}
+
+TEST(SmoothAngleTest, CutOffsThatDoNothing) {
+  Random random(6);
+  const auto noisy = NoisyMotion(1, 2e-3, random);
+  for (const double cutoff : {0.0, 0.41 * kRate}) {
+    const auto smooth = SmoothedAngle(noisy, kRate, cutoff);
+    ASSERT_TRUE(smooth);
+    EXPECT_EQ(smooth->values, noisy);
+    EXPECT_EQ(smooth->cutoff, 0);
+  }
+  EXPECT_EQ(SmoothedAngle(noisy, kRate, 15)->cutoff, 15);
+}
+
+TEST(SmoothAngleTest, TooFewSamplesAreAnError) {
+  const auto smooth = SmoothedAngle({0.1, 0.2}, kRate, -1);
+  ASSERT_FALSE(smooth);
+  EXPECT_FALSE(smooth.error().message.empty());
+}
+
+}  // namespace
+}  // namespace sinew
