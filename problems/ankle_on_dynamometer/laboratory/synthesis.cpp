@@ -185,7 +185,8 @@ class Experiment {
     wanted.program = plan.program;
     wanted.foot = plan.task != AnkleTask::kAttachmentAlone;
     wanted.duration = duration;
-    const double late = values_[kAnkleDelay];
+    // As in the fitted model: the filter is ahead of its poles by a sample.
+    const double late = values_[kAnkleDelay] + FilterLead(values_[kAnkleFilterTime], 1 / kFine);
     wanted.activation = [&](double since, std::vector<double>& activations) {
       const double place = (since - late - drive.first) * kFine;
       const auto k = static_cast<std::size_t>(std::max(0.0, place));
