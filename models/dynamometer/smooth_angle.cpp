@@ -1,5 +1,6 @@
 #include "models/dynamometer/smooth_angle.h"
 
+#include <algorithm>
 #include <cmath>
 #include <limits>
 
@@ -13,6 +14,7 @@ constexpr int kOrder = 2;  // of each of the two passes
 constexpr double kLowest = 2;
 constexpr double kHighest = 40;
 constexpr double kRatio = 1.15;      // of neighbouring cut-offs
+constexpr double kSettling = 2;      // periods of the cut-off after which the filter has settled
 constexpr double kMostOfRate = 0.4;  // above it there is nothing to take away
 
 // Mean gain of both passes over all frequencies.
@@ -27,9 +29,20 @@ double MeanGain(double cutoff, double rate) {
   return sum / kFrequencies;
 }
 
+// Turned about its ends, so that the filter has settled where the values begin.
 Result<std::vector<double>> Filtered(const std::vector<double>& values, double rate, double cutoff) {
   SINEW_ASSIGN(const FilterSections filter, ButterworthLowPass(kOrder, cutoff, rate));
-  return FilterZeroLag(filter, values);
+  const std::size_t count = values.size();
+  const auto settling = static_cast<std::size_t>(std::ceil(kSettling * rate / cutoff));
+  const std::size_t more = count < 2 ? 0 : std::min(settling, count - 1);
+  std::vector<double> longer;
+  longer.reserve(count + 2 * more);
+  for (std::size_t k = more; k > 0; --k) longer.push_back(2 * values.front() - values[k]);
+  longer.insert(longer.end(), values.begin(), values.end());
+  for (std::size_t k = 1; k <= more; ++k) longer.push_back(2 * values.back() - values[count - 1 - k]);
+  SINEW_ASSIGN(const auto filtered, FilterZeroLag(filter, longer));
+  const auto first = filtered.begin() + static_cast<std::ptrdiff_t>(more);
+  return std::vector<double>(first, first + static_cast<std::ptrdiff_t>(count));
 }
 
 }  // namespace

@@ -68,6 +68,21 @@ TEST(SmoothAngleTest, AnAngleWithoutNoiseStaysAsItIs) {
   }
 }
 
+// Whatever the rate: the second derivative is right from the first sample on.
+TEST(SmoothAngleTest, TheFilterHasSettledWhereTheAngleBegins) {
+  constexpr double kFast = 1000;
+  const double way = 2 * std::acos(-1);
+  std::vector<double> clean;
+  for (int i = 0; i <= 2000; ++i) clean.push_back(0.4 * std::sin(way * i / kFast));
+  const auto smooth = SmoothedAngle(clean, kFast, 10);
+  ASSERT_TRUE(smooth) << smooth.error().message;
+  for (std::size_t i = 1; i + 1 < clean.size(); ++i) {
+    const double found = smooth->values[i + 1] - 2 * smooth->values[i] + smooth->values[i - 1];
+    EXPECT_NEAR(found * kFast * kFast, -0.4 * way * way * std::sin(way * static_cast<double>(i) / kFast), 0.1)
+        << i;
+  }
+}
+
 TEST(SmoothAngleTest, CutOffsThatDoNothing) {
   Random random(6);
   const auto noisy = NoisyMotion(1, 2e-3, random);
