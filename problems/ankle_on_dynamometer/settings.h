@@ -10,10 +10,9 @@
 //     step: 0.005                               # longest step of the integration [s]
 //     angle_cutoff: 15                          # low-pass of the machine's angle, zero lag [Hz]; 0: none; by
 //                                               # default found by cross-validation, trial by trial
-//     rate: 100                                 # measured channels become medians over 1 / rate [Hz]; 0: as
-//     they are torque_zero: 0.5                          # standard deviation of the torque's zero, which
-//     every trial has of
-//                                               # its own [N m]; 0: it is known
+//     rate: 100                                 # measured channels become medians over 1 / rate [Hz]; 0: no
+//     torque_zero: 0.5                          # standard deviation of a zero of the torque that every trial
+//                                               # has of its own [N m]; 0: none
 //     muscles:
 //       tib_ant_r: {isometric_force: 905, optimal_length: 0.098, tendon_slack_length: 0.223,
 //                   pennation: 0.087, length: 0.31, arm: [0.041, -0.006, -0.02], group: dorsiflexors}
