@@ -61,9 +61,9 @@ Result<std::optional<double>> Optional(const YamlReader& yaml, const char* key) 
   return std::optional<double>(number);
 }
 
-Result<ParameterChange> ReadChange(const YamlReader& yaml) {
+Result<AnkleParameterChange> ReadChange(const YamlReader& yaml) {
   SINEW_TRY(yaml.OnlyKeys({"start", "lower", "upper", "prior"}));
-  ParameterChange change;
+  AnkleParameterChange change;
   SINEW_ASSIGN(change.start, Optional(yaml, "start"));
   SINEW_ASSIGN(change.lower, Optional(yaml, "lower"));
   SINEW_ASSIGN(change.upper, Optional(yaml, "upper"));

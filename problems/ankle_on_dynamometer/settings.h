@@ -45,7 +45,7 @@ struct AnkleMuscle {
 };
 
 /// What a settings file says of a parameter beside its defaults.
-struct ParameterChange {
+struct AnkleParameterChange {
   std::optional<double> start;
   std::optional<double> lower;
   std::optional<double> upper;
@@ -59,7 +59,7 @@ struct AnkleSettings {
   double rate = 0;           ///< of what is compared [Hz]; 0: as recorded
   double torque_zero = 0;    ///< standard deviation of every trial's own zero [N m]; 0: none
   std::vector<AnkleMuscle> muscles;
-  std::map<std::string, ParameterChange> parameters;
+  std::map<std::string, AnkleParameterChange> parameters;
 };
 
 /// @param yaml the map under the key `ankle_on_dynamometer`. Errors: unknown keys, wrong values, each with
