@@ -49,7 +49,7 @@ Status Run(int count, char** words) {
   IdentificationOptions options;
   options.solver = "lm";
   options.profiles = false;
-  options.evaluator.max_evaluations = 500;
+  options.evaluator.budget.max_evaluations = 500;
   const std::clock_t begun = std::clock();
   SINEW_ASSIGN(const Identification fit, IdentifyStepwise(*problem, {}, options));
   const double seconds = static_cast<double>(std::clock() - begun) / CLOCKS_PER_SEC;
