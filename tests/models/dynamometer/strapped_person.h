@@ -60,10 +60,4 @@ std::vector<T> BurstsAt(double time) {
   return {T(soleus), T(tibialis), T(0.5 * (soleus + tibialis))};
 }
 
-struct StrappedSample {
-  double torque = 0;        ///< [N m]
-  double ankle_angle = 0;   ///< [rad]
-  double fibre_length = 0;  ///< of the soleus [m]
-};
-
 }  // namespace sinew
