@@ -82,7 +82,8 @@ class Names(ProgramTest):
 
     def test_effects_to_hide_need_a_number(self):
         """Without one nothing would be hidden, and no error would say so."""
-        expected = {"contact": "tilted_floor:floor_slope_x=NUMBER,floor_slope_z=NUMBER",
+        expected = {"ankle_on_dynamometer": "axis_offset:axis_offset_x=NUMBER,axis_offset_y=NUMBER",
+                    "contact": "tilted_floor:floor_slope_x=NUMBER,floor_slope_z=NUMBER",
                     "drive": "coulomb_friction:coulomb_torque=NUMBER",
                     "emg_shape": "warp_with_speed:warp_sine=NUMBER,warp_cosine=NUMBER",
                     "free_body": "air_drag:air_drag=NUMBER",

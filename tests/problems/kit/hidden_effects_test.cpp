@@ -85,7 +85,8 @@ TEST(ReadHiddenEffects, AParameterThatIsGivenTwiceIsAnError) {
 }
 
 TEST(ReadHiddenEffects, EveryProblemRefusesAnEffectWithoutANumber) {
-  const std::map<std::string, std::string> effects{{"contact", "tilted_floor"},
+  const std::map<std::string, std::string> effects{{"ankle_on_dynamometer", "axis_offset"},
+                                                   {"contact", "tilted_floor"},
                                                    {"drive", "coulomb_friction"},
                                                    {"emg_shape", "fatigue"},
                                                    {"free_body", "air_drag"},
