@@ -84,6 +84,9 @@ Result<FitSetup> MakeFitSetup(const Problem& problem, const FitRequest& request)
     Parameter& p = setup.parameters[static_cast<std::size_t>(index)];
     p.lower = interval.first;
     p.upper = interval.second;
+    const auto outside = [&](double start) { return start < p.lower || start > p.upper; };
+    p.other_starts.erase(std::remove_if(p.other_starts.begin(), p.other_starts.end(), outside),
+                         p.other_starts.end());
   }
   for (const int index : flat_at_null) {
     Parameter& p = setup.parameters[static_cast<std::size_t>(index)];

@@ -22,6 +22,12 @@ Status CheckOne(const Parameter& p) {
     return Fail("parameter '{}': start {} lies outside its bounds {} .. {} [{}]", p.name, p.start, p.lower,
                 p.upper, p.unit);
   }
+  for (const double other : p.other_starts) {
+    if (!(other >= p.lower && other <= p.upper)) {
+      return Fail("parameter '{}': one of its other starts, {}, lies outside its bounds {} .. {} [{}]",
+                  p.name, other, p.lower, p.upper, p.unit);
+    }
+  }
   if (p.kind == ParameterKind::kEffect) {
     if (p.effect.empty()) return Fail("parameter '{}' belongs to no effect", p.name);
     if (!(p.null_value >= p.lower && p.null_value <= p.upper)) {

@@ -32,6 +32,9 @@ struct Parameter {
   double upper = 1;     ///< finite, > lower
   double start = 0;     ///< within the bounds; stated by the problem, never the middle by default
   Scale scale = Scale::kLinear;
+  /// Where searches should begin as well, because the cost has several minima along this parameter (a lag);
+  /// within the bounds. Solver `starts` uses them.
+  std::vector<double> other_starts;
   std::string source;                  ///< author, year, equation
   std::vector<std::string> shared_by;  ///< of what it is a property, if of several: the muscles of a group
   std::optional<GaussianPrior> prior;

@@ -37,9 +37,6 @@ constexpr long kEvaluationsAtEnd = 500;
 // The last search; valleys along which the cost hardly changes could take for ever.
 constexpr long kEvaluationsOfAnswer = 5000;
 constexpr double kMayBeSame = 1.05;
-// Relative difference of costs that is no reason to leave the end of the search from the given start: what
-// the data do not determine then keeps the value that it was given.
-constexpr double kTie = 1e-8;
 constexpr double kLeastGain = 1e-3;
 // Residuals of a ten millionth of what was measured: no instrument has less noise.
 constexpr double kExactShare = 1e-14;
@@ -266,11 +263,7 @@ class Searching {
     if (exact) {
       search_.stop.test = fmt::format("cost {:.2g} is zero to rounding", evaluator_.best().cost);
     } else {
-      search_.stop.test = fmt::format("{} of {} independent starts of {} end at the lowest cost",
-                                      agreement.agreeing, agreement.starts, how);
-      if (agreement.next_best > 1)
-        search_.stop.test +=
-            fmt::format("; the next best is {} % worse", Readable(100 * (agreement.next_best - 1), 2));
+      search_.stop.test = EndsOfStarts(agreement, fmt::format("independent starts of {}", how));
     }
     evaluator_.MustStop();
     return std::move(search_);
@@ -306,6 +299,14 @@ Agreement AgreementOf(const std::vector<Stage>& ends, double same) {
   if (!std::isfinite(best)) agreement.agreeing = 0;
   if (std::isfinite(next) && best > 0) agreement.next_best = next / best;
   return agreement;
+}
+
+std::string EndsOfStarts(const Agreement& agreement, const std::string& starts) {
+  std::string text =
+      fmt::format("{} of {} {} end at the lowest cost", agreement.agreeing, agreement.starts, starts);
+  if (agreement.next_best > 1)
+    text += fmt::format("; the next best is {} % worse", Readable(100 * (agreement.next_best - 1), 2));
+  return text;
 }
 
 Search IndependentStarts::DoSolve(Evaluator& evaluator, const Vector& start) const {

@@ -15,6 +15,10 @@ struct Agreement {
 /// Relative difference of two costs that are taken for the same minimum.
 inline constexpr double kSameMinimum = 1e-3;
 
+/// Relative difference of costs that is no reason to leave the end of the search from the given start: what
+/// the data do not determine then keeps the value that it was given.
+inline constexpr double kTie = 1e-8;
+
 /// Difference of two costs that are taken for the same where nuisance parameters have priors, which makes the
 /// cost a logarithm of a density.
 inline constexpr double kSamePosterior = 0.25;
@@ -54,5 +58,9 @@ class IndependentStarts : public Solver {
 /// @param ends of independent starts, in any order; those without a cost count as starts
 /// @param same difference of costs that counts as none, if it is more than kSameMinimum of the best
 [[nodiscard]] Agreement AgreementOf(const std::vector<Stage>& ends, double same = 0);
+
+/// "3 of 4 independent starts end at the lowest cost; the next best is 12 % worse". @param starts what they
+/// are, in the plural
+[[nodiscard]] std::string EndsOfStarts(const Agreement& agreement, const std::string& starts);
 
 }  // namespace sinew::solvers

@@ -15,19 +15,11 @@ namespace {
 constexpr long kSmallestShare = 20;
 
 std::vector<PolishingStart> MakeStarts(const Vector& first, int count, long budget, std::uint64_t seed) {
-  if (budget != kUnlimitedEvaluations)
+  if (budget < kUnlimitedEvaluations / 2)
     count = static_cast<int>(std::clamp<long>(budget / kSmallestShare, 1, count));
-  std::vector<PolishingStart> starts(static_cast<std::size_t>(count));
-  starts.front().x = first;
-  const std::vector<Vector> others = LatinHypercube(count - 1, static_cast<int>(first.size()), seed);
-  for (int i = 1; i < count; ++i)
-    starts[static_cast<std::size_t>(i)].x = others[static_cast<std::size_t>(i - 1)];
-  for (int i = 0; i < count; ++i) {
-    starts[static_cast<std::size_t>(i)].evaluations = budget == kUnlimitedEvaluations
-                                                          ? kUnlimitedEvaluations
-                                                          : budget / count + (i < budget % count ? 1 : 0);
-  }
-  return starts;
+  std::vector<Vector> points = LatinHypercube(count - 1, static_cast<int>(first.size()), seed);
+  points.insert(points.begin(), first);
+  return EqualShares(points, budget);
 }
 
 }  // namespace
@@ -45,12 +37,8 @@ std::vector<Vector> LatinHypercube(int count, int variables, std::uint64_t seed)
 }
 
 Search MultiStart::DoSolve(Evaluator& evaluator, const Vector& start) const {
-  std::vector<PolishingStart> starts =
-      MakeStarts(start, options_.starts,
-                 evaluator.options().budget.max_evaluations == kUnlimitedEvaluations
-                     ? kUnlimitedEvaluations
-                     : evaluator.remaining().max_evaluations,
-                 options_.seed);
+  const std::vector<PolishingStart> starts =
+      MakeStarts(start, options_.starts, evaluator.remaining().max_evaluations, options_.seed);
   const std::vector<Polished> polished =
       PolishAll(evaluator, CeresSolver(options_.cost_tolerance), "ceres", starts, options_.threads);
 

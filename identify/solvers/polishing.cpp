@@ -97,6 +97,17 @@ class Polishing {
 
 }  // namespace
 
+std::vector<PolishingStart> EqualShares(const std::vector<Vector>& points, long budget) {
+  const auto count = static_cast<long>(points.size());
+  const bool unlimited = budget > kUnlimitedEvaluations / 2;
+  std::vector<PolishingStart> starts;
+  for (long i = 0; i < count; ++i) {
+    starts.push_back({points[static_cast<std::size_t>(i)],
+                      unlimited ? kUnlimitedEvaluations : budget / count + (i < budget % count ? 1 : 0)});
+  }
+  return starts;
+}
+
 std::vector<Polished> PolishAll(Evaluator& parent, const Solver& solver, const std::string& name,
                                 const std::vector<PolishingStart>& starts, int threads) {
   return Polishing(parent, solver, name, starts).Run(threads);

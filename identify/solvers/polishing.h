@@ -13,6 +13,10 @@ struct PolishingStart {
   long evaluations = 0;  ///< at most
 };
 
+/// The points with equal shares of a budget. @param budget of all together; kUnlimitedEvaluations less those
+/// that were spent is unlimited too
+[[nodiscard]] std::vector<PolishingStart> EqualShares(const std::vector<Vector>& points, long budget);
+
 struct Polished {
   Stage stage;
   int iterations = 0;

@@ -12,6 +12,7 @@
 #include "identify/solvers/nlopt_solver.h"
 #include "identify/solvers/simulated_annealing.h"
 #include "identify/solvers/solver.h"
+#include "identify/solvers/stated_starts.h"
 
 namespace sinew {
 namespace {
@@ -33,6 +34,7 @@ Result<std::unique_ptr<Solver>> MakeOne(const std::string& name, const SolverOpt
   if (name == "multistart") return std::make_unique<solvers::MultiStart>(options);
   if (name == "basin-hopping" || name == "hop") return std::make_unique<solvers::BasinHopping>(options);
   if (name == "restarts") return std::make_unique<solvers::IndependentStarts>(options);
+  if (name == "starts") return std::make_unique<solvers::StatedStarts>(options);
   if (name == "ceres") return std::make_unique<solvers::CeresSolver>(options.cost_tolerance);
   if (name == "lm") return std::make_unique<solvers::LevenbergMarquardt>(options.cost_tolerance);
   if (name == "continuation") return std::make_unique<solvers::Continuation>(options.cost_tolerance);
@@ -66,6 +68,7 @@ const std::vector<SolverEntry>& SolverRegistry() {
        "(alias: hop) lm from displacements of the best point (Wales, Doye 1997; Leary 2000)"},
       {"restarts", kGlobal, kGradient, kBox,
        "lm and basin hopping from independent starts until two end at the same minimum"},
+      {"starts", kLocal, kGradient, kBox, "lm from the given start and from others that the problem states"},
       {"ceres", kLocal, kGradient, kBox, "Levenberg-Marquardt on residual blocks (Ceres; Marquardt 1963)"},
       {"lm", kLocal, kGradient, kBox,
        "Levenberg-Marquardt with active bounds (Levenberg 1944; Marquardt 1963)"},

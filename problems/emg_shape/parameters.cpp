@@ -10,6 +10,9 @@ namespace {
 
 constexpr double kMuscleLead = 0.03;  // [s]
 constexpr double kFloor = 0.02;
+// Electromechanical delays are 0.01 to 0.1 s, and the envelope's filter and the measured angle have lags of
+// their own.
+constexpr double kOtherLeads[] = {0.1, 0.2, 0.3};  // [s]
 
 void AddShape(EmgParameterList& to, std::size_t m) {
   const EmgMuscle& muscle = to.data.muscles[m];
@@ -108,9 +111,10 @@ void AddExponent(EmgParameterList& to, std::size_t m, bool effect) {
 }
 
 void AddLead(EmgParameterList& to, bool effect) {
-  const int shared = to.AddOf(
-      effect, BaseParameter("lead", "s", "by which bursts come before the movement, mean of all muscles",
-                            -0.5, 0.5, 0));
+  Parameter lead = BaseParameter("lead", "s", "by which bursts come before the movement, mean of all muscles",
+                                 -0.5, 0.5, 0);
+  lead.other_starts.assign(std::begin(kOtherLeads), std::end(kOtherLeads));
+  const int shared = to.AddOf(effect, std::move(lead));
   const auto touch = [&](std::size_t m, int index, double factor) {
     for (std::size_t t = 0; t < to.data.trials.size(); ++t)
       to.Touch(t, m, {index, EmgTerm::kTiming, EmgAlong::kOne, 0, factor * to.Rhythm(to.data.trials[t])});

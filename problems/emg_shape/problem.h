@@ -25,8 +25,9 @@ class EmgShapeProblem final : public Problem {
   [[nodiscard]] const std::vector<DiscrepancyPort>& ports() const override { return list_.ports; }
   [[nodiscard]] std::unique_ptr<Workspace> NewWorkspace() const override;
   Status Predict(const Query& query, Workspace& workspace, Prediction& prediction) const override;
+  /// Minima lie along the lead, which moves bursts over the cuts between them.
+  [[nodiscard]] const char* default_solver() const override { return "starts"; }
   /// Angle, phase and number of the cycle.
-  [[nodiscard]] const char* default_solver() const override { return "lm"; }
   [[nodiscard]] std::vector<Signal> ResidualCovariates(int block) const override;
   /// Timing jitter; speeds that lie outside of the measured ones.
   [[nodiscard]] std::vector<Warning> WarningsAt(const Vector& parameters) const override;

@@ -170,7 +170,7 @@ TEST(LocalSolvers, RosenbrockToTheMinimum) {
   const Fit fit(problem);
   for (const char* name :
        {"ceres", "ipopt", "ipopt-lbfgs", "nlopt:LN_BOBYQA", "nlopt:LD_LBFGS", "nlopt:LD_SLSQP", "cmaes",
-        "multistart", "basin-hopping", "restarts", "lm", "sa+ceres"}) {
+        "multistart", "basin-hopping", "restarts", "starts", "lm", "sa+ceres"}) {
     Evaluator::Options options;
     options.budget.max_evaluations = 3000;
     Evaluator evaluator(fit.least_squares, options);
