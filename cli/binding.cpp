@@ -53,6 +53,10 @@ void FitOptions::AddWorkTo(Command command) {
   AddSeedTo(command);
   AddThreadsTo(command);
   AddQuietTo(command);
+  command
+      .Add("--work-times", work_times, "Seconds of each piece of independent work, as JSON (docs/cluster.md)")
+      .NotEmpty()
+      .Shows("FILE");
 }
 
 void FitOptions::AddTo(Command command) {
@@ -101,6 +105,12 @@ Budget FitOptions::ToBudget() const {
   if (max_evaluations) budget.max_evaluations = *max_evaluations;
   if (max_seconds) budget.max_seconds = *max_seconds;
   return budget;
+}
+
+std::vector<std::string> FitOptions::Written(const std::string& out) const {
+  std::vector<std::string> written{out};
+  if (!work_times.empty()) written.push_back(work_times);
+  return written;
 }
 
 SolverOptions FitOptions::ToSolverOptions() const {

@@ -37,15 +37,18 @@ struct FitOptions : WorkOptions {
   std::vector<std::string> release;
   std::optional<long> max_evaluations;
   std::optional<double> max_seconds;
+  std::string work_times;
   void AddTo(Command command);
   /// Only what chooses the base parameters and where they begin.
   void AddChoiceTo(Command command);
-  /// Seed, threads, quiet.
+  /// Seed, threads, quiet, times of the work.
   void AddWorkTo(Command command);
 
   /// Errors: a word that is not NAME=VALUE or NAME=LOW:HIGH.
   [[nodiscard]] Result<FitRequest> Request() const;
   [[nodiscard]] Budget ToBudget() const;
+  /// That file, and the one of --work-times if it was given.
+  [[nodiscard]] std::vector<std::string> Written(const std::string& out) const;
   [[nodiscard]] SolverOptions ToSolverOptions() const;
 };
 

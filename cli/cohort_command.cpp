@@ -8,6 +8,7 @@
 #include "cli/cohort/summary.h"
 #include "cli/command.h"
 #include "cli/command_files.h"
+#include "cli/mpi_ranks.h"
 #include "cli/stop_signals.h"
 #include "cli/terminal.h"
 #include "cli/work_options.h"
@@ -22,6 +23,15 @@ struct CohortWords : WorkOptions {
 
 Result<int> RunPipeline(const CohortWords& words, const Program& program) {
   SINEW_ASSIGN(const cohort::Pipeline pipeline, cohort::ReadPipeline(words.pipeline, program));
+  cohort::CohortOptions options;
+  options.threads = words.threads;
+  options.ranks = TheRanks();
+  if (IsHelper()) {
+    cohort::Children children;
+    const StoppableWork work([] { return std::string(); }, [&](int signal) { children.Stop(signal); });
+    cohort::HelpWithCohort(pipeline, program, options, children, [] { return StopStatus() != 0; });
+    return kDone;
+  }
   const std::string folder = pipeline.Located(pipeline.out);
   std::error_code code;
   std::filesystem::create_directories(folder, code);
@@ -31,8 +41,6 @@ Result<int> RunPipeline(const CohortWords& words, const Program& program) {
 
   cohort::Children children;
   ProgressLine line("run", words.quiet);
-  cohort::CohortOptions options;
-  options.threads = words.threads;
   options.progress = [&](int done, int all) { line.Show(done, all); };
   // The commands, which get the signal too, save what they have: we wait for that.
   StoppableWork work([] { return std::string(); }, [&](int signal) { children.Stop(signal); });

@@ -7,6 +7,7 @@
 #include <thread>
 
 #include "base/replace_file.h"
+#include "cli/mpi_ranks.h"
 
 namespace sinew {
 namespace {
@@ -74,6 +75,7 @@ Status CheckFiles(const CommandFiles& files) {
 }
 
 Result<FileLocks> ClaimFiles(const CommandFiles& files, IfBusy if_busy) {
+  if (IsHelper()) return FileLocks();  // writes nothing
   SINEW_TRY(CheckFiles(files));
   std::vector<std::string> written = files.written;
   if (!files.json.empty() && files.json != "-") written.push_back(files.json);

@@ -8,9 +8,11 @@
 #include "cli/binding.h"
 #include "cli/command.h"
 #include "cli/command_files.h"
+#include "cli/mpi_ranks.h"
 #include "cli/stop_signals.h"
 #include "cli/study_checkpoint.h"
 #include "cli/terminal.h"
+#include "cli/work_times_file.h"
 #include "identify/files/origin.h"
 #include "identify/files/study_file.h"
 #include "identify/files/study_resume.h"
@@ -77,7 +79,8 @@ Result<int> RunCompare(const CompareWords& words) {
   const auto limit = words.fit.LimitThreads();
   SINEW_ASSIGN(
       const FileLocks locks,
-      ClaimFiles({{words.binding.data, words.binding.config}, {words.out}, words.json}, IfBusy::kRefuse));
+      ClaimFiles({{words.binding.data, words.binding.config}, words.fit.Written(words.out), words.json},
+                 IfBusy::kRefuse));
   SINEW_ASSIGN(const Binding binding, BindToFit(words.binding, !words.fit.release.empty()));
   SINEW_ASSIGN(const FitRequest request, words.fit.Request());
   SINEW_ASSIGN(const FitSetup setup, MakeFitSetup(binding.problem(), request));
@@ -94,11 +97,15 @@ Result<int> RunCompare(const CompareWords& words) {
     NoteBeginning(words.out);
   }
   StudyCheckpoint checkpoint({words.out, binding.problem(), provenance, origin, line}, setup, options.done);
-  options.after_run = [&](const StudyRun& run) { checkpoint.AtRun(run); };
+  if (!IsHelper()) options.after_run = [&](const StudyRun& run) { checkpoint.AtRun(run); };
+  WorkTimesFile work_times(words.fit.work_times);
+  options.work = work_times.work();
   StoppableWork work([&] { return checkpoint.SaveNow(); });
   SINEW_ASSIGN(const Study study, CompareSolvers(problem, options));
+  if (IsHelper()) return kDone;
   work.Finish();
   line.Clear();
+  SINEW_TRY(work_times.Write());
   if (!study.finished && study.runs.empty())
     return ReportStopped(*words.binding.program, checkpoint.SaveNow());
   if (!std::isfinite(study.best)) {

@@ -8,9 +8,11 @@
 #include "cli/command.h"
 #include "cli/command_files.h"
 #include "cli/data/data_warnings.h"
+#include "cli/mpi_ranks.h"
 #include "cli/run_checkpoint.h"
 #include "cli/stop_signals.h"
 #include "cli/terminal.h"
+#include "cli/work_times_file.h"
 #include "identify/equal_noise_view.h"
 #include "identify/files/diagnosis_file.h"
 #include "identify/files/diagnosis_json.h"
@@ -118,9 +120,10 @@ void PrintDiagnosis(const DiagnoseWords& words, const Binding& binding, const Di
 Result<int> RunDiagnose(const DiagnoseWords& words) {
   const auto limit = words.fit.LimitThreads();
   const Program& program = *words.binding.program;
-  SINEW_ASSIGN(const FileLocks locks,
-               ClaimFiles({{words.binding.data, words.binding.config, words.from}, {words.out}, words.json},
-                          IfBusy::kRefuse));
+  SINEW_ASSIGN(const FileLocks locks, ClaimFiles({{words.binding.data, words.binding.config, words.from},
+                                                  words.fit.Written(words.out),
+                                                  words.json},
+                                                 IfBusy::kRefuse));
   SINEW_ASSIGN(const Binding binding, BindToFit(words.binding, true));
   const Provenance provenance = binding.ToProvenance(words.binding);
   SINEW_ASSIGN(FitRequest request, words.fit.Request());
@@ -140,7 +143,9 @@ Result<int> RunDiagnose(const DiagnoseWords& words) {
   options.seed = words.fit.seed;
   options.threads = words.fit.threads;
   options.interrupt = &InterruptFlag();
+  WorkTimesFile work_times(words.fit.work_times);
   FitRecord record;
+  record.Share(work_times.work());
   options.record = &record;
   options.base_search.most_kept = kMostKept;
   const std::string solver = words.solver.empty() ? binding.problem().default_solver() : words.solver;
@@ -158,17 +163,21 @@ Result<int> RunDiagnose(const DiagnoseWords& words) {
   options.progress = [&](const DiagnosisProgress& now) { line.Show(text::ProgressText(now)); };
   RunCheckpoint checkpoint({words.out, kDiagnoseSolver, words.fit.seed, provenance, &origin, record, line},
                            options.base_search.replay.size());
-  options.base_search.watch = checkpoint.watch();
-  options.base_search.progress = [&](const Progress&, const Evaluator&) { checkpoint.SaveIfDue(); };
-  record.after_keep = [&] { checkpoint.SaveIfDue(); };
   std::string how_to_go_on;
-  options.at_end = [&] {
-    if (InterruptFlag()) how_to_go_on = checkpoint.SaveNow();
-  };
+  if (!IsHelper()) {
+    options.base_search.watch = checkpoint.watch();
+    options.base_search.progress = [&](const Progress&, const Evaluator&) { checkpoint.SaveIfDue(); };
+    record.after_keep = [&] { checkpoint.SaveIfDue(); };
+    options.at_end = [&] {
+      if (InterruptFlag()) how_to_go_on = checkpoint.SaveNow();
+    };
+  }
   StoppableWork work([&] { return checkpoint.SaveNow(); });
   auto result = Diagnose(binding.problem(), std::move(setup), options);
+  if (IsHelper()) return kDone;
   const bool interrupted = work.Finish() != 0;
   line.Clear();
+  SINEW_TRY(work_times.Write());
   if (interrupted) return ReportStopped(program, how_to_go_on);
   if (!result) return tl::unexpected(result.error());
   Diagnosis& diagnosis = *result;

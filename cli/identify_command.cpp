@@ -11,9 +11,11 @@
 #include "cli/command.h"
 #include "cli/command_files.h"
 #include "cli/data/data_warnings.h"
+#include "cli/mpi_ranks.h"
 #include "cli/run_checkpoint.h"
 #include "cli/stop_signals.h"
 #include "cli/terminal.h"
+#include "cli/work_times_file.h"
 #include "identify/files/recorded_cost.h"
 #include "identify/identification/identification.h"
 #include "identify/identification/stepwise.h"
@@ -128,7 +130,8 @@ Result<int> RunIdentify(const IdentifyWords& words) {
   const auto limit = words.fit.LimitThreads();
   SINEW_ASSIGN(
       const FileLocks locks,
-      ClaimFiles({{words.binding.data, words.binding.config}, {words.out}, words.json}, IfBusy::kRefuse));
+      ClaimFiles({{words.binding.data, words.binding.config}, words.fit.Written(words.out), words.json},
+                 IfBusy::kRefuse));
   SINEW_ASSIGN(const Binding binding, BindToFit(words.binding, !words.fit.release.empty()));
   SINEW_ASSIGN(const FitRequest request, words.fit.Request());
   SINEW_ASSIGN(FitSetup setup, MakeFitSetup(binding.problem(), request));
@@ -143,7 +146,9 @@ Result<int> RunIdentify(const IdentifyWords& words) {
     return Fail("--intervals: '{}'{}", words.intervals, Suggestion(words.intervals, {"profile", "linear"}));
   options.profiles = words.intervals == "profile";
   options.evaluator.most_kept = kMostKept;
+  WorkTimesFile work_times(words.fit.work_times);
   FitRecord record;
+  record.Share(work_times.work());
   if (!words.stepwise) setup.record = &record;
   SINEW_TRY(MakeSolver(options.solver, options.solver_options));  // a wrong name writes nothing
   if (words.resume && words.stepwise) return Fail("--resume: steps are done again, not resumed");
@@ -160,18 +165,22 @@ Result<int> RunIdentify(const IdentifyWords& words) {
   ProgressLine line("identify " + options.solver, words.fit.quiet);
   RunCheckpoint checkpoint({words.out, options.solver, words.fit.seed, provenance, nullptr, record, line},
                            options.evaluator.replay.size());
-  options.evaluator.watch = checkpoint.watch();
-  options.evaluator.progress = [&](const Progress& progress, const Evaluator& evaluator) {
-    line.Show(progress, evaluator.options().budget);
-    checkpoint.SaveIfDue();
-  };
-  record.after_keep = [&] { checkpoint.SaveIfDue(); };
+  if (!IsHelper()) {
+    options.evaluator.watch = checkpoint.watch();
+    options.evaluator.progress = [&](const Progress& progress, const Evaluator& evaluator) {
+      line.Show(progress, evaluator.options().budget);
+      checkpoint.SaveIfDue();
+    };
+    record.after_keep = [&] { checkpoint.SaveIfDue(); };
+  }
   StoppableWork work([&] { return checkpoint.SaveNow(); });
   SINEW_ASSIGN(Identification identification,
                words.stepwise ? IdentifyStepwise(binding.problem(), request, options)
                               : Identify(binding.problem(), std::move(setup), std::move(options)));
+  if (IsHelper()) return kDone;
   work.Finish();
   line.Clear();
+  SINEW_TRY(work_times.Write());
   // Stopped while it still repeated what it resumes: the file holds more.
   if (identification.interrupted && checkpoint.IsBehind(identification.trace.size()))
     return ReportStopped(*words.binding.program, checkpoint.SaveNow());

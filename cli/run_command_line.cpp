@@ -10,13 +10,16 @@
 #include <cstdio>
 #include <cstring>
 #include <exception>
+#include <memory>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include "base/printable.h"
 #include "base/text.h"
 #include "base/version.h"
 #include "cli/command.h"
+#include "cli/mpi_ranks.h"
 #include "cli/parsed_words.h"
 #include "cli/stop_signals.h"
 #include "cli/terminal.h"
@@ -128,6 +131,12 @@ std::string WrongList(const Program& program, const CLI::App& app, const std::ve
   return list.empty() ? "" : list + ": expected names, separated by commas (see " + named + " --help)";
 }
 
+// Of several processes all others leave these words to rank 0.
+bool IsForRankZeroAlone(const CLI::App& app) {
+  const std::string name = app.get_subcommands().empty() ? "" : app.get_subcommands().front()->get_name();
+  return name != "identify" && name != "diagnose" && name != "compare" && name != "run";
+}
+
 int Run(int argc, char** argv, const Program& program) {
   CLI::App app(program.description);
   app.set_version_flag("--version", std::string("sinew ") + kVersion);
@@ -144,6 +153,7 @@ int Run(int argc, char** argv, const Program& program) {
   } catch (const CLI::ParseError& error) {
     return Refuse(program, Explain(program, app, error));
   }
+  if (IsHelper() && IsForRankZeroAlone(app)) return kDone;
   const Result<int> status = action();
   return status ? *status : Refuse(program, status.error().message);
 }
@@ -187,6 +197,12 @@ int RunCommandLine(int argc, char** argv, const Program& program) {
   try {
     KeepStandardStreams();
     const StopSignals signals(program.name);
+    std::unique_ptr<Ranks> ranks;
+    if (StartedWithOthers()) {
+      auto joined = JoinRanks();
+      if (!joined) return Refuse(program, joined.error().message);
+      ranks = std::move(*joined);
+    }
     const int status = Run(argc, argv, program);
     // What was printed may have been waiting until now. Why an earlier part failed is not known any more.
     const bool flushed = std::fflush(stdout) == 0;

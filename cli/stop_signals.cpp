@@ -28,6 +28,7 @@ constexpr std::chrono::milliseconds kGrace{600};
 
 std::atomic<bool> interrupted{false};
 std::atomic<int> stop_signal{0};
+std::atomic<bool> others_end{false};
 
 // Who may do what at the end. A work is registered, finished, or taken over by the listening thread.
 struct Works {
@@ -82,12 +83,14 @@ class Listener {
     if (ended_) return;
     stop_signal = signal;
     interrupted = true;
+    const bool leaves_end = others_end;
     {
       std::unique_lock lock(TheWorks().mutex);
       Works& works = TheWorks();
-      if (!works.registered) End("");
+      if (!works.registered && !leaves_end) End("");
       if (works.on_signal) works.on_signal(signal);
     }
+    if (leaves_end) return;
     // In order, or after the second signal, or after a while.
     const auto deadline = std::chrono::steady_clock::now() + kGrace;
     while (!ended_) {
@@ -136,6 +139,10 @@ StopSignals::StopSignals(const std::string& name) {
 
 StopSignals::~StopSignals() {
   listener.reset();
+}
+
+void LeaveEndToOthers() {
+  others_end = true;
 }
 
 const std::atomic<bool>& InterruptFlag() {

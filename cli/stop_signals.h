@@ -23,6 +23,9 @@ class StopSignals {
   StopSignals& operator=(const StopSignals&) = delete;
 };
 
+/// A process that works for another one: a signal raises InterruptFlag and nothing more.
+void LeaveEndToOthers();
+
 /// Raised by the first signal.
 const std::atomic<bool>& InterruptFlag();
 

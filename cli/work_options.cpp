@@ -2,8 +2,11 @@
 
 #include <tbb/global_control.h>
 #include <tbb/info.h>
+#include <unistd.h>
 
 #include <algorithm>
+
+#include "cli/mpi_ranks.h"
 
 namespace sinew {
 namespace {
@@ -15,7 +18,12 @@ constexpr int kMaxThreads = 1024;
 }  // namespace
 
 int WorkOptions::MachineCores() {
-  return std::clamp(tbb::info::default_concurrency(), 1, kMaxThreads);
+  int cores = tbb::info::default_concurrency();
+  // mpirun gives each rank cores of its own, or leaves all of them to all ranks.
+  const bool all_of_them = cores >= static_cast<int>(sysconf(_SC_NPROCESSORS_ONLN));
+  if (const Ranks* ranks = TheRanks(); ranks != nullptr && all_of_them)
+    cores /= ranks->size_on_this_machine();
+  return std::clamp(cores, 1, kMaxThreads);
 }
 
 void WorkOptions::AddSeedTo(Command command) {

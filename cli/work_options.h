@@ -21,7 +21,7 @@ struct WorkOptions {
   /// Until the result is destroyed, nothing in the program uses more threads.
   [[nodiscard]] std::shared_ptr<void> LimitThreads() const;
 
-  /// The processor cores that this process may use.
+  /// The processor cores that this process may use; of several processes on one machine, its share.
   [[nodiscard]] static int MachineCores();
 };
 

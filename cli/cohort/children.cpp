@@ -9,13 +9,16 @@
 #include <csignal>
 #include <cstring>
 
+#include "cli/mpi_ranks.h"
+
 namespace sinew::cohort {
 namespace {
 
 constexpr int kNotStarted = 127;
 
 // In the new process, where other threads of the old one may have held locks: system calls only.
-[[noreturn]] void Become(char* const* words, const char* folder, int log, pid_t parent) {
+[[noreturn]] void Become(char* const* words, char* const* environment, const char* folder, int log,
+                         pid_t parent) {
   // A group of its own: Ctrl-C reaches it once, from its parent, and a second one would end it unsaved.
   setpgid(0, 0);
   prctl(PR_SET_PDEATHSIG, SIGTERM);
@@ -24,7 +27,7 @@ constexpr int kNotStarted = 127;
   if (nothing < 0 || dup2(nothing, STDIN_FILENO) < 0 || dup2(log, STDOUT_FILENO) < 0 ||
       dup2(log, STDERR_FILENO) < 0 || chdir(folder) != 0)
     _exit(kNotStarted);
-  execv("/proc/self/exe", words);
+  execve("/proc/self/exe", words, environment);
   _exit(kNotStarted);
 }
 
@@ -39,6 +42,10 @@ Result<int> Children::Run(const std::vector<std::string>& words, const std::stri
   std::vector<char*> arguments;
   for (std::string& word : all) arguments.push_back(word.data());
   arguments.push_back(nullptr);
+  std::vector<std::string> variables = EnvironmentOfOneProcess();
+  std::vector<char*> environment;
+  for (std::string& variable : variables) environment.push_back(variable.data());
+  environment.push_back(nullptr);
   const pid_t parent = getpid();
   pid_t child = -1;
   {
@@ -48,7 +55,7 @@ Result<int> Children::Run(const std::vector<std::string>& words, const std::stri
       return 128 + stopped_by_;
     }
     child = fork();
-    if (child == 0) Become(arguments.data(), folder.c_str(), file, parent);
+    if (child == 0) Become(arguments.data(), environment.data(), folder.c_str(), file, parent);
     if (child > 0) running_.insert(child);
   }
   close(file);
@@ -74,6 +81,11 @@ void Children::Stop(int signal) {
   const std::lock_guard lock(mutex_);
   stopped_by_ = signal;
   for (const pid_t child : running_) kill(child, signal);
+}
+
+bool Children::stopped() const {
+  const std::lock_guard lock(mutex_);
+  return stopped_by_ != 0;
 }
 
 }  // namespace sinew::cohort

@@ -23,9 +23,10 @@ class Children {
 
   /// To all that run, and to all that are started from now on.
   void Stop(int signal);
+  [[nodiscard]] bool stopped() const;
 
  private:
-  std::mutex mutex_;
+  mutable std::mutex mutex_;
   std::set<pid_t> running_;
   int stopped_by_ = 0;
 };

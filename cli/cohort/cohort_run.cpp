@@ -1,315 +1,180 @@
 #include "cli/cohort/cohort_run.h"
 
 #include <algorithm>
-#include <chrono>
-#include <condition_variable>
+#include <atomic>
 #include <csignal>
+#include <deque>
 #include <filesystem>
-#include <map>
-#include <mutex>
-#include <optional>
-#include <set>
 #include <thread>
 #include <utility>
 
 #include "base/digest.h"
-#include "base/read_file.h"
-#include "base/text.h"
-#include "base/version.h"
-#include "cli/cohort/step_state.h"
-#include "cli/command.h"
-#include "cli/parsed_words.h"
+#include "cli/cohort/one_task.h"
+#include "cli/cohort/schedule.h"
 
 namespace sinew::cohort {
 namespace {
 
 namespace fs = std::filesystem;
 
-constexpr const char* kErrorMark = ": error: ";
-
-bool IsFile(const std::string& path) {
-  std::error_code code;
-  return fs::is_regular_file(path, code);
-}
-
-// What the words of a command may name as a file: the word itself, or what follows its '='.
-std::vector<std::string> PossibleNames(const std::string& word) {
-  std::vector<std::string> names{word};
-  if (const auto equals = word.find('='); equals != std::string::npos)
-    names.push_back(word.substr(equals + 1));
-  return names;
-}
-
-// The last error in a log, else its last line.
-std::string ReasonIn(const std::string& log, std::size_t from) {
-  const auto text = ReadFile(log);
-  if (!text || from >= text->size()) return "it said nothing";
-  const std::string said = text->substr(from);
-  std::string last;
-  for (const auto view : Split(said, '\n')) {
-    const std::string line(Trim(view));
-    if (line.empty()) continue;
-    const auto mark = line.find(kErrorMark);
-    if (mark != std::string::npos) return line.substr(mark + std::string(kErrorMark).size());
-    last = line;
-  }
-  return last.empty() ? "it said nothing" : last;
-}
-
-class OneTask {
- public:
-  OneTask(const Pipeline& pipeline, const Task& task, const Program& program, int threads, Children& children)
-      : pipeline_(pipeline), task_(task), program_(program), threads_(threads), children_(children) {}
-
-  TaskResult Do(StepStates& states) {
-    TaskResult result;
-    const std::string log = pipeline_.FolderOf(task_.subject) + "/" + task_.step + ".log";
-    const auto inputs = DigestsOf(Inputs());
-    if (!inputs) return Failed(result, inputs.error().message);
-    const std::string question = QuestionOf(*inputs);
-    const StepRecord* before = states.Find(task_.step);
-    if (IsFile(pipeline_.Located(log))) result.log = log;
-    if (before != nullptr && before->progress == Progress::kDone && before->question == question &&
-        IsUnchanged(*before)) {
-      result.outcome = Outcome::kKept;
-      result.seconds = before->seconds;
-      return result;
-    }
-    const bool goes_on =
-        before != nullptr && before->progress == Progress::kBegun && before->question == question;
-    result.log = log;
-    if (const Status set = states.Set(task_.step, {Progress::kBegun, question, {}, 0, ""}); !set)
-      return Failed(result, set.error().message);
-    if (!goes_on) {
-      std::error_code code;
-      fs::remove(pipeline_.Located(log), code);
-    }
-    const auto began = std::chrono::steady_clock::now();
-    Commands(goes_on, pipeline_.Located(log), result);
-    result.seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - began).count();
-    if (result.outcome == Outcome::kStopped) return result;
-    StepRecord after{Progress::kFailed, question, {}, result.seconds, ""};
-    if (result.outcome == Outcome::kDone) {
-      if (const auto again = DigestsOf(Inputs()); !again || *again != *inputs) {
-        Failed(result, "a file that it reads was changed meanwhile, by itself or by others");
-      } else if (auto written = Written(); !written) {
-        Failed(result, written.error().message);
-      } else {
-        after.progress = Progress::kDone;
-        after.written = std::move(*written);
-      }
-    }
-    after.reason = result.reason;
-    if (const Status set = states.Set(task_.step, std::move(after)); !set)
-      return Failed(result, set.error().message);
-    return result;
-  }
-
- private:
-  static TaskResult& Failed(TaskResult& result, const std::string& why) {
-    result.outcome = Outcome::kFailed;
-    result.reason = why;
-    return result;
-  }
-
-  [[nodiscard]] bool IsWritten(const std::string& name) const {
-    const fs::path path = fs::path(name).lexically_normal();
-    return std::any_of(task_.written.begin(), task_.written.end(),
-                       [&](const std::string& one) { return fs::path(one).lexically_normal() == path; });
-  }
-
-  // Every word that names a file which is there and which the task does not make itself.
-  [[nodiscard]] std::set<std::string> Inputs() const {
-    std::set<std::string> inputs(task_.reads.begin(), task_.reads.end());
-    for (const Words& words : task_.commands) {
-      for (const std::string& word : words) {
-        for (const std::string& name : PossibleNames(word)) {
-          if (!IsWritten(name) && IsFile(pipeline_.Located(name))) inputs.insert(name);
-        }
-      }
-    }
-    return inputs;
-  }
-
-  [[nodiscard]] Result<std::map<std::string, std::string>> DigestsOf(
-      const std::set<std::string>& names) const {
-    std::map<std::string, std::string> digests;
-    for (const std::string& name : names) {
-      SINEW_ASSIGN(digests[name], DigestOfFile(pipeline_.Located(name)));
-    }
-    return digests;
-  }
-
-  [[nodiscard]] std::string QuestionOf(const std::map<std::string, std::string>& inputs) const {
-    Digest digest;
-    digest.Add(kVersion);
-    for (const Words& words : task_.commands) {
-      digest.Add(static_cast<std::uint64_t>(words.size()));
-      for (const std::string& word : words) digest.Add(word);
-    }
-    for (const auto& [name, bytes] : inputs) digest.Add(name).Add(bytes);
-    return ToHex(digest.value());
-  }
-
-  [[nodiscard]] Result<std::map<std::string, std::string>> Written() const {
-    std::map<std::string, std::string> written;
-    for (const std::string& name : task_.written) {
-      const std::string path = pipeline_.Located(name);
-      std::error_code code;
-      if (fs::is_directory(path, code)) {
-        written[name] = "";
-        continue;
-      }
-      SINEW_ASSIGN(written[name], DigestOfFile(path));
-    }
-    return written;
-  }
-
-  [[nodiscard]] bool IsUnchanged(const StepRecord& record) const {
-    const auto written = Written();
-    return written && *written == record.written;
-  }
-
-  // One after the other, until one does not end well.
-  void Commands(bool goes_on, const std::string& log, TaskResult& result) const {
-    for (const Words& command : task_.commands) {
-      Words words = command;
-      const auto parsed = ParseWords(program_, words);
-      if (!parsed) return static_cast<void>(Failed(result, parsed.error().message));
-      const auto add = [&](const char* option, Words more) {
-        if (parsed->options.count(option) > 0 && parsed->given.count(option) == 0)
-          words.insert(words.end(), more.begin(), more.end());
-      };
-      add("--threads", {"--threads", std::to_string(threads_)});
-      add("--quiet", {"--quiet"});
-      if (goes_on && !parsed->written.empty() && IsFile(pipeline_.Located(parsed->written.front())))
-        add("--resume", {"--resume"});
-      std::error_code code;
-      const auto before = fs::file_size(log, code);
-      const auto status = children_.Run(words, pipeline_.folder, fs::absolute(log).string());
-      if (!status) return static_cast<void>(Failed(result, status.error().message));
-      if (*status == kDone) continue;
-      if (*status == 128 + SIGINT || *status == 128 + SIGTERM) {
-        result.outcome = Outcome::kStopped;
-        return;
-      }
-      const std::string why = *status > 128 ? fmt::format("it was ended by signal {}", *status - 128)
-                                            : ReasonIn(log, code ? 0 : before);
-      return static_cast<void>(Failed(result, why));
-    }
-    result.outcome = Outcome::kDone;
-  }
-
-  const Pipeline& pipeline_;
-  const Task& task_;
-  const Program& program_;
-  int threads_;
-  Children& children_;
+/// How the processor cores of all processes, as many on each as on this one, are divided among the subjects.
+struct Shares {
+  int at_once = 1;  ///< tasks of this process
+  int threads = 1;  ///< of each task
 };
 
-// Tasks that can be done, in the order of the pipeline, handed to whichever thread is free.
-class Schedule {
+Shares SharesOf(const Pipeline& pipeline, const CohortOptions& options) {
+  const int processes = options.ranks == nullptr ? 1 : options.ranks->size();
+  const auto subjects = static_cast<int>(std::max<std::size_t>(1, pipeline.subjects.size()));
+  Shares shares;
+  shares.threads = std::clamp(options.threads * processes / subjects, 1, options.threads);
+  shares.at_once = std::clamp(options.threads / shares.threads, 1, subjects);
+  return shares;
+}
+
+Digest::Value NameOf(const Task& task) {
+  Digest digest;
+  digest.Add(task.subject).Add(task.step);
+  for (const Words& words : task.commands) {
+    for (const std::string& word : words) digest.Add(word);
+  }
+  return digest.value();
+}
+
+// The reason and the log, which hold no such character, are one text.
+constexpr char kBetween = '\0';
+
+Message ToMessage(const Task& task, std::size_t index, const TaskResult& result) {
+  return {Message::Kind::kTask,
+          NameOf(task),
+          index,
+          {{static_cast<double>(static_cast<int>(result.outcome)), result.seconds},
+           result.reason + kBetween + result.log}};
+}
+
+TaskResult FromMessage(const Message& message) {
+  TaskResult result;
+  if (message.answer.numbers.size() != 2) return result;
+  result.outcome = static_cast<Outcome>(static_cast<int>(message.answer.numbers[0]));
+  result.seconds = message.answer.numbers[1];
+  const auto between = message.answer.text.find(kBetween);
+  if (between == std::string::npos) return result;
+  result.reason = message.answer.text.substr(0, between);
+  result.log = message.answer.text.substr(between + 1);
+  return result;
+}
+
+// Hands tasks to other processes until there are no more.
+class OtherProcesses {
  public:
-  Schedule(const Pipeline& pipeline, const CohortOptions& options)
-      : pipeline_(pipeline),
-        options_(options),
-        results_(pipeline.tasks.size()),
-        state_(pipeline.tasks.size()) {}
+  OtherProcesses(Ranks& ranks, const Pipeline& pipeline, Schedule& schedule, Children& children)
+      : ranks_(ranks), pipeline_(pipeline), schedule_(schedule), children_(children) {}
 
-  // The next task; nothing if there will be none. Waits while others may make one possible.
-  std::optional<std::size_t> Next() {
-    std::unique_lock lock(mutex_);
-    for (;;) {
-      bool waiting = false;
-      for (std::size_t i = 0; i < state_.size() && !stopped_; ++i) {
-        if (state_[i] != State::kWaiting) continue;
-        waiting = true;
-        if (!Ready(i)) continue;
-        state_[i] = State::kRunning;
-        return i;
+  /// @param done whether this process has done all tasks that were left to it
+  void Serve(const std::function<bool()>& done) {
+    while (running_ > 0 || !done()) {
+      HandOut();
+      if (children_.stopped() && !std::exchange(told_, true)) {
+        for (int rank = 1; rank < ranks_.size(); ++rank)
+          ranks_.Send(rank, {Message::Kind::kReady, {}, 0, {}});
       }
-      if (!waiting || stopped_) return std::nullopt;
-      changed_.wait(lock);
-    }
-  }
-
-  void End(std::size_t task, TaskResult result) {
-    const std::lock_guard lock(mutex_);
-    stopped_ = stopped_ || result.outcome == Outcome::kStopped;
-    results_[task] = std::move(result);
-    state_[task] = State::kEnded;
-    ++ended_;
-    // What comes after a failure is not run; tasks stand in an order in which each comes after its own.
-    for (std::size_t i = 0; i < state_.size(); ++i) {
-      if (state_[i] != State::kWaiting) continue;
-      for (const std::size_t before : pipeline_.tasks[i].after) {
-        if (state_[before] != State::kEnded || Ended(before)) continue;
-        state_[i] = State::kEnded;
-        ++ended_;
-        results_[i].outcome = Outcome::kNotRun;
-        results_[i].reason = fmt::format("after {}", pipeline_.tasks[before].step);
-        break;
+      const auto received = ranks_.Await();
+      if (!received) continue;
+      const Message& message = received->message;
+      if (message.kind == Message::Kind::kReady) {
+        idle_.insert(idle_.end(), message.index, received->from);
+      } else if (message.index < pipeline_.tasks.size()) {
+        TakeBack(received->from, message);
       }
     }
-    if (options_.progress) options_.progress(ended_, static_cast<int>(state_.size()));
-    changed_.notify_all();
   }
-
-  std::vector<TaskResult> Results() && { return std::move(results_); }
 
  private:
-  enum class State { kWaiting, kRunning, kEnded };
-
-  [[nodiscard]] bool Ended(std::size_t task) const {
-    return results_[task].outcome == Outcome::kDone || results_[task].outcome == Outcome::kKept;
-  }
-  [[nodiscard]] bool Ready(std::size_t task) const {
-    const Task& wanted = pipeline_.tasks[task];
-    // One step of a subject at a time: they share a record of steps.
-    for (std::size_t i = 0; i < state_.size(); ++i) {
-      if (state_[i] == State::kRunning && pipeline_.tasks[i].subject == wanted.subject) return false;
+  void HandOut() {
+    while (!idle_.empty()) {
+      const auto task = schedule_.NextNow();
+      if (!task) return;
+      ranks_.Send(idle_.front(), {Message::Kind::kTask, NameOf(pipeline_.tasks[*task]), *task, {}});
+      idle_.pop_front();
+      ++running_;
     }
-    return std::all_of(wanted.after.begin(), wanted.after.end(),
-                       [&](std::size_t before) { return state_[before] == State::kEnded && Ended(before); });
   }
 
+  void TakeBack(int from, const Message& message) {
+    --running_;
+    TaskResult result = FromMessage(message);
+    // A process that alone was told to stop gets no more.
+    if (result.outcome == Outcome::kStopped && !children_.stopped()) return schedule_.PutBack(message.index);
+    schedule_.End(message.index, std::move(result));
+    idle_.push_back(from);
+  }
+
+  Ranks& ranks_;
   const Pipeline& pipeline_;
-  const CohortOptions& options_;
-  std::mutex mutex_;
-  std::condition_variable changed_;
-  std::vector<TaskResult> results_;
-  std::vector<State> state_;
-  int ended_ = 0;
-  bool stopped_ = false;
+  Schedule& schedule_;
+  Children& children_;
+  std::deque<int> idle_;  // ranks, once for every task that they can do at once
+  int running_ = 0;
+  bool told_ = false;
 };
 
 }  // namespace
 
 Result<std::vector<TaskResult>> RunCohort(const Pipeline& pipeline, const Program& program,
                                           const CohortOptions& options, Children& children) {
-  std::map<std::string, StepStates> states;
   for (const std::string& subject : pipeline.subjects) {
     const std::string folder = pipeline.Located(pipeline.FolderOf(subject));
     std::error_code code;
     fs::create_directories(folder, code);
     if (code) return Fail("{}: {}", folder, code.message());
-    SINEW_ASSIGN(StepStates one, StepStates::Read(folder));
-    states.emplace(subject, std::move(one));
+    SINEW_TRY(StepStates::Read(folder));
   }
-  Schedule schedule(pipeline, options);
-  const auto workers = std::min(static_cast<std::size_t>(options.threads), pipeline.subjects.size());
-  const int each = std::max(1, options.threads / static_cast<int>(workers));
+  Schedule schedule(pipeline, options.progress);
+  const Shares shares = SharesOf(pipeline, options);
+  std::atomic<int> working = shares.at_once;
   std::vector<std::thread> threads;
-  for (std::size_t w = 0; w < workers; ++w) {
+  for (int w = 0; w < shares.at_once; ++w) {
     threads.emplace_back([&] {
-      while (const auto next = schedule.Next()) {
-        const Task& task = pipeline.tasks[*next];
-        schedule.End(*next, OneTask(pipeline, task, program, each, children).Do(states.at(task.subject)));
-      }
+      while (const auto next = schedule.Next())
+        schedule.End(*next, DoTask(pipeline, pipeline.tasks[*next], program, shares.threads, children));
+      --working;
     });
+  }
+  if (options.ranks != nullptr) {
+    OtherProcesses(*options.ranks, pipeline, schedule, children).Serve([&] { return working == 0; });
   }
   for (std::thread& thread : threads) thread.join();
   return std::move(schedule).Results();
+}
+
+void HelpWithCohort(const Pipeline& pipeline, const Program& program, const CohortOptions& options,
+                    Children& children, const std::function<bool()>& told_to_stop) {
+  Ranks& ranks = *options.ranks;
+  const Shares shares = SharesOf(pipeline, options);
+  std::atomic<int> working = 0;
+  std::vector<std::thread> threads;
+  ranks.Send(0, {Message::Kind::kReady, {}, static_cast<std::uint64_t>(shares.at_once), {}});
+  while (!told_to_stop() || working > 0) {
+    const auto received = ranks.Await();
+    if (!received) continue;
+    const std::size_t index = received->message.index;
+    if (received->message.kind == Message::Kind::kReady) {
+      children.Stop(SIGTERM);
+      continue;
+    }
+    // Other subjects may fit a pattern by the time that this process looks.
+    if (index >= pipeline.tasks.size() || NameOf(pipeline.tasks[index]) != received->message.about) {
+      ranks.Send(0, {Message::Kind::kTask, {}, index, {}});
+      continue;
+    }
+    ++working;
+    threads.emplace_back([&, index] {
+      const Task& task = pipeline.tasks[index];
+      ranks.Send(0, ToMessage(task, index, DoTask(pipeline, task, program, shares.threads, children)));
+      --working;
+    });
+  }
+  for (std::thread& thread : threads) thread.join();
 }
 
 }  // namespace sinew::cohort

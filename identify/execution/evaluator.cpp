@@ -248,6 +248,15 @@ void Evaluator::Restore(const Evaluator& parent, const FinishedSearch& search) {
   const auto end =
       std::min<std::size_t>(recorded.size(), static_cast<std::size_t>(search.first + search.evaluations));
   for (auto i = static_cast<std::size_t>(search.first); i < end; ++i) Keep(recorded[i]);
+  TakeCounts(search);
+}
+
+void Evaluator::Restore(const std::vector<TraceEntry>& trace, const FinishedSearch& search) {
+  for (const TraceEntry& entry : trace) Keep(entry);
+  TakeCounts(search);
+}
+
+void Evaluator::TakeCounts(const FinishedSearch& search) {
   failures_ = search.failures;
   infeasible_ = search.infeasible;
   first_failure_ = search.first_failure;

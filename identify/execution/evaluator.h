@@ -157,6 +157,8 @@ class Evaluator {
                                                    long max_evaluations) const;
   /// Takes the evaluations of such a search over, of the parent that is resumed. @pre nothing was evaluated
   void Restore(const Evaluator& parent, const FinishedSearch& search);
+  /// The same, of a search of another process. @param trace all of its evaluations
+  void Restore(const std::vector<TraceEntry>& trace, const FinishedSearch& search);
   /// Takes over everything that the run which is resumed has evaluated. @pre nothing was evaluated
   void RestoreAll();
 
@@ -170,6 +172,7 @@ class Evaluator {
   bool ReplayResiduals(const Vector& x, Vector& residuals, SparseJacobian* jacobian) const;
   void KeepResiduals(const Vector& residuals, const SparseJacobian* jacobian);
   void Keep(TraceEntry entry);
+  void TakeCounts(const FinishedSearch& search);
   [[nodiscard]] std::unique_lock<std::mutex> LockRecord() const;
   void Record(const Vector& x, double cost, const std::string& failure = {});
   Outcome RecordFailure(const Vector& x, const Error& error);

@@ -8,7 +8,7 @@
 #include "base/constants.h"
 #include "base/numbers.h"
 #include "base/random.h"
-#include "identify/execution/executor.h"
+#include "identify/execution/shared_loop.h"
 #include "identify/solvers/continuation.h"
 #include "identify/solvers/displacement.h"
 #include "identify/solvers/improved_start.h"
@@ -194,7 +194,7 @@ class Searching {
     Random random(seed);
     std::vector<Vector> starts;
     for (int i = 0; i < count; ++i) starts.push_back(sampler_.Near(start, random));
-    MakeExecutor(options_.threads)->ForEach(starts.size(), [&](std::size_t i, std::size_t) {
+    ForEachShared(fit.setup().record, options_.threads, starts.size(), [&](std::size_t i, std::size_t) {
       const auto improved = ImprovedStart(fit, fit.Parameters(starts[i]));
       if (improved) starts[i] = fit.Variables(*improved);
     });

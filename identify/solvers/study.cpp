@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <utility>
 
 #include "base/constants.h"
 #include "base/random.h"
@@ -76,6 +77,130 @@ Result<StudyRun> RunOnce(const LeastSquares& problem, const StudyOptions& option
   return run;
 }
 
+// Of an answer, before the start of the improvements.
+constexpr std::size_t kRunNumbers = 5;
+
+Answer ToAnswer(const StudyRun& run) {
+  Answer answer;
+  answer.numbers = {static_cast<double>(run.evaluations), run.cost, run.seconds,
+                    static_cast<double>(static_cast<int>(run.stop.kind)),
+                    static_cast<double>(run.parameters.size())};
+  answer.numbers.insert(answer.numbers.end(), run.parameters.begin(), run.parameters.end());
+  for (const StudyRun::Improvement& one : run.improvements)
+    answer.numbers.insert(answer.numbers.end(), {static_cast<double>(one.evaluation), one.cost, one.seconds});
+  answer.text = run.stop.test;
+  return answer;
+}
+
+std::optional<StudyRun> RunFrom(const Answer& answer) {
+  const std::vector<double>& numbers = answer.numbers;
+  if (numbers.size() < kRunNumbers) return {};
+  const auto head = kRunNumbers + static_cast<std::size_t>(numbers[4]);
+  if (numbers.size() < head || (numbers.size() - head) % 3 != 0) return {};
+  StudyRun run;
+  run.evaluations = static_cast<long>(numbers[0]);
+  run.cost = numbers[1];
+  run.seconds = numbers[2];
+  run.stop = {static_cast<Termination>(static_cast<int>(numbers[3])), answer.text};
+  run.parameters =
+      Eigen::Map<const Vector>(numbers.data() + kRunNumbers, static_cast<Eigen::Index>(head - kRunNumbers));
+  for (std::size_t i = head; i < numbers.size(); i += 3)
+    run.improvements.push_back({static_cast<long>(numbers[i]), numbers[i + 1], numbers[i + 2]});
+  return run;
+}
+
+class Comparison {
+ public:
+  Comparison(const LeastSquares& problem, const StudyOptions& options)
+      : problem_(problem), options_(options) {
+    for (const std::string& name : options.solvers) {
+      for (int repeat = 0; repeat < options.repeats; ++repeat) pieces_.push_back({name, repeat, {}, {}});
+    }
+  }
+
+  Result<Study> Run() {
+    ForEachShared(
+        options_.work, Question(), 1, pieces_.size(),
+        [&](std::size_t i, std::size_t) { return Do(pieces_[i]); },
+        [&](std::size_t i, const Answer& answer) { return TakeOver(pieces_[i], answer); });
+    Study study;
+    study.free = problem_.setup().free;
+    for (Piece& piece : pieces_) {
+      SINEW_TRY(piece.status);
+      if (!piece.run) {
+        study.finished = false;
+        continue;
+      }
+      piece.run->start = StartOf(problem_, options_.solver_options.seed, piece.repeat);
+      if (piece.run->stop.usable()) study.best = std::min(study.best, piece.run->cost);
+      study.runs.push_back(std::move(*piece.run));
+    }
+    study.target = options_.target.value_or(kTargetShare * study.best);
+    return study;
+  }
+
+ private:
+  struct Piece {
+    std::string solver;
+    int repeat = 0;
+    std::optional<StudyRun> run;
+    Status status;
+  };
+
+  [[nodiscard]] Digest Question() const {
+    Digest question;
+    problem_.AddTo(question);
+    question.Add("comparison").Add(options_.solver_options.seed);
+    for (const Piece& piece : pieces_)
+      question.Add(piece.solver).Add(static_cast<std::uint64_t>(piece.repeat));
+    return question;
+  }
+
+  [[nodiscard]] bool IsInterrupted() const {
+    return options_.interrupt != nullptr && options_.interrupt->load();
+  }
+
+  Answer Do(Piece& piece) {
+    if (const StudyRun* done = FindDone(options_, piece.solver, piece.repeat); done != nullptr) {
+      piece.run = *done;
+      Count();
+      return {};
+    }
+    if (IsInterrupted()) return {};
+    Result<StudyRun> run = RunOnce(problem_, options_, piece.solver, piece.repeat);
+    if (!run) {
+      piece.status = tl::unexpected(run.error());
+      return {};
+    }
+    if (run->stop.kind == Termination::kInterrupted) return {};
+    if (options_.after_run) options_.after_run(*run);
+    piece.run = std::move(*run);
+    Count();
+    return ToAnswer(*piece.run);
+  }
+
+  // What another process has run. @return false: it was interrupted there, or had been done before
+  bool TakeOver(Piece& piece, const Answer& answer) {
+    piece.run = RunFrom(answer);
+    if (!piece.run) return false;
+    piece.run->solver = piece.solver;
+    piece.run->seed = options_.solver_options.seed + static_cast<std::uint64_t>(piece.repeat);
+    if (options_.after_run) options_.after_run(*piece.run);
+    Count();
+    return true;
+  }
+
+  void Count() {
+    ++done_;
+    if (options_.progress) options_.progress(done_, static_cast<int>(pieces_.size()));
+  }
+
+  const LeastSquares& problem_;
+  const StudyOptions& options_;
+  std::vector<Piece> pieces_;
+  int done_ = 0;
+};
+
 SolverSummary SummaryOf(const std::string& solver, const Study& study) {
   SolverSummary summary;
   summary.solver = solver;
@@ -126,32 +251,7 @@ Result<Study> CompareSolvers(const LeastSquares& problem, const StudyOptions& op
     if (std::count(options.solvers.begin(), options.solvers.end(), name) > 1)
       return Fail("solver '{}' is named twice", name);
   }
-  Study study;
-  study.free = problem.setup().free;
-  const int all = static_cast<int>(options.solvers.size()) * options.repeats;
-  const auto is_interrupted = [&] { return options.interrupt != nullptr && options.interrupt->load(); };
-  for (const std::string& name : options.solvers) {
-    for (int repeat = 0; repeat < options.repeats; ++repeat) {
-      const StudyRun* done = FindDone(options, name, repeat);
-      StudyRun run;
-      if (done != nullptr) {
-        run = *done;
-      } else {
-        study.finished = study.finished && !is_interrupted();
-        if (!study.finished) continue;
-        SINEW_ASSIGN(run, RunOnce(problem, options, name, repeat));
-        study.finished = run.stop.kind != Termination::kInterrupted;
-        if (!study.finished) continue;
-        if (options.after_run) options.after_run(run);
-      }
-      run.start = StartOf(problem, options.solver_options.seed, repeat);
-      if (run.stop.usable()) study.best = std::min(study.best, run.cost);
-      study.runs.push_back(std::move(run));
-      if (options.progress) options.progress(static_cast<int>(study.runs.size()), all);
-    }
-  }
-  study.target = options.target.value_or(kTargetShare * study.best);
-  return study;
+  return Comparison(problem, options).Run();
 }
 
 std::vector<SolverSummary> Summarise(const Study& study) {

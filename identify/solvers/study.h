@@ -11,6 +11,7 @@
 
 #include "base/error.h"
 #include "identify/execution/evaluator.h"
+#include "identify/execution/shared_loop.h"
 #include "identify/solvers/solver.h"
 
 namespace sinew {
@@ -52,6 +53,8 @@ struct StudyOptions {
   std::function<void(int done, int all)> progress;
   std::vector<StudyRun> done;  ///< of a comparison that is resumed: these are not done again
   std::function<void(const StudyRun&)> after_run;  ///< called after each new run that was not interrupted
+  /// Each run is done by one process. One after the other in each of them, because their times are compared.
+  SharedWork work;
 };
 
 struct Study {

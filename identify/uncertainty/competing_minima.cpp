@@ -5,7 +5,7 @@
 #include <optional>
 #include <utility>
 
-#include "identify/execution/executor.h"
+#include "identify/execution/shared_loop.h"
 #include "identify/solvers/local_fit.h"
 
 namespace sinew::uncertainty {
@@ -93,9 +93,8 @@ class Competition {
   std::vector<Searched> SearchFrom(const std::vector<Vector>& starts, long most) {
     std::vector<Searched> searched(starts.size(), Searched{{q_.best.cost, q_.best.x}, false});
     std::vector<long> used(starts.size());
-    const auto executor = MakeExecutor(q_.threads);
-    std::vector<std::optional<solvers::LocalFit>> fits(executor->workers());
-    executor->ForEach(starts.size(), [&](std::size_t i, std::size_t worker) {
+    std::vector<std::optional<solvers::LocalFit>> fits(MakeExecutor(q_.threads)->workers());
+    ForEachShared(problem_.setup().record, q_.threads, starts.size(), [&](std::size_t i, std::size_t worker) {
       if (q_.interrupt != nullptr && q_.interrupt->load(std::memory_order_relaxed)) return;
       if (!fits[worker]) fits[worker].emplace(problem_, q_.penalty);
       solvers::LocalFit& fit = *fits[worker];

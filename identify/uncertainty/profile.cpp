@@ -7,7 +7,8 @@
 #include <utility>
 
 #include "base/constants.h"
-#include "identify/execution/executor.h"
+#include "identify/execution/fit_record.h"
+#include "identify/execution/shared_loop.h"
 #include "identify/solvers/local_fit.h"
 #include "identify/uncertainty/profile_end.h"
 
@@ -144,6 +145,47 @@ class EndSearch {
   LowestCost lowest_;
 };
 
+/// One end, and what its search has cost.
+struct FoundEnd {
+  ProfileEnd end;
+  LowestCost lowest;
+  long evaluations = 0;
+};
+
+Digest QuestionOf(const LeastSquares& problem, const Vector& minimum, double cost,
+                  const ProfileRequest& request, double sign, const ProfileOptions& options) {
+  Digest question;
+  problem.AddTo(question);
+  question.Add("end of a profile").Add(minimum.data(), static_cast<std::size_t>(minimum.size()));
+  question.Add(cost).Add(static_cast<double>(request.variable)).Add(request.rise).Add(request.step);
+  question.Add(request.tangent.data(), static_cast<std::size_t>(request.tangent.size()));
+  question.Add(sign).Add(static_cast<double>(options.max_evaluations)).Add(options.penalty);
+  return question;
+}
+
+constexpr std::size_t kAnswerNumbers = 5;  // before the lowest point
+
+Answer ToAnswer(const FoundEnd& found) {
+  Answer answer;
+  answer.numbers = {found.end.x, found.end.open ? 1.0 : 0.0,
+                    static_cast<double>(static_cast<int>(found.end.failure)), found.lowest.cost,
+                    static_cast<double>(found.evaluations)};
+  answer.numbers.insert(answer.numbers.end(), found.lowest.x.begin(), found.lowest.x.end());
+  return answer;
+}
+
+bool Restore(const Answer& answer, FoundEnd& found) {
+  if (answer.numbers.size() < kAnswerNumbers) return false;
+  found.end = {answer.numbers[0], answer.numbers[1] != 0,
+               static_cast<ProfileFailure>(static_cast<int>(answer.numbers[2]))};
+  found.lowest.cost = answer.numbers[3];
+  found.evaluations = static_cast<long>(answer.numbers[4]);
+  found.lowest.x =
+      Eigen::Map<const Vector>(answer.numbers.data() + kAnswerNumbers,
+                               static_cast<Eigen::Index>(answer.numbers.size() - kAnswerNumbers));
+  return true;
+}
+
 }  // namespace
 
 std::vector<Profile> ProfileIntervals(const LeastSquares& problem, const Vector& minimum, double cost,
@@ -155,38 +197,55 @@ std::vector<Profile> ProfileIntervals(const LeastSquares& problem, const Vector&
   solvers::LocalFit at_minimum(problem, options.penalty);
   const bool has_model = static_cast<bool>(at_minimum.ModelAt(minimum));
   evaluations += at_minimum.evaluations();
-  std::vector<LowestCost> lowest(ends, LowestCost{cost, {}});
-  std::vector<long> used(ends);
-  const auto executor = MakeExecutor(options.threads);
-  std::vector<std::optional<solvers::LocalFit>> fits(executor->workers());
-  executor->ForEach(ends, [&](std::size_t i, std::size_t worker) {
-    if (!fits[worker]) fits[worker].emplace(problem, options.penalty);
-    solvers::LocalFit& fit = *fits[worker];
+  const auto is_stopped = [&] {
+    return options.interrupt != nullptr && options.interrupt->load(std::memory_order_relaxed);
+  };
+  const auto find = [&](solvers::LocalFit& fit, const ProfileRequest& request, double sign) {
+    FoundEnd found{{}, {cost, {}}, 0};
     const long before = fit.evaluations();
-    const ProfileRequest& request = requests[i / 2];
-    const double sign = i % 2 == 0 ? -1 : 1;
-    ProfileEnd& end = i % 2 == 0 ? profiles[i / 2].lower : profiles[i / 2].upper;
-    const bool stopped = options.interrupt != nullptr && options.interrupt->load(std::memory_order_relaxed);
-    std::optional<ProfileEnd> found;
-    if (has_model && !stopped) {
-      found = FindEnd(fit,
-                      {minimum, cost, at_minimum.model(), request, sign, EndTolerance(problem, cost, request),
-                       options.max_evaluations, options.interrupt},
-                      lowest[i]);
+    std::optional<ProfileEnd> end;
+    if (has_model && !is_stopped()) {
+      end = FindEnd(fit,
+                    {minimum, cost, at_minimum.model(), request, sign, EndTolerance(problem, cost, request),
+                     options.max_evaluations, options.interrupt},
+                    found.lowest);
     }
-    if (found) {
-      end = *found;
+    if (end) {
+      found.end = *end;
     } else {
       const long left = options.max_evaluations - (fit.evaluations() - before);
       EndSearch search(fit, minimum, cost, request, sign, left, options.interrupt);
-      end = search.Run();
-      if (search.lowest().cost < lowest[i].cost) lowest[i] = search.lowest();
+      found.end = search.Run();
+      if (search.lowest().cost < found.lowest.cost) found.lowest = search.lowest();
     }
-    used[i] = fit.evaluations() - before;
+    found.evaluations = fit.evaluations() - before;
+    return found;
+  };
+
+  std::vector<FoundEnd> found(ends);
+  std::vector<std::optional<solvers::LocalFit>> fits(MakeExecutor(options.threads)->workers());
+  FitRecord* const record = problem.setup().record;
+  ForEachShared(record, options.threads, ends, [&](std::size_t i, std::size_t worker) {
+    const ProfileRequest& request = requests[i / 2];
+    const double sign = i % 2 == 0 ? -1 : 1;
+    Digest question;
+    if (record != nullptr) {
+      question = QuestionOf(problem, minimum, cost, request, sign, options);
+      if (const auto known = record->Find(question); known && Restore(*known, found[i])) return;
+    }
+    if (!fits[worker]) fits[worker].emplace(problem, options.penalty);
+    found[i] = find(*fits[worker], request, sign);
+    // An interruption may also look like another failure.
+    if (record != nullptr && !is_stopped()) record->Keep(question, ToAnswer(found[i]));
   });
-  for (std::size_t i = 0; i < ends; ++i) evaluations += used[i];
+  for (std::size_t i = 0; i < ends; ++i) {
+    evaluations += found[i].evaluations;
+    (i % 2 == 0 ? profiles[i / 2].lower : profiles[i / 2].upper) = found[i].end;
+  }
   for (std::size_t i = 0; i < requests.size(); ++i) {
-    profiles[i].lowest = lowest[2 * i].cost <= lowest[2 * i + 1].cost ? lowest[2 * i] : lowest[2 * i + 1];
+    const LowestCost& below = found[2 * i].lowest;
+    const LowestCost& above = found[2 * i + 1].lowest;
+    profiles[i].lowest = below.cost <= above.cost ? below : above;
   }
   return profiles;
 }

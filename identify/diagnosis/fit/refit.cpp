@@ -239,9 +239,18 @@ bool Refitter::Expects(const LeastSquares& fit) const {
 }
 
 Refit Refitter::FitUnderExpectedNoise(std::vector<int> released, const std::vector<Vector>& starts) const {
-  Refit refit = Asked(std::move(released), starts);
-  if (interrupt_ != nullptr && interrupt_->load()) refit.failure = "interrupted";
-  if (!refit.usable()) return refit;
+  return RecordedRefit(
+      problem_, Asked(std::move(released), starts), RefitKind::kUnderExpectedNoise, starts,
+      kExpectedTolerance, [&](Refit asked) { return MakeUnderExpectedNoise(std::move(asked), starts); },
+      &*expected_);
+}
+
+Refit Refitter::MakeUnderExpectedNoise(Refit refit, const std::vector<Vector>& starts) const {
+  if (interrupt_ != nullptr && interrupt_->load()) {
+    refit.failure = "interrupted";
+    refit.interrupted = true;
+    return refit;
+  }
   LeastSquares fit(problem_, *refit.setup);
   const auto stretches = TrainStretches(fit);
   noise::NoiseModel under = *expected_;

@@ -110,6 +110,7 @@ class Refitter {
   [[nodiscard]] bool Expects(const LeastSquares& fit) const;
   [[nodiscard]] Refit FitUnderExpectedNoise(std::vector<int> released,
                                             const std::vector<Vector>& starts) const;
+  [[nodiscard]] Refit MakeUnderExpectedNoise(Refit refit, const std::vector<Vector>& starts) const;
   [[nodiscard]] Status Finish(const LeastSquares& fit, Refit& refit) const;
 
   const Problem& problem_;

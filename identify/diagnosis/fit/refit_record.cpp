@@ -94,13 +94,19 @@ bool Restore(const FitRecord::Answer& answer, const LeastSquares& fit, Refit& re
 }  // namespace
 
 Refit RecordedRefit(const Problem& problem, Refit asked, RefitKind kind, const std::vector<Vector>& starts,
-                    double tolerance, const std::function<Refit(Refit)>& make) {
+                    double tolerance, const std::function<Refit(Refit)>& make,
+                    const noise::NoiseModel* under) {
   FitRecord* const record = asked.setup->record;
   if (record == nullptr) return make(std::move(asked));
   Digest question;
   question.Add("refit").Add(static_cast<std::uint64_t>(kind)).Add(tolerance);
   question.Add(static_cast<std::uint64_t>(starts.size()));
   for (const Vector& start : starts) question.Add(start.data(), static_cast<std::size_t>(start.size()));
+  for (std::size_t c = 0; under != nullptr && c < under->channels.size(); ++c) {
+    const noise::ChannelNoiseModel& channel = under->channels[c];
+    question.Add(channel.coefficients.data(), channel.coefficients.size());
+    question.Add(channel.deviation).Add(channel.least_deviation).Add(channel.spent);
+  }
   const LeastSquares fit(problem, *asked.setup);
   fit.AddTo(question);
   if (const auto known = record->Find(question); known) {

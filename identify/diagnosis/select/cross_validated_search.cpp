@@ -8,7 +8,7 @@
 #include "base/random.h"
 #include "identify/diagnosis/select/choice_of_sets.h"
 #include "identify/diagnosis/select/many_starts.h"
-#include "identify/execution/executor.h"
+#include "identify/execution/shared_loop.h"
 #include "identify/keep_samples.h"
 
 namespace sinew::diagnosis {
@@ -153,7 +153,7 @@ std::vector<int> CrossValidatedSearch::Promising(const ScoredModel& scored, cons
 
 void CrossValidatedSearch::FitAll(std::vector<Trial>& trials, const std::vector<std::vector<Vector>>& starts,
                                   double tolerance, std::size_t continued) const {
-  MakeExecutor(options_.threads)->ForEach(trials.size(), [&](std::size_t i, std::size_t) {
+  ForEachShared(options_.record, options_.threads, trials.size(), [&](std::size_t i, std::size_t) {
     Trial& trial = trials[i];
     trial.fitted_error = kInfinite;
     trial.left_out_error = kInfinite;
@@ -232,7 +232,7 @@ void CrossValidatedSearch::Polish(std::vector<Trial>& sets) const {
 }
 
 void CrossValidatedSearch::LeaveOut(std::vector<Trial>& sets, double tolerance) const {
-  MakeExecutor(options_.threads)->ForEach(sets.size(), [&](std::size_t i, std::size_t) {
+  ForEachShared(options_.record, options_.threads, sets.size(), [&](std::size_t i, std::size_t) {
     if (!std::isfinite(sets[i].fitted_error) || Interrupted()) return;
     sets[i].fold_errors = LeftOutErrors(sets[i].released, sets[i].point, tolerance);
     sets[i].left_out_error = GeometricMean(sets[i].fold_errors);

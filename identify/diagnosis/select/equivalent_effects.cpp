@@ -11,7 +11,7 @@
 #include "base/column_space.h"
 #include "identify/diagnosis/score/design.h"
 #include "identify/diagnosis/score/shortlist.h"
-#include "identify/execution/executor.h"
+#include "identify/execution/shared_loop.h"
 
 namespace sinew::diagnosis {
 namespace {
@@ -230,7 +230,7 @@ Result<std::vector<Rival>> FindEquivalents(const DiagnosisState& state) {
       wanted.emplace_back(cause.candidate, std::move(one));
   }
   std::vector<std::optional<Rival>> made(wanted.size());
-  MakeExecutor(state.options.threads)->ForEach(wanted.size(), [&](std::size_t i, std::size_t) {
+  ForEachShared(state.options.record, state.options.threads, wanted.size(), [&](std::size_t i, std::size_t) {
     made[i] = Judged(state, wanted[i].first, wanted[i].second, residual);
   });
   std::vector<Rival> rivals;

@@ -10,7 +10,7 @@
 
 #include "identify/diagnosis/score/shortlist.h"
 #include "identify/diagnosis/select/cross_validated_selection.h"
-#include "identify/execution/executor.h"
+#include "identify/execution/shared_loop.h"
 #include "identify/statistics/distributions.h"
 
 namespace sinew::diagnosis {
@@ -171,10 +171,10 @@ class Selector {
       if (cache_.count(released) == 0) work.emplace_back(released, starts);
     }
     std::vector<Refit> made(work.size());
-    MakeExecutor(options_.threads)->ForEach(work.size(), [&](std::size_t i, std::size_t) {
+    ForEachShared(options_.record, options_.threads, work.size(), [&](std::size_t i, std::size_t) {
       made[i] = refitter_.Fit(work[i].first, work[i].second);
     });
-    MakeExecutor(options_.threads)->ForEach(work.size(), [&](std::size_t i, std::size_t) {
+    ForEachShared(options_.record, options_.threads, work.size(), [&](std::size_t i, std::size_t) {
       Improve(work[i].first, work[i].second.front(), made[i]);
     });
     for (std::size_t i = 0; i < work.size(); ++i) cache_[work[i].first] = std::move(made[i]);
