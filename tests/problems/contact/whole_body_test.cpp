@@ -163,6 +163,30 @@ TEST(WholeBody, AnotherBodysLoadIsNotUsed) {
 }
 
 // Curves whose weights are twice, or a third, of what the prior expects of each step.
+// Recorded errors of the foot that all steps share are learnt on fitted steps; errors of each step are not.
+TEST(WholeBody, SharedErrorsOfTheMotionAreLearnt) {
+  double before = 0;
+  for (const double share : {1.0, 0.0}) {
+    Dataset data = SteppingData(
+        {{"train", 2}, {"validate", 2}, {"moments", 1}, {"motion_error", 0.001}, {"shared_error", share}});
+    for (auto& [name, trial] : data.trials) trial.grids.erase("markers");
+    const auto problem = MakeContact(data, Moving(data)).value();
+    // The deviations of the fitted stances, by their plates.
+    std::vector<bool> fitted;
+    std::vector<int> free;
+    for (const Block& block : problem->layout()) fitted.push_back(block.role == BlockRole::kTrain);
+    for (std::size_t i = 0; i < problem->parameters().size(); ++i) {
+      if (problem->parameters()[i].kind == ParameterKind::kNuisance) free.push_back(static_cast<int>(i));
+    }
+    const auto estimated = problem->ImprovedStart(free, fitted, TrueParameters(*problem));
+    ASSERT_TRUE(estimated);
+    const double error = Error(CompareAlternatives(*problem, *estimated), kByMotion, "vertical force");
+    if (share == 1) EXPECT_LT(error, 5.7) << "a tenth of the robot's weight";
+    if (share == 0) EXPECT_GT(error, 2 * before);
+    before = error;
+  }
+}
+
 TEST(StepEstimate, TheSpreadOfStepsIsFoundFromSeveralOfThem) {
   const Dataset data = SteppingData({{"fine", 0}, {"train", 6}, {"validate", 0}}, 0);
   const auto problem = MakeContact(data, Moving(data)).value();
