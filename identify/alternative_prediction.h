@@ -14,6 +14,9 @@ struct AlternativePrediction {
   std::string name;            ///< after "predicted": "from the recorded motion alone"
   Vector parameters;           ///< [P], or empty: see `values`
   std::vector<Vector> values;  ///< [layout size][predictions]; empty for a block that it does not predict
+  std::vector<Vector> half_width{};  ///< as `values`: of its 95 % band [unit]; empty: no band is stated
+  /// [layout size][predictions] what is compared; empty, or empty for a block: all of it
+  std::vector<std::vector<bool>> compared{};
 };
 
 /// Its errors, as FullPrediction has them.
@@ -21,6 +24,8 @@ struct AlternativeQuality {
   std::string name;
   std::vector<FitQuality> quality;
   std::vector<FitQuality> pooled;
+  std::vector<double> half_width{};  ///< [quality, unit] root mean square of the band's; 0: none stated
+  std::vector<double> pooled_half_width{};  ///< [pooled, unit]
 };
 
 class Problem;

@@ -21,6 +21,7 @@ void AddDataCommand(Command app, const RunAction& run) {
   AddSolesCommand(data, run);
   AddDropCommand(data, run);
   AddKinematicsCommand(data, run);
+  AddDynamicsCommand(data, run);
   AddEnvelopeCommand(data, run);
   AddCeinmsCommand(data, run);
   AddSubjectCommand(data, run);

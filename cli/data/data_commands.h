@@ -20,6 +20,7 @@ void AddSolesCommand(Command data, const RunAction& run);
 void AddCeinmsCommand(Command data, const RunAction& run);
 void AddSubjectCommand(Command data, const RunAction& run);
 void AddKinematicsCommand(Command data, const RunAction& run);
+void AddDynamicsCommand(Command data, const RunAction& run);
 void AddEnvelopeCommand(Command data, const RunAction& run);
 void AddMusclesCommand(Command data, const RunAction& run);
 

@@ -94,8 +94,9 @@ void WriteUncertainty(const FitSetup& setup, const Uncertainty& uncertainty, Hdf
 void WriteAlternatives(const Identification& identification, Hdf5Node& root) {
   if (identification.alternatives.empty()) return;
   std::vector<std::string> prediction, trial, channel;
-  std::vector<double> rmse;
+  std::vector<double> rmse, half_width;
   for (const AlternativeQuality& alternative : identification.alternatives) {
+    half_width.insert(half_width.end(), alternative.half_width.begin(), alternative.half_width.end());
     for (const FitQuality& quality : alternative.quality) {
       prediction.push_back(alternative.name);
       trial.push_back(quality.trial);
@@ -108,6 +109,7 @@ void WriteAlternatives(const Identification& identification, Hdf5Node& root) {
   node.At("trial").data = std::move(trial);
   node.At("channel").data = std::move(channel);
   node.At("rmse").SetVector(std::move(rmse));
+  node.At("band95_half_width").SetVector(std::move(half_width));
 }
 
 void WriteDerived(const Identification& identification, Hdf5Node& root) {

@@ -95,9 +95,14 @@ Json FromRun(const Problem& problem, const Identification& identification, const
   }
   json["fit"] = FromQualities(identification.prediction.quality);
   json["alternatives"] = Json::array();
-  for (const AlternativeQuality& alternative : identification.alternatives)
-    json["alternatives"].push_back(
-        {{"prediction", alternative.name}, {"fit", FromQualities(alternative.quality)}});
+  for (const AlternativeQuality& alternative : identification.alternatives) {
+    Json fit = FromQualities(alternative.quality);
+    for (std::size_t i = 0; i < fit.size(); ++i) {
+      const double half_width = alternative.half_width[i];
+      fit[i]["band95_half_width"] = half_width > 0 ? Finite(half_width) : Json();
+    }
+    json["alternatives"].push_back({{"prediction", alternative.name}, {"fit", std::move(fit)}});
+  }
   json["open_directions"] = Json::array();
   for (const OpenDirection& direction : identification.uncertainty.directions)
     json["open_directions"].push_back(FromDirection(direction));

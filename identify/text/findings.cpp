@@ -237,9 +237,12 @@ std::vector<Sentence> Alternatives(const Identification& identification) {
                     own.role == BlockRole::kTrain ? "fitted" : "held out", WithUnit(own.rmse, own.unit, 2));
     bool compared = false;
     for (const AlternativeQuality& alternative : identification.alternatives) {
-      for (const FitQuality& other : alternative.pooled) {
+      for (std::size_t i = 0; i < alternative.pooled.size(); ++i) {
+        const FitQuality& other = alternative.pooled[i];
         if (other.role != own.role || other.channel != own.channel) continue;
         sentence += fmt::format("; predicted {} {}", alternative.name, WithUnit(other.rmse, other.unit, 2));
+        const double half_width = alternative.pooled_half_width[i];
+        if (half_width > 0) sentence += fmt::format(" (95 % band +-{})", WithUnit(half_width, other.unit, 2));
         compared = true;
       }
     }

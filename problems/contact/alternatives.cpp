@@ -1,11 +1,16 @@
-// What a contact's prediction is judged by: the recorded motion alone, and the mean curve of other steps.
+// What a contact's prediction is judged by: steps without their plates, from the motion alone and from the
+// dynamics of the whole body, and the mean curve of other steps.
 #include <algorithm>
 #include <array>
 #include <cmath>
 #include <optional>
 
+#include "identify/fit_quality.h"
+#include "problems/contact/body_rows.h"
 #include "problems/contact/plate_channels.h"
 #include "problems/contact/problem.h"
+#include "problems/contact/shared_deviation.h"
+#include "problems/contact/step_estimate.h"
 
 namespace sinew {
 namespace {
@@ -43,20 +48,152 @@ std::optional<Curve> MeasuredCurve(const Block& block, const std::array<double, 
   return curve;
 }
 
+constexpr double kInside95 = 1.96;  // standard deviations on both sides
+
+// Values of the blocks of held-out stances; nothing for all others.
+struct HeldOut {
+  AlternativePrediction prediction;
+  HeldOut(const char* name, std::size_t blocks) {
+    prediction.name = name;
+    prediction.values.resize(blocks);
+    prediction.half_width.resize(blocks);
+  }
+  void Add(const Stance& stance, const Layout& layout, const StepEstimate& estimate) {
+    for (std::size_t c = 0; c < ContactProblem::kChannels; ++c) {
+      const auto b = static_cast<std::size_t>(stance.blocks[c]);
+      prediction.values[b] = estimate.value[c];
+      // What the model does not follow even where it is fitted.
+      const double accuracy = layout[b].sigma.value_or(0);
+      prediction.half_width[b] =
+          kInside95 * (estimate.deviation[c].array().square() + accuracy * accuracy).sqrt().matrix();
+    }
+  }
+};
+
+// What every step obeys: it carries as much on average as others do, and begins and ends with next to
+// nothing.
+std::vector<LoadRow> RowsOfAStep(const Stance& stance, double mean_force, double greatest_force) {
+  constexpr double kMeanDiffers = 0.05;  // between the feet, and between steps
+  constexpr double kLight = 0.02;        // of the greatest force, where a stance begins and ends
+  LoadRow mean;
+  std::vector<std::size_t> loaded;
+  for (std::size_t t = 0; t < stance.time.size(); ++t) {
+    if (stance.time[t] >= stance.loaded[0] && stance.time[t] <= stance.loaded[1]) loaded.push_back(t);
+  }
+  if (loaded.empty()) return {};
+  ContactLoad vertical = ContactLoad::Zero();
+  vertical[kForceY] = 1;
+  for (const std::size_t t : loaded)
+    mean.terms.push_back({static_cast<int>(t), vertical / static_cast<double>(loaded.size())});
+  mean.measured = mean_force;
+  mean.deviation = kMeanDiffers * mean_force;
+  std::vector<LoadRow> rows{mean};
+  for (const std::size_t t : {loaded.front(), loaded.back()})
+    rows.push_back({{{static_cast<int>(t), vertical}}, kLight * greatest_force, kLight * greatest_force});
+  return rows;
+}
+
+double MeanLoadedForce(const Stance& stance, const Block& vertical) {
+  double sum = 0;
+  double count = 0;
+  for (std::size_t i = 0; i < vertical.sample.size(); ++i) {
+    const double t = stance.time[static_cast<std::size_t>(vertical.sample[i])];
+    if (t < stance.loaded[0] || t > stance.loaded[1]) continue;
+    sum += vertical.measured[i];
+    count += 1;
+  }
+  return count > 0 ? sum / count : 0;
+}
+
+// The same prediction, compared in single support alone.
+AlternativePrediction InSingleSupport(AlternativePrediction prediction, const std::vector<Stance>& stances,
+                                      const Layout& layout) {
+  prediction.name += ", in single support";
+  prediction.compared.assign(layout.size(), std::vector<bool>());
+  for (const Stance& stance : stances) {
+    for (const int block : stance.blocks) {
+      auto& compared = prediction.compared[static_cast<std::size_t>(block)];
+      compared.assign(stance.time.size(), false);
+      if (!stance.body) continue;
+      for (std::size_t t = 0; t < stance.time.size(); ++t) compared[t] = stance.body->phase[t] == kSingle;
+    }
+  }
+  return prediction;
+}
+
 }  // namespace
+
+std::vector<const Stance*> ContactProblem::StancesOf(BlockRole role) const {
+  std::vector<const Stance*> stances;
+  for (const Stance& stance : data_.stances) {
+    const auto has_role = [&](int block) {
+      return data_.layout[static_cast<std::size_t>(block)].role == role;
+    };
+    if (std::any_of(stance.blocks.begin(), stance.blocks.end(), has_role)) stances.push_back(&stance);
+  }
+  return stances;
+}
+
+std::optional<BodyLoadErrors> ContactProblem::ErrorsOfBodyLoads(const Vector& parameters) const {
+  const auto predicted = PredictAll(*this, parameters);
+  if (!predicted) return {};
+  const std::vector<const Stance*> fitted = StancesOf(BlockRole::kTrain);
+  std::vector<std::vector<ContactLoad>> loads;
+  for (const Stance* stance : fitted) {
+    auto& of_stance = loads.emplace_back();
+    for (std::size_t t = 0; t < stance->time.size(); ++t) {
+      std::array<double, kChannels> channels{};
+      for (std::size_t c = 0; c < kChannels; ++c)
+        channels[c] =
+            predicted->values[static_cast<std::size_t>(stance->blocks[c])][static_cast<Eigen::Index>(t)];
+      of_stance.push_back(LoadOf(channels));
+    }
+  }
+  return BodyLoadErrors(fitted, loads);
+}
 
 std::vector<AlternativePrediction> ContactProblem::Alternatives(const Vector& parameters) const {
   std::vector<AlternativePrediction> alternatives;
   if (!settings_.motion_errors) return alternatives;
 
-  AlternativePrediction recorded{"from the motion alone", parameters, {}};
-  for (const Stance& stance : data_.stances) {
-    const auto [from, to] = stance.motion_errors.OwnRange();
-    recorded.parameters.segment(from, to - from).setZero();
+  const std::vector<const Stance*> fitted = StancesOf(BlockRole::kTrain);
+  const std::vector<const Stance*> held_out = StancesOf(BlockRole::kValidate);
+  HeldOut by_motion("from the motion alone", data_.layout.size());
+  HeldOut by_body("from the motion of the whole body", data_.layout.size());
+  bool any_body = false;
+  if (!fitted.empty() && !held_out.empty()) {
+    const double spread = SpreadOfSteps(*this, fitted, parameters);
+    double mean_force = 0;
+    double greatest_force = 0;
+    for (const Stance* stance : fitted) {
+      const auto vertical = static_cast<std::size_t>(stance->blocks[kFy]);
+      mean_force += MeanLoadedForce(*stance, data_.layout[vertical]) / static_cast<double>(fitted.size());
+      greatest_force += stance->greatest_force / static_cast<double>(fitted.size());
+    }
+    const std::optional<BodyLoadErrors> errors = ErrorsOfBodyLoads(parameters);
+    for (const Stance* stance : held_out) {
+      Vector expected = parameters;
+      SetMeanDeviation(fitted, *stance, expected);
+      std::vector<LoadRow> rows;
+      if (mean_force > 0) rows = RowsOfAStep(*stance, mean_force, greatest_force);
+      const auto alone = EstimateStep(*this, *stance, expected, spread, rows);
+      if (!alone) continue;
+      by_motion.Add(*stance, data_.layout, *alone);
+      if (!errors) continue;
+      const std::vector<LoadRow> of_body = errors->RowsFor(*stance);
+      if (of_body.empty()) continue;
+      rows.insert(rows.end(), of_body.begin(), of_body.end());
+      const auto moved = EstimateStep(*this, *stance, expected, spread, rows);
+      if (!moved) continue;
+      by_body.Add(*stance, data_.layout, *moved);
+      any_body = true;
+    }
+    alternatives.push_back(std::move(by_motion.prediction));
+    if (any_body) alternatives.push_back(by_body.prediction);
   }
-  alternatives.push_back(std::move(recorded));
 
-  AlternativePrediction mean{"by the mean curve of the fitted stances", {}, {}};
+  AlternativePrediction mean;
+  mean.name = "by the mean curve of the fitted stances";
   mean.values.resize(data_.layout.size());
   for (std::size_t c = 0; c < kChannels; ++c) {
     Curve sum(kPhases, 0.0);
@@ -71,7 +208,9 @@ std::vector<AlternativePrediction> ContactProblem::Alternatives(const Vector& pa
       ++curves;
     }
     if (curves == 0) continue;
-    for (const Stance& stance : data_.stances) {
+    // A fitted stance is part of its own mean.
+    for (const Stance* held : held_out.empty() ? fitted : held_out) {
+      const Stance& stance = *held;
       const double sign = IsSideways(c) ? stance.side : 1;
       Vector values(static_cast<Eigen::Index>(stance.time.size()));
       for (std::size_t t = 0; t < stance.time.size(); ++t) {
@@ -87,7 +226,11 @@ std::vector<AlternativePrediction> ContactProblem::Alternatives(const Vector& pa
       mean.values[static_cast<std::size_t>(stance.blocks[c])] = std::move(values);
     }
   }
-  alternatives.push_back(std::move(mean));
+  alternatives.push_back(mean);
+  if (any_body) {
+    for (AlternativePrediction* of : {&by_body.prediction, &mean})
+      alternatives.push_back(InSingleSupport(std::move(*of), data_.stances, data_.layout));
+  }
   return alternatives;
 }
 

@@ -280,6 +280,8 @@ Status AddTrial(const std::string& name, const Trial& trial, const Model& model,
             "foot's own, which differs from it by {:.1f} mm and {:.1f} degrees (root mean squares)",
             stance.trial, stance.plate, stance.markers.markers.size(), 1e3 * by_markers.residual_recorded,
             1e3 * by_markers.residual, 1e3 * by_markers.shift, by_markers.turn * 180 / kPi));
+      SINEW_ASSIGN(stance.body, MeasuredBodyLoad(trial, stance, motion, model.multibody, model.bodies,
+                                                 settings, out.notes));
     }
     out.stances.push_back(std::move(stance));
   }
@@ -343,6 +345,11 @@ std::string DescribeContactChannels() {
          "  PLATE_force_x, PLATE_force_z    N    tangential force (optional; identifies friction)\n"
          "  PLATE_cop_x, PLATE_cop_z        m    centre of pressure in the world (optional)\n"
          "  PLATE_moment_y                  N*m  free moment about the centre of pressure (optional)\n"
+         "  whole_body_load_*, whole_body_torque_*, mass_centre_*    N, N*m, m    what the whole body needs "
+         "of the "
+         "ground\n"
+         "                                  (`sinew data dynamics`): predicts held-out steps without their "
+         "plates\n"
          "input:\n"
          "  every coordinate of the model   rad, m    joint angles and root position around the stance "
          "(`sinew data kinematics`)\n"

@@ -7,6 +7,7 @@
 #include <optional>
 
 #include "base/constants.h"
+#include "problems/contact/body_rows.h"
 #include "problems/contact/posed_load.h"
 #include "problems/contact/problem.h"
 
@@ -169,6 +170,17 @@ std::vector<FigureOfMerit> ContactProblem::FiguresOfMerit(const Vector& paramete
            scale * std::sqrt(squares / static_cast<double>(stance.time.size()))});
     }
   }
+  const auto has_body = [](const Stance& stance) { return stance.body.has_value(); };
+  if (std::none_of(data_.stances.begin(), data_.stances.end(), has_body)) return figures;
+  const std::optional<BodyLoadErrors> errors = ErrorsOfBodyLoads(parameters);
+  if (errors && errors->vertical() > 0)
+    figures.push_back({"error of the whole body's vertical force",
+                       fmt::format("N, root mean square difference to the contact in single support of the "
+                                   "fitted stances{}",
+                                   errors->usable() ? ""
+                                                    : ": no steps are predicted by it, since their means "
+                                                      "differ by more than a quarter"),
+                       errors->vertical()});
   return figures;
 }
 

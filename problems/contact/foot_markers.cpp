@@ -2,24 +2,10 @@
 
 #include <algorithm>
 #include <cmath>
-#include <limits>
+
+#include "problems/contact/plate_samples.h"
 
 namespace sinew {
-namespace {
-
-// Linear between samples; NaN beside a gap and outside.
-double ValueAt(const Grid& grid, const Channel& channel, double time) {
-  constexpr double kRounding = 1e-9;  // [s]
-  const auto after = std::lower_bound(grid.time.begin(), grid.time.end(), time - kRounding);
-  if (after == grid.time.end()) return std::numeric_limits<double>::quiet_NaN();
-  const auto i = static_cast<std::size_t>(after - grid.time.begin());
-  if (std::abs(*after - time) <= kRounding) return channel.values[i];
-  if (i == 0) return std::numeric_limits<double>::quiet_NaN();
-  const double share = (time - grid.time[i - 1]) / (grid.time[i] - grid.time[i - 1]);
-  return channel.values[i - 1] + share * (channel.values[i] - channel.values[i - 1]);
-}
-
-}  // namespace
 
 FootMarkers MeasuredMarkers(const Trial& trial, const OsimModel& model, const MultibodyModel& multibody,
                             const FootMotion& foot, const std::vector<double>& times) {

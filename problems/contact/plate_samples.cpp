@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 
 #include "base/median.h"
 
@@ -80,6 +81,16 @@ void AddAverages(const Grid& grid, const Channel& channel, const std::string& pl
   }
   block.sigma = channel.sigma;
   if (block.sigma && most_samples > 0) *block.sigma /= std::sqrt(static_cast<double>(most_samples));
+}
+
+double ValueAt(const Grid& grid, const Channel& channel, double time) {
+  const auto after = std::lower_bound(grid.time.begin(), grid.time.end(), time - kRounding);
+  if (after == grid.time.end()) return std::numeric_limits<double>::quiet_NaN();
+  const auto i = static_cast<std::size_t>(after - grid.time.begin());
+  if (std::abs(*after - time) <= kRounding) return channel.values[i];
+  if (i == 0) return std::numeric_limits<double>::quiet_NaN();
+  const double share = (time - grid.time[i - 1]) / (grid.time[i] - grid.time[i - 1]);
+  return channel.values[i - 1] + share * (channel.values[i] - channel.values[i - 1]);
 }
 
 }  // namespace sinew

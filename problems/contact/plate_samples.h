@@ -1,5 +1,5 @@
-// The samples of a force plate that a block compares: as they are, or averaged around the frames of the
-// motion.
+// Samples of measured channels at the times of a contact problem. Those of a force plate that a block
+// compares: as they are, or averaged around the frames of the motion.
 #pragma once
 
 #include <string>
@@ -21,5 +21,8 @@ void AddSamples(const Grid& grid, const Channel& channel, const std::string& pla
 /// samples.
 void AddAverages(const Grid& grid, const Channel& channel, const std::string& plate, bool is_cop,
                  double force_share, Block& block);
+
+/// A channel at any time, linear between samples; NaN beside a gap and outside.
+[[nodiscard]] double ValueAt(const Grid& grid, const Channel& channel, double time);
 
 }  // namespace sinew

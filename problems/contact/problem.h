@@ -17,7 +17,8 @@
 
 namespace sinew {
 
-class PlateChannels;
+class BodyLoadErrors;
+struct PlateChannels;
 
 /// Parameters per group of regions: stiffness, dissipation, static_friction, dynamic_friction,
 /// viscous_friction; named so if there is one group, else GROUP.stiffness and so on. Channels per plate:
@@ -51,8 +52,10 @@ class ContactProblem final : public Problem {
   [[nodiscard]] std::optional<Vector> ImprovedStart(const std::vector<int>& free,
                                                     const std::vector<bool>& compared,
                                                     const Vector& parameters) const override;
-  /// With motion errors: the recorded motion alone, without the deviations of each stance; and the mean
-  /// measured curve of the fitted stances over the duration of a stance, mirrored for the other foot.
+  /// With motion errors, of held-out stances without their plates: by the mean deviation of the fitted
+  /// stances, and by the dynamics of the whole body where the trial holds them; and by the mean measured
+  /// curve of the fitted stances over the duration of a stance, mirrored for the other foot. Known of a
+  /// held-out stance are its begin and its end.
   [[nodiscard]] std::vector<AlternativePrediction> Alternatives(const Vector& parameters) const override;
   /// The plate's measured vertical force, and depth and slip speed of the deepest spring.
   [[nodiscard]] std::vector<Signal> ResidualCovariates(int block) const override;
@@ -83,6 +86,10 @@ class ContactProblem final : public Problem {
         data_.effects.first() / (kContactParametersPerGroup + static_cast<int>(places_.size()));
     return groups * (kContactParametersPerGroup + static_cast<int>(slot)) + group;
   }
+  /// Those with a block of a role.
+  [[nodiscard]] std::vector<const Stance*> StancesOf(BlockRole role) const;
+  /// Of the fitted stances at these parameters; nothing where they cannot be predicted.
+  [[nodiscard]] std::optional<BodyLoadErrors> ErrorsOfBodyLoads(const Vector& parameters) const;
   [[nodiscard]] ContactEffectValues EffectsOn(const std::string& plate, const Vector& parameters) const;
 
   ContactSettings settings_;

@@ -2,12 +2,14 @@
 #pragma once
 
 #include <array>
+#include <optional>
 #include <string>
 #include <vector>
 
 #include "models/contact/contact_sums.h"
 #include "models/multibody/coordinate_trajectory.h"
 #include "models/multibody/multibody_model.h"
+#include "problems/contact/body_load.h"
 #include "problems/contact/effect_load.h"
 #include "problems/contact/foot_markers.h"
 #include "problems/contact/foot_motion.h"
@@ -29,6 +31,7 @@ struct Stance {
   FootMotion foot;                      ///< the same springs, to be moved
   FootMarkers markers;                  ///< only with motion errors
   StanceMotionErrors motion_errors;     ///< no components: none
+  std::optional<BodyLoad> body;         ///< only with motion errors
   std::vector<int> regions;             ///< [kinematics.regions] index of each into ContactSettings::regions
   std::array<double, 2> middle{};       ///< x, z [m] of the springs where the sole is deepest
   std::array<double, 2> resting_cop{};  ///< x, z [m]: used as the centre of pressure without contact

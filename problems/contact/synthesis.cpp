@@ -3,6 +3,8 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <cstdint>
+#include <optional>
 
 #include "base/random.h"
 #include "models/contact/contact_sums.h"
@@ -46,6 +48,8 @@ constexpr ExperimentSetting kSettings[] = {
     {"motion_error", 0, 0, 0.05,
      "standard deviation of smooth errors of the recorded foot's position along each axis [m]"},
     {"rotation_error", 0, 0, 0.3, "the same of its rotation about each axis [rad]"},
+    {"shared_error", 0, 0, 1,
+     "share of the variance of such errors that all stances have in common, mirrored for the other foot"},
     {"error_correlation", 0.2, 0.02, 10, "time after which such errors have a correlation of 0.61 [s]"},
 };
 
@@ -56,6 +60,26 @@ struct Laboratory {
   MultibodyModel model;
   Values values;
   ContactTruth hidden;
+  std::optional<SmoothErrors> shared;  // of the recorded foot in every stance
+};
+
+// Of a stance: its own errors, and what all stances have in common.
+struct StanceErrors {
+  const SmoothErrors& own;
+  const Laboratory& lab;
+  double side = 1;
+
+  [[nodiscard]] FootError At(double time) const {
+    FootError error = own.At(time);
+    if (!lab.shared) return error;
+    const double share = lab.values.at("shared_error");
+    FootError common = lab.shared->At(time);
+    common.shift.z() *= side;
+    common.turn.x() *= side;
+    common.turn.y() *= side;
+    return {std::sqrt(1 - share) * error.shift + std::sqrt(share) * common.shift,
+            std::sqrt(1 - share) * error.turn + std::sqrt(share) * common.turn};
+  }
 };
 
 Step DrawStep(Random& random, Step step, bool right, double slip) {
@@ -76,7 +100,7 @@ struct Motion {
 };
 
 Result<Motion> Move(const Step& step, const MultibodyModel& model, double rate,
-                    const SmoothErrors* errors = nullptr) {
+                    const StanceErrors* errors = nullptr) {
   Motion motion;
   const int count = static_cast<int>(std::floor((step.duration + 2 * kMargin) * rate + 1e-9)) + 1;
   const auto& names = model.coordinate_names();
@@ -266,8 +290,9 @@ Result<Trial> RecordStance(const Laboratory& lab, const Step& step, Random& rand
   trial.conditions["walking_speed_m_per_s"] = step.walking_speed;
   trial.grids["forces"] = RecordForces(lab, loads, plate_time, step.right, random);
   if (values.at("moments") != 0) RecordMoments(lab, loads, step.right, own_random, trial.grids["forces"]);
-  const SmoothErrors errors(values.at("motion_error"), values.at("rotation_error"),
-                            values.at("error_correlation"), own_random);
+  const SmoothErrors own(values.at("motion_error"), values.at("rotation_error"),
+                         values.at("error_correlation"), own_random);
+  const StanceErrors errors{own, lab, step.right ? 1.0 : -1.0};
   SINEW_ASSIGN(const Motion seen_motion, Move(step, model, seen_rate, &errors));
   SINEW_ASSIGN(trial.grids["markers"], RecordMarkers(model, seen_motion, values.at("marker_noise"), random));
   if (values.at("encoders") != 0) {
@@ -297,7 +322,13 @@ Result<Dataset> SynthesizeContact(const SynthesisRequest& request) {
   SINEW_ASSIGN(ContactTruth hidden, ReadContactTruth(request.effects));
   SINEW_ASSIGN(const OsimModel osim, ReadOsim(body.osim, "nao_like.osim"));
   SINEW_ASSIGN(MultibodyModel model, MultibodyModel::Build(osim));
-  const Laboratory lab{std::move(body), std::move(model), std::move(values), std::move(hidden)};
+  Laboratory lab{std::move(body), std::move(model), std::move(values), std::move(hidden), {}};
+  if (lab.values.at("shared_error") > 0) {
+    constexpr std::uint64_t kShared = 1U << 20U;  // a stream that no stance has
+    Random random(Random::StreamSeed(request.seed, kShared));
+    lab.shared.emplace(lab.values.at("motion_error"), lab.values.at("rotation_error"),
+                       lab.values.at("error_correlation"), random);
+  }
 
   Dataset data;
   data.title = lab.body.title;

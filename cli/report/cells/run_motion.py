@@ -51,6 +51,14 @@ if "alternatives" in run:
     node = run["/alternatives"]
     kinds, trials, channels = (text_list(node[name]) for name in ("prediction", "trial", "channel"))
     errors = dict(zip(zip(kinds, trials, channels), node["rmse"][:]))
+    bands = dict(zip(zip(kinds, trials, channels), node["band95_half_width"][:]))
+
+    def error_and_band(key):
+        if key not in errors:
+            return ""
+        band = f" (±{number(bands[key], 2)})" if bands[key] > 0 else ""
+        return number(errors[key], 2) + band
+
     heads = list(dict.fromkeys(kinds))
     body = []
     for trial, channel in dict.fromkeys(zip(trials, channels)):
@@ -58,10 +66,11 @@ if "alternatives" in run:
         if prediction is None or not np.isfinite(prediction.attrs["rmse"]):
             continue
         unit = pretty(str(prediction.attrs["unit"]))
-        cells = [prediction.attrs["rmse"], *(errors.get((kind, trial, channel), np.nan) for kind in heads)]
+        cells = [number(prediction.attrs["rmse"], 2), *(error_and_band((kind, trial, channel)) for kind in heads)]
         role = "fitted" if prediction.attrs["role"] == "train" else "held out, motion re-estimated"
         body.append(f"<tr><td>{escape(trial)}</td><td>{escape(channel)} ({unit})</td><td>{role}</td>"
-                    + "".join(f"<td>{number(value, 2)}</td>" for value in cells) + "</tr>")
-    display(HTML("<table><thead><tr><th>trial</th><th>channel</th><th></th><th>error (RMS)</th>"
+                    + "".join(f"<td>{cell}</td>" for cell in cells) + "</tr>")
+    display(HTML("<p>In brackets: 95 % band of a prediction, where one is stated.</p>"
+                 "<table><thead><tr><th>trial</th><th>channel</th><th></th><th>error (RMS)</th>"
                  + "".join(f"<th>predicted {escape(kind)}</th>" for kind in heads)
                  + f"</tr></thead><tbody>{''.join(body)}</tbody></table>"))

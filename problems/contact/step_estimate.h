@@ -1,0 +1,48 @@
+// A step without its plate: which deviations of the pose agree with what else is known of its load.
+#pragma once
+
+#include <array>
+#include <optional>
+#include <vector>
+
+#include "models/contact/contact_sums.h"
+#include "problems/contact/problem.h"
+
+namespace sinew {
+
+/// A measured sum over instants of linear functions of a foot's load.
+struct LoadRow {
+  struct Term {
+    int instant = 0;
+    ContactLoad factors;  ///< of the load, by ContactLoadRow
+  };
+  std::vector<Term> terms;
+  double measured = 0;
+  double deviation = 1;  ///< standard deviation of its error
+};
+
+struct StepEstimate {
+  Vector parameters;                                        ///< [P]
+  std::array<Vector, ContactProblem::kChannels> value;      ///< [T] of every channel
+  std::array<Vector, ContactProblem::kChannels> deviation;  ///< [T] its standard deviation, to first order
+};
+
+/// The most probable deviations of one stance, all else as it is, by Gauss-Newton with damping and with
+/// errors of the rows that shrink to their own size.
+/// @param parameters [P] those of the stance's own deviations are the mean of their prior
+/// @param spread standard deviation of the prior of a weight
+/// Errors: those of Problem::Predict at the parameters.
+Result<StepEstimate> EstimateStep(const ContactProblem& problem, const Stance& stance,
+                                  const Vector& parameters, double spread, const std::vector<LoadRow>& rows);
+
+/// Standard deviation of a weight of a new stance's own deviation about the mean of the fitted ones, in units
+/// of its prior. Of one fitted stance nothing is known but the prior: the root of 2, since both deviate. Of
+/// several, from how much each differs from the mean of the others, over the number of weights that its plate
+/// determines (the evidence approximation: MacKay 1992, Neural Comput. 4:415), at least a twentieth.
+[[nodiscard]] double SpreadOfSteps(const ContactProblem& problem, const std::vector<const Stance*>& fitted,
+                                   const Vector& parameters);
+
+/// The load [ContactLoad] from the channels of a plate.
+[[nodiscard]] ContactLoad LoadOf(const std::array<double, ContactProblem::kChannels>& channels);
+
+}  // namespace sinew

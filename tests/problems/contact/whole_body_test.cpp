@@ -1,0 +1,220 @@
+// Steps without their plates: by the mean deviation of fitted ones, and by the dynamics of the whole body.
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <Eigen/Geometry>
+#include <cmath>
+
+#include "base/random.h"
+#include "problems/contact/body_rows.h"
+#include "problems/contact/step_estimate.h"
+#include "problems/whole_body_dynamics.h"
+#include "tests/problems/support/stepping_data.h"
+
+namespace sinew {
+namespace {
+
+using testing::HasSubstr;
+
+const char* const kByMotion = "from the motion alone";
+const char* const kByBody = "from the motion of the whole body";
+
+// The robot's contact.yaml with motion that may deviate.
+std::string Moving(const Dataset& data) {
+  std::string text = SettingsText(
+      data, kFitsVertical,
+      std::string(kFitsForce) + "\n  motion_errors: {position: 0.001, rotation: 0.005, cutoff: 8}");
+  const std::string objective = "objective: thesis";
+  return text.replace(text.find(objective), objective.size(),
+                      "objective: likelihood\n  accuracy: {force: 1}");
+}
+
+// One fitted stance, and one held out, whose recorded motion sinks in and rises by half a millimetre.
+Dataset TwoStances() {
+  Dataset data = SteppingData({{"fine", 0}, {"train", 1}, {"validate", 1}, {"moments", 1}}, 0);
+  for (auto& [name, trial] : data.trials) {
+    trial.grids.erase("markers");
+    if (trial.role == Role::kTrain) continue;
+    Grid& grid = trial.grids.at("coordinates");
+    std::vector<double>& height = grid.channels.at("pelvis_ty").values;
+    for (std::size_t i = 0; i < height.size(); ++i) height[i] += 5e-4 * std::sin(12 * grid.time[i]);
+  }
+  return data;
+}
+
+// What the plate measured becomes the load of a whole body, whose other foot carries nothing. Its errors are
+// a constant, which all stances share in the frame of the foot, and noise.
+void AddBodyLoad(double constant, double noise, Dataset& data) {
+  Random random(5);
+  for (auto& [name, trial] : data.trials) {
+    const Grid& forces = trial.grids.at("forces");
+    const std::string plate = forces.channels.count("right_force_y") > 0 ? "right" : "left";
+    const double side = plate == "right" ? 1 : -1;
+    const auto measured = [&](const char* channel, std::size_t i) {
+      const double value = forces.channels.at(plate + "_" + channel).values[i];
+      return std::isfinite(value) ? value : 0;
+    };
+    Grid grid;
+    grid.time = forces.time;
+    for (std::size_t i = 0; i < grid.time.size(); ++i) {
+      Vec3 force(measured("force_x", i), measured("force_y", i), measured("force_z", i));
+      const Vec3 place(measured("cop_x", i), 0, measured("cop_z", i));
+      Vec3 moment = place.cross(force) + Vec3(0, measured("moment_y", i), 0);
+      force += constant * Vec3(1, 1, side);
+      for (int axis = 0; axis < 3; ++axis) {
+        force[axis] += noise * random.Normal();
+        moment[axis] += 0.1 * noise * random.Normal();
+      }
+      const auto add = [&](const std::string& channel, const char* unit, const Vec3& value) {
+        for (int axis = 0; axis < 3; ++axis) {
+          Channel& of = grid.channels[channel + "_" + "xyz"[axis]];
+          of.unit = unit;
+          of.values.push_back(value[axis]);
+        }
+      };
+      add(kWholeBodyForce, "N", force);
+      add(kWholeBodyMoment, "N*m", moment);
+      add(kMassCentre, "m", Vec3(0.03 * (grid.time[i] - grid.time.back() / 2), 0.3, 0));
+    }
+    trial.grids[kDynamicsGrid] = std::move(grid);
+  }
+}
+
+double Error(const std::vector<AlternativeQuality>& all, const std::string& name,
+             const std::string& quantity) {
+  for (const AlternativeQuality& one : all) {
+    if (one.name != name) continue;
+    for (const FitQuality& quality : one.pooled) {
+      if (quality.role == BlockRole::kValidate && quality.channel == quantity) return quality.rmse;
+    }
+  }
+  ADD_FAILURE() << name << " predicts no " << quantity;
+  return NAN;
+}
+
+Vector TrueParameters(const ContactProblem& problem) {
+  Vector truth = RestPoint(problem);
+  for (Eigen::Index i = 0; i < kContactParametersPerGroup; ++i)
+    truth[i] = kTruth.at(problem.parameters()[static_cast<std::size_t>(i)].name);
+  return truth;
+}
+
+TEST(WholeBody, ItsDynamicsSayHowAStepWithoutAPlateDeviates) {
+  for (const double constant : {0.0, 4.0}) {
+    Dataset data = TwoStances();
+    AddBodyLoad(constant, 0.2, data);
+    const auto problem = MakeContact(data, Moving(data)).value();
+    const Vector truth = TrueParameters(*problem);
+    const auto compared = CompareAlternatives(*problem, truth);
+    const double by_motion = Error(compared, kByMotion, "vertical force");
+    const double by_body = Error(compared, kByBody, "vertical force");
+    EXPECT_GT(by_motion, 2) << "half a millimetre under a sole of 11 N/mm";
+    EXPECT_LT(by_body, 0.6) << "a constant error of " << constant << " N of all steps";
+    EXPECT_LT(Error(compared, std::string(kByBody) + ", in single support", "vertical force"), 0.6);
+  }
+}
+
+TEST(WholeBody, ThePlateOfAHeldOutStepIsNotUsed) {
+  Dataset data = TwoStances();
+  AddBodyLoad(0, 0.2, data);
+  const auto with = MakeContact(data, Moving(data)).value();
+  for (auto& [name, trial] : data.trials) {
+    if (trial.role == Role::kTrain) continue;
+    for (auto& [channel, of] : trial.grids.at("forces").channels)
+      for (double& value : of.values) value *= 1.5;  // begins and ends when it did
+  }
+  const auto without = MakeContact(data, Moving(data)).value();
+  const auto expected = with->Alternatives(TrueParameters(*with));
+  const auto found = without->Alternatives(TrueParameters(*without));
+  ASSERT_EQ(expected.size(), found.size());
+  for (std::size_t a = 0; a < expected.size(); ++a)
+    EXPECT_EQ(expected[a].values, found[a].values) << expected[a].name;
+}
+
+TEST(WholeBody, WithoutItsLoadThereIsNoSuchPrediction) {
+  const Dataset data = TwoStances();
+  const auto problem = MakeContact(data, Moving(data)).value();
+  const auto compared = CompareAlternatives(*problem, TrueParameters(*problem));
+  ASSERT_EQ(compared.size(), 2U);
+  EXPECT_EQ(compared[0].name, kByMotion);
+  EXPECT_THAT(compared[1].name, HasSubstr("mean curve"));
+  // A prediction of which little is known says so.
+  EXPECT_GT(compared[0].pooled_half_width.front(), Error(compared, kByMotion, "forward force"));
+  EXPECT_EQ(compared[1].pooled_half_width.front(), 0);
+}
+
+TEST(WholeBody, NoiseIsFoundFromFittedSteps) {
+  Dataset data = TwoStances();
+  AddBodyLoad(0, 2, data);
+  const auto problem = MakeContact(data, Moving(data)).value();
+  const auto figures = problem->FiguresOfMerit(TrueParameters(*problem), {});
+  const auto noise = std::find_if(figures.begin(), figures.end(), [](const FigureOfMerit& figure) {
+    return figure.name == "error of the whole body's vertical force";
+  });
+  ASSERT_NE(noise, figures.end());
+  EXPECT_NEAR(noise->value, 2, 1);  // a dozen samples of single support
+}
+
+TEST(WholeBody, AnotherBodysLoadIsNotUsed) {
+  Dataset data = TwoStances();
+  AddBodyLoad(200, 0.2, data);
+  const auto problem = MakeContact(data, Moving(data)).value();
+  EXPECT_EQ(CompareAlternatives(*problem, TrueParameters(*problem)).size(), 2U);
+}
+
+// Curves whose weights are twice, or a third, of what the prior expects of each step.
+// Recorded errors of the foot that all steps share are learnt on fitted steps; errors of each step are not.
+TEST(WholeBody, SharedErrorsOfTheMotionAreLearnt) {
+  double before = 0;
+  for (const double share : {1.0, 0.0}) {
+    Dataset data = SteppingData(
+        {{"train", 2}, {"validate", 2}, {"moments", 1}, {"motion_error", 0.001}, {"shared_error", share}});
+    for (auto& [name, trial] : data.trials) trial.grids.erase("markers");
+    const auto problem = MakeContact(data, Moving(data)).value();
+    // The deviations of the fitted stances, by their plates.
+    std::vector<bool> fitted;
+    std::vector<int> free;
+    for (const Block& block : problem->layout()) fitted.push_back(block.role == BlockRole::kTrain);
+    for (std::size_t i = 0; i < problem->parameters().size(); ++i) {
+      if (problem->parameters()[i].kind == ParameterKind::kNuisance) free.push_back(static_cast<int>(i));
+    }
+    const auto estimated = problem->ImprovedStart(free, fitted, TrueParameters(*problem));
+    ASSERT_TRUE(estimated);
+    const double error = Error(CompareAlternatives(*problem, *estimated), kByMotion, "vertical force");
+    if (share == 1) EXPECT_LT(error, 5.7) << "a tenth of the robot's weight";
+    if (share == 0) EXPECT_GT(error, 2 * before);
+    before = error;
+  }
+}
+
+TEST(StepEstimate, TheSpreadOfStepsIsFoundFromSeveralOfThem) {
+  const Dataset data = SteppingData({{"fine", 0}, {"train", 6}, {"validate", 0}}, 0);
+  const auto problem = MakeContact(data, Moving(data)).value();
+  std::vector<const Stance*> stances;
+  for (const Stance& stance : problem->data().stances) stances.push_back(&stance);
+  EXPECT_DOUBLE_EQ(SpreadOfSteps(*problem, {stances[0]}, TrueParameters(*problem)), std::sqrt(2));
+  double before = 0;
+  for (const double size : {0.33, 2.0}) {
+    Vector parameters = TrueParameters(*problem);
+    Random random(3);
+    for (const Stance* stance : stances) {
+      const auto [from, to] = stance->motion_errors.OwnRange();
+      for (int i = from; i < to; ++i) parameters[i] = size * random.Normal();
+    }
+    const double spread = SpreadOfSteps(*problem, stances, parameters);
+    EXPECT_GT(spread, 5 * before);  // the ratio of 6, whatever share of the weights the plates determine
+    EXPECT_GT(spread, size);        // every weight deviates, also those that no plate determines
+    before = spread;
+  }
+}
+
+TEST(StepEstimate, LoadsFollowFromThePlatesChannels) {
+  // Forces along x, y, z, centre of pressure at x = 0.08, z = -0.03, free moment of 3 N m.
+  const ContactLoad load = LoadOf({10, 500, -20, 0.08, -0.03, 3});
+  ContactLoad expected;
+  expected << 10, 500, -20, 3 + (-0.03 * 10 - 0.08 * -20), 0.08 * 500, -0.03 * 500;
+  EXPECT_LT((load - expected).norm(), 1e-12 * load.norm());
+}
+
+}  // namespace
+}  // namespace sinew
