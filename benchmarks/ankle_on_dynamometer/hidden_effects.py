@@ -1,13 +1,14 @@
 #!/usr/bin/python3
 """Hides effects of all levels in made-up experiments of ankle_on_dynamometer and asks `sinew diagnose` for them.
 
-Persons, machines, the effect and its size are drawn by seed; the data files hold no label. Prints, per kind of case, how often a cause was
-named (detected), of the right level, and in the stated set (cause and alternatives), with 95 % intervals (Wilson).
+Persons, machines, the effect and its size are drawn by seed; the data files hold no label. Prints, per kind of case, how often something was
+found (detected), of the right level, and in the stated set (cause and alternatives), with 95 % intervals (Wilson).
 
 usage: hidden_effects.py --sinew build/release/sinew [--seeds FIRST:END] [--none N] [--jobs N] [--out results.json]
 """
 import argparse
 import json
+import os
 import pathlib
 import subprocess
 import sys
@@ -65,7 +66,8 @@ def case(sinew, seed, hide):
         data = pathlib.Path(folder) / "data.h5"
         subprocess.run([sinew, "data", "synthesize", "ankle_on_dynamometer", "--seed", str(seed), "--set", *words, *hidden, "--quiet", "--out",
                         data], check=True, stdout=subprocess.DEVNULL)
-        began = time.process_time(), time.time()
+        began = time.time()
+        cpu = os.times().children_user
         try:
             done = subprocess.run([sinew, "diagnose", "ankle_on_dynamometer", "--data", data, "--solver", "lm", "--threads", "1", "--quiet",
                                    "--out", pathlib.Path(folder) / "why.h5", "--json", "-"], capture_output=True, text=True,
@@ -77,8 +79,11 @@ def case(sinew, seed, hide):
         found = json.loads(done.stdout)
     named = [(cause["effect"], cause["level"]) for cause in found["causes"]]
     other = [entry["effect"] for entry in found["alternatives"]]
+    # Seconds of the processor mean something with --jobs 1 only.
     return {"seed": seed, "effect": effect, "verdict": found["verdict"], "named": named, "alternatives": other,
-            "seconds": time.time() - began[1]}
+            "levels": [[one["level"], one["standing"], one["effects"], one["behind"]] for one in found["levels"]],
+            "largest": max((cause["size"] for cause in found["causes"]), default=0), "seconds": time.time() - began,
+            "user_seconds": os.times().children_user - cpu}
 
 
 def main():
@@ -104,11 +109,19 @@ def main():
     empty = [r for r in judged if not r["effect"]]
     detected = [r for r in hidden if r["verdict"] != "adequate"]
     right = [r for r in hidden if r["effect"] in [name.split("@")[0] for name, _ in r["named"]] + [name.split("@")[0] for name in r["alternatives"]]]
-    level = [r for r in detected if r["named"] and EFFECTS[r["effect"]][0] == r["named"][0][1]]
+    named = [r for r in detected if r["named"]]
+
+    def has(result, *standings):
+        return any(level == EFFECTS[result["effect"]][0] and standing in standings for level, standing, *_ in result["levels"])
+    blamed = [r for r in detected if has(r, "blamed") and sum(standing == "blamed" for _, standing, *_ in r["levels"]) == 1]
+    stated = [r for r in detected if has(r, "blamed", "possible")]
     print(f"failed: {len(results) - len(judged)}")
     print(f"nothing hidden, alarm: {wilson(sum(r['verdict'] != 'adequate' for r in empty), len(empty))}")
     print(f"hidden, detected: {wilson(len(detected), len(hidden))}")
-    print(f"of those, level right: {wilson(len(level), len(detected))}")
+    print(f"of those, a cause named: {wilson(len(named), len(detected))}")
+    print(f"of those detected, its level alone to blame: {wilson(len(blamed), len(detected))}")
+    print(f"of those detected, its level to blame or possible: {wilson(len(stated), len(detected))}")
+    print(f"median user seconds: {np.median([r['user_seconds'] for r in judged]) if judged else np.nan:.1f}")
     print(f"of all, effect in the stated set: {wilson(len(right), len(hidden))}")
     return 0
 

@@ -12,6 +12,7 @@
 #include "identify/diagnosis/discover/structure.h"
 #include "identify/diagnosis/fit/base_fit_record.h"
 #include "identify/diagnosis/held_out_validation.h"
+#include "identify/diagnosis/level_evidence.h"
 #include "identify/diagnosis/score/quantised_channels.h"
 #include "identify/diagnosis/select/cross_validated_search.h"
 #include "identify/diagnosis/select/equivalent_effects.h"
@@ -169,6 +170,7 @@ class DiagnosisRun {
     SINEW_TRY(Continue());
     out_.extended_point = state_.selection.model.point;
     SINEW_TRY(Tabulate(state_, out_));
+    WeighLevels(state_, out_);
     if (state_.selection.structure_left) {
       Say(DiagnosisStep::kDiscover);
       SINEW_TRY(DiscoverUnknown(state_, out_));
@@ -387,6 +389,18 @@ const char* ToString(CauseKind kind) {
       return "effect";
     case CauseKind::kQuantisation:
       return "quantisation";
+  }
+  return "?";
+}
+
+const char* ToString(LevelStanding standing) {
+  switch (standing) {
+    case LevelStanding::kBlamed:
+      return "blamed";
+    case LevelStanding::kPossible:
+      return "possible";
+    case LevelStanding::kWorse:
+      return "worse";
   }
   return "?";
 }

@@ -151,6 +151,31 @@ struct Cause {
   double left_out = 0;  ///< if Diagnosis::left_out: error of left-out data with it / without it; else 0
 };
 
+/// How a level stands against the others.
+enum class LevelStanding {
+  kBlamed,    ///< a cause is of it
+  kPossible,  ///< none is, but these data do not tell it from one that is
+  kWorse      ///< its effects explain the error less well
+};
+
+/// "blamed", "possible", "worse".
+[[nodiscard]] const char* ToString(LevelStanding standing);
+
+/// What the effects of one level explain without those of any other.
+struct LevelEvidence {
+  Level level = Level::kSensor;
+  LevelStanding standing = LevelStanding::kWorse;
+  std::vector<std::string> effects;  ///< of this level alone, that explain the error best
+  int parameters = 0;                ///< of these effects
+  double delta_lr = 0;               ///< likelihood ratio against the base model; NaN if Diagnosis::left_out
+  /// By how much it explains less than the named causes (the base model, if there are none): difference of
+  /// -2 log-likelihood at the price of 4 per parameter; NaN if Diagnosis::left_out.
+  double behind = 0;
+  /// If Diagnosis::left_out: error of left-out data with these effects over that of the base model; else 0,
+  /// or where no set of this level alone was fitted.
+  double left_out = 0;
+};
+
 /// Data that are left out of a fit: trials, or a window of time of one trial.
 struct LeftOutData {
   std::vector<std::string> trials;
@@ -304,6 +329,7 @@ struct Diagnosis {
   std::vector<LadderStep> ladder;          ///< from no cause on, as far as that search went
   std::vector<ChosenShare> chosen_shares;  ///< of every effect that is chosen at least once, most often first
   std::vector<EffectScore> scores;         ///< of every effect and unknown term, strongest first
+  std::vector<LevelEvidence> levels;       ///< blamed ones first; empty if nothing was found
   std::vector<Cause> causes;
   std::vector<Alternative> alternatives;
   std::vector<WithdrawnCause> withdrawn;

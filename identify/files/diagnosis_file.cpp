@@ -115,6 +115,14 @@ void WriteScores(const Diagnosis& diagnosis, Hdf5Node& node) {
 }
 
 void WriteFindings(const Diagnosis& diagnosis, Hdf5Node& node) {
+  Columns(diagnosis.levels, node.At("levels"))
+      .Add("level", [](const LevelEvidence& l) { return ToString(l.level); })
+      .Add("standing", [](const LevelEvidence& l) { return ToString(l.standing); })
+      .Add("effects", [](const LevelEvidence& l) { return Join(l.effects, ","); })
+      .Add("parameters", [](const LevelEvidence& l) { return l.parameters; })
+      .Add("delta_lr", [](const LevelEvidence& l) { return l.delta_lr; })
+      .Add("behind", [](const LevelEvidence& l) { return l.behind; })
+      .Add("left_out", [](const LevelEvidence& l) { return l.left_out; });
   Columns(diagnosis.causes, node.At("causes"))
       .Add("effect", [](const Cause& c) { return c.effect; })
       .Add("level", [](const Cause& c) { return ToString(c.level); })

@@ -159,6 +159,12 @@ Json FromWithdrawn(const WithdrawnCause& w) {
           {"worst", worst}};
 }
 
+Json FromLevel(const LevelEvidence& l) {
+  return {{"level", ToString(l.level)},    {"standing", ToString(l.standing)}, {"effects", l.effects},
+          {"parameters", l.parameters},    {"delta_lr", Finite(l.delta_lr)},   {"behind", Finite(l.behind)},
+          {"left_out", Finite(l.left_out)}};
+}
+
 Json FromScore(const Diagnosis& diagnosis, const EffectScore& s) {
   return {{"effect", s.effect},
           {"level", ToString(s.level)},
@@ -224,6 +230,7 @@ std::string DiagnosisJson(const Diagnosis& diagnosis, const Provenance& provenan
   json["family_p_value"] = Finite(diagnosis.family_p_value);
   json["base"] = FromBase(diagnosis);
   json["structure"] = List(diagnosis.structure, FromStructure);
+  json["levels"] = List(diagnosis.levels, FromLevel);
   json["causes"] = List(diagnosis.causes, FromCause);
   json["alternatives"] = List(diagnosis.alternatives, FromAlternative);
   json["withdrawn"] = List(diagnosis.withdrawn, FromWithdrawn);

@@ -77,6 +77,58 @@ std::string VerdictText(const Diagnosis& d) {
   return {};
 }
 
+std::string InBrackets(const LevelEvidence& level) {
+  return fmt::format("{} [{}]", And(level.effects), ToString(level.level));
+}
+
+// What the best other level lacks; nothing if it is not known.
+std::string BehindText(const LevelEvidence& level) {
+  if (level.effects.empty()) return {};
+  if (level.left_out > 0)
+    return fmt::format("{} alone leaves {} of the error of data left out of the fit", InBrackets(level),
+                       Percent(level.left_out));
+  if (!std::isfinite(level.behind)) return {};
+  return fmt::format("{} explains {:.1f} less in -2 log L (each parameter counts 4)", InBrackets(level),
+                     level.behind);
+}
+
+// Which level, before which effect.
+void AddLevels(const Diagnosis& d, std::vector<Sentence>& sentences) {
+  Sentence sentence{SentenceKind::kLevel, {}, {}};
+  std::vector<std::string> blamed;
+  std::vector<std::string> possible;
+  std::vector<std::string> behind;
+  for (const LevelEvidence& level : d.levels) {
+    const std::string name = ToString(level.level);
+    if (level.standing == LevelStanding::kBlamed) blamed.push_back(name);
+    if (level.standing == LevelStanding::kPossible) possible.push_back(name);
+  }
+  if (blamed.empty()) return;
+  sentence.about = blamed;
+  sentence.about.insert(sentence.about.end(), possible.begin(), possible.end());
+  std::string& text = sentence.text;
+  text = fmt::format("{}: {}", blamed.size() == 1 ? "Level" : "Levels", And(blamed));
+  if (!possible.empty())
+    text += fmt::format(", or {} in place of {}: these data do not tell them apart", And(possible),
+                        blamed.size() == 1 ? "it" : "one of them");
+  // Of several levels, what each alone lacks; of one, what the best other one lacks.
+  for (const LevelEvidence& level : d.levels) {
+    const bool told = blamed.size() > 1 ? level.standing == LevelStanding::kBlamed
+                                        : level.standing != LevelStanding::kBlamed;
+    const std::string lacks = told ? BehindText(level) : "";
+    if (!lacks.empty()) behind.push_back(lacks);
+    if (blamed.size() == 1 && !behind.empty()) break;
+  }
+  if (behind.empty()) {
+    text += ".";
+  } else if (blamed.size() > 1) {
+    text += ". No level suffices alone: " + Join(behind, "; ") + ".";
+  } else {
+    text += (possible.empty() ? ". The best of another level: " : "; ") + behind.front() + ".";
+  }
+  sentences.push_back(std::move(sentence));
+}
+
 Sentence CauseSentence(const Cause& cause) {
   std::string text = fmt::format("Cause [{}]: {} ({}); {}", ToString(cause.level), DescriptionOf(cause),
                                  cause.effect, ParametersText(cause.parameters));
@@ -250,6 +302,7 @@ std::vector<Sentence> Sentences(const Diagnosis& d) {
                          {cause.effect}});
   }
   sentences.push_back({SentenceKind::kVerdict, VerdictText(d), {}});
+  AddLevels(d, sentences);
   for (const Cause& cause : d.causes) {
     sentences.push_back(CauseSentence(cause));
     for (const Alternative& other : d.alternatives) {

@@ -95,6 +95,8 @@ const char* ToString(SentenceKind kind) {
       return "withdrawn";
     case SentenceKind::kVerdict:
       return "verdict";
+    case SentenceKind::kLevel:
+      return "level";
     case SentenceKind::kCause:
       return "cause";
     case SentenceKind::kAlternative:

@@ -24,6 +24,7 @@ enum class SentenceKind {
   kAdvice,           ///< nothing
   kWithdrawn,        ///< effect
   kVerdict,          ///< nothing
+  kLevel,            ///< levels that are to blame, or may be
   kCause,            ///< effect
   kAlternative,      ///< effect, the cause that it could replace
   kMoreGeneralLaw,   ///< effect, the cause that it contains

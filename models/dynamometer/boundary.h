@@ -11,6 +11,7 @@
 #include "base/dual_math.h"
 #include "models/dynamometer/foot_geometry.h"
 #include "models/dynamometer/planar.h"
+#include "models/dynamometer/sole_bed.h"
 
 namespace sinew {
 
@@ -44,32 +45,17 @@ struct FootPose {
 
 template <class T>
 struct BoundaryLoad {
-  T on_foot{0.0};        ///< moment about the ankle [N m]
-  T on_plate{0.0};       ///< moment about the machine's axis [N m]
-  T sole_on_plate{0.0};  ///< its part from the sole
-  T normal{0.0};         ///< force of the plate on the sole, off the plate [N]
-  T shear{0.0};          ///< force of the plate on the sole, towards the toes [N]
-  T strap{0.0};          ///< forces of all straps [N]
-  T stored{0.0};         ///< energy in sole and straps [J]
-  T dissipated{0.0};     ///< power [W]
+  T on_foot{0.0};         ///< moment about the ankle [N m]
+  T on_plate{0.0};        ///< moment about the machine's axis [N m]
+  T sole_on_plate{0.0};   ///< its part from the sole
+  T normal{0.0};          ///< force of the plate on the sole, off the plate [N]
+  T shear{0.0};           ///< force of the plate on the sole, towards the toes [N]
+  T strap{0.0};           ///< forces of all straps [N]
+  double stored = 0;      ///< energy in sole and straps, without derivatives [J]
+  double dissipated = 0;  ///< power, without derivatives [W]
 };
 
-namespace boundary {
-
-constexpr double kReferenceDepth = 0.005;  // [m] at which the exponent changes nothing
-
-/// Factor of the normal force of Hollars's law with equal static and dynamic friction.
-template <class T>
-[[nodiscard]] T FrictionShare(const T& friction, const T& slip, double transition_velocity) {
-  const T ratio = slip * (1 / transition_velocity);
-  if (Value(ratio) >= 1) return friction;
-  if (Value(ratio) <= -1) return -friction;
-  return friction * ratio;
-}
-
-}  // namespace boundary
-
-/// @param U scalar of the pose: T, or double
+/// T is double or Dual.
 template <class T>
 [[nodiscard]] BoundaryLoad<T> BoundaryLoadAt(const FootGeometry& foot, const BoundaryLaw<T>& law,
                                              const FootPose<T>& pose) {
@@ -90,31 +76,25 @@ template <class T>
     load.on_plate -= Cross(PlanarVector<T>{u.x - axis.x, u.y - axis.y}, force);
   };
 
-  const double strip = (foot.heel + foot.toe) / foot.strips;
-  const T pressure = law.sole_stiffness * (strip * foot.width);
   // The foot was strapped on at p = 0, wherever the axis is.
   const T plate_height = law.sole_compression - foot.ankle_height - law.axis_y;
-  for (int i = 0; i < foot.strips; ++i) {
-    const PlanarVector<double> point{-foot.heel + (i + 0.5) * strip, -foot.ankle_height};
-    const PlanarVector<T> u = turn(point);
-    const T depth = plate_height - (u.y - axis.y);
-    if (!(Value(depth) > 0)) continue;
-    const PlanarVector<T> velocity = velocity_of(u);
-    T elastic = pressure * depth;
-    T energy = 0.5 * elastic * depth;
-    if (law.bent_sole) {
-      elastic = elastic * pow(depth * (1 / boundary::kReferenceDepth), law.sole_exponent);
-      energy = elastic * depth / (2.0 + law.sole_exponent);
-    }
-    const T damped = 1.0 - law.sole_dissipation * velocity.y;
-    const T normal = Value(damped) > 0 ? T(elastic * damped) : T(0.0);
-    const T shear = -normal * boundary::FrictionShare(law.friction, velocity.x, foot.transition_velocity);
-    apply(u, {shear, normal});
-    load.normal += normal;
-    load.shear += shear;
-    load.stored += energy;
-    load.dissipated -= (normal - elastic) * velocity.y + shear * velocity.x;
-  }
+  const double height = foot.ankle_height;
+  SoleMotion<T> sole;
+  sole.depth = {plate_height + axis.y + height * turn.cosine, -turn.sine};
+  sole.slip = {height * (rate * turn.cosine) - pose.plate_velocity * axis.y, -(rate * turn.sine)};
+  sole.lifting = {height * (rate * turn.sine) + pose.plate_velocity * axis.x, rate * turn.cosine};
+  const double strip = (foot.heel + foot.toe) / foot.strips * foot.width;
+  const SoleForces<T> forces = SumOfStrips(
+      foot,
+      {law.sole_stiffness * strip, law.sole_dissipation, law.sole_exponent, law.bent_sole, law.friction},
+      sole);
+  load.normal = forces.normal;
+  load.shear = forces.shear;
+  load.stored = forces.stored;
+  load.dissipated = forces.dissipated;
+  load.on_foot = turn.cosine * (forces.normal_moment + height * forces.shear) +
+                 turn.sine * (height * forces.normal - forces.shear_moment);
+  load.on_plate = Cross(axis, PlanarVector<T>{forces.shear, forces.normal}) - load.on_foot;
   load.sole_on_plate = load.on_plate;
 
   for (const FootStrap& strap : foot.straps) {
@@ -128,8 +108,10 @@ template <class T>
     const T elastic = law.strap_pretension + scale * growth;
     if (!(Value(elastic) > 0)) {
       // Slack: it keeps the energy that it had when it became so.
-      const T at_slack = log(1.0 - law.strap_pretension / scale) / law.strap_exponent;
-      load.stored += (law.strap_pretension - scale) * at_slack - law.strap_pretension / law.strap_exponent;
+      const double at_slack =
+          std::log(1 - Value(law.strap_pretension) / Value(scale)) / Value(law.strap_exponent);
+      load.stored += (Value(law.strap_pretension) - Value(scale)) * at_slack -
+                     Value(law.strap_pretension) / Value(law.strap_exponent);
       continue;
     }
     const PlanarVector<T> direction{along.x / length, along.y / length};
@@ -139,8 +121,9 @@ template <class T>
     const T pull = Value(damped) > 0 ? T(elastic * damped) : T(0.0);
     apply(u, {pull * direction.x, pull * direction.y});
     load.strap += pull;
-    load.stored += (law.strap_pretension - scale) * stretch + scale * growth / law.strap_exponent;
-    load.dissipated += (pull - elastic) * lengthening;
+    load.stored += (Value(law.strap_pretension) - Value(scale)) * Value(stretch) +
+                   Value(scale) * Value(growth) / Value(law.strap_exponent);
+    load.dissipated += (Value(pull) - Value(elastic)) * Value(lengthening);
   }
   return load;
 }

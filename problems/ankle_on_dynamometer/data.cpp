@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 
 #include "base/spline.h"
 #include "base/text.h"
@@ -84,6 +85,7 @@ class Preparation {
           "no trial has the channels {} and {}; `sinew list channels ankle_on_dynamometer` shows them",
           kAngle, kTorque);
     for (Block& block : prepared_.layout) block.weight = WeightOf(block);
+    NoteWhatIsMissing();
     return std::move(prepared_);
   }
 
@@ -188,6 +190,7 @@ class Preparation {
   // What speaks against a passive trial, or against the signs of its channels.
   void NoteIfActive(const AnkleTrial& made, const Trial& trial, const NaturalCubicSpline& motion) {
     constexpr double kSilent = 0.05;      // excitation
+    constexpr double kOff = 0.2;          // of the reading at rest elsewhere
     constexpr double kLeastRange = 0.15;  // [rad] of a rotation that shows a stiffness
     constexpr double kClear = 0.6;        // correlation
     const auto emg = trial.grids.find(kExcitations);
@@ -197,6 +200,12 @@ class Preparation {
       if (found == emg->second.channels.end()) continue;
       const auto known = Finite(found->second.values);
       const double high = known.empty() ? 0 : Quantile(known, 0.98);
+      if (!known.empty() && high < kOff * RestOf(muscle.excitation))
+        prepared_.notes.push_back(
+            fmt::format("trial '{}': the excitation of {} stays below {:.2g}, less than a fifth of what its "
+                        "electrode reads at rest "
+                        "elsewhere: was its amplifier off? It cannot show that the muscle was silent",
+                        made.name, muscle.name, high));
       if (high > kSilent)
         prepared_.notes.push_back(
             fmt::format("trial '{}' is said to be passive, but the excitation of {} reaches {:.2g}; its "
@@ -215,6 +224,47 @@ class Preparation {
           "pushed "
           "away from rest: is the sign of {} or of {} wrong? Both are positive towards dorsiflexion",
           made.name, together, kAngle, kTorque));
+  }
+
+  // Tasks without a fitted trial: what only they tell apart comes from priors and starts.
+  void NoteWhatIsMissing() {
+    struct Missing {
+      AnkleTask task;
+      const char* text;
+    };
+    const Missing all[] = {{AnkleTask::kAttachmentAlone,
+                            "no trial of the attachment alone (condition foot = 0) is fitted: its weight and "
+                            "inertia are told apart "
+                            "from those of foot and passive ankle by priors only"},
+                           {AnkleTask::kPassive,
+                            "no trial of a person who relaxes (condition passive = 1) is fitted: passive "
+                            "ankle, sole and straps are told "
+                            "apart from the muscles by active trials only"},
+                           {AnkleTask::kActive,
+                            "no trial of active muscles is fitted: their strength and activation stay at "
+                            "their starts or priors"}};
+    for (const Missing& one : all) {
+      const bool fitted =
+          std::any_of(prepared_.trials.begin(), prepared_.trials.end(), [&](const AnkleTrial& trial) {
+            return trial.task == one.task && data_.trials.at(trial.name).role == Role::kTrain;
+          });
+      if (!fitted && !(one.task == AnkleTask::kActive && prepared_.settings.muscles.empty()))
+        prepared_.notes.emplace_back(one.text);
+    }
+  }
+
+  // The least excitation of a muscle at rest in active trials: what its electrode reads of noise.
+  [[nodiscard]] double RestOf(const std::string& excitation) const {
+    double rest = std::numeric_limits<double>::infinity();
+    for (const auto& [name, trial] : data_.trials) {
+      const auto emg = trial.grids.find(kExcitations);
+      if (ConditionOr(trial, kPassiveTrial, 0) != 0 || emg == trial.grids.end()) continue;
+      const auto found = emg->second.channels.find(excitation);
+      if (found == emg->second.channels.end()) continue;
+      const auto known = Finite(found->second.values);
+      if (!known.empty()) rest = std::min(rest, Quantile(known, 0.02));
+    }
+    return std::isfinite(rest) ? rest : 0;
   }
 
   Status AddExcitations(AnkleTrial& made, const Trial& trial) {

@@ -20,21 +20,33 @@ bool Matters(AnkleTask task, int slot) {
   return task == AnkleTask::kActive || !of_drive;
 }
 
-template <class T, class Run>
-T Predicted(const AnkleBlock& block, const T& torque, const Run& run) {
-  if (block.quantity == AnkleQuantity::kMachineTorque) return torque;
-  if (block.quantity == AnkleQuantity::kAnkleAngle) return run->instant().ankle_angle;
-  return run->fibre_lengths()[block.muscle];
-}
+// What a stop shows, its torque that of the machine.
+template <class T>
+struct Shown {
+  T torque{0.0};
+  const StrappedFootRun<T>* run = nullptr;
+
+  [[nodiscard]] T Of(const AnkleBlock& block) const {
+    if (block.quantity == AnkleQuantity::kMachineTorque) return torque;
+    if (run == nullptr) return T(0.0);
+    if (block.quantity == AnkleQuantity::kAnkleAngle) return run->instant().ankle_angle;
+    return run->fibre_lengths()[block.muscle];
+  }
+};
 
 }  // namespace
 
 struct AnkleProblem::TrialScratch {
-  AnkleTrialMemory memory;
+  FootSolutions solutions;
   std::vector<double> plain;
   std::vector<Dual<kLanes>> dual;
   std::vector<std::vector<std::size_t>> first_row;  // [blocks][stops + 1] rows of each stop
   Status status;
+  // Of the last plain run: a search asks for the derivatives where it asked for the values before, and many
+  // of its steps leave the parameters of some trials as they are.
+  std::vector<double> values;                  // [slots] empty: none, or it failed
+  std::vector<std::vector<double>> predicted;  // [blocks][stops] the torque's without its zero
+  std::vector<double> interaction;             // [stops] torque of the foot on the plate
 };
 
 struct AnkleProblem::Scratch final : Problem::Workspace {
@@ -179,57 +191,107 @@ Status AnkleProblem::Predict(const Query& query, Workspace& workspace, Predictio
 Status AnkleProblem::PredictTrial(std::size_t t, const Query& query, TrialScratch& scratch,
                                   Prediction& prediction) const {
   const AnkleTrial& trial = data_.trials[t];
-  // Calls put(block, row, value) for what is seen at a stop.
-  const auto at_stop = [&](std::size_t stop, const auto& torque, const auto* run, const auto& put) {
-    for (std::size_t b = 0; b < trial.blocks.size(); ++b) {
-      const AnkleBlock& block = trial.blocks[b];
-      if (!query.blocks[static_cast<std::size_t>(block.block)]) continue;
-      const auto& first = scratch.first_row[b];
-      for (std::size_t row = first[stop]; row < first[stop + 1]; ++row)
-        put(block.block, static_cast<Eigen::Index>(row), Predicted(block, torque, run));
-    }
-  };
   scratch.plain = ValuesAt(query.parameters);
+  SINEW_TRY(RunPlain(trial, scratch));
   const double zero = trial.zero >= 0 ? query.parameters[trial.zero] : 0;
-  SINEW_TRY(RunAnkleTrial(data_, trial, scratch.plain, scratch.memory,
-                          [&](std::size_t stop, double torque, const StrappedFootRun<double>* run) {
-                            at_stop(stop, torque + zero, run, [&](int block, Eigen::Index row, double value) {
-                              prediction.values(block)[row] = value;
-                            });
-                          }));
+  for (std::size_t b = 0; b < trial.blocks.size(); ++b) {
+    const AnkleBlock& block = trial.blocks[b];
+    if (!query.blocks[static_cast<std::size_t>(block.block)]) continue;
+    const double offset = block.quantity == AnkleQuantity::kMachineTorque ? zero : 0;
+    auto values = prediction.values(block.block);
+    for (std::size_t row = 0; row < block.stop.size(); ++row)
+      values[static_cast<Eigen::Index>(row)] = scratch.predicted[b][block.stop[row]] + offset;
+  }
   if (!query.derivatives) return {};
-  using Number = Dual<kLanes>;
-  const auto& columns = trial.columns;
   if (trial.zero >= 0 && query.Differentiates(trial.zero)) {
     for (const AnkleBlock& block : trial.blocks) {
       if (block.quantity != AnkleQuantity::kMachineTorque ||
           !query.blocks[static_cast<std::size_t>(block.block)])
         continue;
-      prediction.derivatives(block.block).col(static_cast<Eigen::Index>(columns.size())).setOnes();
+      prediction.derivatives(block.block).col(static_cast<Eigen::Index>(trial.columns.size())).setOnes();
     }
   }
-  std::vector<std::size_t> places;  // in columns
-  for (std::size_t c = 0; c < columns.size(); ++c) {
-    if (query.Differentiates(columns[c])) places.push_back(c);
+  std::vector<std::size_t> of_attachment;  // places in the trial's columns
+  std::vector<std::size_t> others;
+  for (std::size_t c = 0; c < trial.columns.size(); ++c) {
+    if (query.Differentiates(trial.columns[c]))
+      (IsOfAttachment(trial.columns[c]) ? of_attachment : others).push_back(c);
   }
+  SINEW_TRY(Differentiate(trial, query, of_attachment, false, scratch, prediction));
+  return Differentiate(trial, query, others, true, scratch, prediction);
+}
+
+Status AnkleProblem::RunPlain(const AnkleTrial& trial, TrialScratch& scratch) const {
+  const auto same = [&] {
+    if (scratch.values.empty()) return false;
+    for (std::size_t slot = 0; slot < scratch.plain.size(); ++slot) {
+      if (Matters(trial.task, static_cast<int>(slot)) && scratch.values[slot] != scratch.plain[slot])
+        return false;
+    }
+    return true;
+  };
+  if (same()) return {};
+  scratch.values.clear();
+  scratch.predicted.resize(trial.blocks.size());
+  for (auto& values : scratch.predicted) values.resize(trial.stops.size());
+  scratch.interaction.assign(trial.stops.size(), 0);
+  SINEW_TRY(RunAnkleTrial(data_, trial, scratch.plain, scratch.solutions,
+                          [&](std::size_t stop, double torque, const StrappedFootRun<double>* run) {
+                            const Shown<double> shown{torque, run};
+                            for (std::size_t b = 0; b < trial.blocks.size(); ++b)
+                              scratch.predicted[b][stop] = shown.Of(trial.blocks[b]);
+                            if (run != nullptr) scratch.interaction[stop] = run->instant().torque;
+                          }));
+  scratch.values = scratch.plain;
+  return {};
+}
+
+bool AnkleProblem::IsOfAttachment(int parameter) const {
+  for (std::size_t slot = 0; slot < list_.index.size(); ++slot) {
+    if (list_.index[slot] == parameter && slot > kFrictionWithLoad) return false;
+  }
+  return true;
+}
+
+Status AnkleProblem::Differentiate(const AnkleTrial& trial, const Query& query,
+                                   const std::vector<std::size_t>& places, bool moves, TrialScratch& scratch,
+                                   Prediction& prediction) const {
+  using Number = Dual<kLanes>;
   for (std::size_t first = 0; first < places.size(); first += kLanes) {
     const std::size_t count = std::min<std::size_t>(kLanes, places.size() - first);
     scratch.dual.assign(scratch.plain.begin(), scratch.plain.end());
     for (std::size_t slot = 0; slot < list_.index.size(); ++slot) {
       for (std::size_t lane = 0; lane < count; ++lane) {
-        if (list_.index[slot] == columns[places[first + lane]])
+        if (list_.index[slot] == trial.columns[places[first + lane]])
           scratch.dual[slot] = Number::Variable(scratch.plain[slot], static_cast<int>(lane));
       }
     }
-    SINEW_TRY(
-        RunAnkleTrial(data_, trial, scratch.dual, scratch.memory,
-                      [&](std::size_t stop, const Number& torque, const StrappedFootRun<Number>* run) {
-                        at_stop(stop, torque, run, [&](int block, Eigen::Index row, const Number& value) {
-                          auto derivatives = prediction.derivatives(block);
-                          for (std::size_t lane = 0; lane < count; ++lane)
-                            derivatives(row, static_cast<Eigen::Index>(places[first + lane])) = value.d[lane];
-                        });
-                      }));
+    const auto see = [&](std::size_t stop, const Number& torque, const StrappedFootRun<Number>* run) {
+      const Shown<Number> shown{torque, run};
+      for (std::size_t b = 0; b < trial.blocks.size(); ++b) {
+        const AnkleBlock& block = trial.blocks[b];
+        if (!query.blocks[static_cast<std::size_t>(block.block)]) continue;
+        const auto& first_row = scratch.first_row[b];
+        if (first_row[stop] == first_row[stop + 1]) continue;
+        const Number value = shown.Of(block);
+        auto derivatives = prediction.derivatives(block.block);
+        for (std::size_t row = first_row[stop]; row < first_row[stop + 1]; ++row) {
+          for (std::size_t lane = 0; lane < count; ++lane)
+            derivatives(static_cast<Eigen::Index>(row), static_cast<Eigen::Index>(places[first + lane])) =
+                value.d[lane];
+        }
+      }
+    };
+    if (moves) {
+      SINEW_TRY(RunAnkleTrial(data_, trial, scratch.dual, scratch.solutions, see));
+      continue;
+    }
+    const StrappedFoot<Number> foot = FootOf(data_.settings, scratch.dual);
+    for (std::size_t stop = 0; stop < trial.stops.size(); ++stop)
+      see(stop,
+          StrappedFootRun<Number>::AttachmentTorque(foot.attachment, data_.settings.foot, trial.plate[stop],
+                                                    Number(scratch.interaction[stop])),
+          nullptr);
   }
   return {};
 }

@@ -12,6 +12,8 @@
 
 namespace sinew {
 
+struct FootSolutions;
+
 /// The plate follows the measured angle of the machine. Channels per trial: machine_torque, and of a trial
 /// with a foot on the plate ankle_angle and MUSCLE_fibre_length.
 class AnkleProblem final : public Problem {
@@ -37,7 +39,8 @@ class AnkleProblem final : public Problem {
   /// machine_angle, machine_velocity, and the excitations' mean.
   [[nodiscard]] std::vector<Signal> ResidualCovariates(int block) const override;
   /// Per trial, under ankle_on_dynamometer/TRIAL: what the machine's torque is made of, forces between foot
-  /// and plate, powers.
+  /// and plate, powers; under inverse what of the measured torque is left for the muscles; under before the
+  /// parts of the torque at the values that fits start from.
   Status WriteDetails(const Vector& parameters, Hdf5Node& details) const override;
 
   [[nodiscard]] const AnkleData& data() const { return data_; }
@@ -50,6 +53,16 @@ class AnkleProblem final : public Problem {
   void ListSteps();
   Status PredictTrial(std::size_t trial, const Query& query, TrialScratch& scratch,
                       Prediction& prediction) const;
+  // The values of a trial, unless the last ones were of the same parameters.
+  Status RunPlain(const AnkleTrial& trial, TrialScratch& scratch) const;
+  // Whether the parameter changes the attachment's own torque alone, not how the foot moves.
+  [[nodiscard]] bool IsOfAttachment(int parameter) const;
+  // Derivatives for some of the trial's columns; `moves`: they change how the foot moves.
+  Status Differentiate(const AnkleTrial& trial, const Query& query, const std::vector<std::size_t>& places,
+                       bool moves, TrialScratch& scratch, Prediction& prediction) const;
+  Status WriteInverseView(const AnkleTrial& trial, const Vector& parameters, FootSolutions& solutions,
+                          Hdf5Node& node) const;
+  void WriteBefore(const AnkleTrial& trial, FootSolutions& solutions, Hdf5Node& node) const;
   [[nodiscard]] std::vector<double> ValuesAt(const Vector& parameters) const;
 
   AnkleData data_;

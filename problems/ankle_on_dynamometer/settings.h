@@ -7,7 +7,7 @@
 //     strips: 16                                # springs along the sole
 //     gravity: 9.81
 //     shank_tilt: 0                             # of the shank from the vertical, the knee forward [rad]
-//     step: 0.005                               # longest step of the integration [s]
+//     step: 0.01                                # longest step of the integration [s]
 //     angle_cutoff: 15                          # low-pass of the machine's angle, zero lag [Hz]; 0: none; by
 //                                               # default found by cross-validation, trial by trial
 //     rate: 100                                 # measured channels become medians over 1 / rate [Hz]; 0: no
@@ -54,7 +54,7 @@ struct AnkleParameterChange {
 
 struct AnkleSettings {
   FootGeometry foot;
-  double step = 0.005;       ///< [s]
+  double step = 0.01;        ///< [s]
   double angle_cutoff = -1;  ///< [Hz]; 0: none; negative: by cross-validation
   double rate = 0;           ///< of what is compared [Hz]; 0: as recorded
   double torque_zero = 0;    ///< standard deviation of every trial's own zero [N m]; 0: none

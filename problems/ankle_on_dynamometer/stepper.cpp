@@ -54,8 +54,8 @@ AnkleStepper::AnkleStepper(AnkleSettings settings, std::vector<double> values, d
   before_.assign(paths_.size() + 1, 0.0);
   now_ = before_;
   activations_.assign(ImplicitStep::kStages, before_);
-  memory_.stages.reserve(ImplicitStep::kStages);
-  memory_.fibres.reserve(ImplicitStep::kStages * paths_.size());
+  solutions_.stages.reserve(ImplicitStep::kStages);
+  solutions_.fibres.reserve(ImplicitStep::kStages * paths_.size());
 }
 
 double AnkleStepper::DelayedDrive(std::size_t muscle) const {
@@ -85,8 +85,7 @@ Status AnkleStepper::Begin(double angle, const double* excitations) {
   Activate(before_);
   plate_ = {angle, 0, 0};
   angle_ = angle;
-  run_ = std::make_unique<StrappedFootRun<double>>(settings_.foot, curves_, paths_, foot_, memory_.stages,
-                                                   memory_.fibres);
+  run_ = std::make_unique<StrappedFootRun<double>>(settings_.foot, curves_, paths_, foot_, solutions_);
   return run_->Settle(0, plate_, before_);
 }
 
@@ -125,8 +124,8 @@ Result<double> AnkleStepper::Step(double angle, const double* excitations) {
     for (std::size_t m = 0; m < now_.size(); ++m)
       activations_[stage][m] = before_[m] + share * (now_[m] - before_[m]);
   }
-  memory_.stages.clear();
-  memory_.fibres.clear();
+  solutions_.stages.clear();
+  solutions_.fibres.clear();
   SINEW_TRY(run_->Step(period_, plate.data(), activations_.data()));
   plate_ = plate.back();
   angle_ = angle;

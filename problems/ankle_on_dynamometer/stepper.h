@@ -7,7 +7,7 @@
 #include <vector>
 
 #include "base/error.h"
-#include "models/dynamometer/strapped_foot.h"
+#include "models/dynamometer/strapped_foot_run.h"
 #include "models/muscle/activation.h"
 #include "problems/ankle_on_dynamometer/settings.h"
 #include "problems/ankle_on_dynamometer/trial_run.h"
@@ -53,7 +53,7 @@ class AnkleStepper {
   MuscleCurves curves_;
   std::vector<MusclePath> paths_;
   StrappedFoot<double> foot_;
-  AnkleTrialMemory memory_;
+  FootSolutions solutions_;
   std::unique_ptr<StrappedFootRun<double>> run_;
   std::vector<ExcitationFilter<double>> filters_;
   std::vector<std::vector<double>> drive_;  ///< [muscles] ring of the last drives

@@ -4,18 +4,12 @@
 #include <utility>
 #include <vector>
 
-#include "models/dynamometer/strapped_foot.h"
+#include "models/dynamometer/strapped_foot_run.h"
 #include "models/muscle/activation.h"
 #include "problems/ankle_on_dynamometer/data.h"
 #include "problems/ankle_on_dynamometer/effects.h"
 
 namespace sinew {
-
-/// The plain solution of a trial, which its derivatives follow.
-struct AnkleTrialMemory {
-  std::vector<StageSolution> stages;
-  std::vector<FibreSolution> fibres;
-};
 
 /// Sample k of every muscle's excitation as it was, given the measured ones.
 template <class T>
@@ -76,11 +70,11 @@ void ComputeActivations(const AnkleTrial& trial, std::size_t muscles, const std:
   }
 }
 
-/// Calls see(stop, torque, run) at every stop; run is nullptr without a foot.
-/// Errors: no equilibrium of foot or fibre, with the time.
+/// Calls see(stop, torque, run) at every stop; run is nullptr without a foot. @param solutions of the plain
+/// run, which those with derivatives follow Errors: no equilibrium of foot or fibre, with the time.
 template <class T, class See>
 Status RunAnkleTrial(const AnkleData& data, const AnkleTrial& trial, const std::vector<T>& values,
-                     AnkleTrialMemory& memory, const See& see) {
+                     FootSolutions& solutions, const See& see) {
   const StrappedFoot<T> foot = FootOf(data.settings, values);
   using Run = StrappedFootRun<T>;
   if (trial.task == AnkleTask::kAttachmentAlone) {
@@ -91,7 +85,7 @@ Status RunAnkleTrial(const AnkleData& data, const AnkleTrial& trial, const std::
   }
   std::vector<std::vector<T>> activations;
   ComputeActivations(trial, data.paths.size(), values, activations);
-  Run run(data.settings.foot, data.curves, data.paths, foot, memory.stages, memory.fibres);
+  Run run(data.settings.foot, data.curves, data.paths, foot, solutions);
   SINEW_TRY(run.Settle(trial.stops.front(), trial.plate.front(), activations.front()));
   see(std::size_t{0}, run.MachineTorque(trial.plate.front()), &std::as_const(run));
   std::size_t stage = 1;

@@ -422,6 +422,7 @@ Result<CrossValidatedSearch::Outcome> CrossValidatedSearch::Conclude() {
   SINEW_ASSIGN(const Trial best, Choose(outcome.left_out_shares));
   Resample(outcome);
   for (const Trial& one : judged_) {
+    outcome.judged.push_back({one.released, one.left_out_error});
     const std::size_t size = one.released.size();
     if (outcome.ladder.size() <= size) outcome.ladder.resize(size + 1, {{}, kInfinite});
     if (one.left_out_error < outcome.ladder[size].error)

@@ -74,6 +74,7 @@ class CrossValidatedSearch {
     /// Per cause: error of left-out data with it as a share of that without it.
     std::vector<std::pair<int, double>> left_out_shares;
     std::vector<Step> ladder;  ///< from no cause on, as far as the search went
+    std::vector<Step> judged;  ///< every set whose error of left-out data is known
     /// Sets that are chosen in a share > 0 of resamples of the folds (ChosenShares) ...
     std::vector<Resampled> resampled;
     std::vector<std::pair<int, double>> chosen_shares;  ///< ... and each candidate's share

@@ -17,6 +17,9 @@ void TakeOver(const CrossValidatedSearch& search, CrossValidatedSearch::Outcome 
     for (const int c : step.released) told.effects.push_back(candidates[static_cast<std::size_t>(c)].effect);
     selection.ladder.push_back(std::move(told));
   }
+  selection.judged.clear();
+  for (CrossValidatedSearch::Step& set : found.judged)
+    selection.judged.push_back({std::move(set.released), set.error / found.base_error});
   selection.resampled.clear();
   for (CrossValidatedSearch::Resampled& set : found.resampled)
     selection.resampled.push_back({std::move(set.released), std::move(set.point), set.share});

@@ -46,6 +46,12 @@ struct ResampledSet {
   double share = 0;  ///< of the resamples of the folds in which it is chosen
 };
 
+/// A set of causes that the search by cross-validation has judged.
+struct JudgedShare {
+  std::vector<int> released;
+  double share = 0;  ///< error of left-out data over that of the base model
+};
+
 struct Selection {
   bool alarm = false;
   /// The misfit dominates the noise, also with the causes: these were chosen by cross-validation over trials,
@@ -55,6 +61,7 @@ struct Selection {
   std::vector<LadderStep> ladder;                     ///< if cross_validated
   std::vector<ResampledSet> resampled;                ///< if cross_validated, with a share > 0 ...
   std::vector<std::pair<int, double>> chosen_shares;  ///< ... and the share of each candidate in them
+  std::vector<JudgedShare> judged;                    ///< if cross_validated
   std::size_t searched = 0;                           ///< of the training trials, if cross_validated
   double family_p_value = 1;
   std::vector<ChosenCause> causes;  ///< most important first

@@ -3,6 +3,9 @@
 #include <algorithm>
 #include <cmath>
 
+#include "models/muscle/elastic_tendon.h"
+#include "models/muscle/force_history.h"
+
 namespace sinew {
 namespace {
 

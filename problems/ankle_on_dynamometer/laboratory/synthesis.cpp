@@ -278,11 +278,11 @@ class Experiment {
 // Torques and angles of the fitted model in place of the laboratory's.
 Status MakeExact(const AnkleSettings& settings, const std::vector<double>& values, Dataset& data) {
   SINEW_ASSIGN(const AnkleData prepared, PrepareAnkleData(data, settings, 0));
-  AnkleTrialMemory memory;
+  FootSolutions solutions;
   for (const AnkleTrial& trial : prepared.trials) {
     Grid& grid = data.trials.at(trial.name).grids.at("machine");
     const bool angle = grid.channels.count("ankle_angle") > 0;
-    SINEW_TRY(RunAnkleTrial(prepared, trial, values, memory,
+    SINEW_TRY(RunAnkleTrial(prepared, trial, values, solutions,
                             [&](std::size_t s, double torque, const StrappedFootRun<double>* run) {
                               grid.channels.at("machine_torque").values[s] = torque;
                               if (angle && run != nullptr)

@@ -42,9 +42,10 @@ class LinearLaws final : public Problem {
     /// Effect lopsided: u|u| for u > 0 and for u < 0 with a size of its own each; it contains quadratic.
     bool lopsided = false;
     bool scale = false;  ///< effect scale: adds a share of the whole law, which gain and rate can do too
-    double held_out_share = 1;  ///< of the effects, in held-out trials
-    int knots = 8;              ///< of y(u) and y(time)
-    bool free_offset = false;   ///< the offset of all trials is a base parameter, no effect
+    std::vector<std::pair<std::string, Level>> levels;  ///< of effects that are not of the robot
+    double held_out_share = 1;                          ///< of the effects, in held-out trials
+    int knots = 8;                                      ///< of y(u) and y(time)
+    bool free_offset = false;  ///< the offset of all trials is a base parameter, no effect
     /// Held-out trials: standard deviation of the gain of every 25 samples about the law; where it is > 0,
     /// their blocks have groups (Block::group).
     double cycle_scatter = 0;
@@ -61,6 +62,11 @@ class LinearLaws final : public Problem {
     if (truth.scale) AddEffect("scale", -5, 5);
     if (truth.starts) AddStarts(train + validate);
     if (truth.reading_step) AddEffect("y.quantisation", 0, 1);
+    for (const auto& [name, level] : truth.levels) {
+      for (Effect& effect : effects_) {
+        if (effect.name == name) effect.level = level;
+      }
+    }
     Random random(seed);
     for (int t = 0; t < train + validate; ++t) AddTrial(truth, t, t < train, samples, random);
   }

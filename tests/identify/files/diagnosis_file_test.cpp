@@ -77,14 +77,17 @@ TEST_F(DiagnosisFileTest, EveryFindingIsInItsTable) {
   EXPECT_EQ(diagnosis->Number("threshold", 0), 2.9);
   EXPECT_EQ(Texts(tree, "diagnosis/sentences"), text::TextsOf(text::Sentences(diagnosis_)));
   EXPECT_THAT(Texts(tree, "diagnosis/sentence_kinds"),
-              ElementsAre("withdrawn", "verdict", "cause", "alternative", "unknown_term", "parameter_change",
-                          "gain"));
+              ElementsAre("withdrawn", "verdict", "level", "cause", "alternative", "unknown_term",
+                          "parameter_change", "gain"));
   EXPECT_EQ(Texts(tree, "run/finding_kinds"), Texts(tree, "diagnosis/sentence_kinds"));
   EXPECT_THAT(Texts(tree, "diagnosis/warning_kinds"), ElementsAre("other"));
   EXPECT_THAT(Texts(tree, "diagnosis/scores/finding"),
               ElementsAre("cause", "alternative", "withdrawn", "unknown_term", "ruled_out", "not_judged"));
   EXPECT_THAT(Numbers(tree, "diagnosis/scores/judged"), ElementsAre(1, 1, 1, 1, 1, 0));
   EXPECT_TRUE(std::isnan(Numbers(tree, "diagnosis/scores/delta_lr")[1])) << "it was not refitted";
+  EXPECT_THAT(Texts(tree, "diagnosis/levels/standing"), ElementsAre("blamed", "possible"));
+  EXPECT_THAT(Texts(tree, "diagnosis/levels/effects"), ElementsAre("friction", "y.delay"));
+  EXPECT_THAT(Numbers(tree, "diagnosis/levels/behind"), ElementsAre(0, 3.1));
   EXPECT_THAT(Texts(tree, "diagnosis/causes/effect"), ElementsAre("friction"));
   EXPECT_THAT(Texts(tree, "diagnosis/cause_parameters/name"), ElementsAre("friction_level"));
   EXPECT_THAT(Texts(tree, "diagnosis/alternatives/separated_by"), ElementsAre("a trial at two speeds"));

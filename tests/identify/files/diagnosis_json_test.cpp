@@ -41,9 +41,9 @@ TEST_F(DiagnosisJsonTest, HasTheFieldsOfTheContract) {
   EXPECT_EQ(json["problem"], "joint");
   EXPECT_EQ(json["seed"], 42);
   EXPECT_EQ(json["verdict"], "ambiguous");
-  ASSERT_EQ(json["sentences"].size(), 7U);
-  ASSERT_EQ(json["sentence_facts"].size(), 7U);
-  EXPECT_EQ(json["sentence_facts"][3],
+  ASSERT_EQ(json["sentences"].size(), 8U);
+  ASSERT_EQ(json["sentence_facts"].size(), 8U);
+  EXPECT_EQ(json["sentence_facts"][4],
             Json({{"kind", "alternative"}, {"about", {"y.delay", "friction"}}, {"step", ""}}));
   EXPECT_EQ(json["warnings"], Json({"only one held-out trial"}));
   EXPECT_EQ(json["warning_facts"][0]["kind"], "other");
@@ -74,6 +74,14 @@ TEST_F(DiagnosisJsonTest, HasTheFieldsOfTheContract) {
   EXPECT_EQ(level["unit"], "N");
   EXPECT_EQ(level["std_error"], 0.05);
   EXPECT_EQ(level["ci95"], Json({0.7 - 2 * 0.05, 0.7 + 2 * 0.05}));
+
+  EXPECT_EQ(json["levels"][1], Json({{"level", "sensor"},
+                                     {"standing", "possible"},
+                                     {"effects", {"y.delay"}},
+                                     {"parameters", 1},
+                                     {"delta_lr", 76.9},
+                                     {"behind", 3.1},
+                                     {"left_out", 0.0}}));
 
   const Json& alternative = json["alternatives"][0];
   EXPECT_EQ(alternative["instead_of"], "friction");

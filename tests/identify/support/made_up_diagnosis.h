@@ -93,6 +93,8 @@ inline Diagnosis JointDiagnosis(const ToyProblem& problem) {
   alternative.separating_size = 2.5;
   alternative.separated_by = "a trial at two speeds";
   d.alternatives = {alternative};
+  d.levels = {{Level::kRobot, LevelStanding::kBlamed, {"friction"}, 1, 80, 0, 0},
+              {Level::kSensor, LevelStanding::kPossible, {"y.delay"}, 1, 76.9, 3.1, 0}};
   d.withdrawn = {{"y.gain", 30, 12, TraceErrors{"check", "y", "N", 0.6, 0.9}}};
   d.unknown_terms = {{UnknownKind::kCurve,
                       "torque(speed)",

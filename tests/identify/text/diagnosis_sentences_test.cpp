@@ -31,8 +31,9 @@ std::vector<std::string> Facts(const std::function<void(Diagnosis&)>& change) {
 
 TEST(DiagnosisSentences, EveryFindingIsTold) {
   EXPECT_THAT(Facts([](Diagnosis&) {}),
-              ElementsAre("withdrawn y.gain", "verdict", "cause friction", "alternative y.delay friction",
-                          "unknown_term torque(speed)", "parameter_change rate", "gain y"));
+              ElementsAre("withdrawn y.gain", "verdict", "level robot sensor", "cause friction",
+                          "alternative y.delay friction", "unknown_term torque(speed)",
+                          "parameter_change rate", "gain y"));
 }
 
 TEST(DiagnosisSentences, ParametersThatACurveCannotBeSeparatedFromAreNamed) {
@@ -118,6 +119,7 @@ TEST(DiagnosisSentences, AnInconclusiveDiagnosisNamesNoCause) {
 TEST(DiagnosisSentences, AnAdequateModelComesWithDetectableSizes) {
   EXPECT_THAT(Facts([](Diagnosis& d) {
                 d.verdict = DiagnosisVerdict::kAdequate;
+                d.levels.clear();
                 d.causes.clear();
                 d.alternatives.clear();
                 d.withdrawn.clear();

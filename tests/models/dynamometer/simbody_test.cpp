@@ -3,7 +3,7 @@
 #include <Simbody.h>
 #include <gtest/gtest.h>
 
-#include "models/dynamometer/strapped_foot.h"
+#include "models/dynamometer/strapped_foot_run.h"
 
 namespace sinew {
 namespace {
@@ -157,9 +157,8 @@ Trajectory InOurs(double step) {
   const StrappedFoot<double> person = Person();
   const MuscleCurves curves = MuscleCurves::Default();
   const std::vector<MusclePath> none;
-  std::vector<StageSolution> stages;
-  std::vector<FibreSolution> fibres;
-  StrappedFootRun<double> run(geometry, curves, none, person, stages, fibres);
+  FootSolutions solutions;
+  StrappedFootRun<double> run(geometry, curves, none, person, solutions);
   EXPECT_TRUE(run.Settle(0, PlateAt(0), {Activation(0)}));
   Trajectory found;
   const auto see = [&](double t) {

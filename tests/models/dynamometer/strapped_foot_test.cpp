@@ -1,10 +1,9 @@
-#include "models/dynamometer/strapped_foot.h"
-
 #include <gtest/gtest.h>
 
 #include <functional>
 
 #include "base/dual.h"
+#include "models/dynamometer/strapped_foot_run.h"
 #include "tests/models/dynamometer/strapped_person.h"
 
 namespace sinew {
@@ -24,7 +23,7 @@ class StrappedFootTest : public testing::Test {
   /// see(run) after settling and after every 10 ms.
   template <class T, class See>
   Status Run(const StrappedFoot<T>& foot, double step, const See& see) {
-    StrappedFootRun<T> run(geometry_, curves_, paths_, foot, stages_, fibres_);
+    StrappedFootRun<T> run(geometry_, curves_, paths_, foot, solutions_);
     SINEW_TRY(run.Settle(0, SwingAt(0), BurstsAt<T>(0)));
     see(run, 0.0);
     const auto steps = std::lround(kEnd / step);
@@ -57,8 +56,7 @@ class StrappedFootTest : public testing::Test {
   const FootGeometry geometry_ = StrappedGeometry();
   const MuscleCurves curves_ = MuscleCurves::Default();
   const std::vector<MusclePath> paths_ = StrappedPaths();
-  std::vector<StageSolution> stages_;
-  std::vector<FibreSolution> fibres_;
+  FootSolutions solutions_;
 };
 
 double Largest(const std::vector<double>& a) {
@@ -80,7 +78,7 @@ TEST_F(StrappedFootTest, SettlesWhereAllMomentsCancel) {
   for (const double plate : {-0.5, -0.1, 0.25}) {
     for (const double time : {0.0, 0.5}) {
       const auto activation = BurstsAt(time);
-      StrappedFootRun<double> run(geometry_, curves_, paths_, foot, stages_, fibres_);
+      StrappedFootRun<double> run(geometry_, curves_, paths_, foot, solutions_);
       const auto status = run.Settle(0, {plate, 0, 0}, activation);
       ASSERT_TRUE(status) << status.error().message;
       const auto& now = run.instant();
@@ -107,7 +105,7 @@ TEST_F(StrappedFootTest, SettlesWhereAllMomentsCancel) {
 // The plate is at rest, the muscles are as they were: so is everything.
 TEST_F(StrappedFootTest, StaysInEquilibrium) {
   const auto foot = StrappedPerson();
-  StrappedFootRun<double> run(geometry_, curves_, paths_, foot, stages_, fibres_);
+  StrappedFootRun<double> run(geometry_, curves_, paths_, foot, solutions_);
   const PlateMotion still[] = {{0.1, 0, 0}, {0.1, 0, 0}, {0.1, 0, 0}};
   const std::vector<double> activation[] = {BurstsAt(0.3), BurstsAt(0.3), BurstsAt(0.3)};
   ASSERT_TRUE(run.Settle(0, still[0], activation[0]));
@@ -154,7 +152,7 @@ TEST_F(StrappedFootTest, IsTheSameToTheLastBit) {
 TEST_F(StrappedFootTest, SaysWhenNothingBalances) {
   auto foot = StrappedPerson();
   foot.muscles[0].strength = std::nan("");
-  StrappedFootRun<double> run(geometry_, curves_, paths_, foot, stages_, fibres_);
+  StrappedFootRun<double> run(geometry_, curves_, paths_, foot, solutions_);
   const auto status = run.Settle(1.25, SwingAt(0), BurstsAt(0));
   ASSERT_FALSE(status);
   EXPECT_NE(status.error().message.find("t = 1.25 s"), std::string::npos) << status.error().message;

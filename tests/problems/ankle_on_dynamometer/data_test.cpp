@@ -114,6 +114,43 @@ TEST(AnkleDataTest, ExcitationsOutsideOfTheirRangeAreCutAndSaid) {
   EXPECT_THAT(prepared->notes, ElementsAre(HasSubstr("trial 'working': excitations outside of 0..1")));
 }
 
+TEST(AnkleDataTest, TasksWithoutATrialAreSaid) {
+  const auto notes = [](const std::string& trial, bool held_out) {
+    Dataset data = AnkleBenchData();
+    if (held_out) {
+      data.trials[trial].role = Role::kValidate;
+    } else {
+      data.trials.erase(trial);
+    }
+    return PrepareAnkleData(data, AnkleBenchSettings(), 0)->notes;
+  };
+  for (const bool held_out : {false, true}) {
+    EXPECT_THAT(notes("alone", held_out), ElementsAre(StartsWith("no trial of the attachment alone")));
+    EXPECT_THAT(notes("relaxed", held_out), ElementsAre(StartsWith("no trial of a person who relaxes")));
+    EXPECT_THAT(notes("working", held_out), ElementsAre(StartsWith("no trial of active muscles")));
+  }
+}
+
+TEST(AnkleDataTest, AnAmplifierThatWasOffIsSaid) {
+  Dataset data = AnkleBenchData();
+  Grid silent = data.trials["working"].grids["excitations"];
+  for (auto& [name, channel] : silent.channels) {
+    for (double& value : channel.values) value = 0.001;
+  }
+  data.trials["relaxed"].grids["excitations"] = silent;
+  const auto prepared = PrepareAnkleData(data, AnkleBenchSettings(), 0);
+  ASSERT_TRUE(prepared) << prepared.error().message;
+  EXPECT_THAT(prepared->notes,
+              ElementsAre(HasSubstr("of soleus_r stays below 0.001"), HasSubstr("of tib_ant_r")));
+  EXPECT_THAT(prepared->notes[0], HasSubstr("was its amplifier off?"));
+  // As quiet as the electrode is at rest: nothing to say.
+  for (auto& [name, channel] : silent.channels) {
+    for (double& value : channel.values) value = 0.02;
+  }
+  data.trials["relaxed"].grids["excitations"] = silent;
+  EXPECT_TRUE(PrepareAnkleData(data, AnkleBenchSettings(), 0)->notes.empty());
+}
+
 TEST(AnkleDataTest, WeightsAreStatedNoiseOrSpread) {
   Dataset data = AnkleBenchData();
   auto prepared = PrepareAnkleData(data, AnkleBenchSettings(), 0);

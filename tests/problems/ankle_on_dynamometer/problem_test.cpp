@@ -188,7 +188,7 @@ TEST(AnkleProblemTest, RandomParametersEndOrFailWithASentence) {
   const std::vector<bool> all(problem->layout().size(), true);
   Random random(3);
   int ended = 0;
-  for (int i = 0; i < 200; ++i) {
+  for (int i = 0; i < 1000; ++i) {
     const Vector point = RandomInside(*problem, 0, random);
     Prediction prediction(problem->layout());
     const Status status = problem->Predict({point, all, i % 10 == 0, nullptr}, *workspace, prediction);
@@ -205,7 +205,77 @@ TEST(AnkleProblemTest, RandomParametersEndOrFailWithASentence) {
     }
   }
   RecordProperty("ended", ended);
-  EXPECT_GE(ended, 150);
+  EXPECT_GE(ended, 750);
+}
+
+// A workspace keeps the last run of every trial: whatever was asked before, the answer is the same.
+TEST(AnkleProblemTest, PredictionsDoNotDependOnTheOnesBefore) {
+  const auto problem = BindAnkleBench();
+  const std::vector<bool> all(problem->layout().size(), true);
+  const Vector rest = RestPoint(*problem);
+  const auto used = problem->NewWorkspace();
+  for (const char* name :
+       {"attachment_gravity", "passive_stiffness", "delay", "strength.triceps", "dry_friction"}) {
+    Vector point = rest;
+    point[*FindParameter(problem->parameters(), name)] *= 1.1;
+    point[*FindParameter(problem->parameters(), name)] += 0.01;
+    for (const Vector& at : {rest, point}) {
+      Prediction again(problem->layout());
+      Prediction fresh(problem->layout());
+      ASSERT_TRUE(problem->Predict({at, all, false, nullptr}, *used, again));
+      ASSERT_TRUE(problem->Predict({at, all, true, nullptr}, *used, again));
+      ASSERT_TRUE(problem->Predict({at, all, true, nullptr}, *problem->NewWorkspace(), fresh));
+      for (std::size_t b = 0; b < problem->layout().size(); ++b) {
+        const int block = static_cast<int>(b);
+        EXPECT_TRUE((again.values(block).array() == fresh.values(block).array()).all()) << name;
+        EXPECT_TRUE((again.derivatives(block).array() == fresh.derivatives(block).array()).all()) << name;
+      }
+    }
+  }
+}
+
+// Measured torque less attachment, passive ankle and weight of the foot, and its slopes.
+TEST(AnkleProblemTest, TheInverseViewIsWhatIsLeftForTheMuscles) {
+  const auto problem = BindAnkleBench();
+  const Vector rest = RestPoint(*problem);
+  const auto inverse = [&](const Vector& at) {
+    Hdf5Node details;
+    EXPECT_TRUE(problem->WriteDetails(at, details));
+    return details.At("ankle_on_dynamometer/working");
+  };
+  Hdf5Node node = inverse(rest);
+  const auto read = [&](const char* name) { return node.At(name).array()->values; };
+  const auto left = read("inverse/torque_of_muscles");
+  const auto attachment = read("torque_of_attachment");
+  const auto passive = read("moment_passive");
+  const auto angle = read("ankle_angle");
+  const Block& block = BlockOf(*problem, "working", "machine_torque");
+  ASSERT_EQ(left.size(), block.measured.size());
+  for (std::size_t i = 0; i < left.size(); ++i) {
+    const double weight = WeightOfFoot(problem->data().settings.foot, angle[i]);
+    EXPECT_NEAR(left[i], block.measured[i] - attachment[i] - passive[i] - weight, 1e-9);
+  }
+  const std::vector<std::string>& names = *node.At("inverse/parameters").texts();
+  const auto slopes = read("inverse/slopes");
+  ASSERT_EQ(slopes.size(), left.size() * names.size());
+  for (std::size_t k = 0; k < names.size(); ++k) {
+    const int index = *FindParameter(problem->parameters(), names[k]);
+    const double h = 1e-6 * std::max(std::abs(rest[index]), 0.1);
+    Vector above = rest;
+    Vector below = rest;
+    above[index] += h;
+    below[index] -= h;
+    const auto high = inverse(above).At("inverse/torque_of_muscles").array()->values;
+    const auto low = inverse(below).At("inverse/torque_of_muscles").array()->values;
+    double off = 0;
+    double size = 0;
+    for (std::size_t i = 0; i < left.size(); ++i) {
+      const double expected = (high[i] - low[i]) / (2 * h);
+      off = std::max(off, std::abs(slopes[i * names.size() + k] - expected));
+      size = std::max(size, std::abs(expected));
+    }
+    EXPECT_LE(off, 1e-3 * size + 1e-7) << names[k];
+  }
 }
 
 TEST(AnkleProblemTest, DetailsAddUp) {
