@@ -17,6 +17,7 @@ constexpr double kError[7] = {71.0 / 57600,      0,          -71.0 / 16695, 71.0
                               -17253.0 / 339200, 22.0 / 525, -1.0 / 40};
 constexpr double kStable = 2.5;         // step times rate; the method is stable on the real axis up to 3.3
 constexpr double kFirstStep = 1e-3;     // [s]
+constexpr double kGrowth = 2;           // of a step over the one before: after a kink more are refused
 constexpr double kShortestStep = 1e-9;  // [s]
 
 template <class T, class P>
@@ -83,7 +84,7 @@ class Flight {
       if (!std::isfinite(error)) {
         next_step_ = 0.1 * step;
       } else {
-        next_step_ = step * std::clamp(0.9 * std::pow(std::max(error, 1e-10), -0.2), 0.2, 5.0);
+        next_step_ = step * std::clamp(0.9 * std::pow(std::max(error, 1e-10), -0.2), 0.2, kGrowth);
       }
       if (!(error <= 1)) {
         if (next_step_ < kShortestStep)

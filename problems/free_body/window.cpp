@@ -9,8 +9,10 @@ namespace sinew {
 namespace {
 
 constexpr int kMaxIterations = 30;
-constexpr double kEnough = 1e-6;    // predicted gain, as a share of the cost
+constexpr double kEnough = 1e-7;    // predicted gain, as a share of the cost
 constexpr double kOnTheWay = 1e-3;  // the same, of a fit that only leads to the next
+constexpr double kNearly = 1e-4;    // the same, of the last of these
+constexpr double kRougher = 1e3;    // accuracy of their integrator, over that of the answer
 constexpr double kCostNoiseLevel =
     1e-4;                           // the same, where the steps of the integrator and kinks of contact show
 constexpr double kNothing = 1e-18;  // cost per residual: rounding
@@ -120,7 +122,9 @@ Status WindowFit::Fit(const FreeBodyNumbers& numbers) {
     SINEW_TRY(Evaluate(numbers, *start));
     Accept(*start);
   } else {
-    SINEW_TRY(FitAnew(numbers));
+    const Status status = FitAnew(numbers);
+    limits_.accuracy = data_.body.accuracy;
+    SINEW_TRY(status);
     if (known_ != nullptr) known_->Keep(asked, start_);
   }
   fitted_ = asked;
@@ -131,8 +135,11 @@ Status WindowFit::Fit(const FreeBodyNumbers& numbers) {
 // of the whole window.
 Status WindowFit::FitAnew(const FreeBodyNumbers& numbers) {
   start_ = window_.guess;
+  limits_.accuracy = kRougher * data_.body.accuracy;
   if (!flight_.empty()) SINEW_TRY(Search(numbers, flight_, kOnTheWay));
   SINEW_TRY(Search(numbers, half_, kOnTheWay));
+  SINEW_TRY(Search(numbers, window_.times, kNearly));
+  limits_.accuracy = data_.body.accuracy;
   return Search(numbers, window_.times, kEnough);
 }
 
