@@ -57,13 +57,49 @@ double PlainSearch::At(double length) {
   return fibre * cosine + hold_ * (length - rigid_) - strength_ * tendon.value;
 }
 
-Result<double> PlainSearch::Length(double unit_length, double activation,
-                                   const FibreVelocity<double>& velocity, double guess) {
+Partials PlainSearch::PartialsAt(double length) const {
+  const double slack = muscle_.tendon_slack_length;
+  const Pull pull =
+      PullAt(curves_, muscle_, sine_, length, velocity_.rate * length + velocity_.past, activation_);
+  const double per_strain = 1 / (slack * muscle_.compliance);
+  const double along = unit_length_ - length * pull.cosine;
+  const double strain = (along - slack) * per_strain;
+  const auto tendon = curves_.tendon_force_strain.At(strain);
+  const double by_along = -strength_ * tendon.slope * per_strain;
+  // The hold, by the length with a rigid tendon, and that by what it depends on.
+  const bool shortest = !(rigid_ > kShortestFibre * muscle_.optimal_length);
+  const double rigid_by_free = shortest ? 0 : (unit_length_ - slack) / rigid_;
+  const double hold = hold_ * (length - rigid_);
+  Partials by;
+  by.length = pull.length + pull.velocity * velocity_.rate + hold_ -
+              by_along * (pull.cosine + length * pull.cosine_by_length);
+  by.velocity = pull.velocity;
+  by.activation = pull.activation;
+  by.unit_length = by_along - hold_ * rigid_by_free;
+  by.optimal_length = pull.optimal_length - hold * per_length_ - (shortest ? hold_ * kShortestFibre : 0);
+  by.thickness = pull.thickness - by_along * length * pull.cosine_by_thickness -
+                 (shortest ? 0 : hold_ * thickness_ / rigid_);
+  by.tendon_slack_length = -by_along * along / slack + hold_ * rigid_by_free;
+  by.strength = pull.strength + hold / strength_ - tendon.value;
+  by.length_change = pull.length_change;
+  by.damping = pull.damping;
+  by.largest_velocity = pull.largest_velocity;
+  by.compliance = strength_ * tendon.slope * strain / muscle_.compliance;
+  by.active_gain = pull.active_gain;
+  return by;
+}
+
+void PlainSearch::Place(double unit_length, double activation, const FibreVelocity<double>& velocity) {
   unit_length_ = unit_length;
   activation_ = activation;
   velocity_ = velocity;
   per_optimal_ = 1 / (1 + muscle_.length_change * (1 - activation));
   rigid_ = RigidFibreLength(muscle_, sine_, unit_length);
+}
+
+Result<double> PlainSearch::Length(double unit_length, double activation,
+                                   const FibreVelocity<double>& velocity, double guess) {
+  Place(unit_length, activation, velocity);
   const double optimal = muscle_.optimal_length;
   const double low = kShortestFibre * optimal;
   const double high = std::max(rigid_, low) + kSlack * optimal;

@@ -51,21 +51,22 @@ Balance<T> BalanceAt(const MuscleCurves& curves, const HillMuscle<T>& muscle, co
   return {fibre + hold - tendon, tendon};
 }
 
-/// Force of the fibre less that of the tendon [N]. @param sine of the pennation angle
-template <class T, class U>
-T Imbalance(const MuscleCurves& curves, const HillMuscle<T>& muscle, const T& sine, const U& unit_length,
-            const T& length, const T& velocity, const T& activation) {
-  return BalanceAt(curves, muscle, sine, unit_length, length, velocity, activation).imbalance;
-}
-
-/// The same muscle without derivatives.
-template <class T>
-HillMuscle<double> Plain(const HillMuscle<T>& m) {
-  return {Value(m.optimal_length), Value(m.tendon_slack_length), Value(m.isometric_force),
-          Value(m.strength),       Value(m.pennation),           Value(m.length_change),
-          Value(m.damping),        Value(m.largest_velocity),    Value(m.compliance),
-          Value(m.active_gain)};
-}
+/// Partial derivatives of the imbalance [N per unit of each number]; one number moves, all others stay.
+struct Partials {
+  double length = 0;  ///< of the fibre, the velocity moving along
+  double velocity = 0;
+  double activation = 0;
+  double unit_length = 0;
+  double optimal_length = 0;  ///< the thickness staying
+  double thickness = 0;       ///< optimal length times the sine of the pennation
+  double tendon_slack_length = 0;
+  double strength = 0;  ///< largest force [N]
+  double length_change = 0;
+  double damping = 0;
+  double largest_velocity = 0;
+  double compliance = 0;
+  double active_gain = 0;
+};
 
 /// The equilibrium in double precision, with the slope of the imbalance for the fibre's length.
 class PlainSearch {
@@ -76,13 +77,12 @@ class PlainSearch {
   /// Errors: no equilibrium between a fibre of zero length and a slack tendon.
   Result<double> Length(double unit_length, double activation, const FibreVelocity<double>& velocity,
                         double guess);
-  /// [N/m] Of the imbalance of the sample that was searched last, the velocity moving along. To be taken at
-  /// the very length that was found: where fibre and tendon are nearly slack, the slope changes by a part of
-  /// itself within the last step of the search.
-  [[nodiscard]] double SlopeAt(double length) {
-    At(length);
-    return slope_;
-  }
+  /// The sample that PartialsAt is asked about, where its length is known without a search.
+  void Place(double unit_length, double activation, const FibreVelocity<double>& velocity);
+  /// Of the sample that was searched or placed last. To be taken at the very length that was found: where
+  /// fibre and tendon are nearly slack, the slope changes by a part of itself within the last step of the
+  /// search.
+  [[nodiscard]] Partials PartialsAt(double length) const;
 
   /// Of the muscle; for changes of its active gain.
   HillMuscle<double>& muscle() { return muscle_; }
@@ -120,7 +120,9 @@ class EquilibriumSearch {
       : curves_(curves),
         muscle_(muscle),
         sine_(Sin(muscle.pennation)),
-        plain_(curves, elastic_tendon::Plain(muscle)) {}
+        thickness_(muscle.optimal_length * sine_),
+        strength_(muscle.isometric_force * muscle.strength),
+        plain_(curves, Plain(muscle)) {}
 
   /// @param guess [m] as in PlainSearch. Errors: as PlainSearch.
   template <class U>
@@ -129,14 +131,17 @@ class EquilibriumSearch {
     plain_.muscle().active_gain = Value(muscle_.active_gain);
     SINEW_ASSIGN(const double length, plain_.Length(Value(unit_length), Value(activation),
                                                     {velocity.rate, Value(velocity.past)}, guess));
-    if constexpr (std::is_same_v<T, double>) {
-      return length;
-    } else {
-      // One Newton step in dual numbers: the value is at rest, the derivatives move.
-      const T still = elastic_tendon::Imbalance(curves_, muscle_, sine_, unit_length, T(length),
-                                                velocity.rate * T(length) + velocity.past, activation);
-      return length - Tangent(still) / plain_.SlopeAt(length);
+    return WithDerivatives(length, unit_length, activation, velocity);
+  }
+
+  /// The same where the length [m] is known from a search with these numbers.
+  template <class U>
+  T Known(double length, const U& unit_length, const T& activation, const FibreVelocity<T>& velocity) {
+    if constexpr (!std::is_same_v<T, double>) {
+      plain_.muscle().active_gain = Value(muscle_.active_gain);
+      plain_.Place(Value(unit_length), Value(activation), {velocity.rate, Value(velocity.past)});
     }
+    return WithDerivatives(length, unit_length, activation, velocity);
   }
 
   /// Length, velocity and force. Errors: as Length.
@@ -152,9 +157,33 @@ class EquilibriumSearch {
   }
 
  private:
+  // Of the sample that plain_ was asked about.
+  template <class U>
+  T WithDerivatives(double length, const U& unit_length, const T& activation,
+                    const FibreVelocity<T>& velocity) const {
+    T moved(length);
+    if constexpr (!std::is_same_v<T, double>) {
+      const elastic_tendon::Partials by = plain_.PartialsAt(length);
+      const double share = -1 / by.length;
+      for (std::size_t i = 0; i < moved.d.size(); ++i) {
+        moved.d[i] = share * (by.velocity * velocity.past.d[i] + by.activation * activation.d[i] +
+                              by.tendon_slack_length * muscle_.tendon_slack_length.d[i] +
+                              by.compliance * muscle_.compliance.d[i] +
+                              ByMuscle(by, muscle_, thickness_, strength_, i));
+      }
+      if constexpr (!std::is_same_v<U, double>) {
+        for (std::size_t i = 0; i < moved.d.size(); ++i)
+          moved.d[i] += share * by.unit_length * unit_length.d[i];
+      }
+    }
+    return moved;
+  }
+
   const MuscleCurves& curves_;
   const HillMuscle<T>& muscle_;
   T sine_;
+  T thickness_;
+  T strength_;
   elastic_tendon::PlainSearch plain_;
 };
 

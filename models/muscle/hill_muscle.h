@@ -79,6 +79,48 @@ template <class T>
          (active + curves.passive_force_length(stretch) + muscle.damping * speed);
 }
 
+/// Force of the fibre along the tendon [N] and its partial derivatives [N per unit of each number]: one
+/// number moves, all others stay.
+struct Pull {
+  double value = 0;
+  double length = 0;
+  double velocity = 0;
+  double activation = 0;
+  double optimal_length = 0;  ///< the thickness staying
+  double thickness = 0;       ///< optimal length times the sine of the pennation [m]
+  double strength = 0;        ///< isometric force times strength [N]
+  double length_change = 0;
+  double damping = 0;
+  double largest_velocity = 0;
+  double active_gain = 0;
+  double cosine = 0;            ///< of the pennation angle, and its own derivatives
+  double cosine_by_length = 0;  ///< [1/m]
+  double cosine_by_thickness = 0;
+};
+
+/// FibreForce times PennationCosine, the value to the last bit; at a length, velocity and activation.
+[[nodiscard]] Pull PullAt(const MuscleCurves& curves, const HillMuscle<double>& muscle, double sine,
+                          double length, double velocity, double activation);
+
+/// What of a quantity's derivative the muscle's own numbers bring, by its partial derivatives.
+template <class Partials, class T>
+[[nodiscard]] auto ByMuscle(const Partials& by, const HillMuscle<T>& muscle, const T& thickness,
+                            const T& strength, std::size_t lane) {
+  return by.optimal_length * muscle.optimal_length.d[lane] + by.thickness * thickness.d[lane] +
+         by.strength * strength.d[lane] + by.length_change * muscle.length_change.d[lane] +
+         by.damping * muscle.damping.d[lane] + by.largest_velocity * muscle.largest_velocity.d[lane] +
+         by.active_gain * muscle.active_gain.d[lane];
+}
+
+/// The same muscle without derivatives.
+template <class T>
+[[nodiscard]] HillMuscle<double> Plain(const HillMuscle<T>& m) {
+  return {Value(m.optimal_length), Value(m.tendon_slack_length), Value(m.isometric_force),
+          Value(m.strength),       Value(m.pennation),           Value(m.length_change),
+          Value(m.damping),        Value(m.largest_velocity),    Value(m.compliance),
+          Value(m.active_gain)};
+}
+
 /// Force of the tendon [N] at this length of the fibre.
 template <class T, class U>
 [[nodiscard]] T TendonForce(const MuscleCurves& curves, const HillMuscle<T>& muscle, const U& unit_length,

@@ -17,11 +17,14 @@ constexpr double kError[7] = {71.0 / 57600,      0,          -71.0 / 16695, 71.0
                               -17253.0 / 339200, 22.0 / 525, -1.0 / 40};
 constexpr double kStable = 2.5;         // step times rate; the method is stable on the real axis up to 3.3
 constexpr double kFirstStep = 1e-3;     // [s]
+constexpr double kGrowth = 2;           // of a step over the one before: after a kink more are refused
 constexpr double kShortestStep = 1e-9;  // [s]
 
 template <class T, class P>
 class Flight {
  public:
+  static constexpr int L = kLanesOf<T>;
+
   Flight(const FreeBody& body, const std::array<P, kFreeBodySlots>& variables,
          const std::array<bool, kFreeBodySlots>& used, const FlightLimits& limits)
       : dynamics_(body, variables, used), p_(variables), used_(used), limits_(limits) {
@@ -48,12 +51,17 @@ class Flight {
     const auto recorded = Product(q.data(), own.data());
     const std::array<P, 4> back{turn_[0], -turn_[1], -turn_[2], -turn_[3]};
     const auto truth = Product(recorded.data(), back.data());
-    std::copy(truth.begin(), truth.end(), state_.begin() + kQuaternion);
+    BodyState<T> state;
+    std::copy(truth.begin(), truth.end(), state.begin() + kQuaternion);
     const Triple<T> point = Times(RotationOf(truth.data()), point_);
     for (int i = 0; i < 3; ++i) {
-      state_[kPlace + i] = (start.pose[static_cast<std::size_t>(i)] + by[i]) / length_scale_ - point[i];
-      state_[kVelocity + i] = start.velocity[i] + by[6 + i];
-      state_[kSpin + i] = start.spin[i] + by[9 + i];
+      state[kPlace + i] = (start.pose[static_cast<std::size_t>(i)] + by[i]) / length_scale_ - point[i];
+      state[kVelocity + i] = start.velocity[i] + by[6 + i];
+      state[kSpin + i] = start.spin[i] + by[9 + i];
+    }
+    for (std::size_t i = 0; i < state.size(); ++i) {
+      state_.value[i] = Value(state[i]);
+      if constexpr (L > 0) state_.slope[i] = Eigen::Map<const Lanes<L>>(state[i].d.data());
     }
     Rate(state_, rates_[0], &fastest_);
     if (!used_[kPoseLowPass]) return;
@@ -76,7 +84,7 @@ class Flight {
       if (!std::isfinite(error)) {
         next_step_ = 0.1 * step;
       } else {
-        next_step_ = step * std::clamp(0.9 * std::pow(std::max(error, 1e-10), -0.2), 0.2, 5.0);
+        next_step_ = step * std::clamp(0.9 * std::pow(std::max(error, 1e-10), -0.2), 0.2, kGrowth);
       }
       if (!(error <= 1)) {
         if (next_step_ < kShortestStep)
@@ -97,28 +105,57 @@ class Flight {
   }
 
  private:
-  void Rate(const BodyState<T>& state, BodyState<T>& rate, double* fastest = nullptr) const {
+  void Rate(const Motion<L>& state, Motion<L>& rate, double* fastest = nullptr) const {
     dynamics_.Derivative(state, rate, fastest);
     if (!used_[kClockShare]) return;
-    for (T& x : rate) x = x * time_scale_;
+    for (std::size_t i = 0; i < rate.value.size(); ++i) {
+      if constexpr (L > 0) {
+        rate.slope[i] *= Value(time_scale_);
+        if constexpr (!std::is_same_v<P, double>)
+          rate.slope[i] += rate.value[i] * Eigen::Map<const Lanes<L>>(time_scale_.d.data());
+      }
+      rate.value[i] *= Value(time_scale_);
+    }
+  }
+
+  // The state at a stage, into trial_.
+  template <std::size_t kIndex>
+  void Advance(double step) {
+    for (std::size_t i = 0; i < 13; ++i) {
+      double& x = trial_.value[i];
+      x = state_.value[i];
+      for (std::size_t k = 0; k <= kIndex; ++k) {
+        if (kStage[kIndex][k] != 0) x += (step * kStage[kIndex][k]) * rates_[k].value[i];
+      }
+    }
+    if constexpr (L > 0) {
+      // One expression each, so that a lane is read and written once.
+      constexpr auto& a = kStage[kIndex];
+      for (std::size_t i = 0; i < 13; ++i) {
+        const auto r = [&](std::size_t k) { return (step * a[k]) * rates_[k].slope[i]; };
+        if constexpr (kIndex == 0) trial_.slope[i] = state_.slope[i] + r(0);
+        if constexpr (kIndex == 1) trial_.slope[i] = state_.slope[i] + r(0) + r(1);
+        if constexpr (kIndex == 2) trial_.slope[i] = state_.slope[i] + r(0) + r(1) + r(2);
+        if constexpr (kIndex == 3) trial_.slope[i] = state_.slope[i] + r(0) + r(1) + r(2) + r(3);
+        if constexpr (kIndex == 4) trial_.slope[i] = state_.slope[i] + r(0) + r(1) + r(2) + r(3) + r(4);
+        if constexpr (kIndex == 5) trial_.slope[i] = state_.slope[i] + r(0) + r(2) + r(3) + r(4) + r(5);
+      }
+    }
+    Rate(trial_, rates_[kIndex + 1], kIndex == 5 ? &next_fastest_ : nullptr);
   }
 
   // Error of the step as a share of the scales.
   double Try(double step) {
-    for (int stage = 0; stage < 6; ++stage) {
-      for (int i = 0; i < 13; ++i) {
-        trial_[i] = state_[i];
-        for (int k = 0; k <= stage; ++k) {
-          if (kStage[stage][k] != 0)
-            trial_[i] += (step * kStage[stage][k]) * rates_[static_cast<std::size_t>(k)][i];
-        }
-      }
-      Rate(trial_, rates_[static_cast<std::size_t>(stage) + 1], stage == 5 ? &next_fastest_ : nullptr);
-    }
+    Advance<0>(step);
+    Advance<1>(step);
+    Advance<2>(step);
+    Advance<3>(step);
+    Advance<4>(step);
+    Advance<5>(step);
     double largest = 0;
-    for (int i = 0; i < 13; ++i) {
+    for (std::size_t i = 0; i < 13; ++i) {
       double error = 0;
-      for (int k = 0; k < 7; ++k) error += kError[k] * Value(rates_[static_cast<std::size_t>(k)][i]);
+      for (std::size_t k = 0; k < 7; ++k) error += kError[k] * rates_[k].value[i];
       const double share = std::abs(step * error) / scale_[i];
       if (!std::isfinite(share)) return share;
       largest = std::max(largest, share);
@@ -126,22 +163,39 @@ class Flight {
     return largest;
   }
 
+  // With its derivatives as a dual number.
+  static BodyState<T> Full(const Motion<L>& motion) {
+    if constexpr (L == 0) {
+      return motion.value;
+    } else {
+      BodyState<T> full;
+      for (std::size_t i = 0; i < full.size(); ++i) {
+        full[i].value = motion.value[i];
+        Eigen::Map<Lanes<L>>(full[i].d.data()) = motion.slope[i];
+      }
+      return full;
+    }
+  }
+
   [[nodiscard]] std::array<T, kPoseChannels> TruePose() const {
     std::array<T, kPoseChannels> pose;
-    const Triple<T> point = Times(RotationOf(&state_[kQuaternion]), point_);
-    for (int i = 0; i < 3; ++i) pose[i] = length_scale_ * (state_[kPlace + i] + point[i]);
-    const auto q = Product(&state_[kQuaternion], turn_.data());
+    const BodyState<T> state = Full(state_);
+    const Triple<T> point = Times(RotationOf(&state[kQuaternion]), point_);
+    for (int i = 0; i < 3; ++i) pose[i] = length_scale_ * (state[kPlace + i] + point[i]);
+    const auto q = Product(&state[kQuaternion], turn_.data());
     std::copy(q.begin(), q.end(), pose.begin() + 3);
     return pose;
   }
 
   [[nodiscard]] std::array<T, kPoseChannels> PoseRate() const {
     std::array<T, kPoseChannels> rate;
-    const auto rotation = RotationOf(&state_[kQuaternion]);
-    const Triple<T> spin = Times(rotation, Triple<T>{state_[kSpin], state_[kSpin + 1], state_[kSpin + 2]});
+    const BodyState<T> state = Full(state_);
+    const BodyState<T> change = Full(rates_[0]);
+    const auto rotation = RotationOf(&state[kQuaternion]);
+    const Triple<T> spin = Times(rotation, Triple<T>{state[kSpin], state[kSpin + 1], state[kSpin + 2]});
     const Triple<T> turning = Cross(spin, Times(rotation, point_));
-    for (int i = 0; i < 3; ++i) rate[i] = length_scale_ * (rates_[0][kPlace + i] + time_scale_ * turning[i]);
-    const auto q = Product(&rates_[0][kQuaternion], turn_.data());
+    for (int i = 0; i < 3; ++i) rate[i] = length_scale_ * (change[kPlace + i] + time_scale_ * turning[i]);
+    const auto q = Product(&change[kQuaternion], turn_.data());
     std::copy(q.begin(), q.end(), rate.begin() + 3);
     return rate;
   }
@@ -166,7 +220,7 @@ class Flight {
     pose_rate_ = rate;
   }
 
-  FreeBodyDynamics<T, P> dynamics_;
+  FreeBodyDynamics<L, P> dynamics_;
   const std::array<P, kFreeBodySlots>& p_;
   const std::array<bool, kFreeBodySlots>& used_;
   const FlightLimits& limits_;
@@ -175,9 +229,9 @@ class Flight {
   std::array<P, 4> turn_;
   Triple<P> point_;
   std::array<double, 13> scale_;
-  BodyState<T> state_;
-  BodyState<T> trial_;
-  std::array<BodyState<T>, 7> rates_;
+  Motion<L> state_;
+  Motion<L> trial_;
+  std::array<Motion<L>, 7> rates_;
   std::array<T, kPoseChannels> true_pose_;
   std::array<T, kPoseChannels> pose_rate_;
   std::array<T, kPoseChannels> smoothed_;
@@ -221,6 +275,7 @@ Status Fly(const FreeBody& body, const std::array<P, kFreeBodySlots>& variables,
                             const std::vector<double>&, const FlightLimits&, std::array<T, kPoseChannels>*)
 SINEW_FLY(double, double);
 SINEW_FLY(Dual<4>, Dual<4>);
+SINEW_FLY(Dual<8>, Dual<8>);
 SINEW_FLY(Dual<12>, double);
 SINEW_FLY(Dual<16>, Dual<16>);
 #undef SINEW_FLY

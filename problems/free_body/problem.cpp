@@ -22,7 +22,7 @@ struct FreeBodyProblem::Scratch final : Problem::Workspace {
 };
 
 FreeBodyProblem::FreeBodyProblem(FreeBodyData data, ParameterList list)
-    : data_(std::move(data)), list_(std::move(list)) {
+    : data_(std::move(data)), list_(std::move(list)), known_(new FittedStarts[data_.windows.size()]) {
   std::vector<int> all;
   for (std::size_t i = 0; i < list_.parameters.size(); ++i) all.push_back(static_cast<int>(i));
   for (Block& block : data_.layout) block.columns = all;
@@ -40,8 +40,8 @@ Result<std::unique_ptr<FreeBodyProblem>> FreeBodyProblem::Make(const Dataset& da
 
 std::unique_ptr<Problem::Workspace> FreeBodyProblem::NewWorkspace() const {
   auto scratch = std::make_unique<Scratch>();
-  for (const TossWindow& window : data_.windows)
-    scratch->fits.push_back(std::make_unique<WindowFit>(data_, window));
+  for (std::size_t w = 0; w < data_.windows.size(); ++w)
+    scratch->fits.push_back(std::make_unique<WindowFit>(data_, data_.windows[w], &known_[w]));
   scratch->derivatives.resize(data_.windows.size());
   scratch->status.resize(data_.windows.size());
   return scratch;

@@ -9,8 +9,10 @@ namespace sinew {
 namespace {
 
 constexpr int kMaxIterations = 30;
-constexpr double kEnough = 1e-6;    // predicted gain, as a share of the cost
+constexpr double kEnough = 1e-7;    // predicted gain, as a share of the cost
 constexpr double kOnTheWay = 1e-3;  // the same, of a fit that only leads to the next
+constexpr double kNearly = 1e-4;    // the same, of the last of these
+constexpr double kRougher = 1e3;    // accuracy of their integrator, over that of the answer
 constexpr double kCostNoiseLevel =
     1e-4;                           // the same, where the steps of the integrator and kinks of contact show
 constexpr double kNothing = 1e-18;  // cost per residual: rounding
@@ -43,7 +45,21 @@ std::array<bool, kFreeBodySlots> FreeBodyNumbers::Used() const {
   return used;
 }
 
-WindowFit::WindowFit(const FreeBodyData& data, const TossWindow& window) : data_(data), window_(window) {
+std::optional<FlightStart> FittedStarts::Find(const Digest::Value& numbers) const {
+  const std::lock_guard lock(mutex_);
+  const auto found = starts_.find(numbers);
+  if (found == starts_.end()) return std::nullopt;
+  return found->second;
+}
+
+void FittedStarts::Keep(const Digest::Value& numbers, const FlightStart& start) {
+  const std::lock_guard lock(mutex_);
+  if (starts_.size() >= kMost) starts_.clear();
+  starts_.emplace(numbers, start);
+}
+
+WindowFit::WindowFit(const FreeBodyData& data, const TossWindow& window, FittedStarts* known)
+    : data_(data), window_(window), known_(known) {
   limits_ = FlightLimits::For(data.body, window.times.size());
   if (window.in_flight >= kMinInFlight)
     flight_.assign(window.times.begin(), window.times.begin() + window.in_flight);
@@ -52,6 +68,7 @@ WindowFit::WindowFit(const FreeBodyData& data, const TossWindow& window) : data_
   trial_poses_.resize(frames);
   flown12_.resize(frames);
   flown4_.resize(frames);
+  flown8_.resize(frames);
   flown16_.resize(frames);
   for (Vector* v : {&weight_, &residual_, &trial_residual_}) v->resize(Rows(window));
   const std::size_t half = (flight_.size() + frames) / 2;
@@ -87,27 +104,50 @@ Status WindowFit::Evaluate(const FreeBodyNumbers& numbers, const FlightStart& st
   return {};
 }
 
+void WindowFit::Accept(const FlightStart& start) {
+  start_ = start;
+  cost_ = trial_cost_;
+  poses_.swap(trial_poses_);
+  residual_.swap(trial_residual_);
+  jacobian_.swap(trial_jacobian_);
+}
+
+// A search asks for the derivatives at a point whose cost it knows.
+Status WindowFit::Fit(const FreeBodyNumbers& numbers) {
+  const Digest::Value asked = Digest().Add(numbers.value.data(), numbers.value.size()).value();
+  if (fitted_ == asked) return {};
+  fitted_.reset();
+  if (const auto start = known_ != nullptr ? known_->Find(asked) : std::nullopt) {
+    times_ = &window_.times;
+    SINEW_TRY(Evaluate(numbers, *start));
+    Accept(*start);
+  } else {
+    const Status status = FitAnew(numbers);
+    limits_.accuracy = data_.body.accuracy;
+    SINEW_TRY(status);
+    if (known_ != nullptr) known_->Keep(asked, start_);
+  }
+  fitted_ = asked;
+  return {};
+}
+
 // The flight before the first touch, where the pose is nearly linear in the state, leads to the right valley
 // of the whole window.
-Status WindowFit::Fit(const FreeBodyNumbers& numbers) {
+Status WindowFit::FitAnew(const FreeBodyNumbers& numbers) {
   start_ = window_.guess;
+  limits_.accuracy = kRougher * data_.body.accuracy;
   if (!flight_.empty()) SINEW_TRY(Search(numbers, flight_, kOnTheWay));
   SINEW_TRY(Search(numbers, half_, kOnTheWay));
+  SINEW_TRY(Search(numbers, window_.times, kNearly));
+  limits_.accuracy = data_.body.accuracy;
   return Search(numbers, window_.times, kEnough);
 }
 
 // Levenberg, Marquardt, from start_. Trial points are evaluated with derivatives, since most are accepted.
 Status WindowFit::Search(const FreeBodyNumbers& numbers, const std::vector<double>& times, double enough) {
   times_ = &times;
-  const auto accept = [this](const FlightStart& start) {
-    start_ = start;
-    cost_ = trial_cost_;
-    poses_.swap(trial_poses_);
-    residual_.swap(trial_residual_);
-    jacobian_.swap(trial_jacobian_);
-  };
   SINEW_TRY(Evaluate(numbers, start_));
-  accept(start_);
+  Accept(start_);
   double damping = kFirstDamping;
   const double least = kNothing * static_cast<double>(residual_.size());
   for (int iteration = 0; iteration < kMaxIterations && damping <= kMaxDamping && cost_ > least;
@@ -130,7 +170,7 @@ Status WindowFit::Search(const FreeBodyNumbers& numbers, const std::vector<doubl
       damping = std::max(10 * damping, 1e-4);
       continue;
     }
-    accept(next);
+    Accept(next);
     damping = std::max(0.1 * damping, kFirstDamping);
   }
   return {};
@@ -177,6 +217,8 @@ Status WindowFit::Differentiate(const FreeBodyNumbers& numbers, const std::vecto
     const std::size_t count = std::min<std::size_t>(slots.size() - first, 16);
     if (count <= 4) {
       SINEW_TRY(Pass(numbers, slots, first, count, flown4_, derivatives));
+    } else if (count <= 8) {
+      SINEW_TRY(Pass(numbers, slots, first, count, flown8_, derivatives));
     } else {
       SINEW_TRY(Pass(numbers, slots, first, count, flown16_, derivatives));
     }

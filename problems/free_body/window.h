@@ -7,8 +7,12 @@
 #pragma once
 
 #include <array>
+#include <map>
+#include <mutex>
+#include <optional>
 #include <vector>
 
+#include "base/digest.h"
 #include "base/error.h"
 #include "problems/free_body/data.h"
 
@@ -20,10 +24,25 @@ struct FreeBodyNumbers {
   [[nodiscard]] std::array<bool, kFreeBodySlots> Used() const;
 };
 
+/// States that were fitted to a window, by the numbers that they belong to: several fits of a diagnosis begin
+/// at the same point. A state follows from its numbers alone, so what is kept changes no answer. May be used
+/// from several threads.
+class FittedStarts {
+ public:
+  [[nodiscard]] std::optional<FlightStart> Find(const Digest::Value& numbers) const;
+  void Keep(const Digest::Value& numbers, const FlightStart& start);
+
+ private:
+  static constexpr std::size_t kMost = 4096;  // then it begins anew
+  mutable std::mutex mutex_;
+  std::map<Digest::Value, FlightStart> starts_;
+};
+
 /// Fits and predicts one window; one per window and thread, allocates nothing once made.
 class WindowFit {
  public:
-  WindowFit(const FreeBodyData& data, const TossWindow& window);
+  /// @param known of the same window; may be null
+  WindowFit(const FreeBodyData& data, const TossWindow& window, FittedStarts* known = nullptr);
 
   /// Errors: no prediction from the guess.
   Status Fit(const FreeBodyNumbers& numbers);
@@ -39,6 +58,8 @@ class WindowFit {
   Status Differentiate(const FreeBodyNumbers& numbers, const std::vector<int>& slots, Matrix& derivatives);
 
  private:
+  Status FitAnew(const FreeBodyNumbers& numbers);
+  void Accept(const FlightStart& start);
   Status Evaluate(const FreeBodyNumbers& numbers, const FlightStart& start);
   Status Search(const FreeBodyNumbers& numbers, const std::vector<double>& times, double enough);
   void FactoriseStates();
@@ -48,8 +69,10 @@ class WindowFit {
 
   const FreeBodyData& data_;
   const TossWindow& window_;
-  std::vector<double> flight_;  // times of the frames before the first touch; empty if too few
-  std::vector<double> half_;    // and of half of the others too
+  FittedStarts* known_;
+  std::optional<Digest::Value> fitted_;  // the numbers that all below belongs to
+  std::vector<double> flight_;           // times of the frames before the first touch; empty if too few
+  std::vector<double> half_;             // and of half of the others too
   const std::vector<double>* times_ = nullptr;  // of the frames that are compared now
   FlightLimits limits_;
   FlightStart start_;
@@ -65,6 +88,7 @@ class WindowFit {
   Matrix basis_;  // orthonormal, of the columns of jacobian_
   std::vector<std::array<Dual<12>, kPoseChannels>> flown12_;
   std::vector<std::array<Dual<4>, kPoseChannels>> flown4_;
+  std::vector<std::array<Dual<8>, kPoseChannels>> flown8_;
   std::vector<std::array<Dual<16>, kPoseChannels>> flown16_;
 };
 

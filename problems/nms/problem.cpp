@@ -18,10 +18,11 @@ struct NmsProblem::Scratch final : Problem::Workspace {
   MuscleTrace<Dual<kSomeLanes>> some;
   MuscleTrace<AllLanes> all;
   Slots slots;
-  std::vector<std::vector<Slope>> slopes;  // [muscles]
-  std::vector<int> lanes;                  // slots that move, of one muscle
-  std::vector<bool> needed;                // [muscles]
-  std::vector<double> arm;                 // of one muscle about one joint, as it is at the true angle
+  std::vector<std::vector<Slope>> slopes;        // [muscles]
+  std::vector<int> lanes;                        // slots that move, of one muscle
+  std::vector<bool> needed;                      // [muscles]
+  std::vector<std::vector<FoundLengths>> found;  // [trials][muscles]
+  std::vector<double> arm;                       // of one muscle about one joint, as it is at the true angle
 };
 
 NmsProblem::NmsProblem(NmsSettings settings, NmsData data, MuscleCurves curves)
@@ -134,7 +135,9 @@ void NmsProblem::ListSteps() {
 }
 
 std::unique_ptr<Problem::Workspace> NmsProblem::NewWorkspace() const {
-  return std::make_unique<Scratch>();
+  auto scratch = std::make_unique<Scratch>();
+  scratch->found.assign(data_.trials.size(), std::vector<FoundLengths>(data_.muscles.size()));
+  return scratch;
 }
 
 void NmsProblem::SlotsAt(const Vector& parameters, std::size_t trial, Slots& slots,
@@ -247,7 +250,8 @@ Status NmsProblem::AddMuscle(std::size_t t, int muscle, const Query& query, Scra
       lane_of[slot] = lane;
     }
   }
-  SINEW_TRY(ComputeMuscleForce(curves_, settings_.model, numbers, trial.muscles[m], trace));
+  SINEW_TRY(
+      ComputeMuscleForce(curves_, settings_.model, numbers, trial.muscles[m], trace, &scratch.found[t][m]));
   AddFibreLength(t, m, numbers[kOptimalLength], trace, query, scratch, prediction);
   const std::vector<T>& force = trace.tendon_force;
   for (std::size_t crossed = 0; crossed < data_.muscle_joints[m].size(); ++crossed) {

@@ -27,11 +27,13 @@ template <class T>
 class MuscleForce {
  public:
   MuscleForce(const MuscleCurves& curves, const MuscleModel& model, const std::array<T, kMuscleSlots>& p,
-              const MuscleSignals& signals, MuscleTrace<T>& trace)
-      : curves_(curves), model_(model), p_(p), signals_(signals), trace_(trace) {
+              const MuscleSignals& signals, MuscleTrace<T>& trace, FoundLengths* found)
+      : curves_(curves), model_(model), p_(p), signals_(signals), trace_(trace), found_(found) {
     muscle_ = {p[kOptimalLength], p[kTendonSlackLength], p[kIsometricForce], p[kStrength],
                p[kPennation],     p[kLengthChange],      p[kDamping],        p[kLargestVelocity]};
     sine_ = Sin(p[kPennation]);
+    thickness_ = p[kOptimalLength] * sine_;
+    strength_ = p[kIsometricForce] * p[kStrength];
     remembers_ = !IsAbsent(p[kEnhancement]) || !IsAbsent(p[kDepression]);
     excited_as_measured_ = IsAbsent(p[kEmgGain]) && IsAbsent(p[kEmgDrift]) && IsAbsent(p[kCoContraction]) &&
                            IsAbsent(p[kCrossTalk]);
@@ -117,7 +119,7 @@ class MuscleForce {
     }
   }
 
-  void PullAt(const std::vector<T>& lengths, const std::vector<T>& velocities) {
+  void PullAll(const std::vector<T>& lengths, const std::vector<T>& velocities) {
     ForceHistory<T> history(p_[kEnhancement], p_[kDepression]);
     for (std::size_t i = 0; i < frames(); ++i) {
       if (remembers_) {
@@ -126,8 +128,24 @@ class MuscleForce {
       }
       trace_.fibre_length[i] = lengths[i];
       trace_.fibre_velocity[i] = velocities[i];
-      trace_.tendon_force[i] = FibreForce(curves_, muscle_, lengths[i], velocities[i], trace_.activation[i]) *
-                               PennationCosine(muscle_, sine_, lengths[i]);
+      trace_.tendon_force[i] = AlongTendon(lengths[i], velocities[i], trace_.activation[i]);
+    }
+  }
+
+  // Force of the fibre along the tendon [N].
+  T AlongTendon(const T& length, const T& velocity, const T& activation) const {
+    if constexpr (std::is_same_v<T, double>) {
+      return FibreForce(curves_, muscle_, length, velocity, activation) *
+             PennationCosine(muscle_, sine_, length);
+    } else {
+      const Pull by =
+          PullAt(curves_, Plain(muscle_), sine_.value, length.value, velocity.value, activation.value);
+      T force(by.value);
+      for (std::size_t i = 0; i < force.d.size(); ++i) {
+        force.d[i] = by.length * length.d[i] + by.velocity * velocity.d[i] + by.activation * activation.d[i] +
+                     ByMuscle(by, muscle_, thickness_, strength_, i);
+      }
+      return force;
     }
   }
 
@@ -135,7 +153,7 @@ class MuscleForce {
     std::vector<T> lengths(frames());
     for (std::size_t i = 0; i < frames(); ++i) lengths[i] = RigidFibreLength(muscle_, sine_, length_[i]);
     if (model_.as_ceinms) {
-      PullAt(lengths, SplineSlopes(signals_.time, lengths));
+      PullAll(lengths, SplineSlopes(signals_.time, lengths));
     } else {
       // Along the tendon the fibre is as fast as the unit.
       std::vector<T> velocities(frames());
@@ -147,7 +165,7 @@ class MuscleForce {
       }
       for (std::size_t i = 0; i < frames(); ++i)
         velocities[i] = velocities[i] * PennationCosine(muscle_, sine_, lengths[i]);
-      PullAt(lengths, velocities);
+      PullAll(lengths, velocities);
     }
     if (IsAbsent(p_[kTendonCompliance])) return {};
     muscle_.active_gain = 1.0;
@@ -165,7 +183,21 @@ class MuscleForce {
     return velocity;
   }
 
-  Status Equilibrate(const std::vector<T>& activation, std::vector<T>& lengths) {
+  // Whether the lengths of all passes are known for these parameters; if not, they are forgotten.
+  bool KnowsLengths(std::size_t passes) {
+    if (found_ == nullptr) return false;
+    bool known = true;
+    for (std::size_t i = 0; i < kMuscleSlots; ++i) known = known && found_->parameters[i] == Value(p_[i]);
+    for (std::size_t pass = 0; pass < passes; ++pass)
+      known = known && found_->lengths[pass].size() == frames();
+    if (known) return true;
+    for (std::size_t i = 0; i < kMuscleSlots; ++i) found_->parameters[i] = Value(p_[i]);
+    for (auto& lengths : found_->lengths) lengths.clear();
+    return false;
+  }
+
+  Status Equilibrate(const std::vector<T>& activation, bool known, std::size_t pass,
+                     std::vector<T>& lengths) {
     const bool prepared = signals_.end_weights != nullptr;
     const std::vector<double> own = prepared ? std::vector<double>() : SplineEndWeights(signals_.time);
     const double* weights = prepared ? signals_.end_weights->data() : own.data();
@@ -173,27 +205,41 @@ class MuscleForce {
     EquilibriumSearch<T> search(curves_, muscle_);
     double guess = 0;
     for (std::size_t i = 0; i < frames(); ++i) {
+      if constexpr (std::is_same_v<T, double>) {
+        if (known) {
+          lengths = found_->lengths[pass];
+          return {};
+        }
+      }
       const auto velocity = VelocityAtEnd(weights + i * kSplinePoints, lengths, i);
+      if (known) {
+        lengths[i] = search.Known(found_->lengths[pass][i], length_[i], activation[i], velocity);
+        continue;
+      }
       auto length = search.Length(length_[i], activation[i], velocity, guess);
       if (!length) return Fail("t = {:.4g} s: {}", signals_.time[i], length.error().message);
       lengths[i] = *length;
       guess = Value(*length);
+    }
+    if (found_ != nullptr && !known) {
+      for (const T& length : lengths) found_->lengths[pass].push_back(Value(length));
     }
     return {};
   }
 
   Status InEquilibrium() {
     std::vector<T> lengths;
-    SINEW_TRY(Equilibrate(trace_.activation, lengths));
+    const bool known = KnowsLengths(model_.as_ceinms ? 2 : 1);
+    SINEW_TRY(Equilibrate(trace_.activation, known, 0, lengths));
     if (!model_.as_ceinms) {
-      PullAt(lengths, SplineSlopes(signals_.time, lengths));
+      PullAll(lengths, SplineSlopes(signals_.time, lengths));
       return {};
     }
     std::vector<T> other_activation(frames());
     std::vector<T> other_lengths;
     FilterAsCeinms(true, other_activation);
-    SINEW_TRY(Equilibrate(other_activation, other_lengths));
-    PullAt(lengths, SplineSlopes(signals_.time, other_lengths));
+    SINEW_TRY(Equilibrate(other_activation, known, 1, other_lengths));
+    PullAll(lengths, SplineSlopes(signals_.time, other_lengths));
     return {};
   }
 
@@ -218,8 +264,11 @@ class MuscleForce {
   const std::array<T, kMuscleSlots>& p_;
   const MuscleSignals& signals_;
   MuscleTrace<T>& trace_;
+  FoundLengths* found_;
   HillMuscle<T> muscle_;
   T sine_{0.0};
+  T thickness_{0.0};
+  T strength_{0.0};
   bool remembers_ = false;
   bool excited_as_measured_ = true;
   bool turned_ = false;    // a joint's angle was not as measured
@@ -232,14 +281,14 @@ class MuscleForce {
 template <class T>
 Status ComputeMuscleForce(const MuscleCurves& curves, const MuscleModel& model,
                           const std::array<T, kMuscleSlots>& parameters, const MuscleSignals& signals,
-                          MuscleTrace<T>& trace) {
-  return MuscleForce<T>(curves, model, parameters, signals, trace).Compute();
+                          MuscleTrace<T>& trace, FoundLengths* found) {
+  return MuscleForce<T>(curves, model, parameters, signals, trace, found).Compute();
 }
 
 #define SINEW_MUSCLE_FORCE(T)                                                                     \
   template Status ComputeMuscleForce<T>(const MuscleCurves&, const MuscleModel&,                  \
                                         const std::array<T, kMuscleSlots>&, const MuscleSignals&, \
-                                        MuscleTrace<T>&)
+                                        MuscleTrace<T>&, FoundLengths*)
 SINEW_MUSCLE_FORCE(double);
 SINEW_MUSCLE_FORCE(Dual<kFewLanes>);
 SINEW_MUSCLE_FORCE(Dual<kSomeLanes>);

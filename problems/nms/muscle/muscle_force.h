@@ -91,15 +91,23 @@ struct MuscleTrace {
   std::vector<T> tendon_force;    ///< [N, N]; of a rigid tendon the fibre's force along it
 };
 
+/// Fibre lengths in equilibrium of one muscle and trial, of the parameters that they were found for: where
+/// the same are asked again, with derivatives, nothing is searched. One per workspace.
+struct FoundLengths {
+  std::array<double, kMuscleSlots> parameters{};
+  std::array<std::vector<double>, 2> lengths;  ///< [passes][N, m]; empty: none
+};
+
 /// What few parameters move needs few derivatives: Dual<N> for these N.
 constexpr int kFewLanes = 4;
 constexpr int kSomeLanes = 8;
 
 /// Instantiated for double, Dual<kFewLanes>, Dual<kSomeLanes> and Dual<kMuscleSlots>.
-/// Errors: no equilibrium of fibre and tendon, with the time.
+/// @param found of the same muscle and trial; may be null. Errors: no equilibrium of fibre and tendon, with
+/// the time.
 template <class T>
 Status ComputeMuscleForce(const MuscleCurves& curves, const MuscleModel& model,
                           const std::array<T, kMuscleSlots>& parameters, const MuscleSignals& signals,
-                          MuscleTrace<T>& trace);
+                          MuscleTrace<T>& trace, FoundLengths* found = nullptr);
 
 }  // namespace sinew

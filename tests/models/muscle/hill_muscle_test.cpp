@@ -75,5 +75,35 @@ TEST(HillMuscleTest, DerivativesAreThoseOfDifferences) {
   }
 }
 
+// Short, long, slack and fast fibres, one that stands nearly across the tendon, and one without pennation.
+TEST(HillMuscleTest, PartialDerivativesOfThePullAreThoseOfDualNumbers) {
+  constexpr int kLanes = 11;
+  using T = Dual<kLanes>;
+  for (const double length : {0.012, 0.03, 0.055, 0.08}) {
+    for (const double velocity : {-0.3, -0.01, 0.0, 0.2}) {
+      for (const double pennation : {0.0, 0.436, 1.2}) {
+        const std::array<double, kLanes> at{0.05, pennation, 3549,   1.1,      0.15, 0.1,
+                                            10,   1.2,       length, velocity, 0.6};
+        std::array<T, kLanes> p;
+        for (int i = 0; i < kLanes; ++i) p[i] = T::Variable(at[static_cast<std::size_t>(i)], i);
+        HillMuscle<T> muscle{p[0], T(0.25), p[2], p[3], p[1], p[4], p[5], p[6]};
+        muscle.active_gain = p[7];
+        const T sine = Sin(p[1]);
+        const T exact = FibreForce(Curves(), muscle, p[8], p[9], p[10]) * PennationCosine(muscle, sine, p[8]);
+        const Pull by = PullAt(Curves(), Plain(muscle), sine.value, length, velocity, 0.6);
+        EXPECT_EQ(by.value, exact.value);
+        const T thickness = p[0] * sine;
+        const T strength = p[2] * p[3];
+        for (std::size_t i = 0; i < kLanes; ++i) {
+          const double slope = by.length * p[8].d[i] + by.velocity * p[9].d[i] + by.activation * p[10].d[i] +
+                               ByMuscle(by, muscle, thickness, strength, i);
+          EXPECT_NEAR(slope, exact.d[i], 1e-12 * std::max(std::abs(exact.d[i]), std::abs(exact.value)))
+              << length << " " << velocity << " " << pennation << " " << i;
+        }
+      }
+    }
+  }
+}
+
 }  // namespace
 }  // namespace sinew
