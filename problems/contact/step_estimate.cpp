@@ -107,8 +107,9 @@ double CostOf(const Vector& residual, const Vector& moved, double share, double 
   return 0.5 * share * share * residual.squaredNorm() + 0.5 * moved.squaredNorm() / (spread * spread);
 }
 
-// Of the stance's own weights, those that its fitted channels determine rather than the prior [0 .. weights].
-double DeterminedWeights(const ContactProblem& problem, const Stance& stance, const StepModel& model) {
+// Of the variance that the prior gives a stance's own curves, in units of each and summed over curves and
+// instants, the part that its fitted channels determine.
+double DeterminedVariance(const ContactProblem& problem, const Stance& stance, const StepModel& model) {
   Matrix precision = Matrix::Identity(model.weights(), model.weights());
   for (std::size_t c = 0; c < kChannels; ++c) {
     const Block& block = problem.layout()[static_cast<std::size_t>(stance.blocks[c])];
@@ -118,8 +119,17 @@ double DeterminedWeights(const ContactProblem& problem, const Stance& stance, co
       rows.row(static_cast<Eigen::Index>(i)) = block.WeightOf(i) * model.Derivatives(c).row(block.sample[i]);
     precision += rows.transpose() * rows;
   }
-  const Matrix covariance = precision.llt().solve(Matrix::Identity(model.weights(), model.weights()));
-  return model.weights() - covariance.trace();
+  const Matrix known = Matrix::Identity(model.weights(), model.weights()) -
+                       precision.llt().solve(Matrix::Identity(model.weights(), model.weights()));
+  double determined = 0;
+  const StanceMotionErrors& errors = stance.motion_errors;
+  for (std::size_t i = static_cast<std::size_t>(errors.own); i < errors.terms.size(); ++i) {
+    const PoseTerm& term = errors.terms[i];
+    const Eigen::Index first = term.first - errors.OwnRange()[0];
+    const Matrix of_curve = known.block(first, first, term.weights(), term.weights());
+    determined += (term.basis.value * of_curve).cwiseProduct(term.basis.value).sum();
+  }
+  return determined;
 }
 
 }  // namespace
@@ -209,14 +219,19 @@ double SpreadOfSteps(const ContactProblem& problem, const std::vector<const Stan
   for (const Stance* stance : fitted) {
     StepModel model(problem, *stance);
     if (!model.Predict(parameters)) continue;
-    determined += DeterminedWeights(problem, *stance, model);
+    determined += DeterminedVariance(problem, *stance, model);
     std::vector<const Stance*> others;
     for (const Stance* other : fitted) {
       if (other != stance) others.push_back(other);
     }
     Vector mean = parameters;
     SetMeanDeviation(others, *stance, mean);
-    squares += (parameters - mean).squaredNorm();
+    const StanceMotionErrors& errors = stance->motion_errors;
+    for (std::size_t i = static_cast<std::size_t>(errors.own); i < errors.terms.size(); ++i) {
+      const PoseTerm& term = errors.terms[i];
+      const Vector apart = (parameters - mean).segment(term.first, term.weights());
+      squares += (term.basis.value * apart).squaredNorm();
+    }
   }
   if (!(determined > 0)) return std::sqrt(of_new_step);
   const double left_out = 1 + 1 / (steps - 1);  // what a step and the mean of the others vary together

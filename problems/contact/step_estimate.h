@@ -35,10 +35,12 @@ struct StepEstimate {
 Result<StepEstimate> EstimateStep(const ContactProblem& problem, const Stance& stance,
                                   const Vector& parameters, double spread, const std::vector<LoadRow>& rows);
 
-/// Standard deviation of a weight of a new stance's own deviation about the mean of the fitted ones, in units
-/// of its prior. Of one fitted stance nothing is known but the prior: the root of 2, since both deviate. Of
-/// several, from how much each differs from the mean of the others, over the number of weights that its plate
-/// determines (the evidence approximation: MacKay 1992, Neural Comput. 4:415), at least a twentieth.
+/// Standard deviation of a new stance's own deviation about the mean of the fitted ones, in units of its
+/// prior. Of one fitted stance nothing is known but the prior: the root of 2, since both deviate. Of several,
+/// from how much the curves of each differ from the mean of the others, over the variance that its plate
+/// determines (the evidence approximation: MacKay 1992, Neural Comput. 4:415), at least a twentieth. Curves
+/// and not their weights are compared: real errors are slower than the prior allows, and most weights belong
+/// to fast ones.
 [[nodiscard]] double SpreadOfSteps(const ContactProblem& problem, const std::vector<const Stance*>& fitted,
                                    const Vector& parameters);
 

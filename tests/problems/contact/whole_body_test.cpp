@@ -203,7 +203,7 @@ TEST(StepEstimate, TheSpreadOfStepsIsFoundFromSeveralOfThem) {
     }
     const double spread = SpreadOfSteps(*problem, stances, parameters);
     EXPECT_GT(spread, 5 * before);  // the ratio of 6, whatever share of the weights the plates determine
-    EXPECT_GT(spread, size);        // every weight deviates, also those that no plate determines
+    EXPECT_GT(spread, size);        // all curves deviate, also where no plate determines them
     before = spread;
   }
 }
