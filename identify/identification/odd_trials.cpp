@@ -23,11 +23,7 @@ constexpr double kOdd = 4;  // the same, left out. Of seven measured data sets n
 constexpr double kLongestLag = 0.3;     // [s] and
 constexpr double kLongestShare = 0.15;  // of the trial, that a measurement may be late
 constexpr int kLeastLag = 3;            // [samples]
-// Of the error that is left in step, at most: where it is less the shift alone tells; where more, as beside
-// another error of the model, only if the same shift makes every other trial worse.
-constexpr double kLateOfError = 0.5;
-constexpr double kLateBesideErrors = 0.8;
-constexpr double kWorseShifted = 1.25;  // times the error as it is
+constexpr double kLateOfError = 0.5;    // of the error that is left in step, at most
 constexpr double kLagOfOthers = 0.35;   // of the lag, that others may be out of step
 constexpr double kLeastShare = 0.02;    // of what the channel varies by: less harms no fit
 constexpr double kTolerance = 1e-6;     // of the cost, of a refit
@@ -37,11 +33,9 @@ constexpr long kMostEvaluations = 40;   // of a refit
 struct Errors {
   double rmse = 0;
   double relative = 0;
-  double late = 0;              // [s] shift of the prediction that fits best
-  double least = 0;             // [s] smallest shift that would be told
-  double in_step = 0;           // rmse after that shift, over the samples that shifts reach, and
-  double as_it_is = 0;          // without a shift
-  std::vector<double> shifted;  // the same for shifts of least / kLeastLag [s], from the most negative
+  double late = 0;     // [s] shift of the prediction that fits best
+  double least = 0;    // [s] smallest shift that would be told
+  double in_step = 0;  // rmse after that shift
 };
 using ErrorsOfTrials = std::map<std::string, std::map<std::string, Errors>>;  // by channel, trial
 
@@ -86,25 +80,16 @@ void FindShift(const Block& block, const Vector& values, Errors& errors) {
   const double longest = std::min(kLongestLag, kLongestShare * duration);
   errors.least = kLeastLag * step;
   errors.in_step = INFINITY;
-  const int most = static_cast<int>(longest / step);
-  for (int k = -most; k <= most; ++k) {
+  double unshifted = 0;
+  for (int k = -static_cast<int>(longest / step); k * step <= longest; ++k) {
     const double error = ErrorShifted(block, values, k * step, longest);
-    errors.shifted.push_back(error);
-    if (k == 0) errors.as_it_is = error;
+    if (k == 0) unshifted = error;
     if (error < errors.in_step) {
       errors.in_step = error;
       errors.late = k * step;
     }
   }
-  if (errors.in_step > kLateBesideErrors * errors.as_it_is) errors.late = 0;
-}
-
-// By what factor a shift [s] of the prediction changes the error of a trial.
-double ChangedBy(double shift, const Errors& of) {
-  if (of.shifted.empty() || !(of.as_it_is > 0)) return 1;
-  const auto middle = static_cast<int>(of.shifted.size()) / 2;
-  const int k = static_cast<int>(std::lround(shift * kLeastLag / of.least));
-  return of.shifted[static_cast<std::size_t>(std::clamp(middle + k, 0, 2 * middle))] / of.as_it_is;
+  if (errors.in_step > kLateOfError * unshifted) errors.late = 0;
 }
 
 Result<ErrorsOfTrials> ErrorsAt(const Problem& problem, const Vector& parameters,
@@ -171,14 +156,10 @@ Oddest LatestOf(const ErrorsOfTrials& errors, const std::string& only) {
       const double ratio = std::abs(here.late) / here.least;
       if (ratio < 1 || ratio <= latest.ratio) continue;
       double others = 0;
-      double least_change = INFINITY;
       for (const auto& [other, there] : of) {
-        if (other == trial) continue;
-        others = std::max(others, std::abs(there.late));
-        least_change = std::min(least_change, ChangedBy(here.late, there));
+        if (other != trial) others = std::max(others, std::abs(there.late));
       }
       if (others > kLagOfOthers * std::abs(here.late)) continue;
-      if (here.in_step > kLateOfError * here.as_it_is && least_change < kWorseShifted) continue;
       latest = {{trial, channel, "", here.rmse, here.in_step, static_cast<int>(of.size()), here.late}, ratio};
     }
   }

@@ -94,7 +94,7 @@ class StrappedFootRun {
         for (const T* fixed : {&m.isometric_force, &m.pennation, &m.length_change, &m.damping,
                                &m.largest_velocity, &m.compliance})
           SINEW_ASSERT(HasNoDerivative(*fixed), "a muscle's property whose derivative is not followed");
-        plain_muscles_.push_back(elastic_tendon::Plain(m));
+        plain_muscles_.push_back(sinew::Plain(m));
         varies_.push_back({true, true, !HasNoDerivative(m.strength), !HasNoDerivative(m.tendon_slack_length),
                            !HasNoDerivative(m.optimal_length), foot.remembers});
       }

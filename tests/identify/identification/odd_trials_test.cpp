@@ -87,44 +87,6 @@ TEST(OddTrialsTest, ATrialThatIsOutOfStepIsFoundWithItsDelay) {
   }
 }
 
-// y = rate sin(5 t + phase), sampled at 50 Hz; the model lacks a wave of another frequency that every trial
-// has.
-toy::ToyProblem TrialsWithAnError(double error, const Factors& late) {
-  Layout layout;
-  for (int k = 0; k < 5; ++k) {
-    layout.push_back(toy::MakeBlock(std::string(1, static_cast<char>('a' + k)), "y", 200, 200));
-    for (std::size_t i = 0; i < 200; ++i) layout.back().prediction_time[i] = 0.02 * static_cast<double>(i);
-  }
-  const auto shape = [](const Block& block, double t) { return std::sin(5 * t + block.trial[0]); };
-  toy::ToyProblem problem(
-      {toy::MakeParameter("rate", -10, 10, 1)}, std::move(layout),
-      [=](const Block& block, double t, const Vector& p, Vector* gradient) -> Result<double> {
-        if (gradient != nullptr) (*gradient)[0] = shape(block, t);
-        return p[0] * shape(block, t);
-      });
-  problem.Measure(toy::Values({kRate}), [&](const Block& block, int i) {
-    const auto found = late.find(block.trial);
-    const double by = found == late.end() ? 0 : found->second;
-    const double t = block.prediction_time[static_cast<std::size_t>(i)];
-    return kRate * (shape(block, t - by) - shape(block, t)) +
-           error * std::cos(13 * (t - by) + 2 * block.trial[0]);
-  });
-  return problem;
-}
-
-// What the model lacks is as large as what the delay changes: the shift leaves two thirds of the error, but
-// makes every other trial worse.
-TEST(OddTrialsTest, ADelayBesideAnErrorOfTheModelIsFound) {
-  for (const double late : {0.1, -0.1}) {
-    const auto found = Found(TrialsWithAnError(0.8, {{"d", late}}));
-    ASSERT_EQ(found.size(), 1U) << late;
-    EXPECT_EQ(found[0].trial, "d");
-    EXPECT_NEAR(found[0].late, late, 0.02);
-  }
-  EXPECT_TRUE(Found(TrialsWithAnError(0.8, {})).empty());
-  EXPECT_TRUE(Found(TrialsWithAnError(3, {})).empty());
-}
-
 TEST(OddTrialsTest, TwoOfSixAreFoundTheWorseOneFirst) {
   const auto found = Found(Trials(6, {{"b", -0.5}, {"e", -2}}));
   ASSERT_EQ(found.size(), 2U);

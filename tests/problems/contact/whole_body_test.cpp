@@ -181,8 +181,12 @@ TEST(WholeBody, SharedErrorsOfTheMotionAreLearnt) {
     const auto estimated = problem->ImprovedStart(free, fitted, TrueParameters(*problem));
     ASSERT_TRUE(estimated);
     const double error = Error(CompareAlternatives(*problem, *estimated), kByMotion, "vertical force");
-    if (share == 1) EXPECT_LT(error, 5.7) << "a tenth of the robot's weight";
-    if (share == 0) EXPECT_GT(error, 2 * before);
+    if (share == 1) {
+      EXPECT_LT(error, 5.7) << "a tenth of the robot's weight";
+    }
+    if (share == 0) {
+      EXPECT_GT(error, 2 * before);
+    }
     before = error;
   }
 }
