@@ -114,6 +114,13 @@ std::mutex& Hdf5Mutex() {
 
 Result<std::string> TryInOwnProcess(const std::string& path, const std::string& library, std::size_t memory,
                                     const std::function<Result<std::string>()>& work) {
+#ifdef SINEW_READ_IN_THIS_PROCESS  // fuzzers of tests/fuzz: what a process of its own would hide is to be
+                                   // seen
+  static_cast<void>(memory);
+  static_cast<void>(library);
+  static_cast<void>(path);
+  return work();
+#endif
   int ends[2] = {-1, -1};
   if (pipe2(ends, O_CLOEXEC) != 0) return Fail("{}: cannot be checked: too many files are open", path);
   const pid_t child = fork();

@@ -17,6 +17,10 @@ namespace sinew {
 namespace {
 
 constexpr std::size_t kValuesPerNode = 64;  // values that a group or dataset itself counts as, for its memory
+// What the trial of a file may take: libhdf5's buffers, and some copies of all values that the file can hold.
+// A text of a megabyte to which a million texts refer would take all memory.
+constexpr std::size_t kTrialMemory = std::size_t{1} << 28;  // [bytes]
+constexpr std::size_t kTrialMemoryPerValue = 3 * sizeof(double);
 constexpr std::size_t kImageGrowth = std::size_t{1} << 20;  // [bytes] by which a file grows while it is made
 
 // Closes an HDF5 identifier at the end of its scope.
@@ -157,6 +161,20 @@ Status ReserveValues(std::size_t values, const std::string& where, std::size_t& 
   return {};
 }
 
+// Texts of variable length lie in the file once, uncompressed; many references to one would multiply it. (Of
+// a scalar there is one, and libhdf5 1.10 writes beyond its memory when it is asked for the size of that.)
+Status CheckTextSize(hid_t dataset, hid_t type, hid_t space, const Extent& extent, const std::string& where) {
+  if (extent.shape.empty() || extent.count == 0 || H5Tis_variable_str(type) <= 0) return {};
+  hsize_t needed = 0;
+  hsize_t bytes = 0;
+  const Handle file(H5Iget_file_id(dataset), H5Fclose);
+  if (!file || H5Fget_filesize(file.get(), &bytes) < 0 ||
+      H5Dvlen_get_buf_size(dataset, type, space, &needed) < 0)
+    return Fail("{}: its text cannot be read", where);
+  if (needed > bytes + extent.count) return Fail("{}: announces more text than the file can hold", where);
+  return {};
+}
+
 Status ReadDataset(hid_t dataset, const std::string& where, std::size_t& room, Hdf5Node& node) {
   SINEW_TRY(RefuseStorageInOtherFile(dataset, where));
   const Handle type(H5Dget_type(dataset), H5Tclose);
@@ -175,6 +193,7 @@ Status ReadDataset(hid_t dataset, const std::string& where, std::size_t& room, H
       return {};
     }
     case H5T_STRING: {
+      SINEW_TRY(CheckTextSize(dataset, type.get(), space.get(), extent, where));
       auto read = [&](hid_t memory_type, void* buffer) {
         return H5Dread(dataset, memory_type, H5S_ALL, H5S_ALL, H5P_DEFAULT, buffer);
       };
@@ -394,7 +413,10 @@ Result<Hdf5Node> ReadHdf5(const std::string& path) {
     SINEW_TRY(ReadTree(path));
     return std::string();
   };
-  SINEW_TRY(TryInOwnProcess(path, "HDF5", 0, read));
+  const std::size_t bytes = std::filesystem::file_size(path, code);
+  if (code) return Fail("{}: cannot be read: {}", path, code.message());
+  const std::size_t memory = kTrialMemory + kTrialMemoryPerValue * MostValues(bytes);
+  SINEW_TRY(TryInOwnProcess(path, "HDF5", memory, read));
   return ReadTree(path);
 }
 

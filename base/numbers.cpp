@@ -22,4 +22,10 @@ std::string Readable(double value, int digits) {
   return text.substr(0, at) + "e" + (negative ? "-" : "") + power;
 }
 
+std::optional<long> WholeNumber(double value) {
+  constexpr double kLargest = 9007199254740992.0;
+  if (!(std::abs(value) <= kLargest) || std::floor(value) != value) return std::nullopt;
+  return static_cast<long>(value);
+}
+
 }  // namespace sinew

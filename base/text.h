@@ -32,7 +32,8 @@ std::vector<std::string_view> SplitBlanks(Text&& text) = delete;
 [[nodiscard]] std::string Join(const std::vector<std::string>& parts, std::string_view separator);
 [[nodiscard]] std::string Lowercase(std::string_view text);
 
-/// The closest candidate (fewest edits, at most a third of the letters), or nothing.
+/// The closest candidate (fewest edits, at most a third of the letters), or nothing. Texts of more than 400
+/// bytes are like nothing but themselves.
 [[nodiscard]] std::optional<std::string> ClosestName(std::string_view name,
                                                      const std::vector<std::string>& candidates);
 

@@ -1,4 +1,4 @@
-// How much a binary file may announce before its header is taken for damaged.
+// How much a file may hold or announce before it is taken for damaged.
 #pragma once
 
 #include <algorithm>
@@ -7,7 +7,10 @@
 namespace sinew {
 
 constexpr std::size_t kMaxValues = std::size_t{1} << 28;  ///< 2 GiB of doubles
-constexpr int kDeepestNesting = 32;                       ///< of groups, structs or cells
+constexpr std::size_t kMostColumns = 20000;  ///< of a table of text, and channels of an import map
+constexpr std::size_t kMostXml = std::size_t{1}
+                                 << 26U;  ///< [bytes] pugixml takes twenty times as much at worst
+constexpr int kDeepestNesting = 32;       ///< of groups, structs or cells
 
 /// The most values that a file of this size can hold: deflate compresses at most 1032 to 1, and a value has
 /// at least one byte; values that are not stored have an allowance.

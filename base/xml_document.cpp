@@ -4,6 +4,7 @@
 #include <cmath>
 
 #include "base/text.h"
+#include "base/value_limits.h"
 
 namespace sinew {
 namespace {
@@ -18,6 +19,8 @@ std::string WithBlanks(std::string text) {
 }  // namespace
 
 Result<XmlDocument> XmlDocument::Parse(std::string_view text, std::string file_name) {
+  if (text.size() > kMostXml)
+    return Fail("{}: has {} bytes, expected at most {}", file_name, text.size(), kMostXml);
   XmlDocument xml;
   xml.file_name_ = std::move(file_name);
   for (std::size_t i = 0; i < text.size(); ++i) {

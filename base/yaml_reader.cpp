@@ -5,40 +5,22 @@
 #include <algorithm>
 #include <cmath>
 
+#include "base/printable.h"
 #include "base/text.h"
+#include "base/yaml_limits.h"
 
 namespace sinew {
-namespace {
-
-constexpr std::size_t kMaxNested = 200;  // yaml-cpp recurses once per bracket
-
-// The deepest possible nesting of flow and block collections, without parsing.
-bool NestsTooDeep(const std::string& text) {
-  std::size_t depth = 0;
-  std::size_t dashes = 0;
-  for (const char c : text) {
-    if (c == '[' || c == '{') ++depth;
-    if ((c == ']' || c == '}') && depth > 0) --depth;
-    if (c == '\n') dashes = 0;
-    if (c == '-' || c == '?') ++dashes;
-    if (depth > kMaxNested || dashes > 10 * kMaxNested) return true;
-  }
-  return false;
-}
-
-}  // namespace
-
 YamlReader::YamlReader(std::shared_ptr<const YAML::Node> node, std::string file, std::string path, long line)
     : node_(std::move(node)), file_(std::move(file)), path_(std::move(path)), line_(line) {}
 
 Result<YamlReader> YamlReader::Parse(const std::string& text, const std::string& file) {
-  if (NestsTooDeep(text)) return FailAt(file, 1, "nests deeper than {} levels", kMaxNested);
   try {
+    SINEW_TRY(CheckYamlLimits(text, file));
     YAML::Node node = YAML::Load(text);
     if (node.IsNull()) node = YAML::Node(YAML::NodeType::Map);
     return YamlReader(std::make_shared<const YAML::Node>(node), file, "", 1);
   } catch (const YAML::Exception& exception) {
-    return FailAt(file, exception.mark.line + 1, "is not YAML: {}", exception.msg);
+    return FailAt(file, exception.mark.line + 1, "is not YAML: {}", PrintableLine(exception.msg));
   } catch (const std::exception& exception) {
     return FailAt(file, 1, "is not YAML: {}", exception.what());
   }

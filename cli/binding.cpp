@@ -77,6 +77,19 @@ Result<std::pair<std::string, double>> ParseAssignment(const std::string& option
   return std::pair{text.substr(0, at), *value};
 }
 
+Result<std::pair<std::string, std::map<std::string, double>>> ParseEffect(const std::string& text) {
+  const auto at = text.find(':');
+  std::map<std::string, double> parameters;
+  if (at != std::string::npos) {
+    for (const auto part : Split(std::string_view(text).substr(at + 1), ',')) {
+      SINEW_ASSIGN(const auto assignment, ParseAssignment("--effect", std::string(part)));
+      if (!parameters.insert(assignment).second)
+        return Fail("--effect {}: '{}' is given twice", text.substr(0, at), assignment.first);
+    }
+  }
+  return std::pair{text.substr(0, at), parameters};
+}
+
 Result<FitRequest> FitOptions::Request() const {
   FitRequest request;
   request.free = free;

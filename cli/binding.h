@@ -3,6 +3,7 @@
 #pragma once
 
 #include <functional>
+#include <map>
 #include <memory>
 #include <optional>
 #include <string>
@@ -75,5 +76,9 @@ Result<Binding> Bind(const BindingOptions& options,
 
 /// "NAME=VALUE". Errors say what was expected of which option.
 Result<std::pair<std::string, double>> ParseAssignment(const std::string& option, const std::string& text);
+
+/// "NAME" or "NAME:PARAM=VALUE,PARAM=VALUE", a word of --effect. Errors: also a parameter that is given
+/// twice.
+Result<std::pair<std::string, std::map<std::string, double>>> ParseEffect(const std::string& text);
 
 }  // namespace sinew

@@ -95,6 +95,20 @@ run_preset() {
   cmake --build --preset "$1"
 }
 
+# The tests in which several threads work: those of the executor and of what is given to it, and commands with --threads 2.
+run_thread_sanitizer() {
+  configure tsan
+  cmake --build --preset tsan
+  ctest --preset tsan -j "$(nproc)" --output-on-failure
+}
+
+# A few seconds for every reader: what a change has broken at once. tests/fuzz/README.md has the long runs.
+run_fuzzers() {
+  configure fuzz
+  cmake --build --preset fuzz
+  /usr/bin/python3 tests/fuzz/run.py --seconds 5
+}
+
 check_format() {
   local files
   if ! command -v clang-format-14 >/dev/null; then

@@ -1,5 +1,4 @@
 // sinew data synthesize: generates a synthetic data set.
-#include "base/text.h"
 #include "cli/binding.h"
 #include "cli/command_files.h"
 #include "cli/data/data_commands.h"
@@ -20,20 +19,6 @@ struct SynthesizeWords {
   std::string json;
   std::optional<double> noise;
 };
-
-// "NAME" or "NAME:PARAM=VALUE,PARAM=VALUE"
-Result<std::pair<std::string, std::map<std::string, double>>> ParseEffect(const std::string& text) {
-  const auto at = text.find(':');
-  std::map<std::string, double> parameters;
-  if (at != std::string::npos) {
-    for (const auto part : Split(std::string_view(text).substr(at + 1), ',')) {
-      SINEW_ASSIGN(const auto assignment, ParseAssignment("--effect", std::string(part)));
-      if (!parameters.insert(assignment).second)
-        return Fail("--effect {}: '{}' is given twice", text.substr(0, at), assignment.first);
-    }
-  }
-  return std::pair{text.substr(0, at), parameters};
-}
 
 Result<int> Synthesize(const SynthesizeWords& words) {
   const auto limit = words.work.LimitThreads();

@@ -5,6 +5,7 @@
 #include <limits>
 
 #include "base/text.h"
+#include "base/value_limits.h"
 #include "datasets/io/cells.h"
 #include "datasets/io/text_file.h"
 
@@ -85,6 +86,9 @@ class CsvParser {
                     [](const auto& name) { return ParseNumber(name).has_value(); })) {
       return FailAt(file_, lines_.number(), "holds numbers, expected the names of the columns");
     }
+    if (names.size() > kMostColumns)
+      return FailAt(file_, lines_.number(), "names {} columns, expected at most {}", names.size(),
+                    kMostColumns);
     for (const std::string& name : names) {
       CsvColumn column;
       column.name = name;

@@ -183,30 +183,6 @@ Status ReadRootAttributes(const Hdf5Node& root, Dataset& dataset) {
   return {};
 }
 
-Result<Dataset> FromTree(const Hdf5Node& root) {
-  Dataset dataset;
-  SINEW_TRY(ReadRootAttributes(root, dataset));
-  SINEW_TRY(CheckChildren(root, "/", {"trials", "constants", "files"}));
-  for (const char* name : {"trials", "constants", "files"}) {
-    const Hdf5Node* group = root.Find(name);
-    if (group == nullptr) continue;
-    const std::string where = std::string("/") + name;
-    SINEW_TRY(CheckGroup(*group, where));
-    for (const auto& [child_name, child] : group->children) {
-      const std::string child_where = where + "/" + child_name;
-      if (where == "/trials") {
-        SINEW_ASSIGN(dataset.trials[child_name], ReadTrial(child, child_where));
-      } else if (where == "/constants") {
-        SINEW_ASSIGN(dataset.constants[child_name], ReadConstant(child, child_where));
-      } else {
-        SINEW_ASSIGN(dataset.files[child_name], ReadText(child, child_where));
-      }
-    }
-  }
-  SINEW_TRY(dataset.Check());
-  return dataset;
-}
-
 // ---- writing
 // -------------------------------------------------------------------------------------------------------
 
@@ -257,9 +233,33 @@ Hdf5Node ToTree(const Dataset& dataset) {
 
 }  // namespace
 
+Result<Dataset> DatasetOf(const Hdf5Node& root) {
+  Dataset dataset;
+  SINEW_TRY(ReadRootAttributes(root, dataset));
+  SINEW_TRY(CheckChildren(root, "/", {"trials", "constants", "files"}));
+  for (const char* name : {"trials", "constants", "files"}) {
+    const Hdf5Node* group = root.Find(name);
+    if (group == nullptr) continue;
+    const std::string where = std::string("/") + name;
+    SINEW_TRY(CheckGroup(*group, where));
+    for (const auto& [child_name, child] : group->children) {
+      const std::string child_where = where + "/" + child_name;
+      if (where == "/trials") {
+        SINEW_ASSIGN(dataset.trials[child_name], ReadTrial(child, child_where));
+      } else if (where == "/constants") {
+        SINEW_ASSIGN(dataset.constants[child_name], ReadConstant(child, child_where));
+      } else {
+        SINEW_ASSIGN(dataset.files[child_name], ReadText(child, child_where));
+      }
+    }
+  }
+  SINEW_TRY(dataset.Check());
+  return dataset;
+}
+
 Result<Dataset> ReadDataset(const std::string& path) {
   SINEW_ASSIGN(const Hdf5Node root, ReadHdf5(path));
-  auto dataset = FromTree(root);
+  auto dataset = DatasetOf(root);
   if (!dataset) return Fail("{}: {}", path, dataset.error().message);
   return dataset;
 }

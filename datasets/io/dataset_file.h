@@ -4,6 +4,7 @@
 #include <string>
 
 #include "base/error.h"
+#include "base/hdf5_tree.h"
 #include "datasets/dataset.h"
 
 namespace sinew {
@@ -16,6 +17,9 @@ namespace sinew {
 /// an unknown unit, a role other than train and validate, a kind other than measured and input, time that
 /// does not increase (index and both values), everything that Dataset::Check refuses.
 Result<Dataset> ReadDataset(const std::string& path);
+
+/// The same of a file's content.
+Result<Dataset> DatasetOf(const Hdf5Node& root);
 
 /// Writes the file in one step; the same dataset gives the same bytes. Errors: those of Dataset::Check; a
 /// folder that cannot be written.

@@ -4,6 +4,7 @@
 #include <pugixml.hpp>
 
 #include "base/text.h"
+#include "base/value_limits.h"
 #include "datasets/io/cells.h"
 #include "datasets/io/text_file.h"
 
@@ -16,6 +17,8 @@ class LoadsParser {
 
   Result<std::vector<ExternalForce>> Parse() {
     pugi::xml_document document;
+    if (text_.size() > kMostXml)
+      return Fail("{}: has {} bytes, expected at most {}", file_, text_.size(), kMostXml);
     const pugi::xml_parse_result parsed = document.load_buffer(text_.data(), text_.size());
     if (!parsed) return FailAt(file_, LineAt(parsed.offset), "not valid XML: {}", parsed.description());
 

@@ -5,6 +5,7 @@
 #include <filesystem>
 
 #include "base/text.h"
+#include "base/value_limits.h"
 #include "datasets/io/cells.h"
 #include "datasets/io/sample_times.h"
 
@@ -53,6 +54,9 @@ Channel MakeMappedChannel(const ColumnMeaning& refined, const MappedChannel& map
 Status AddChannel(const std::string& path, const std::string& name, Channel channel, Grid& grid) {
   if (grid.channels.count(name) != 0)
     return Fail("{}: two columns would become the channel '{}'", path, name);
+  // One column may become many channels.
+  if ((grid.channels.size() + 1) * channel.values.size() > kMaxValues)
+    return Fail("{}: its channels would have more than {} values", path, kMaxValues);
   grid.channels.emplace(name, std::move(channel));
   return {};
 }

@@ -8,7 +8,10 @@
 #include <set>
 #include <vector>
 
+#include "base/printable.h"
 #include "base/text.h"
+#include "base/value_limits.h"
+#include "base/yaml_limits.h"
 #include "datasets/io/cells.h"
 #include "datasets/io/mat_path.h"
 #include "datasets/io/text_file.h"
@@ -151,6 +154,8 @@ class MapParser {
     }));
     if (channel.column.empty()) return FailAt(file_, line, "{}: its column has no name", where);
     map_.channels.emplace(name, std::move(channel));
+    if (map_.channels.size() > kMostColumns)
+      return FailAt(file_, line, "names more than {} channels", kMostColumns);
     return {};
   }
 
@@ -219,9 +224,11 @@ class MapParser {
 
 Result<ImportMap> ParseImportMap(std::string_view text, const std::string& file) {
   try {
-    return MapParser(file).Parse(YAML::Load(std::string(text)));
+    const std::string all(text);
+    SINEW_TRY(CheckYamlLimits(all, file));
+    return MapParser(file).Parse(YAML::Load(all));
   } catch (const YAML::Exception& exception) {  // yaml-cpp reports everything so
-    return FailAt(file, exception.mark.line + 1, "not valid YAML: {}", exception.msg);
+    return FailAt(file, exception.mark.line + 1, "not valid YAML: {}", PrintableLine(exception.msg));
   } catch (const std::exception& exception) {
     return Fail("{}: not valid YAML: {}", file, exception.what());
   }

@@ -8,6 +8,7 @@
 #include "base/printable.h"
 #include "base/replace_file.h"
 #include "base/text.h"
+#include "base/value_limits.h"
 #include "datasets/io/cells.h"
 #include "datasets/io/sample_times.h"
 #include "datasets/io/text_file.h"
@@ -121,6 +122,9 @@ class StorageParser {
       return Fail("{}: ends after its header, expected the names of the columns", file_);
     line = Trim(line);
     std::vector<std::string_view> names = SplitNames(line);
+    if (names.size() > kMostColumns)
+      return FailAt(file_, lines_.number(), "names {} columns, expected at most {}", names.size(),
+                    kMostColumns);
     if (!MatchesHeader(names.size())) {
       Note(fmt::format("{} column names, the header announces {} columns (line {}); all of them were read",
                        names.size(), header_.columns->count, header_.columns->line));

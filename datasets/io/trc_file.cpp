@@ -5,6 +5,7 @@
 #include <set>
 
 #include "base/text.h"
+#include "base/value_limits.h"
 #include "datasets/io/cells.h"
 #include "datasets/io/sample_times.h"
 #include "datasets/io/text_file.h"
@@ -95,6 +96,9 @@ class TrcParser {
     if (cells.size() < kColumnsBeforeMarkers || Lowercase(Trim(cells[0]).substr(0, 5)) != "frame") {
       return FailAt(file_, lines_.number(), "expected Frame#, Time and the names of the markers");
     }
+    if (cells.size() > kMostColumns)
+      return FailAt(file_, lines_.number(), "has {} columns, expected at most {}", cells.size(),
+                    kMostColumns);
     std::set<std::string> seen;
     for (std::size_t i = kColumnsBeforeMarkers; i < cells.size(); ++i) {
       const std::string name(Trim(cells[i]));

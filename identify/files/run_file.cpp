@@ -5,6 +5,7 @@
 #include <limits>
 
 #include "base/constants.h"
+#include "base/numbers.h"
 #include "base/text.h"
 #include "identify/files/columns.h"
 #include "identify/files/diagnosis_file.h"
@@ -270,6 +271,10 @@ Hdf5Node UnfinishedRunTree(const LeastSquares& problem, const std::string& solve
 
 Result<RecordedRun> ReadRun(const std::string& path) {
   SINEW_ASSIGN(const Hdf5Node root, ReadHdf5(path));
+  return RecordedRunOf(path, root);
+}
+
+Result<RecordedRun> RecordedRunOf(const std::string& path, const Hdf5Node& root) {
   const Hdf5Node* run = root.Find("run");
   if (run == nullptr || run->Text("sinew_schema") != "run/1") {
     return Fail("{}: is not a run file: expected /run with attribute sinew_schema = run/1", path);
@@ -282,7 +287,11 @@ Result<RecordedRun> ReadRun(const std::string& path) {
   recorded.version = run->Text("version");
   const bool diagnosed = root.Find("diagnosis") != nullptr || recorded.solver == kDiagnoseSolver;
   recorded.cost = diagnosed ? kNaN : run->Number("cost", kNaN);
-  recorded.steps = static_cast<int>(run->Number("steps", 0));
+  const auto steps = WholeNumber(run->Number("steps", 0));
+  constexpr long kMostSteps = 1000000;
+  if (!steps || *steps < 0 || *steps > kMostSteps)
+    return Fail("{}: /run: steps is {}, expected a count", path, run->Number("steps", 0));
+  recorded.steps = static_cast<int>(*steps);
   recorded.finished = run->Number("finished", 0) == 1;
 
   const Hdf5Node* names = root.Find("parameters/name");

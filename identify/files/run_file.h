@@ -54,6 +54,8 @@ struct RecordedRun {
 
 /// Errors: not a run file, or damaged.
 Result<RecordedRun> ReadRun(const std::string& path);
+/// The same of a file's content. @param path for messages
+Result<RecordedRun> RecordedRunOf(const std::string& path, const Hdf5Node& root);
 
 /// JSON of `identify`, schema sinew.run/1 (CONTRACT).
 [[nodiscard]] std::string RunJson(const Problem& problem, const Identification& identification,

@@ -2,9 +2,11 @@
 
 #include <array>
 #include <cmath>
+#include <limits>
 #include <utility>
 
 #include "base/constants.h"
+#include "base/numbers.h"
 #include "identify/files/columns.h"
 #include "identify/solvers/solver.h"
 
@@ -102,7 +104,9 @@ Result<std::vector<FinishedSearch>> ReadSearches(const std::string& path, const 
   }
   for (std::size_t i = 0; i < count; ++i) {
     searches[i].cost = (*cost)[i];
-    searches[i].iterations = static_cast<int>((*iterations)[i]);
+    const auto whole = WholeNumber((*iterations)[i]);
+    if (!whole || *whole < 0 || *whole > std::numeric_limits<int>::max()) return incomplete();
+    searches[i].iterations = static_cast<int>(*whole);
     SINEW_TRY(CheckRange(path, searches[i], evaluations));
   }
   return searches;

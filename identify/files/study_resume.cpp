@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "base/numbers.h"
 #include "identify/files/columns.h"
 #include "identify/files/origin.h"
 
@@ -22,8 +23,9 @@ Status AddImprovements(const std::string& path, const Hdf5Node& study, std::vect
     const double run = (*of_run)[i];
     if (!(run >= 0 && run < static_cast<double>(runs.size())))
       return Fail("{}: /study/improvements/run names a run that is not there", path);
-    runs[static_cast<std::size_t>(run)].improvements.push_back(
-        {static_cast<long>((*evaluation)[i]), (*cost)[i], (*seconds)[i]});
+    const auto at = WholeNumber((*evaluation)[i]);
+    if (!at || *at < 0) return Fail("{}: /study/improvements/evaluation holds no whole number", path);
+    runs[static_cast<std::size_t>(run)].improvements.push_back({*at, (*cost)[i], (*seconds)[i]});
   }
   return {};
 }
@@ -33,6 +35,11 @@ Status AddImprovements(const std::string& path, const Hdf5Node& study, std::vect
 Result<std::vector<StudyRun>> ReadStudyRuns(const std::string& path, const FitSetup& setup,
                                             const Hdf5Node& origin) {
   SINEW_ASSIGN(const Hdf5Node root, ReadHdf5(path));
+  return StudyRunsOf(path, root, setup, origin);
+}
+
+Result<std::vector<StudyRun>> StudyRunsOf(const std::string& path, const Hdf5Node& root,
+                                          const FitSetup& setup, const Hdf5Node& origin) {
   const Hdf5Node* study = root.Find("study");
   if (study == nullptr || study->Text("sinew_schema") != "study/1")
     return Fail("{}: is not a study file: expected what `sinew compare` writes", path);
@@ -60,10 +67,16 @@ Result<std::vector<StudyRun>> ReadStudyRuns(const std::string& path, const FitSe
     if (!kind) return Fail("{}: /study/runs/stop_reason '{}' is unknown", path, (*stop)[r]);
     run.solver = (*solver)[r];
     run.stop = {*kind, (*test)[r]};
-    run.seed = static_cast<std::uint64_t>((*seed)[r]);
+    // Seeds of 64 bits were written as doubles, the last ones rounded up to 2^64.
+    constexpr double kLastSeed = 18446744073709549568.0;
+    const double run_seed = std::min((*seed)[r], kLastSeed);
+    const auto evaluated = WholeNumber((*evaluations)[r]);
+    if (!(run_seed >= 0) || !evaluated || *evaluated < 0)
+      return Fail("{}: /study/runs/seed and evaluations: expected whole numbers", path);
+    run.seed = static_cast<std::uint64_t>(run_seed);
     run.cost = (*cost)[r];
     run.seconds = (*seconds)[r];
-    run.evaluations = static_cast<long>((*evaluations)[r]);
+    run.evaluations = *evaluated;
     if (!run.stop.usable()) continue;
     run.parameters = setup.rest;
     for (std::size_t k = 0; k < setup.free.size(); ++k)

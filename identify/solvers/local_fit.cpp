@@ -5,6 +5,8 @@
 #include <limits>
 #include <utility>
 
+#include "base/numbers.h"
+
 namespace sinew::solvers {
 namespace {
 
@@ -75,11 +77,13 @@ LocalFit::Outcome LocalFit::Minimize(const Vector& start, int held, Tolerance to
   question.Add(static_cast<double>(held)).Add(tolerance.absolute).Add(tolerance.relative);
   question.Add(static_cast<double>(max_evaluations));
   const auto n = static_cast<std::size_t>(start.size());
-  if (const auto known = record->Find(question); known && known->numbers.size() == kAnswerNumbers + n) {
+  const auto known = record->Find(question);
+  const bool fits = known && known->numbers.size() == kAnswerNumbers + n;
+  if (const auto count = fits ? WholeNumber(known->numbers[2]) : std::nullopt; count) {
     Outcome outcome;
     outcome.cost = known->numbers[0];
     outcome.converged = known->numbers[1] != 0;
-    evaluations_ += static_cast<long>(known->numbers[2]);
+    evaluations_ += *count;
     penalty_ = known->numbers[3];
     outcome.x = Eigen::Map<const Vector>(known->numbers.data() + kAnswerNumbers, start.size());
     outcome.failure = known->text;

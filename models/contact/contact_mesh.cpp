@@ -12,6 +12,7 @@ namespace sinew {
 namespace {
 
 constexpr int kMaxStrips = 1000;
+constexpr long kMaxCells = kMostMeshFaces / 4;  // a plate has two faces below and two above each cell
 
 // A plate whose bottom and top are grids of (along_x + 1) x (along_z + 1) points, joined at the rim.
 // `corner(i, j)` gives x and z of grid point i along x, j along z.
@@ -57,6 +58,10 @@ ContactMesh GridPlate(double thickness, int along_x, int along_z, Corner corner)
 Status CheckStrips(int along_x, int along_z) {
   if (along_x < 1 || along_z < 1 || along_x > kMaxStrips || along_z > kMaxStrips) {
     return Fail("sole mesh: {} x {} strips, expected 1 to {} each way", along_x, along_z, kMaxStrips);
+  }
+  if (long{along_x} * along_z > kMaxCells) {
+    return Fail("sole mesh: {} x {} strips make {} cells, expected at most {}", along_x, along_z,
+                long{along_x} * along_z, kMaxCells);
   }
   return {};
 }
@@ -181,6 +186,8 @@ Result<ContactMesh> ReadObj(const std::string& text, const std::string& file, do
         return FailAt(file, line_number, "face has {} corners, expected 3", corners.size());
       for (std::size_t i = 2; i < corners.size(); ++i)
         mesh.faces.push_back({corners[0], corners[i - 1], corners[i]});
+      if (mesh.face_count() > kMostMeshFaces)
+        return FailAt(file, line_number, "the mesh has more than {} triangles", kMostMeshFaces);
     }
   }
   if (mesh.faces.empty()) return Fail("{}: holds no face", file);

@@ -10,6 +10,9 @@
 
 namespace sinew {
 
+/// More triangles than any sole needs; they would take gigabytes (a sole of a few hundred springs is fine).
+constexpr int kMostMeshFaces = 200000;
+
 /// Closed, oriented triangle mesh (corners counter-clockwise seen from outside), in the frame of its region:
 /// y up, the bottom of a sole at y = 0 [m].
 struct ContactMesh {
@@ -25,7 +28,8 @@ struct ContactMesh {
 };
 
 /// Box with its bottom at y = 0, centred in x and z.
-/// @param size [m, all > 0]; @param along_x, along_z squares of the bottom, >= 1 (two faces each).
+/// @param size [m, all > 0]; @param along_x, along_z squares of the bottom, 1 to 1000 (two faces
+/// each), and at most kMostMeshFaces / 4 in all.
 Result<ContactMesh> BoxMesh(const Vec3& size, int along_x, int along_z);
 
 /// Plate with the given outline, from y = 0 up to the thickness.
@@ -35,7 +39,8 @@ Result<ContactMesh> OutlineMesh(const std::vector<std::array<double, 2>>& outlin
                                 int along_x, int along_z);
 
 /// Wavefront .obj: v and f lines (polygons are cut into fans; texture and normal indices are ignored).
-/// @param scale to metres. Errors carry file and line; a mesh that is not closed is an error too.
+/// @param scale to metres. Errors carry file and line; a mesh that is not closed, or has more than
+/// kMostMeshFaces triangles, is an error too.
 Result<ContactMesh> ReadObj(const std::string& text, const std::string& file, double scale = 1);
 
 /// Closed: every edge belongs to two faces, in opposite directions; no face without area.

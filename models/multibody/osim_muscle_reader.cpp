@@ -162,14 +162,24 @@ std::vector<pugi::xml_node> ForcesWithPath(const pugi::xml_node& model) {
   return forces;
 }
 
+Result<std::vector<std::string>> UniqueNamesOf(const OsimXml& xml,
+                                               const std::vector<pugi::xml_node>& forces) {
+  std::vector<std::string> names;
+  std::set<std::string> seen;
+  for (const pugi::xml_node& force : forces) {
+    names.push_back(NameOf(force));
+    if (!seen.insert(names.back()).second)
+      return xml.FailAt(force, "there are two muscles named '{}'", names.back());
+  }
+  return names;
+}
+
 }  // namespace
 
 Result<std::vector<std::string>> ListOsimMuscles(std::string_view text, const std::string& file_name) {
   SINEW_ASSIGN(const OsimXml xml, OsimXml::Parse(text, file_name));
   SINEW_ASSIGN(const pugi::xml_node model, FindModel(xml));
-  std::vector<std::string> names;
-  for (const pugi::xml_node& force : ForcesWithPath(model)) names.push_back(NameOf(force));
-  return names;
+  return UniqueNamesOf(xml, ForcesWithPath(model));
 }
 
 Result<std::vector<UnsupportedMuscle>> ListUnsupportedMuscles(std::string_view text,
@@ -209,6 +219,10 @@ Result<std::vector<OsimMusclePath>> ReadOsimMuscles(std::string_view text, const
     if (found == names.end())
       return Fail("{}: there is no muscle '{}'{}", file_name, muscle, Suggestion(muscle, names));
     if (!seen.insert(muscle).second) return Fail("muscle '{}' is asked for twice", muscle);
+    const auto second = std::find(found + 1, names.end(), muscle);
+    if (second != names.end())
+      return xml.FailAt(forces[static_cast<std::size_t>(second - names.begin())],
+                        "there are two muscles named '{}'", muscle);
     auto path = reader.Read(forces[static_cast<std::size_t>(found - names.begin())]);
     const bool is_unsupported = !unsupported.empty() && unsupported.front().muscle == muscle;
     if (!path && is_unsupported && unsupported.size() > 1) {

@@ -10,7 +10,7 @@
 namespace sinew {
 
 /// The names of everything in the ForceSet that has a GeometryPath (muscles of any type, ligaments, path
-/// actuators), in the file's order. Errors: not an OpenSim model file.
+/// actuators), in the file's order. Errors: not an OpenSim model file; two of one name.
 Result<std::vector<std::string>> ListOsimMuscles(std::string_view text, const std::string& file_name);
 
 /// A muscle whose path has something that ReadOsimMuscles refuses: a wrap object or point of another kind.

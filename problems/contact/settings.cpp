@@ -274,6 +274,7 @@ Result<ContactSettings> ReadContactSettings(const YamlReader& yaml,
   SINEW_ASSIGN(const YamlReader regions, yaml.At("regions"));
   SINEW_ASSIGN(const auto items, regions.Items());
   if (items.empty()) return FailAt(regions.file(), regions.line(), "regions: expected at least one");
+  long faces = 0;
   for (const YamlReader& item : items) {
     SINEW_ASSIGN(auto region, ReadRegion(item, files));
     const std::string& name = region.region.name;
@@ -282,6 +283,10 @@ Result<ContactSettings> ReadContactSettings(const YamlReader& yaml,
       if (other.region.name != name) continue;
       return FailAt(item.file(), item.line(), "regions: the name '{}' is used twice", name);
     }
+    faces += region.region.mesh.face_count();
+    if (faces > kMostMeshFaces)
+      return FailAt(item.file(), item.line(), "regions: their meshes have more than {} triangles in all",
+                    kMostMeshFaces);
     settings.regions.push_back(std::move(region));
   }
   return settings;

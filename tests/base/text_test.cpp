@@ -24,6 +24,14 @@ TEST(Text, NumbersMustFillTheWholeText) {
   EXPECT_FALSE(ParseInteger("4.2"));
 }
 
+TEST(Text, LongTextsAreLikeNothing) {
+  const std::string text(1000000, 'a');
+  const std::string other = text + "b";
+  EXPECT_FALSE(ClosestName(text, {other}));
+  EXPECT_EQ(ClosestName(text, {other, text}), text);
+  EXPECT_EQ(ByLikeness("a", {text, "ab"}), "ab, " + text);
+}
+
 TEST(Text, SuggestsTheClosestName) {
   const std::vector<std::string> names{"stiffness", "dissipation", "static_friction"};
   EXPECT_EQ(ClosestName("stifness", names), "stiffness");

@@ -8,13 +8,17 @@ Prints a table: for each command and call, at how many places it was made to fai
 import errno
 import json
 import os
+import re
+import shutil
 import subprocess
 import unittest
 
 import h5py
 
-from laboratory_files import mot
-from program import LONGEST, PROGRAM, ProgramTest, contents
+from laboratory_files import ceinms_project, mot
+from program import LONGEST, PROGRAM, ROOT, ProgramTest, contents
+from test_envelope import burst, raw_emg
+from test_muscles import MODEL, motion
 
 FAULTS = os.environ.get("SINEW_FAULTS", "")
 FULL = {"open": (errno.ENOSPC, errno.EDQUOT, errno.EROFS, errno.ENAMETOOLONG, errno.EACCES), "write": (errno.ENOSPC, errno.EDQUOT),
@@ -32,7 +36,18 @@ COMMANDS = {
     "diagnose": (("diagnose", "drive", "--data", "drive.h5", "--out", "out.h5"), ("out.h5",)),
     "compare": (("compare", "drive", "--data", "drive.h5", "--solvers", "lm", "--repeats", "2", "--out", "out.h5"), ("out.h5",)),
     "mbs": (("mbs", "A01", "--json", "out.json"), ("out.json",)),
+    "list": (("list", "solvers", "--json", "out.json"), ("out.json",)),
+    "data drop": (("data", "drop", "drive.h5", "--trial", "train_1", "--json", "out.json"), ("drive.h5", "out.json")),
+    "data check": (("data", "check", "spoilt.h5", "--mask", "auto", "--out", "out.h5"), ("out.h5",)),
+    "data stances": (("data", "stances", "stances.h5", "--out", "out.h5"), ("out.h5",)),
+    "data soles": (("data", "soles", "stances.h5", "--out", "out.yaml"), ("out.yaml",)),
+    "data muscles": (("data", "muscles", "finger.h5", "--joints", "first"), ("finger.h5",)),
+    "data envelope": (("data", "envelope", "emg.h5", "--out", "out.h5"), ("out.h5",)),
+    "data ceinms": (("data", "ceinms", "setup.xml", "--out", "out.h5"), ("out.h5",)),
+    "data subject": (("data", "subject", "nms_run.h5", "--out", "out.xml"), ("out.xml",)),
 }
+# Commands that take seconds: one error of each call.
+SLOW = {"data kinematics": (("data", "kinematics", "stances.h5", "--quiet"), ("stances.h5",))}
 
 
 @unittest.skipUnless(os.path.exists(FAULTS), "the library that makes calls fail was not built")
@@ -45,6 +60,26 @@ class Faults(ProgramTest):
         self.succeeds("data", "synthesize", "drive", "--out", "drive.h5", "--seed", 3)
         self.write("walk.mot", mot())
         self.succeeds("data", "import", "walk.mot", "--out", "walk.h5")
+
+    def inputs_of_data_commands(self):
+        self.stances()
+        self.succeeds("data", "synthesize", "drive", "--out", "spoilt.h5", "--seed", 4)
+        with h5py.File(self.path("spoilt.h5"), "r+") as file:
+            values = next(iter(file["trials/train_1"].values()))["channels/position"]
+            values[100:104] = values[100:104] + 3
+        self.write("finger.osim", re.sub(r'<Thelen2003Muscle name="odd">.*?</Thelen2003Muscle>', "", MODEL, flags=re.DOTALL))
+        self.write("bend.mot", motion(("first", "second"), [(0.1 * i, 5 * i, i) for i in range(9)]))
+        self.succeeds("data", "import", "bend.mot", "finger.osim", "--out", "finger.h5")
+        with h5py.File(self.path("emg.h5"), "w") as file:
+            file.attrs["sinew_schema"] = "dataset/1"
+            file["trials/walk/emg/time"], values = raw_emg(burst(2), 1)
+            file["trials/walk"].attrs["role"] = "train"
+            file["trials/walk/emg/channels/soleus"] = values
+            file["trials/walk/emg/channels/soleus"].attrs.update({"unit": "V", "kind": "measured"})
+        with h5py.File(self.path("nms_run.h5"), "w") as file:
+            file["details/subject"] = "<subject/>"
+        for name, text in ceinms_project().items():
+            self.write(name, text)
 
     def run_failing(self, words, call, first, last, number):
         mark = self.home / "mark"
@@ -61,6 +96,10 @@ class Faults(ProgramTest):
                 self.assertGreater(len(file), 0)
         elif name.endswith(".json"):
             json.loads(self.path(name).read_text())
+        elif name.endswith(".yaml"):
+            self.assertIn("regions:", self.path(name).read_text())
+        elif name.endswith(".xml"):
+            self.assertEqual(self.path(name).read_text(), "<subject/>")
         else:
             self.assertIn("endheader", self.path(name).read_text())
 
@@ -98,25 +137,43 @@ class Faults(ProgramTest):
                 return place - 1
         self.fail("no end")
 
+    def of_command(self, name, words, outputs, slow=False):
+        """Lines of the table."""
+        lines = []
+        sporadic = () if slow else SPORADIC
+        made = [output for output in outputs if not self.path(output).exists()]
+        for existing in ((False, True) if made and not slow else (True,)):
+            for output in made if existing else ():
+                self.write(output, "old")
+            for call, numbers in FULL.items():
+                numbers = numbers if existing and not slow else numbers[:1]
+                counts = {self.places(words, outputs, call, number, False) for number in numbers}
+                counts |= {self.places(words, outputs, call, number, True) for number in sporadic}
+                self.assertEqual(len(counts), 1)
+                self.assertGreater(max(counts), 0, f"{name} never calls {call}")
+                if existing:
+                    said = " ".join(errno.errorcode[number] for number in (*numbers, *sporadic))
+                    lines.append(f"{name:16}{call:8}{max(counts):6}  {said}")
+        for output in made:
+            self.path(output).unlink()
+        return lines
+
     def test_every_write_of_every_command(self):
+        self.inputs_of_data_commands()
         lines = [f"{'command':16}{'call':8}places  errors"]
         for name, (words, outputs) in COMMANDS.items():
-            made = [output for output in outputs if not self.path(output).exists()]
-            for existing in ((False, True) if made else (True,)):
-                for output in made if existing else ():
-                    self.write(output, "old")
-                for call, numbers in FULL.items():
-                    numbers = numbers if existing else numbers[:1]
-                    counts = {self.places(words, outputs, call, number, False) for number in numbers}
-                    counts |= {self.places(words, outputs, call, number, True) for number in SPORADIC}
-                    self.assertEqual(len(counts), 1)
-                    self.assertGreater(max(counts), 0, f"{name} never calls {call}")
-                    if existing:
-                        said = " ".join(errno.errorcode[number] for number in (*numbers, *SPORADIC))
-                        lines.append(f"{name:16}{call:8}{max(counts):6}  {said}")
-            for output in made:
-                self.path(output).unlink()
+            lines += self.of_command(name, words, outputs)
+        for name, (words, outputs) in SLOW.items():
+            lines += self.of_command(name, words, outputs, slow=True)
         print("\n".join(lines), flush=True)
+
+    def test_no_command_that_writes_is_missing(self):
+        """The page of the command line lists what commands write; report and run have tests of their own, data info writes to standard output."""
+        page = (ROOT / "docs" / "command_line.md").read_text()
+        rows = [row for row in page.splitlines() if row.startswith("| `")]
+        named = {name for row in rows[:rows.index(next(row for row in rows if row.startswith("| `mbs`"))) + 1]
+                 for name in re.findall(r"`([a-z ]+)`", row.split("|")[1])}
+        self.assertEqual(named - set(COMMANDS) - set(SLOW), {"data info", "report", "run"})
 
     def test_one_checkpoint(self):
         """The search goes on and says so, and its answer finds room: nothing else is the matter."""
@@ -138,12 +195,38 @@ class Faults(ProgramTest):
         self.write("page/index.html", "old")
         self.write("page/index.ipynb", "old")
         before = contents(self.folder)
-        for call, number in (("write", errno.ENOSPC), ("fsync", errno.EIO), ("rename", errno.EROFS)):
+        for call, number in (("open", errno.EDQUOT), ("open", errno.EROFS), ("write", errno.ENOSPC), ("write", errno.EIO),
+                             ("fsync", errno.EIO), ("fsync", errno.EDQUOT), ("rename", errno.EROFS), ("rename", errno.ENAMETOOLONG)):
             done, failed = self.run_failing(("report", "run.h5", "--out-dir", "page"), call, 1, FOREVER, number)
             self.assertTrue(failed)
             self.assertEqual((done.returncode, done.stdout), (1, ""))
             self.assertIn(f"cannot be written: {os.strerror(number)}", done.stderr)
             self.assertEqual(contents(self.folder), before)
+
+    def test_run_of_a_cohort(self):
+        """A step that could not write fails with its reason; a record that could not be written ends the run."""
+        self.write("cohort.yaml", "subjects: [anna]\nout: results\nsteps:\n  data: data synthesize drive --out {out}/data.h5\n")
+        words = ("run", "cohort.yaml", "--quiet", "--threads", "1")
+        lines = []
+        for call, numbers in FULL.items():
+            for number in (*numbers[:2], *SPORADIC):
+                for place in range(1, 100):
+                    shutil.rmtree(self.path("results"), ignore_errors=True)
+                    done, failed = self.run_failing(words, call, place, FOREVER, number)
+                    if not failed:
+                        break
+                    with self.subTest(f"run: {call} {place} fails with {errno.errorcode[number]}"):
+                        self.assertIn(done.returncode, (1, 2), done.stderr)
+                        self.assertIn(os.strerror(number), done.stderr + done.stdout)
+                        left = [path for path in contents(self.folder) if path.name.startswith(".sinew-")]
+                        self.assertEqual(left, [])
+                        if self.path("results/anna/data.h5").exists():
+                            self.is_whole("results/anna/data.h5")
+                        again = self.run_program(*words)
+                        self.assertEqual(again.returncode, 0, again.stderr)
+                self.assertGreater(place, 1, f"run never calls {call}")
+                lines.append(f"{'run':16}{call:8}{place - 1:6}  {errno.errorcode[number]}")
+        print("\n".join(lines), flush=True)
 
 
 if __name__ == "__main__":

@@ -4,6 +4,8 @@
 """
 import json
 import os
+import re
+import resource
 import unittest
 
 import h5py
@@ -75,6 +77,45 @@ class OtherFiles(ProgramTest):
             with h5py.File(self.path("run.h5"), "r+") as file:
                 change(file)
             self.fails(message, "report", "run.h5", "--out-dir", "page")
+
+
+class MuchOfLittle(ProgramTest):
+    """Files that are small, and would take all memory if they were believed."""
+
+    def test_texts_that_share_their_characters(self):
+        """A text of 1 MB to which 40,000 references lead: 40 GB. The references of an array stand one after the other."""
+        count = 40000
+        with h5py.File(self.path("a.h5"), "w") as file:
+            texts = file.create_dataset("texts", (count,), dtype=h5py.string_dtype())
+            texts[0] = "x" * 1000000
+            at = texts.id.get_offset()
+        data = bytearray(self.path("a.h5").read_bytes())
+        data[at:at + 16 * count] = data[at:at + 16] * count
+        self.write("a.h5", bytes(data))
+        before = resource.getrusage(resource.RUSAGE_CHILDREN).ru_maxrss
+        self.refuses("a.h5: ", "data", "info", "a.h5")
+        after = resource.getrusage(resource.RUSAGE_CHILDREN).ru_maxrss
+        self.assertLess(after - before, 1000000, "kilobytes")
+
+    def test_aliases_of_settings(self):
+        laughs = "l0: &l0 lol\n" + "".join(f"l{i}: &l{i} [{', '.join([f'*l{i - 1}'] * 10)}]\n" for i in range(1, 12))
+        self.write("laughs.yaml", laughs)
+        self.write("walk.mot", mot())
+        self.stances()
+        said = "laughs.yaml:1: its aliases stand for more than 67108864 characters"
+        self.fails(said, "identify", "contact", "--data", "stances.h5", "--config", "laughs.yaml", "--out", "a.h5")
+        self.fails(said, "data", "import", "walk.mot", "--map", "laughs.yaml", "--out", "a.h5")
+        self.fails(said, "run", "laughs.yaml")
+
+    def test_meshes_of_settings(self):
+        """1000 x 1000 strips took 1.3 GB."""
+        self.stances()
+        with h5py.File(self.path("stances.h5")) as file:
+            text = file["files/contact.yaml"][()].decode()
+        name = "settings.yaml"
+        self.write(name, re.sub(r"strips: \[[0-9, ]*\]", "strips: [1000, 1000]", text))
+        self.refuses("1000 x 1000 strips make 1000000 cells, expected at most 50000", "identify", "contact", "--data", "stances.h5",
+                     "--config", name, "--out", "a.h5")
 
 
 class NoRegularFiles(ProgramTest):
@@ -151,6 +192,22 @@ class ControlCharacters(ProgramTest):
         self.assertEqual(done.returncode, 2)
         self.is_harmless(done.stderr)
         self.assertIn("owned", done.stderr)
+
+    def test_is_text_in_a_page(self):
+        """Names and titles are no elements of the page that a report writes."""
+        attack = "<img src=x onerror=alert(1)>"
+
+        def rename(file):
+            file.attrs["title"] = f"</title><script>alert(1)</script>{attack}"
+            file.move("trials/train_1", f"trials/{attack}")
+
+        self.changed_stances(rename)
+        self.succeeds("identify", "contact", "--data", "stances.h5", "--out", "run.h5", *SEARCH)
+        self.succeeds("report", "run.h5", "--out-dir", "page")
+        page = self.path("page/index.html").read_text()
+        self.assertIn("&lt;script&gt;alert(1)", page)
+        for element in (attack, "<script>alert"):
+            self.assertNotIn(element, page)
 
 
 if __name__ == "__main__":

@@ -2,6 +2,8 @@
 
 #include <utility>
 
+#include "base/numbers.h"
+
 namespace sinew::diagnosis {
 namespace {
 
@@ -10,18 +12,24 @@ constexpr std::size_t kNumbers = 3;  // before the point: cost, iterations, kind
 }  // namespace
 
 BaseFitRecord::BaseFitRecord(const LeastSquares& fit, const std::string& solver, std::uint64_t seed)
-    : record_(fit.setup().record) {
+    : record_(fit.setup().record), variables_(static_cast<std::size_t>(fit.variables())) {
   question_.Add("base fit").Add(solver).Add(seed);
   fit.AddTo(question_);
 }
 
 std::optional<SolverResult> BaseFitRecord::Find() const {
   const auto known = record_ == nullptr ? std::nullopt : record_->Find(question_);
-  if (!known || known->numbers.size() < kNumbers) return std::nullopt;
+  if (!known || known->numbers.size() != kNumbers + variables_) return std::nullopt;
+  const auto iterations = WholeNumber(known->numbers[1]);
+  const auto kind = WholeNumber(known->numbers[2]);
+  constexpr long kLastUsable = static_cast<long>(Termination::kSolverFailed);
+  if (!iterations || *iterations != static_cast<int>(*iterations) || !kind || *kind < 0 ||
+      *kind > kLastUsable)
+    return std::nullopt;
   SolverResult result;
   result.cost = known->numbers[0];
-  result.iterations = static_cast<int>(known->numbers[1]);
-  result.stop = {static_cast<Termination>(static_cast<int>(known->numbers[2])), known->text};
+  result.iterations = static_cast<int>(*iterations);
+  result.stop = {static_cast<Termination>(*kind), known->text};
   result.x = Eigen::Map<const Vector>(known->numbers.data() + kNumbers,
                                       static_cast<Eigen::Index>(known->numbers.size() - kNumbers));
   return result;

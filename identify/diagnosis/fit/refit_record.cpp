@@ -2,6 +2,7 @@
 
 #include <utility>
 
+#include "base/numbers.h"
 #include "base/text.h"
 
 namespace sinew::diagnosis {
@@ -20,6 +21,12 @@ class Reader {
       return static_cast<std::size_t>(count);
     complete_ = false;
     return 0;
+  }
+  int Integer() {
+    const auto number = WholeNumber(Next());
+    const bool fits = number && *number == static_cast<int>(*number);
+    complete_ = complete_ && fits;
+    return fits ? static_cast<int>(*number) : 0;
   }
   // All was there, and nothing is left.
   [[nodiscard]] bool Ended() const { return complete_ && at_ == numbers_.size(); }
@@ -68,7 +75,7 @@ bool Restore(const FitRecord::Answer& answer, const LeastSquares& fit, Refit& re
   Reader reader(answer.numbers);
   refit.cost = reader.Next();
   refit.deviance = reader.Next();
-  refit.rows = static_cast<int>(reader.Next());
+  refit.rows = reader.Integer();
   refit.converged = reader.Next() != 0;
   refit.noise_absorbs_misfit = reader.Next() != 0;
   refit.x.resize(static_cast<Eigen::Index>(reader.Count()));
@@ -86,7 +93,10 @@ bool Restore(const FitRecord::Answer& answer, const LeastSquares& fit, Refit& re
     channel.spent = reader.Next();
   }
   refit.noise.channel_of.resize(reader.Count());
-  for (int& channel : refit.noise.channel_of) channel = static_cast<int>(reader.Next());
+  for (int& channel : refit.noise.channel_of) {
+    channel = reader.Integer();
+    if (channel < 0 || channel >= static_cast<int>(names.size())) return false;
+  }
   refit.point = fit.Parameters(refit.x);
   return reader.Ended();
 }

@@ -43,13 +43,14 @@ Result<std::vector<Quantisation>> FindQuantisation(const Problem& problem, const
   std::vector<Quantisation> found;
   for (const auto& [name, channel] : channels) {
     const auto step = QuantisationStep(channel.measured);
+    const std::string of_channel = EffectOf(name);
     const bool known = std::any_of(problem.effects().begin(), problem.effects().end(),
-                                   [&](const Effect& effect) { return effect.name == EffectOf(name); });
+                                   [&](const Effect& effect) { return effect.name == of_channel; });
     if (!step || !known || !(channel.squares > 0)) continue;
     const auto samples = static_cast<double>(channel.measured.size());
     double largest = 0;
     for (const double value : channel.measured) largest = std::max(largest, std::abs(value));
-    found.push_back({name, channel.unit, EffectOf(name), *step,
+    found.push_back({name, channel.unit, of_channel, *step,
                      kQuantisationTolerance * *step / std::max(1.0, largest / *step),
                      samples * (*step * *step / 12) / (channel.squares / samples)});
   }

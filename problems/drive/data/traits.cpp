@@ -24,7 +24,9 @@ Status FindUnits(const Dataset& data, DriveTraits& traits) {
       return Fail("trial '{}' is driven by '{}', trial '{}' by '{}': expected the same input in all trials",
                   first_trial, traits.input_channel, name, *input);
     }
-    const auto check_unit = [&](const char* of, const char* rotary, const char* linear) -> Status {
+    // C++17 lets a lambda capture names of a structured binding only like this.
+    const auto check_unit = [&, &name = name, &trial = trial](const char* of, const char* rotary,
+                                                              const char* linear) -> Status {
       const Channel* measured = MeasuredIn(trial, of, &grid);
       if (measured == nullptr) return {};
       const std::string& unit = measured->unit;

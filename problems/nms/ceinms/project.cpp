@@ -4,6 +4,7 @@
 #include <filesystem>
 
 #include "base/text.h"
+#include "base/value_limits.h"
 #include "base/xml_document.h"
 #include "datasets/io/storage_file.h"
 #include "datasets/io/text_file.h"
@@ -101,6 +102,9 @@ class TrialReader {
     SINEW_ASSIGN(const Storage table, ReadStorage(file));
     Grid& grid = trial.grids["excitations"];
     grid.time = table.time;
+    if (mappings_.size() * table.time.size() > kMaxValues)
+      return Fail("{}: the excitations of {} muscles would have more than {} values", file, mappings_.size(),
+                  kMaxValues);
     for (const Mapping& mapping : mappings_) {
       if (mapping.inputs.empty()) continue;  // CEINMS finds it by optimisation
       std::vector<double> sum(table.time.size(), 0);

@@ -5,10 +5,12 @@
 #include <algorithm>
 #include <atomic>
 #include <cstdio>
+#include <functional>
 #include <string>
 #include <utility>
 #include <vector>
 
+#include "base/constants.h"
 #include "identify/diagnosis/diagnosis.h"
 #include "identify/diagnosis/score/candidate.h"
 #include "identify/text/diagnosis_sentences.h"
@@ -99,6 +101,47 @@ TEST(Diagnose, ResumesFromAnyPartOfItsFits) {
     part.Restore(std::move(some));
     with_record(part);
     EXPECT_EQ(part.size() > before, every > 1);
+  }
+}
+
+// A file may have been damaged or changed: an answer of another shape, or with numbers that stand for
+// nothing, is not taken, and no index of it leads anywhere.
+TEST(Diagnose, DoesNotTakeDamagedFits) {
+  LinearLaws::Truth truth;
+  truth.effects = {{"step_size", 1}};
+  const LinearLaws problem(truth, 5);
+  const FitSetup setup = MakeFitSetup(problem, {}).value();
+  FitRecord all;
+  DiagnosisOptions options;
+  options.record = &all;
+  const auto whole = Diagnose(problem, setup, options);
+  ASSERT_TRUE(whole) << whole.error().message;
+  const std::string channel = problem.layout().front().channel;
+  const auto same_after = [&](const std::function<bool(FitRecord::Answer&)>& damage) {
+    FitRecord::Answers answers = all.All();
+    int damaged = 0;
+    for (auto& [question, answer] : answers) damaged += damage(answer) ? 1 : 0;
+    FitRecord record;
+    record.Restore(std::move(answers));
+    DiagnosisOptions again;
+    again.record = &record;
+    const auto found = Diagnose(problem, setup, again);
+    ASSERT_TRUE(found) << found.error().message;
+    EXPECT_EQ(found->extended_point, whole->extended_point);
+    EXPECT_GT(damaged, 3);
+  };
+  same_after([](FitRecord::Answer& answer) {
+    if (answer.numbers.empty()) return false;
+    answer.numbers.pop_back();
+    return true;
+  });
+  // The last number of a refit is which noise model its last block has.
+  for (const double wrong : {-1.0, 0.5, 7.0, 1e300, kNaN}) {
+    same_after([&](FitRecord::Answer& answer) {
+      if (answer.text != channel || answer.numbers.empty()) return false;
+      answer.numbers.back() = wrong;
+      return true;
+    });
   }
 }
 

@@ -72,6 +72,20 @@ TEST(ContactMesh, ErrorsNameTheCause) {
   EXPECT_EQ(ReadObj("", "a.obj").error().message, "a.obj: holds no face");
 }
 
+// 1000 x 1000 strips took 1.3 GB.
+TEST(ContactMesh, IsNoLargerThanASoleNeeds) {
+  EXPECT_EQ(BoxMesh({0.2, 0.02, 0.1}, 1000, 1000).error().message,
+            "sole mesh: 1000 x 1000 strips make 1000000 cells, expected at most 50000");
+  EXPECT_THAT(OutlineMesh({{0, 0}, {1, 0}, {1, 1}, {0, 1}}, 0.1, 501, 100).error().message,
+              HasSubstr("expected at most 50000"));
+  EXPECT_TRUE(BoxMesh({0.2, 0.02, 0.1}, 500, 100));
+  std::string fan = "v 0 0 0\nv 1 0 0\nv 0 0 1\n";
+  std::string corners = "f";
+  for (int i = 0; i < kMostMeshFaces / 2; ++i) corners += " 1";
+  fan += corners + "\n" + corners + "\n" + corners + "\n";
+  EXPECT_EQ(ReadObj(fan, "a.obj").error().message, "a.obj:6: the mesh has more than 200000 triangles");
+}
+
 TEST(ContactMesh, DamagedObjFilesAreErrors) {
   const std::string valid = "v 0 0 0\nv 1 0 0\nv 0 1 0\nv 0 0 1\nf 1 3 2\nf 1 2 4\nf 1 4 3\nf 2 3 4\n";
   Random random(1);

@@ -53,6 +53,18 @@ TEST(OsimMuscleReader, ReadsPointsAndWraps) {
   EXPECT_EQ((*(*read)[2].points[1].motion)[0].function.At(1).value, 0.1 + 0.2 + 0.3);
 }
 
+TEST(OsimMuscleReader, TwoMusclesOfOneNameAreAnErrorOfTheFile) {
+  const std::string twice = Replaced(MusclesOver("drum"), "name=\"sliding\"", "name=\"through\"");
+  const std::string message = "test.osim:53: there are two muscles named 'through'";
+  const auto names = ListOsimMuscles(twice, "test.osim");
+  ASSERT_FALSE(names);
+  EXPECT_EQ(names.error().message, message);
+  const auto read = Read(twice, {"through"});
+  ASSERT_FALSE(read);
+  EXPECT_EQ(read.error().message, message);
+  EXPECT_TRUE(Read(twice, {"around"})) << "nobody asks for it";
+}
+
 TEST(OsimMuscleReader, ReadsOpenSim4) {
   const std::string text = ReadText(kSharedData + "/walking_emg/gait2392.osim");
   if (text.empty()) GTEST_SKIP() << "no " << kSharedData << "/walking_emg";

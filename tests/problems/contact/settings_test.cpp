@@ -56,6 +56,20 @@ class ContactSettingsTest : public testing::Test {
   Dataset data_;
 };
 
+TEST_F(ContactSettingsTest, AllMeshesTogetherAreLimited) {
+  std::string yaml = "contact:\n  regions:\n";
+  for (int i = 0; i < 3; ++i) {
+    yaml += fmt::format(
+        "    - {{name: r{}, body: foot, plate: right, mesh: {{box: {{size: [0.2, 0.02, 0.1], strips: [200, "
+        "120]}}}}}}\n",
+        i);
+  }
+  const auto settings = Read(yaml);
+  ASSERT_FALSE(settings);
+  EXPECT_THAT(settings.error().message,
+              HasSubstr("regions: their meshes have more than 200000 triangles in all"));
+}
+
 TEST_F(ContactSettingsTest, EveryKeyIsRead) {
   const auto settings = Read(kSettings);
   ASSERT_TRUE(settings) << settings.error().message;
