@@ -102,19 +102,23 @@ def replace_text(file, path, text):
 
 
 def differences(a, b, where=""):
-    """Where two HDF5 objects differ, bit for bit; NaN equals NaN. What is named `seconds` is not compared."""
-    found = [f"{where}@{name}" for name in sorted(set(a.attrs) | set(b.attrs)) if name != "seconds"
+    """Where two HDF5 objects differ, bit for bit; NaN equals NaN. Times (`seconds`, `seconds_...`) are not compared."""
+    found = [f"{where}@{name}" for name in sorted(set(a.attrs) | set(b.attrs)) if not _is_time(name)
              and not (name in a.attrs and name in b.attrs and _same(a.attrs[name], b.attrs[name]))]
     if type(a) is not type(b):
         return found + [where]
     if isinstance(a, h5py.Dataset):
         return found + ([] if _same(a[()], b[()]) else [where])
     for name in sorted(set(a) | set(b)):
-        if name == "seconds":
+        if _is_time(name):
             continue
         place = f"{where}/{name}"
         found += differences(a[name], b[name], place) if name in a and name in b else [place]
     return found
+
+
+def _is_time(name):
+    return name == "seconds" or name.startswith("seconds_")
 
 
 def _same(a, b):
