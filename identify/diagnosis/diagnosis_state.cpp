@@ -14,7 +14,8 @@ double DiagnosisState::Loss(const std::vector<Vector>& residuals, const noise::N
 }
 
 Result<Matrix> DiagnosisState::CovarianceOf(const Refit& refit) const {
-  return selection.cross_validated ? JackknifeCovariance(problem, refit, options.threads) : refitter->Covariance(refit);
+  return selection.cross_validated ? JackknifeCovariance(problem, refit, options.threads)
+                                   : refitter->Covariance(refit);
 }
 
 Vector DiagnosisState::SpreadOverSets(const Refit& refit) const {
