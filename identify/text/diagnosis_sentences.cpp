@@ -85,11 +85,11 @@ std::string InBrackets(const LevelEvidence& level) {
 std::string BehindText(const LevelEvidence& level) {
   if (level.effects.empty()) return {};
   if (level.left_out > 0)
-    return fmt::format("{} alone leaves {} of the error of data left out of the fit", InBrackets(level),
-                       Percent(level.left_out));
+    return fmt::format("{} alone {} {} of the error of data left out of the fit", InBrackets(level),
+                       level.effects.size() == 1 ? "leaves" : "leave", Percent(level.left_out));
   if (!std::isfinite(level.behind)) return {};
-  return fmt::format("{} explains {:.1f} less in -2 log L (each parameter counts 4)", InBrackets(level),
-                     level.behind);
+  return fmt::format("{} {} {:.1f} less in -2 log L (each parameter counts 4)", InBrackets(level),
+                     level.effects.size() == 1 ? "explains" : "explain", level.behind);
 }
 
 // Which level, before which effect.
