@@ -111,6 +111,7 @@ Hdf5Node ToTree(std::string_view text) {
   Hdf5Node root;
   for (const auto line : Split(text, '\n')) AddLine(line, root);
   Tidy(root);
+  root.data = std::monostate();  // a file is a group
   return root;
 }
 

@@ -33,6 +33,7 @@ TEST(TreeText, IsTheSameAfterATurn) {
 TEST(TreeText, TakesAnything) {
   const Hdf5Node odd = ToTree("a 99999999999 2 = 1\n/ =\n \n@\nb @\nb @x\nb @y \"\nc [\nd 3 = 1\nd/e \"t");
   EXPECT_EQ(odd.Find("a")->array()->values.size(), 4096U);  // 4096 x 2 is too much
+  EXPECT_EQ(ToTree(" 1 = 2").array(), nullptr);             // a file is a group
   EXPECT_EQ(odd.Find("d")->array(), nullptr);               // a group now
 }
 
