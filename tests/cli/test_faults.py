@@ -40,6 +40,7 @@ COMMANDS = {
     "data drop": (("data", "drop", "drive.h5", "--trial", "train_1", "--json", "out.json"), ("drive.h5", "out.json")),
     "data check": (("data", "check", "spoilt.h5", "--mask", "auto", "--out", "out.h5"), ("out.h5",)),
     "data stances": (("data", "stances", "stances.h5", "--out", "out.h5"), ("out.h5",)),
+    "data dynamics": (("data", "dynamics", "stances.h5"), ("stances.h5",)),
     "data soles": (("data", "soles", "stances.h5", "--out", "out.yaml"), ("out.yaml",)),
     "data muscles": (("data", "muscles", "finger.h5", "--joints", "first"), ("finger.h5",)),
     "data envelope": (("data", "envelope", "emg.h5", "--out", "out.h5"), ("out.h5",)),
