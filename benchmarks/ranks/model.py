@@ -50,6 +50,9 @@ def main():
             times = json.load(file)
         alone, serial, work, loops = model(times, 1, cost)
         pieces = sorted(seconds for loop in loops for seconds in loop)
+        if not pieces:
+            print(f"{path}: {alone:.2f} s, and no piece that could be done elsewhere")
+            continue
         print(f"{path}: {alone:.2f} s, {serial:.2f} s of it between {len(loops)} loops; {len(pieces)} pieces of "
               f"{pieces[len(pieces) // 2] * 1e3:.3g} ms (median), {pieces[-1] * 1e3:.3g} ms (longest)")
         for cores in map(int, words.cores.split(",")):
