@@ -76,7 +76,7 @@ void Ranks::Communicate(const MakeTransport& make) {
     }
     const bool all_sent = transport->AllSent();
     lock.lock();
-    // The others have nothing left to send once they have said so; then nobody waits for anybody.
+    // Another rank has nothing left to send once its last message (kBye) is here.
     const bool all_received = rank_ != 0 || said_bye_ == size_ - 1;
     if (ending_ && outgoing_.empty() && all_sent && all_received) break;
     const auto now = Clock::now();
@@ -211,7 +211,7 @@ void Ranks::Finish(const Digest::Value& loop, std::size_t count, std::size_t pie
 std::vector<std::pair<std::size_t, Answer>> Ranks::Arrived(const Digest::Value& loop, bool wait) {
   std::unique_lock lock(mutex_);
   Loop& wanted = loops_[loop];
-  // A loop that this rank has begun knows its count.
+  // The count is set where this rank has begun the loop.
   while (wait && wanted.arrived.empty() && wanted.done < wanted.count && !(rank_ == 0 && Stopped()))
     arrived_.wait_for(lock, kLookAtInterrupt);
   return std::exchange(wanted.arrived, {});

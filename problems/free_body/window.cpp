@@ -112,7 +112,7 @@ void WindowFit::Accept(const FlightStart& start) {
   jacobian_.swap(trial_jacobian_);
 }
 
-// A search asks for the derivatives at a point whose cost it knows.
+// A search evaluates the derivatives at a point after the cost there.
 Status WindowFit::Fit(const FreeBodyNumbers& numbers) {
   const Digest::Value asked = Digest().Add(numbers.value.data(), numbers.value.size()).value();
   if (fitted_ == asked) return {};

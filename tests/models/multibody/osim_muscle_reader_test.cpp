@@ -62,7 +62,7 @@ TEST(OsimMuscleReader, TwoMusclesOfOneNameAreAnErrorOfTheFile) {
   const auto read = Read(twice, {"through"});
   ASSERT_FALSE(read);
   EXPECT_EQ(read.error().message, message);
-  EXPECT_TRUE(Read(twice, {"around"})) << "nobody asks for it";
+  EXPECT_TRUE(Read(twice, {"around"})) << "a muscle that is not read may be named twice";
 }
 
 TEST(OsimMuscleReader, ReadsOpenSim4) {
