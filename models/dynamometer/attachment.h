@@ -1,6 +1,6 @@
 // The dynamometer's moving part without a foot on it.
 //
-//   torque that its motor must hold against:  J p'' + B p' + C tanh(p' / w) + G cos(p + g - tilt)
+//   torque that its motor must hold against:  J p'' + B p' + C tanh(p' / w) + G cos(p + g - tilt) + S p
 #pragma once
 
 #include "base/dual_math.h"
@@ -17,6 +17,7 @@ struct Attachment {
   T coulomb_friction{0.0};  ///< C [N m, >= 0]
   T one_way_friction{0.0};  ///< more of C with positive velocity alone [N m]
   T load_friction{0.0};     ///< friction per torque between plate and foot [1, >= 0]
+  T stiffness{0.0};         ///< S: of cables and hoses that turn with it [N m/rad]
 
   static constexpr double kSlowest = 0.02;  ///< w: below it Coulomb friction is smaller [rad/s]
 
@@ -31,6 +32,10 @@ struct Attachment {
   [[nodiscard]] T WeightMoment(double angle, double tilt) const {
     return -gravity * cos(gravity_angle + (angle - tilt));
   }
+
+  /// Moment of cables and hoses about the machine's axis; what they pull at the angle 0 is a zero of the
+  /// torque [N m].
+  [[nodiscard]] T CableMoment(double angle) const { return -stiffness * angle; }
 };
 
 }  // namespace sinew

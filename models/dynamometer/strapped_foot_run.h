@@ -156,7 +156,7 @@ class StrappedFootRun {
   /// The part of the attachment. @param interaction torque of the foot on the plate [N m]
   static T AttachmentTorque(const Attachment<T>& attachment, const FootGeometry& geometry,
                             const PlateMotion& plate, const T& interaction) {
-    return attachment.WeightMoment(plate.angle, geometry.shank_tilt) -
+    return attachment.WeightMoment(plate.angle, geometry.shank_tilt) + attachment.CableMoment(plate.angle) -
            attachment.inertia * plate.acceleration - attachment.Friction(plate.velocity, interaction);
   }
 

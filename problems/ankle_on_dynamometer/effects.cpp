@@ -93,6 +93,10 @@ void AddRobotEffects(ParameterListBuilder& add) {
                   "slow rotations against contractions of several sizes")
       .Positive(kFrictionWithLoad, "friction_with_load", "1", "friction per torque between plate and foot",
                 0.5);
+  add.BeginEffect("attachment_stiffness", Level::kRobot, "cables or hoses of the attachment pull it back",
+                  "slow passive rotations of the attachment alone over the whole range")
+      .TwoSided(kAttachmentStiffness, "attachment_stiffness", "N*m/rad", "of what turns with the attachment",
+                50);
 }
 
 void AddBoundaryEffects(ParameterListBuilder& add) {
@@ -265,9 +269,9 @@ StrappedFoot<T> FootOf(const AnkleSettings& settings, const std::vector<T>& valu
   b.strap_loosening = at(kStrapLoosening);
   b.axis_x = at(kAxisX);
   b.axis_y = at(kAxisY);
-  foot.attachment = {at(kAttachmentInertia),  at(kAttachmentGravity), at(kAttachmentGravityAngle),
-                     at(kAttachmentFriction), at(kDryFriction),       at(kOneWayFriction),
-                     at(kFrictionWithLoad)};
+  foot.attachment = {at(kAttachmentInertia),  at(kAttachmentGravity),  at(kAttachmentGravityAngle),
+                     at(kAttachmentFriction), at(kDryFriction),        at(kOneWayFriction),
+                     at(kFrictionWithLoad),   at(kAttachmentStiffness)};
   return foot;
 }
 

@@ -18,6 +18,8 @@ enum AnkleSlot {
   kDryFriction,
   kOneWayFriction,
   kFrictionWithLoad,
+  kAttachmentStiffness,
+  kLastOfAttachment = kAttachmentStiffness,
   // boundary
   kSoleStiffness,
   kSoleDissipation,

@@ -14,7 +14,7 @@ constexpr int kLanes = 8;
 
 // Slots that a trial's channels depend on.
 bool Matters(AnkleTask task, int slot) {
-  if (slot <= kFrictionWithLoad) return true;
+  if (slot <= kLastOfAttachment) return true;
   if (task == AnkleTask::kAttachmentAlone) return false;
   const bool of_drive = slot >= kAnkleShape && slot <= kAntagonist;
   return task == AnkleTask::kActive || !of_drive;
@@ -248,7 +248,7 @@ Status AnkleProblem::RunPlain(const AnkleTrial& trial, TrialScratch& scratch) co
 
 bool AnkleProblem::IsOfAttachment(int parameter) const {
   for (std::size_t slot = 0; slot < list_.index.size(); ++slot) {
-    if (list_.index[slot] == parameter && slot > kFrictionWithLoad) return false;
+    if (list_.index[slot] == parameter && slot > kLastOfAttachment) return false;
   }
   return true;
 }

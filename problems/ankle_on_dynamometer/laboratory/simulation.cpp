@@ -179,7 +179,8 @@ class Laboratory {
     const double friction = attachment.Friction(x[kPlateRate], interaction);
     rate[kPlate] = x[kPlateRate];
     rate[kPlateRate] =
-        (motor + interaction - friction + attachment.WeightMoment(x[kPlate], geometry_.shank_tilt)) /
+        (motor + interaction - friction + attachment.WeightMoment(x[kPlate], geometry_.shank_tilt) +
+         attachment.CableMoment(x[kPlate])) /
         attachment.inertia;
     rate[kFoot] = x[kFootRate];
     const PassiveAnkle<double>& passive = truth_.passive;
@@ -214,7 +215,7 @@ class Laboratory {
     instant->energy =
         0.5 * attachment.inertia * x[kPlateRate] * x[kPlateRate] +
         attachment.gravity * std::sin(attachment.gravity_angle + x[kPlate] - geometry_.shank_tilt) +
-        fibres_store;
+        0.5 * attachment.stiffness * x[kPlate] * x[kPlate] + fibres_store;
     if (!trial_.foot) return;
     instant->lost_power += forces.lost + passive.Dissipated(x[kFootRate]) +
                            truth_.passive_relaxation.stiffness / truth_.passive_relaxation.time *

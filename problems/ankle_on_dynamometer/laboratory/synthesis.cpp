@@ -39,6 +39,7 @@ constexpr ExperimentSetting kSettings[] = {
 constexpr double kDegree = kPi / 180;
 constexpr double kFine = 1000;  // [Hz] of the true excitations
 constexpr const char* kStudied[] = {"lat_gas_r", "med_gas_r", "soleus_r", "tib_ant_r"};
+constexpr std::size_t kSoleus = 2;
 
 // What is true unless --set says otherwise: not what a fit starts from.
 struct TrueValue {
@@ -55,6 +56,17 @@ constexpr TrueValue kTrue[] = {
 };
 constexpr double kTrueStrength[] = {1.22, 0.84};  // triceps, dorsiflexors
 constexpr double kTrueSlack[] = {1.008, 0.991};
+
+// Errors that no effect of the problem describes, as tests of the diagnosis. Each has one number of its name.
+constexpr Outsider kAnkleOutsiders[] = {
+    {"torque_ripple", "N*m", "torque of the motor that is a sine of its angle, 40 per rad"},
+    {"turning_column", "rad/(N*m)",
+     "angle by which the machine turns under its torque, unseen by its encoder"},
+    {"tremor", "1", "activation of the soleus that is a sine of time, 5 Hz, and no electrode saw"},
+    {"soleus_fades", "1/s", "the EMG of one muscle alone loses this share per second"},
+    {"loose_electrode", "1", "the EMG of one muscle alone loses this share half-way"},
+    {"bent_arms", "m/rad2", "moment arms that grow with the square of the angle"},
+};
 
 using Numbers = std::map<std::string, double>;
 
@@ -129,7 +141,8 @@ struct Drive {
 
 constexpr double kBefore = 0.5;  // [s] of excitations before the trial and after it
 
-Drive DrawDrive(const TrialPlan& plan, const std::vector<double>& values, double duration, Random& random) {
+Drive DrawDrive(const TrialPlan& plan, const std::vector<double>& values, double tremor, double duration,
+                Random& random) {
   Drive drive;
   drive.first = -kBefore;
   const auto count = static_cast<std::size_t>((duration + 2 * kBefore) * kFine) + 2;
@@ -157,8 +170,8 @@ Drive DrawDrive(const TrialPlan& plan, const std::vector<double>& values, double
       if (i == 0) filter.Settle(e);
       const double u = filter.Next(e);
       const double t = drive.first + static_cast<double>(i) / kFine;
-      const double a =
-          ExponentialShape(u, at(kAnkleShape)).activation * (1 - at(kFatigue) * std::max(t, 0.0));
+      double a = ExponentialShape(u, at(kAnkleShape)).activation * (1 - at(kFatigue) * std::max(t, 0.0));
+      if (m == kSoleus) a += tremor * std::sin(10 * kPi * t);
       drive.activations[m][i] = std::max(a, 0.0);
       drive.activations[muscles][i] += drive.activations[m][i] / static_cast<double>(muscles);
     }
@@ -168,19 +181,24 @@ Drive DrawDrive(const TrialPlan& plan, const std::vector<double>& values, double
 
 class Experiment {
  public:
-  Experiment(Numbers set, AnkleSettings settings, std::vector<double> values)
+  Experiment(Numbers set, AnkleSettings settings, std::vector<double> values, Numbers outsiders)
       : set_(std::move(set)),
         settings_(std::move(settings)),
         values_(std::move(values)),
+        outsiders_(std::move(outsiders)),
         truth_(FootOf(settings_, values_)),
         curves_(MuscleCurves::Default()) {
-    for (const AnkleMuscle& muscle : settings_.muscles) paths_.push_back(muscle.path);
+    for (const AnkleMuscle& muscle : settings_.muscles) {
+      paths_.push_back(muscle.path);
+      std::vector<double>& arm = paths_.back().arm;
+      arm.at(2) += std::copysign(Outside("bent_arms"), arm[0]);
+    }
   }
 
   Result<Trial> Record(const TrialPlan& plan, std::uint64_t seed) const {
     Random random(seed);
     const double duration = set_.at("duration");
-    const Drive drive = DrawDrive(plan, values_, duration, random);
+    const Drive drive = DrawDrive(plan, values_, Outside("tremor"), duration, random);
     LaboratoryTrial wanted;
     wanted.program = plan.program;
     wanted.foot = plan.task != AnkleTask::kAttachmentAlone;
@@ -214,8 +232,13 @@ class Experiment {
     SINEW_TRY(SimulateLaboratory(
         settings_.foot, curves_, paths_, truth_, wanted, apart, [&](const LaboratoryInstant& now) {
           grid.time.push_back(now.time);
-          series["machine_angle"].push_back(now.plate_angle + noise("angle_noise") * random.Normal());
-          series["machine_torque"].push_back(-now.motor_torque + noise("torque_noise") * random.Normal());
+          // The whole machine turns under its torque, and the person's shank does not.
+          const double turned = Outside("turning_column") * now.motor_torque;
+          const double ripple = Outside("torque_ripple") * std::sin(40 * now.plate_angle);
+          series["machine_angle"].push_back(now.plate_angle + turned +
+                                            noise("angle_noise") * random.Normal());
+          series["machine_torque"].push_back(ripple - now.motor_torque +
+                                             noise("torque_noise") * random.Normal());
           series["ankle_angle"].push_back(now.ankle_angle + noise("ankle_noise") * random.Normal());
           series["true_interaction"].push_back(now.interaction);
           series["true_sole_force"].push_back(now.sole_normal);
@@ -244,6 +267,11 @@ class Experiment {
   }
 
  private:
+  [[nodiscard]] double Outside(const char* name) const {
+    const auto found = outsiders_.find(name);
+    return found == outsiders_.end() ? 0 : found->second;
+  }
+
   // What the electrodes see.
   [[nodiscard]] Grid RecordEmg(const Drive& drive, double apart, Random& random) const {
     Grid grid;
@@ -257,10 +285,18 @@ class Experiment {
       for (std::size_t i = 0; i < drive.excitations[m].size(); i += std::max<std::size_t>(every, 1)) {
         double others = 0;
         for (std::size_t k = 0; k < muscles; ++k) others += k == m ? 0 : drive.excitations[k][i];
-        const double seen = drive.excitations[m][i] + talk * others / static_cast<double>(muscles - 1) +
+        const double since = drive.first + static_cast<double>(i) / kFine;
+        double kept = 1;
+        if (m == kSoleus) {
+          const bool loose = since > 0.5 * set_.at("duration");
+          kept =
+              (1 - Outside("soleus_fades") * std::max(since, 0.0)) * (1 - Outside("loose_electrode") * loose);
+        }
+        const double seen = kept * drive.excitations[m][i] +
+                            talk * others / static_cast<double>(muscles - 1) +
                             set_.at("emg_noise") * random.Normal();
         channel.values.push_back(std::clamp(seen, 0.0, 1.0));
-        if (m == 0) grid.time.push_back(drive.first + static_cast<double>(i) / kFine);
+        if (m == 0) grid.time.push_back(since);
       }
       grid.channels[kStudied[m]] = std::move(channel);
     }
@@ -270,6 +306,7 @@ class Experiment {
   Numbers set_;
   AnkleSettings settings_;
   std::vector<double> values_;
+  Numbers outsiders_;
   StrappedFoot<double> truth_;
   MuscleCurves curves_;
   std::vector<MusclePath> paths_;
@@ -295,6 +332,7 @@ Status MakeExact(const AnkleSettings& settings, const std::vector<double>& value
 struct Truth {
   Numbers set;
   std::vector<double> values;
+  Numbers outsiders;
 };
 
 Result<Truth> ReadTruth(const SynthesisRequest& request, const AnkleSettings& settings,
@@ -328,8 +366,18 @@ Result<Truth> ReadTruth(const SynthesisRequest& request, const AnkleSettings& se
   SINEW_ASSIGN(
       truth.set,
       ReadExperiment(kSettings, {"torque_noise", "angle_noise", "ankle_noise", "emg_noise"}, settings_alone));
-  SINEW_ASSIGN(const auto hidden, ReadHiddenEffects(request.effects, list));
-  for (const auto& [name, value] : hidden) SINEW_TRY(store(name, value));
+  const ParameterList outside = ListOutsiders(kAnkleOutsiders);
+  SINEW_ASSIGN(const auto hidden, ReadHiddenEffects(request.effects, list, outside));
+  for (const auto& [name, value] : hidden) {
+    if (!FindParameter(outside.parameters, name)) {
+      SINEW_TRY(store(name, value));
+    } else if (truth.set.at("exact") != 0) {
+      return Fail("--effect {}: with exact=1 torques are those of the fitted model, which does not have it",
+                  name);
+    } else {
+      truth.outsiders[name] = value;
+    }
+  }
   return truth;
 }
 
@@ -348,7 +396,7 @@ Result<Dataset> SynthesizeAnkle(const SynthesisRequest& request) {
   data.licence = "CC0-1.0";
   data.synthetic = true;
   data.files["ankle_on_dynamometer.yaml"] = text;
-  const Experiment experiment(truth.set, settings, truth.values);
+  const Experiment experiment(truth.set, settings, truth.values, truth.outsiders);
   const auto plans = PlanTrials(truth.set);
   std::vector<Result<Trial>> trials(plans.size(), Trial());
   CurrentExecutor().ForEach(plans.size(), [&](std::size_t i, std::size_t) {

@@ -38,6 +38,13 @@ TEST(AttachmentTest, WeightPullsItsCentreDown) {
   EXPECT_NEAR(attachment.WeightMoment(0.7, 0.5), -(energy(0.7 + h) - energy(0.7 - h)) / (2 * h), 1e-9);
 }
 
+TEST(AttachmentTest, CablesPullItBack) {
+  Attachment<double> attachment;
+  EXPECT_EQ(attachment.CableMoment(0.4), 0);
+  attachment.stiffness = 5;
+  EXPECT_DOUBLE_EQ(attachment.CableMoment(0.4), -2);
+}
+
 TEST(PassiveAnkleTest, MomentIsOfItsFormula) {
   PassiveAnkle<double> ankle;
   ankle.stiffness = 12;

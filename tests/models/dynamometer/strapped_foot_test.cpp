@@ -226,7 +226,7 @@ class StrappedFootDerivatives : public StrappedFootTest {
     StrappedFoot<D> dual = Converted<D>(foot);
     const Attachment<double>& a = foot.attachment;
     dual.attachment = {a.inertia,          a.gravity,          a.gravity_angle, a.viscous_friction,
-                       a.coulomb_friction, a.one_way_friction, a.load_friction};
+                       a.coulomb_friction, a.one_way_friction, a.load_friction, a.stiffness};
     return dual;
   }
 };

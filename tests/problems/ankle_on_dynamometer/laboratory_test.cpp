@@ -22,6 +22,7 @@ StrappedFoot<double> TruePerson(const AnkleSettings& settings) {
   set(kAttachmentInertia, 0.08);
   set(kDryFriction, 0.5);
   set(kFrictionWithLoad, 0.02);
+  set(kAttachmentStiffness, 3);
   set(kAxisX, 0.01);
   set(kAxisY, -0.008);
   set(kSoleExponent, 0.2);

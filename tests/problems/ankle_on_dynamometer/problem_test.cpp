@@ -44,7 +44,7 @@ TEST(AnkleProblemTest, AttachmentAloneDependsOnTheRobotOnly) {
   EXPECT_THAT(NamesOf(*problem, BlockOf(*problem, "alone", "machine_torque").columns),
               UnorderedElementsAre("attachment_inertia", "attachment_gravity", "attachment_gravity_angle",
                                    "attachment_friction", "dry_friction", "directional_friction",
-                                   "friction_with_load"));
+                                   "friction_with_load", "attachment_stiffness"));
   // And what it does not declare does not change it.
   const Vector rest = RestPoint(*problem);
   Random random(1);
