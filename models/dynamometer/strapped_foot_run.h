@@ -170,7 +170,8 @@ class StrappedFootRun {
   static constexpr double kLengthConverged = 1e-12;  // of the optimal length
   static constexpr double kLongestTurn = 0.05;       // [rad] of one iteration
   static constexpr double kLongestPull = 0.1;        // of the optimal length, in one iteration
-  static constexpr double kReach = 0.5;              // [rad] of foot and plate against each other
+  static constexpr double kReach = 1;                // [rad] of foot and plate against each other
+  static constexpr int kRefinements = 2;             // of what the safeguarded search found
 
   void Remember() {
     for (std::size_t m = 0; m < muscles_.size(); ++m) {
@@ -293,6 +294,7 @@ class StrappedFootRun {
   // where that does not converge, a safeguarded search.
   Status Find(int stage, const PlateMotion& plate, const std::vector<double>& activation) {
     bool searched = still_;
+    bool last = false;  // what the search found is taken as it is
     if (still_) {
       SINEW_TRY(Search(stage, plate, activation));
     } else {
@@ -332,7 +334,16 @@ class StrappedFootRun {
         tame = tame && found_[m].inverse > 0 && std::isfinite(change);
         change_[m] = std::clamp(change, -kLongestPull * unit, kLongestPull * unit);
       }
-      if (converged || (searched && i == 2)) {
+      // Beside a corner of the friction, Newton's method may leave the solution that the search has
+      // bracketed.
+      if (searched && !converged && !last && (!tame || i == kRefinements)) {
+        angle = guess_;
+        lengths_ = searched_lengths_;
+        last = true;
+        continue;
+      }
+      if (last && !tame) return Fail("t = {:.4g} s: the foot finds no equilibrium", time_);
+      if (converged || last) {
         solutions_.stages.push_back({angle, slope, at.torque.d[0]});
         solutions_.fibres.insert(solutions_.fibres.end(), found_.begin(), found_.end());
         instant_.ankle_angle = angle;
@@ -343,15 +354,12 @@ class StrappedFootRun {
         instant_.torque = at.torque.value;
         return {};
       }
-      if (searched || !tame || i == kQuickIterations) {
-        if (searched && !tame) return Fail("t = {:.4g} s: the foot finds no equilibrium", time_);
-        if (!searched) {
-          SINEW_TRY(Search(stage, plate, activation));
-          searched = true;
-          angle = guess_;
-          i = -1;
-          continue;
-        }
+      if (!searched && (!tame || i == kQuickIterations)) {
+        SINEW_TRY(Search(stage, plate, activation));
+        searched = true;
+        angle = guess_;
+        i = -1;
+        continue;
       }
       angle += std::clamp(turn, -kLongestTurn, kLongestTurn);
       for (std::size_t m = 0; m < paths_.size(); ++m)
@@ -438,12 +446,15 @@ class StrappedFootRun {
     return {balance.imbalance.d, balance.tendon_force.d};
   }
 
-  // A safeguarded search for the angle, with every fibre in equilibrium at every angle.
+  // A safeguarded search for the angle, with every fibre in equilibrium at every angle; into guess_ and
+  // searched_lengths_.
   Status Search(int stage, const PlateMotion& plate, const std::vector<double>& activation) {
     double low = plate.angle - kReach;
     double high = plate.angle + kReach;
     double angle = still_ ? plate.angle : angle_.begin;
     if (!(angle > low && angle < high)) angle = plate.angle;
+    bool below = false;  // an angle with a negative imbalance was seen, and one with a positive one
+    bool above = false;
     for (int i = 0; i < kMostIterations; ++i) {
       FootInstant<Dual<1>> at;
       Dual<1> sum =
@@ -462,11 +473,16 @@ class StrappedFootRun {
       if (!std::isfinite(sum.value)) return Fail("t = {:.4g} s: the moment on the foot is not finite", time_);
       // The imbalance rises with the angle.
       (sum.value > 0 ? high : low) = angle;
+      (sum.value > 0 ? above : below) = true;
       const double before = angle;
       angle = sum.d[0] > 0 ? angle - sum.value / sum.d[0] : high;
       if (!(angle > low && angle < high)) angle = 0.5 * (low + high);
       if (std::abs(angle - before) < kConverged) {
+        // Otherwise it is an end of the range that was searched.
+        const bool bracketed = (above && below) || std::abs(sum.value) < kConverged * std::abs(sum.d[0]);
+        if (!bracketed) break;
         guess_ = before;
+        searched_lengths_ = lengths_;
         return {};
       }
     }
@@ -505,6 +521,7 @@ class StrappedFootRun {
   std::vector<FibreSolution> found_;
   std::vector<double> imbalance_ = std::vector<double>(paths_.size());
   std::vector<double> change_ = std::vector<double>(paths_.size());
+  std::vector<double> searched_lengths_;
   double guess_ = 0;
 };
 

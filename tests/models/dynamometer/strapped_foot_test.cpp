@@ -102,6 +102,35 @@ TEST_F(StrappedFootTest, SettlesWhereAllMomentsCancel) {
   }
 }
 
+// Soft straps let a strong muscle turn the foot far from the plate.
+TEST_F(StrappedFootTest, SettlesFarFromThePlateOrSaysThatItCannot) {
+  auto foot = StrappedPerson();
+  foot.boundary.strap_pretension = 5;
+  foot.boundary.strap_stiffness = 20;
+  const std::vector<double> pull = {0, 1, 0.5};  // the dorsiflexor alone
+  double farthest = 0;
+  bool refused = false;
+  for (const double plate : {-0.5, -0.9, -1.5}) {
+    if (plate == -1.5) foot.muscles[1].isometric_force *= 20;
+    StrappedFootRun<double> run(geometry_, curves_, paths_, foot, solutions_);
+    const auto status = run.Settle(0, {plate, 0, 0}, pull);
+    if (!status) {
+      EXPECT_NE(status.error().message.find("no equilibrium within"), std::string::npos)
+          << status.error().message;
+      refused = true;
+      continue;
+    }
+    const double q = run.instant().ankle_angle;
+    const double weight = -1.1 * 9.81 * (geometry_.mass_x * std::cos(q) - geometry_.mass_y * std::sin(q));
+    const auto boundary = BoundaryLoadAt(geometry_, foot.boundary, {plate, 0, q, 0, 0});
+    EXPECT_NEAR(run.instant().muscle_moment + foot.passive.Moment(q, 0.0) + weight + boundary.on_foot, 0,
+                1e-7);
+    farthest = std::max(farthest, q - plate);
+  }
+  EXPECT_GT(farthest, 0.55);
+  EXPECT_TRUE(refused);
+}
+
 // The plate is at rest, the muscles are as they were: so is everything.
 TEST_F(StrappedFootTest, StaysInEquilibrium) {
   const auto foot = StrappedPerson();
