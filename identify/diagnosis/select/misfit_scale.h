@@ -23,8 +23,8 @@ enum class NoiseUnknown {
   kFewSamples,  ///< no trial has 22 samples without a gap
   kCorrelated,  ///< its noise is known to be correlated, as that of an envelope: differences do not show it
   kConstant,    ///< it does not change
-  kSmooth  ///< differences show less than a thousandth of what it varies by, which is taken instead: it is
-           ///< filtered, interpolated or computed
+  kSmooth  ///< differences do not show any, and leave less than a thousandth of what it varies by, which is
+           ///< taken instead: it is filtered, interpolated or computed
 };
 
 /// "", "few_samples", "correlated", "constant", "smooth".
@@ -44,9 +44,8 @@ class MisfitScale {
 
   [[nodiscard]] const std::vector<Channel>& channels() const { return channels_; }
 
-  /// True if the residual of some channel is not noise: its deviation is more than ten times the noise level
-  /// (and more than a hundredth of what the channel varies by, so that an error of the integration does not
-  /// count), or it is strongly autocorrelated with a deviation far above that of its innovations, which no
+  /// True if the residual of some channel is not noise: its deviation is more than ten times the noise level,
+  /// or it is strongly autocorrelated with a deviation far above that of its innovations, which no
   /// instrument's noise is. @param noise of that residual
   [[nodiscard]] bool Dominates(const noise::NoiseModel& noise) const;
 

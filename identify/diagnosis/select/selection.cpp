@@ -60,7 +60,8 @@ class Selector {
     if (base_.refit.noise_absorbs_misfit || scale_.Dominates(base_.refit.noise)) {
       SINEW_TRY(SearchByCrossValidation(selection, chosen));
       if (selection.cross_validated) return selection;
-      if (!chosen.empty()) {
+      found_by_search_ = !chosen.empty();
+      if (found_by_search_) {
         selection.alarm = true;
         selection.family_p_value = std::min(selection.family_p_value, options_.alarm_level);
         SINEW_ASSIGN(scored,
@@ -346,8 +347,11 @@ class Selector {
   // size of the effect. Where no noise model is valid, the comparison is not made.
   // Where the refit contradicts the scores of the named effects (a base fit far from the truth), those of the
   // terms are no better: then a term can only be better if the named effects leave something significant.
+  // Causes that a search by cross-validation found take a misfit that dominates the noise down to the noise,
+  // of which no term leaves less; the noise of the base model, whose likelihood the scores are, has absorbed
+  // that misfit.
   [[nodiscard]] Result<bool> UnknownTermFitsBetter(const Set& chosen) const {
-    if (chosen.empty() || base_.refit.noise_absorbs_misfit) return false;
+    if (chosen.empty() || base_.refit.noise_absorbs_misfit || found_by_search_) return false;
     std::vector<const Score*> known;
     double parameters = 0;
     for (const int c : chosen) {
@@ -561,6 +565,7 @@ class Selector {
   std::map<Set, Refit> cache_;
   Shortlist shortlist_;
   bool scores_contradicted_ = false;  // by a refit: then all candidates are refitted
+  bool found_by_search_ = false;      // several causes, by cross-validation
 };
 
 }  // namespace
