@@ -13,6 +13,7 @@ namespace {
 constexpr double kLarge = 10;      // deviation of a misfit over that of the noise
 constexpr double kLikeStated = 2;  // ... of a residual that may be noise
 constexpr double kLikeDifferences = 4;
+constexpr double kNoMore = 1.5;       // ... of one that is hardly more than noise
 constexpr double kLeastShare = 1e-3;  // noise that is not visible, as a share of the signal's deviation
 constexpr double kStronglyAutocorrelated = 0.97;  // root of the noise ...
 constexpr double kProcessOverInnovation = 5;      // ... and deviation over that of its innovations
@@ -113,12 +114,24 @@ noise::NoiseModel MisfitScale::Floor(noise::NoiseModel residual) const {
 }
 
 bool MisfitScale::Resembles(const noise::NoiseModel& noise) const {
+  return Within(noise, kLikeStated, kLikeDifferences);
+}
+
+bool MisfitScale::IsNoMore(const noise::NoiseModel& noise) const {
+  const bool known = std::all_of(noise.channels.begin(), noise.channels.end(), [&](const auto& residual) {
+    const Channel* own = Find(residual.channel);
+    return own != nullptr && own->unknown == NoiseUnknown::kNo;
+  });
+  return known && Within(noise, kNoMore, kNoMore);
+}
+
+bool MisfitScale::Within(const noise::NoiseModel& noise, double of_stated, double of_differences) const {
   return std::none_of(noise.channels.begin(), noise.channels.end(), [&](const auto& residual) {
     const Channel* own = Find(residual.channel);
     if (StronglyAutocorrelated(residual)) return true;
     if (own == nullptr) return false;
-    const double like = own->source == NoiseSource::kStated ? kLikeStated : kLikeDifferences;
-    return residual.ProcessDeviation() > like * own->noise;
+    const double most = own->source == NoiseSource::kStated ? of_stated : of_differences;
+    return residual.ProcessDeviation() > most * own->noise;
   });
 }
 

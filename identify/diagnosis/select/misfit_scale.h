@@ -53,12 +53,18 @@ class MisfitScale {
   /// from differences, which is a lower limit, and none is strongly autocorrelated.
   [[nodiscard]] bool Resembles(const noise::NoiseModel& noise) const;
 
+  /// True if the noise of every channel is stated or visible, and no residual has more than 1.5 times its
+  /// level: no model leaves clearly less.
+  [[nodiscard]] bool IsNoMore(const noise::NoiseModel& noise) const;
+
   /// The noise of the measurement: that of a residual, but white with the level of this scale where the
   /// residual is a misfit.
   [[nodiscard]] noise::NoiseModel Floor(noise::NoiseModel residual) const;
 
  private:
   [[nodiscard]] const Channel* Find(const std::string& channel) const;
+  /// No deviation above so many levels, and none strongly autocorrelated.
+  [[nodiscard]] bool Within(const noise::NoiseModel& noise, double of_stated, double of_differences) const;
   [[nodiscard]] bool IsMisfit(const noise::ChannelNoiseModel& residual) const;
 
   std::vector<Channel> channels_;
