@@ -38,6 +38,8 @@ class Axis:
     position_gain: float
     velocity_gain: float
     velocity_filter: float
+    disturbance: float = 0.0  # [N] amplitude of a slow force that no record holds ...
+    slowness: float = 5.0     # [s] ... and its period
 
     def truth(self):
         """Effects of the library that are hidden, with their values."""
@@ -165,7 +167,7 @@ def record(axis, number):
     body = Body(axis)
     position, force = [], []
     before, velocity = None, 0.0
-    for goal in wanted:
+    for k, goal in enumerate(wanted):
         read = body.x + draw.gauss(0, axis.noise)
         if axis.resolution:
             read = axis.resolution * round(read / axis.resolution)
@@ -175,7 +177,7 @@ def record(axis, number):
         push = axis.velocity_gain * (axis.position_gain * (goal - read) - velocity)
         position.append(read)
         force.append(push)
-        body.move(period, push)
+        body.move(period, push + axis.disturbance * math.sin(2 * math.pi * k * period / axis.slowness + axis.cogging_phase))
     return numpy.arange(len(wanted)) * period, wanted, numpy.array(force), numpy.array(position)
 
 

@@ -14,6 +14,7 @@ constexpr double kLarge = 10;      // deviation of a misfit over that of the noi
 constexpr double kLikeStated = 2;  // ... of a residual that may be noise
 constexpr double kLikeDifferences = 4;
 constexpr double kNoMore = 1.5;       // ... of one that is hardly more than noise
+constexpr double kOnlyNoise = 1.1;    // ... of noise alone
 constexpr double kLeastShare = 1e-3;  // noise that is not visible, as a share of the signal's deviation
 constexpr double kStronglyAutocorrelated = 0.97;  // root of the noise ...
 constexpr double kProcessOverInnovation = 5;      // ... and deviation over that of its innovations
@@ -118,11 +119,18 @@ bool MisfitScale::Resembles(const noise::NoiseModel& noise) const {
 }
 
 bool MisfitScale::IsNoMore(const noise::NoiseModel& noise) const {
-  const bool known = std::all_of(noise.channels.begin(), noise.channels.end(), [&](const auto& residual) {
+  return IsKnown(noise) && Within(noise, kNoMore, kNoMore);
+}
+
+bool MisfitScale::IsNoise(const noise::NoiseModel& noise) const {
+  return IsKnown(noise) && Within(noise, kOnlyNoise, kOnlyNoise);
+}
+
+bool MisfitScale::IsKnown(const noise::NoiseModel& noise) const {
+  return std::all_of(noise.channels.begin(), noise.channels.end(), [&](const auto& residual) {
     const Channel* own = Find(residual.channel);
     return own != nullptr && own->unknown == NoiseUnknown::kNo;
   });
-  return known && Within(noise, kNoMore, kNoMore);
 }
 
 bool MisfitScale::Within(const noise::NoiseModel& noise, double of_stated, double of_differences) const {

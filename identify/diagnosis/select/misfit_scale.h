@@ -57,12 +57,16 @@ class MisfitScale {
   /// level: no model leaves clearly less.
   [[nodiscard]] bool IsNoMore(const noise::NoiseModel& noise) const;
 
+  /// The same with 1.1 times its level: what structure may hide there is less than half of the noise.
+  [[nodiscard]] bool IsNoise(const noise::NoiseModel& noise) const;
+
   /// The noise of the measurement: that of a residual, but white with the level of this scale where the
   /// residual is a misfit.
   [[nodiscard]] noise::NoiseModel Floor(noise::NoiseModel residual) const;
 
  private:
   [[nodiscard]] const Channel* Find(const std::string& channel) const;
+  [[nodiscard]] bool IsKnown(const noise::NoiseModel& noise) const;
   /// No deviation above so many levels, and none strongly autocorrelated.
   [[nodiscard]] bool Within(const noise::NoiseModel& noise, double of_stated, double of_differences) const;
   [[nodiscard]] bool IsMisfit(const noise::ChannelNoiseModel& residual) const;

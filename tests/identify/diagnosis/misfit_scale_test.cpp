@@ -101,6 +101,17 @@ TEST(MisfitScale, AMisfitDominatesAboveTenTimesTheNoise) {
   EXPECT_FALSE(scale.Resembles(White(6 * kNoise)));
 }
 
+TEST(MisfitScale, OnlyKnownNoiseTellsThatNoMoreIsLeft) {
+  const toy::ToyProblem visible = ProblemWith(Sine(1000, 1, 1e-4));
+  EXPECT_TRUE(MisfitScale(visible).IsNoMore(White(1.3e-4)));
+  EXPECT_FALSE(MisfitScale(visible).IsNoise(White(1.3e-4)));
+  EXPECT_FALSE(MisfitScale(visible).IsNoMore(White(1.8e-4)));
+  EXPECT_TRUE(MisfitScale(visible).IsNoise(White(1.02e-4)));
+  const toy::ToyProblem smooth = ProblemWith(Sine(1000, 1, 0));
+  EXPECT_FALSE(MisfitScale(smooth).IsNoMore(White(1e-6)));
+  EXPECT_FALSE(MisfitScale(smooth).IsNoise(White(1e-6)));
+}
+
 // A smooth misfit that an autoregression describes with small innovations is large at any rate.
 TEST(MisfitScale, DoesNotDependOnTheSamplingRate) {
   for (const double rate : {50.0, 200.0, 1000.0}) {
