@@ -108,6 +108,8 @@ def judge(r):
     d, o = r["diagnosis"], r.get("oracle", {"held_out": math.nan, "matters": []})
     stated = set(d["causes"]) | {other for _, other in d["alternatives"]}
     true = {name: {name} | STANDS_FOR.get(name, set()) for name in r["effects"]}
+    if r["machine"]["resolution"]:
+        true["quantisation"] = {"position.quantisation", "level.quantisation"}
     base = {name: d["base"][name]["ci95"] for name in r["true_base"] if name in d["base"]}
     noise = math.hypot(r["machine"]["noise"], r["machine"]["resolution"] / math.sqrt(12))
     return {"ratio": d["held_out"] / o["held_out"], "matter": len(o["matters"]),
