@@ -141,7 +141,7 @@ class DiagnosisRun {
     SINEW_TRY(Continue());
     if (!base.usable()) return Fail("the base model: {}", base.failure);
     const double share = ExplainedShare(problem_, LeastSquares(problem_, *base.setup), base.noise);
-    if (share < kMinExplained) {
+    if (share < kMinExplained && !MisfitScale(problem_).Dominates(base.noise)) {
       ConcludeNothing(Inconclusive::kNoiseTooLarge);
       return MeasureGain(base.noise);
     }

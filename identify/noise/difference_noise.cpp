@@ -13,6 +13,11 @@ namespace {
 constexpr int kLowestOrder = 2;
 constexpr int kHighestOrder = 6;
 constexpr int kMinDifferences = kSamplesForNoise - kLowestOrder;
+constexpr int kComparedOrder = 4;        // with the highest one
+constexpr double kLeastAgreement = 0.7;  // of the level of the highest order over that of the compared one
+constexpr double kLeastSmallest = 0.5;   // of the smallest level over that of the highest order
+constexpr double kStoredDigits = 1e-6;   // of the largest value
+constexpr double kAboveRounding = 1.5;   // of a level that is more than rounding, over that of rounding
 constexpr double kMedianOfNormal = 0.6744897501960817;  // of |z|, z standard normal
 
 // Squared norm of the coefficients of a difference: the binomial coefficient (2 order over order).
@@ -28,13 +33,20 @@ double Median(std::vector<double>& values) {
   return *middle;
 }
 
+// Of fewer samples than the highest order takes, the highest ones that there are.
+bool OrdersAgree(const std::vector<double>& levels, double smallest) {
+  constexpr std::size_t kApart = kHighestOrder - kComparedOrder;
+  const std::size_t last = levels.size() - 1;
+  return levels[last] >= kLeastAgreement * levels[last - std::min(last, kApart)] &&
+         smallest >= kLeastSmallest * levels[last];
+}
+
 }  // namespace
 
-std::optional<double> DifferenceNoise(const Block& block) {
+std::optional<MeasuredNoise> DifferenceNoise(const Block& block) {
   if (block.noise_memory) return {};
   const std::vector<int> stretches = Stretches(block);
-  double smallest = 0;
-  bool found = false;
+  std::vector<double> levels;  // from kLowestOrder on
   std::vector<double> differences = block.measured;
   std::vector<double> magnitudes;
   for (int order = 1; order <= kHighestOrder; ++order) {
@@ -48,12 +60,15 @@ std::optional<double> DifferenceNoise(const Block& block) {
         magnitudes.push_back(std::abs(differences[static_cast<std::size_t>(i)]));
     }
     if (magnitudes.size() < kMinDifferences) break;
-    const double level = Median(magnitudes) / kMedianOfNormal / std::sqrt(SquaredNorm(order));
-    smallest = found ? std::min(smallest, level) : level;
-    found = true;
+    levels.push_back(Median(magnitudes) / kMedianOfNormal / std::sqrt(SquaredNorm(order)));
   }
-  if (!found) return {};
-  return std::max(smallest, QuantisationStep(block.measured).value_or(0) / std::sqrt(12.0));
+  if (levels.empty()) return {};
+  double largest = 0;
+  for (const double value : block.measured) largest = std::max(largest, std::abs(value));
+  const double smallest = *std::min_element(levels.begin(), levels.end());
+  const double rounding = QuantisationStep(block.measured).value_or(0) / std::sqrt(12.0);
+  if (smallest <= kAboveRounding * rounding) return MeasuredNoise{std::max(smallest, rounding), rounding > 0};
+  return MeasuredNoise{smallest, smallest > kStoredDigits * largest && OrdersAgree(levels, smallest)};
 }
 
 }  // namespace sinew::noise

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "identify/noise/difference_noise.h"
 #include "models/drive/integrator.h"
 #include "models/drive/uses.h"
 
@@ -94,9 +95,20 @@ Result<std::unique_ptr<DriveProblem>> DriveProblem::Make(const Dataset& data, co
   SINEW_TRY(CheckParameterList(problem->list_));
   SINEW_TRY(CheckLayout(problem->layout(), static_cast<int>(problem->parameters().size())));
   const bool chosen = settings.step.has_value();
-  if (!chosen) SINEW_TRY(problem->ChooseStep(kStepError * problem->data_.scales.position, 5));
+  if (!chosen) SINEW_TRY(problem->ChooseStep(problem->LargestStepError(), 5));
   SINEW_TRY(problem->PlanTrajectories(!chosen));
   return problem;
+}
+
+double DriveProblem::LargestStepError() const {
+  double largest = kStepError * data_.scales.position;
+  for (std::size_t b = 0; b < data_.layout.size(); ++b) {
+    const Block& block = data_.layout[b];
+    if (data_.blocks[b].channel != 0 || block.role != BlockRole::kTrain) continue;
+    const auto noise = noise::DifferenceNoise(block);
+    if (noise && noise->visible) largest = std::min(largest, kStepErrorOfNoise * noise->deviation);
+  }
+  return largest;
 }
 
 Status DriveProblem::ChooseStep(double enough, int max_halvings) {

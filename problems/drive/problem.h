@@ -21,7 +21,8 @@ namespace sinew {
 ///
 /// The step of the integrator is `step` of drive.yaml. Without it, it is at most 10 ms and halved (up to five
 /// times) until halving it once more moves no predicted position at the starts by more than 1e-4 of the
-/// spread of the measured positions, which is below what sensors resolve. Steps end at samples of the input.
+/// spread of the measured positions, nor by more than 0.3 of the noise that their differences show. Steps end
+/// at samples of the input.
 class DriveProblem final : public Problem {
  public:
   /// Errors: those of PrepareDriveData.
@@ -50,7 +51,8 @@ class DriveProblem final : public Problem {
 
  private:
   friend class DriveWindows;
-  static constexpr double kStepError = 1e-4;  ///< of the spread of the positions
+  static constexpr double kStepError = 1e-4;        ///< of the spread of the positions
+  static constexpr double kStepErrorOfNoise = 0.3;  ///< of the visible noise of the positions
   struct Scratch;
   /// A stretch of a trial that is predicted as one trajectory, from a state of its own.
   struct Segment {
@@ -72,6 +74,8 @@ class DriveProblem final : public Problem {
   };
   explicit DriveProblem(DriveData data);
   void ListParameters();
+  /// [unit of the position] by which halving the step may move a prediction.
+  [[nodiscard]] double LargestStepError() const;
   /// Halves the step until halving it again moves no predicted position by more than `enough`.
   Status ChooseStep(double enough, int max_halvings);
   /// Finds out whether small differences grow over a trial; if so, finds starts by multiple shooting and cuts

@@ -12,7 +12,7 @@
 namespace sinew {
 namespace {
 
-constexpr double kStepErrorOfNoise = 0.03;  // of the residual's root mean square
+constexpr double kStepErrorOfResidual = 0.03;  // of the residual's root mean square
 constexpr int kFineHalvings = 9;
 
 }  // namespace
@@ -38,11 +38,11 @@ Status DriveProblem::PlanTrajectories(bool choose_step) {
   if (!plan.needed) return {};
   TakeOver(plan, free);
   if (!choose_step) return {};
-  double enough = kStepError * data_.scales.position;
+  double enough = LargestStepError();
   for (std::size_t b = 0; b < data_.layout.size(); ++b) {
     const Block& block = data_.layout[b];
     if (data_.blocks[b].channel == 0 && block.role == BlockRole::kTrain)
-      enough = std::min(enough, kStepErrorOfNoise * plan.residual_rms / block.weight);
+      enough = std::min(enough, kStepErrorOfResidual * plan.residual_rms / block.weight);
   }
   const double before = data_.command.step;
   SINEW_TRY(ChooseStep(enough, kFineHalvings));

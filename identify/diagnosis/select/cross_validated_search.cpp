@@ -293,6 +293,24 @@ std::vector<JudgedSet> CrossValidatedSearch::Judged() const {
   return sets;
 }
 
+bool CrossValidatedSearch::LeavesOnlyNoise(const Trial& one) const {
+  if (!std::isfinite(one.fitted_error)) return false;
+  const Refit refit = refitter_.FitOrdinary(one.released, {one.point}, kTolerance);
+  return refit.usable() && scale_.IsNoMore(refit.noise);
+}
+
+// Judges the sets that fit nearly as well as the best one.
+void CrossValidatedSearch::EndWith(std::vector<Trial> made) {
+  std::stable_sort(made.begin(), made.end(),
+                   [](const Trial& a, const Trial& b) { return a.fitted_error < b.fitted_error; });
+  const double most = kFarOff * made.front().fitted_error;
+  std::size_t near = 1;
+  while (near < std::min(made.size(), kMaxLeftOut) && made[near].fitted_error <= most) ++near;
+  made.resize(near);
+  LeaveOut(made, kTolerance);
+  Consider(std::move(made));
+}
+
 // How firm the choice is: sets by the share of resamples of the folds in which they are chosen.
 void CrossValidatedSearch::Resample(Outcome& outcome) const {
   const std::vector<double> shares = ChosenShares(Judged(), options_.seed);
@@ -346,6 +364,7 @@ Result<std::vector<CrossValidatedSearch::Substitute>> CrossValidatedSearch::Find
 // Rounds of random starts around the best solution so far (basin hopping: Wales, Doye 1997, J. Phys. Chem. A
 // 101:5111-5116), so that the answer does not depend on where the search came from.
 CrossValidatedSearch::Trial CrossValidatedSearch::Polished(Trial one) const {
+  if (LeavesOnlyNoise(one)) return one;
   const FitSetup setup = refitter_.SetupWith(one.released);
   const int draws = (draws_ + static_cast<int>(kGroups) - 1) / static_cast<int>(kGroups);
   Trial best = one;
@@ -483,8 +502,20 @@ Result<CrossValidatedSearch::Outcome> CrossValidatedSearch::Run(const ScoredMode
         return Conclude();
       }
     }
+    // Sets of one cause more cannot leave clearly less, and neither can other starts of these.
+    if (LeavesOnlyNoise(made.front())) {
+      EndWith(std::move(made));
+      return Conclude();
+    }
     Shorten(made);
     Polish(made);
+    const auto lowest = std::min_element(made.begin(), made.end(), [](const Trial& a, const Trial& b) {
+      return a.fitted_error < b.fitted_error;
+    });
+    if (LeavesOnlyNoise(*lowest)) {
+      EndWith(std::move(made));
+      return Conclude();
+    }
     LeaveOut(made, kTolerance);
     std::stable_sort(made.begin(), made.end(), IsBetter<Trial>);
     Consider(made);

@@ -81,8 +81,9 @@ class CrossValidatedSearch {
     std::vector<Substitute> substitutes;                ///< best first
   };
   /// Searches for the smallest set that predicts left-out data nearly as well as the best one, starting from
-  /// the base model; ends early if what one cause leaves may be noise (MisfitScale::Resembles). No cause
-  /// where the base model cannot be fitted without some part of the data. Errors: those of Problem::Predict;
+  /// the base model; ends early if what one cause leaves may be noise (MisfitScale::Resembles), and if what a
+  /// set leaves is no more than noise that is stated or visible (MisfitScale::IsNoMore). No cause where the
+  /// base model cannot be fitted without some part of the data. Errors: those of Problem::Predict;
   /// "interrupted".
   [[nodiscard]] Result<Outcome> Run(const ScoredModel& base);
 
@@ -102,6 +103,8 @@ class CrossValidatedSearch {
   void Polish(std::vector<Trial>& sets) const;
   void LeaveOut(std::vector<Trial>& sets, double tolerance) const;
   void Shorten(std::vector<Trial>& made) const;
+  [[nodiscard]] bool LeavesOnlyNoise(const Trial& one) const;
+  void EndWith(std::vector<Trial> made);
   [[nodiscard]] std::vector<Trial> OneLess(const Trial& of) const;
   using Shares = std::vector<std::pair<int, double>>;
   [[nodiscard]] Trial Polished(Trial one) const;

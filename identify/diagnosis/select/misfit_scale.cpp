@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 #include <map>
+#include <optional>
 
 #include "identify/noise/difference_noise.h"
 
@@ -12,7 +13,9 @@ namespace {
 constexpr double kLarge = 10;      // deviation of a misfit over that of the noise
 constexpr double kLikeStated = 2;  // ... of a residual that may be noise
 constexpr double kLikeDifferences = 4;
-constexpr double kLeastShare = 1e-3;              // least noise, as a share of the deviation of the signal
+constexpr double kNoMore = 1.5;       // ... of one that is hardly more than noise
+constexpr double kOnlyNoise = 1.1;    // ... of noise alone
+constexpr double kLeastShare = 1e-3;  // noise that is not visible, as a share of the signal's deviation
 constexpr double kStronglyAutocorrelated = 0.97;  // root of the noise ...
 constexpr double kProcessOverInnovation = 5;      // ... and deviation over that of its innovations
 
@@ -34,17 +37,21 @@ MisfitScale::MisfitScale(const Problem& problem) {
   for (const Block& block : problem.layout()) {
     if (block.role != BlockRole::kTrain || block.measured.empty() || block.range) continue;
     Found& channel = found[block.channel];
-    const auto level = block.sigma ? block.sigma : noise::DifferenceNoise(block);
+    const std::optional<noise::MeasuredNoise> found =
+        block.sigma ? noise::MeasuredNoise{*block.sigma, true} : noise::DifferenceNoise(block);
     channel.stated = channel.stated && block.sigma;
-    const double least = kLeastShare * Deviation(block);
-    if (!level) {
+    if (!found) {
       if (block.noise_memory) channel.why_none = NoiseUnknown::kCorrelated;
-    } else if (*level <= 0 && least <= 0) {
-      channel.why_none = NoiseUnknown::kConstant;
-    } else {
-      channel.levels.push_back(block.weight * std::max(*level, least));
-      if (!block.sigma && *level < least) ++channel.smooth;
+      continue;
     }
+    const double least = found->visible ? 0 : kLeastShare * Deviation(block);
+    const double level = std::max(found->deviation, least);
+    if (level <= 0) {
+      channel.why_none = NoiseUnknown::kConstant;
+      continue;
+    }
+    channel.levels.push_back(block.weight * level);
+    if (!found->visible && found->deviation < least) ++channel.smooth;
   }
   for (auto& [name, channel] : found) {
     Channel made{name, 0, NoiseSource::kNone, channel.why_none};
@@ -108,12 +115,31 @@ noise::NoiseModel MisfitScale::Floor(noise::NoiseModel residual) const {
 }
 
 bool MisfitScale::Resembles(const noise::NoiseModel& noise) const {
+  return Within(noise, kLikeStated, kLikeDifferences);
+}
+
+bool MisfitScale::IsNoMore(const noise::NoiseModel& noise) const {
+  return IsKnown(noise) && Within(noise, kNoMore, kNoMore);
+}
+
+bool MisfitScale::IsNoise(const noise::NoiseModel& noise) const {
+  return IsKnown(noise) && Within(noise, kOnlyNoise, kOnlyNoise);
+}
+
+bool MisfitScale::IsKnown(const noise::NoiseModel& noise) const {
+  return std::all_of(noise.channels.begin(), noise.channels.end(), [&](const auto& residual) {
+    const Channel* own = Find(residual.channel);
+    return own != nullptr && own->unknown == NoiseUnknown::kNo;
+  });
+}
+
+bool MisfitScale::Within(const noise::NoiseModel& noise, double of_stated, double of_differences) const {
   return std::none_of(noise.channels.begin(), noise.channels.end(), [&](const auto& residual) {
     const Channel* own = Find(residual.channel);
     if (StronglyAutocorrelated(residual)) return true;
     if (own == nullptr) return false;
-    const double like = own->source == NoiseSource::kStated ? kLikeStated : kLikeDifferences;
-    return residual.ProcessDeviation() > like * own->noise;
+    const double most = own->source == NoiseSource::kStated ? of_stated : of_differences;
+    return residual.ProcessDeviation() > most * own->noise;
   });
 }
 

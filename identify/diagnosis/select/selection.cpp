@@ -19,6 +19,10 @@ namespace {
 constexpr int kMaxCauses = 5;
 constexpr int kMaxExchanges = 8;  // each lowers the deviance, so that the loop would end without this limit
 constexpr double kFurtherLevel = 0.02;  // family-wise level after the first cause
+// Least fall of the deviance per sample by a further cause, after a search by cross-validation: 2 % of the
+// residual's deviation. Where a misfit dominated the noise, no named law is exact to the last thousandth of
+// it, and thousands of samples make what that leaves significant.
+constexpr double kLeastGainPerSample = 0.04;
 constexpr double kParsimony = 10.8;     // 0.999 quantile of chi-squared with one degree of freedom
 constexpr double kDouble = 0.97;        // correlation of traces above which they count as equal
 constexpr double kNearUnitRoot = 0.97;  // root of the noise model above which it may describe an effect
@@ -60,7 +64,8 @@ class Selector {
     if (base_.refit.noise_absorbs_misfit || scale_.Dominates(base_.refit.noise)) {
       SINEW_TRY(SearchByCrossValidation(selection, chosen));
       if (selection.cross_validated) return selection;
-      if (!chosen.empty()) {
+      found_by_search_ = !chosen.empty();
+      if (found_by_search_) {
         selection.alarm = true;
         selection.family_p_value = std::min(selection.family_p_value, options_.alarm_level);
         SINEW_ASSIGN(scored,
@@ -102,6 +107,8 @@ class Selector {
     }
     SINEW_ASSIGN(scored, ScoreModel(problem_, candidates_, cache_.at(chosen), kFurtherLevel, options_.seed));
     selection.model = cache_.at(chosen);
+    // Significant it may still be: an input that was recorded in a loop holds the noise of what was fed back.
+    if (found_by_search_ && !chosen.empty() && scale_.IsNoise(selection.model.noise)) return selection;
     SINEW_TRY(CompareWithFree(chosen, scored, selection));
     FindRemainingStructure(scored, chosen.empty(), selection);
     return selection;
@@ -139,6 +146,8 @@ class Selector {
       return channel.LargestRoot() > kNearUnitRoot;
     });
   }
+
+  [[nodiscard]] double Samples() const { return static_cast<double>(base_.design.residual.size()); }
 
   [[nodiscard]] double Price(const Set& released) const {
     double parameters = 0;
@@ -290,6 +299,7 @@ class Selector {
       if (IsSimplerDouble(released, *best)) best = &cache_.at(released);
     }
     const double gained = cache_.at(chosen).deviance - best->deviance;
+    if (found_by_search_ && gained < kLeastGainPerSample * Samples()) return Set();
     Set more;
     const std::size_t extra = best->released.size() - chosen.size();
     for (const int c : best->released) {
@@ -346,8 +356,11 @@ class Selector {
   // size of the effect. Where no noise model is valid, the comparison is not made.
   // Where the refit contradicts the scores of the named effects (a base fit far from the truth), those of the
   // terms are no better: then a term can only be better if the named effects leave something significant.
+  // Causes that a search by cross-validation found take a misfit that dominates the noise down to the noise,
+  // of which no term leaves less; the noise of the base model, whose likelihood the scores are, has absorbed
+  // that misfit.
   [[nodiscard]] Result<bool> UnknownTermFitsBetter(const Set& chosen) const {
-    if (chosen.empty() || base_.refit.noise_absorbs_misfit) return false;
+    if (chosen.empty() || base_.refit.noise_absorbs_misfit || found_by_search_) return false;
     std::vector<const Score*> known;
     double parameters = 0;
     for (const int c : chosen) {
@@ -561,6 +574,7 @@ class Selector {
   std::map<Set, Refit> cache_;
   Shortlist shortlist_;
   bool scores_contradicted_ = false;  // by a refit: then all candidates are refitted
+  bool found_by_search_ = false;      // several causes, by cross-validation
 };
 
 }  // namespace

@@ -6,7 +6,6 @@
 #include <cmath>
 
 #include "base/random.h"
-#include "identify/noise/difference_noise.h"
 #include "tests/identify/support/toy_problem.h"
 
 namespace sinew::diagnosis {
@@ -34,34 +33,6 @@ noise::NoiseModel White(double deviation) {
   noise.channels.back().channel = "angle";
   noise.channels.back().deviation = deviation;
   return noise;
-}
-
-TEST(DifferenceNoise, OfAMovingSignalIsThatOfTheNoiseAtAnyRate) {
-  for (const double rate : {50.0, 100.0, 1000.0}) {
-    const auto found = noise::DifferenceNoise(Sine(rate));
-    ASSERT_TRUE(found);
-    EXPECT_NEAR(*found, kNoise, 0.15 * kNoise) << rate;
-  }
-}
-
-TEST(DifferenceNoise, IsNotRaisedByJumps) {
-  Block block = Sine(100);
-  for (std::size_t i = 50; i < block.measured.size(); i += 100) block.measured[i] += 5;
-  EXPECT_NEAR(noise::DifferenceNoise(block).value(), kNoise, 0.2 * kNoise);
-}
-
-TEST(DifferenceNoise, IsNoLessThanTheRounding) {
-  Block block = Sine(1000, 1, 0);
-  const double step = 0.01;
-  for (double& value : block.measured) value = step * std::round(value / step);
-  EXPECT_GE(noise::DifferenceNoise(block).value(), step / std::sqrt(12.0) * (1 - 1e-9));
-}
-
-TEST(DifferenceNoise, IsUnknownOfFewSamplesAndOfCorrelatedNoise) {
-  EXPECT_FALSE(noise::DifferenceNoise(toy::MakeBlock("trial", "angle", 20, 1)));
-  Block envelope = Sine(100);
-  envelope.noise_memory = 0.1;
-  EXPECT_FALSE(noise::DifferenceNoise(envelope));
 }
 
 TEST(MisfitScale, IsTheStatedNoiseOrThatOfDifferences) {
@@ -101,6 +72,21 @@ TEST(MisfitScale, SaysWhyTheNoiseIsUnknown) {
   EXPECT_EQ(of(held).unknown, NoiseUnknown::kSmooth);
 }
 
+// Visible noise counts however small it is; noise that is not visible is no less than a thousandth of the
+// signal.
+TEST(MisfitScale, IsVisibleNoiseOfAnySize) {
+  const auto of = [](double noise) {
+    const toy::ToyProblem problem = ProblemWith(Sine(1000, 1, noise));
+    return MisfitScale(problem).channels()[0];
+  };
+  for (const double noise : {1e-4, 1e-5}) {
+    EXPECT_EQ(of(noise).unknown, NoiseUnknown::kNo) << noise;
+    EXPECT_NEAR(of(noise).noise, noise, 0.15 * noise);
+  }
+  EXPECT_EQ(of(0).unknown, NoiseUnknown::kSmooth);
+  EXPECT_NEAR(of(0).noise, 1e-3, 0.05e-3);
+}
+
 TEST(MisfitScale, AConstantChannelMakesNoMisfitLarge) {
   const toy::ToyProblem problem = ProblemWith(toy::MakeBlock("trial", "angle", 100, 1));
   EXPECT_FALSE(MisfitScale(problem).Dominates(White(1e-6)));
@@ -113,6 +99,17 @@ TEST(MisfitScale, AMisfitDominatesAboveTenTimesTheNoise) {
   EXPECT_TRUE(scale.Dominates(White(15 * kNoise)));
   EXPECT_TRUE(scale.Resembles(White(1.5 * kNoise)));
   EXPECT_FALSE(scale.Resembles(White(6 * kNoise)));
+}
+
+TEST(MisfitScale, OnlyKnownNoiseTellsThatNoMoreIsLeft) {
+  const toy::ToyProblem visible = ProblemWith(Sine(1000, 1, 1e-4));
+  EXPECT_TRUE(MisfitScale(visible).IsNoMore(White(1.3e-4)));
+  EXPECT_FALSE(MisfitScale(visible).IsNoise(White(1.3e-4)));
+  EXPECT_FALSE(MisfitScale(visible).IsNoMore(White(1.8e-4)));
+  EXPECT_TRUE(MisfitScale(visible).IsNoise(White(1.02e-4)));
+  const toy::ToyProblem smooth = ProblemWith(Sine(1000, 1, 0));
+  EXPECT_FALSE(MisfitScale(smooth).IsNoMore(White(1e-6)));
+  EXPECT_FALSE(MisfitScale(smooth).IsNoise(White(1e-6)));
 }
 
 // A smooth misfit that an autoregression describes with small innovations is large at any rate.
