@@ -1,7 +1,7 @@
 // An HDF5 file as a value: a tree of groups, arrays, texts and attributes, read and written whole.
-// Our files are small (a few MB), so a tree in memory keeps HDF5's handles out of all other code, and lets a
-// file be replaced in one step: whoever reads it, or kills the writer, finds the old file or the new one,
-// never half of one.
+// Our files are small (a few MB; data sets up to a GB or two), so a tree in memory keeps HDF5's handles out
+// of all other code, and lets a file be replaced in one step: whoever reads it, or kills the writer, finds
+// the old file or the new one, never half of one.
 #pragma once
 
 #include <cstdint>
@@ -21,13 +21,18 @@ struct Hdf5Array {
   std::vector<double> values;
 };
 
+/// A vector that lies elsewhere and is written without being copied. A file that is read has none.
+struct Hdf5View {
+  const std::vector<double>* values = nullptr;
+};
+
 using Hdf5Attribute = std::variant<std::int64_t, double, std::string>;
 
 /// A group (has children, no data) or a dataset (has data, no children).
 struct Hdf5Node {
   std::map<std::string, Hdf5Attribute> attributes;
   std::map<std::string, Hdf5Node> children;
-  std::variant<std::monostate, Hdf5Array, std::string, std::vector<std::string>> data;
+  std::variant<std::monostate, Hdf5Array, std::string, std::vector<std::string>, Hdf5View> data;
 
   /// The node at a path such as "trials/walk/time"; missing groups are made.
   Hdf5Node& At(std::string_view path);
@@ -35,6 +40,8 @@ struct Hdf5Node {
   [[nodiscard]] const Hdf5Node* Find(std::string_view path) const;
 
   void SetVector(std::vector<double> values);
+  /// The same without a copy. @param values must stay as they are until the tree is written
+  void SetView(const std::vector<double>& values) { data = Hdf5View{&values}; }
   void SetScalar(double value);
   /// @param values [rows * columns, row-major]
   void SetMatrix(std::size_t rows, std::size_t columns, std::vector<double> values);

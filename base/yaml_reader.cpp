@@ -4,12 +4,32 @@
 
 #include <algorithm>
 #include <cmath>
+#include <unordered_map>
+#include <utility>
 
 #include "base/printable.h"
 #include "base/text.h"
 #include "base/yaml_limits.h"
 
 namespace sinew {
+
+// yaml-cpp looks at one key after the other.
+struct YamlReader::Index {
+  std::unordered_map<std::string, YAML::Node> values;
+};
+
+const YAML::Node* YamlReader::Find(const std::string& key) const {
+  if (index_ == nullptr) {
+    auto index = std::make_shared<Index>();
+    for (const auto& entry : *node_) {
+      if (entry.first.IsScalar()) index->values.emplace(entry.first.Scalar(), entry.second);
+    }
+    index_ = std::move(index);
+  }
+  const auto found = index_->values.find(key);
+  return found == index_->values.end() ? nullptr : &found->second;
+}
+
 YamlReader::YamlReader(std::shared_ptr<const YAML::Node> node, std::string file, std::string path, long line)
     : node_(std::move(node)), file_(std::move(file)), path_(std::move(path)), line_(line) {}
 
@@ -35,15 +55,15 @@ bool YamlReader::is_map() const {
 }
 
 bool YamlReader::Has(const std::string& key) const {
-  return node_->IsMap() && (*node_)[key].IsDefined();
+  return node_->IsMap() && Find(key) != nullptr;
 }
 
 Result<YamlReader> YamlReader::At(const std::string& key) const {
   if (!node_->IsMap()) return Expected("a map with key '" + key + "'");
-  const YAML::Node child = (*node_)[key];
-  if (!child.IsDefined()) return Expected("key '" + key + "'");
-  return YamlReader(std::make_shared<const YAML::Node>(child), file_, path_.empty() ? key : path_ + "." + key,
-                    std::max(0, child.Mark().line) + 1);
+  const YAML::Node* child = Find(key);
+  if (child == nullptr) return Expected("key '" + key + "'");
+  return YamlReader(std::make_shared<const YAML::Node>(*child), file_,
+                    path_.empty() ? key : path_ + "." + key, std::max(0, child->Mark().line) + 1);
 }
 
 Status YamlReader::OnlyKeys(const std::vector<std::string>& known) const {

@@ -52,7 +52,12 @@ class YamlReader {
   YamlReader(std::shared_ptr<const YAML::Node> node, std::string file, std::string path, long line);
   [[nodiscard]] tl::unexpected<Error> Expected(const std::string& what) const;
 
+  struct Index;
+  /// The value at a key; nullptr if there is none. @pre is_map()
+  [[nodiscard]] const YAML::Node* Find(const std::string& key) const;
+
   std::shared_ptr<const YAML::Node> node_;
+  mutable std::shared_ptr<const Index> index_;  // of the keys; made when the first of them is asked for
   std::string file_;
   std::string path_;  // "contact.regions[0].mesh"
   long line_ = 1;

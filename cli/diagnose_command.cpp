@@ -51,8 +51,8 @@ files::OriginFacts FactsOf(const DiagnoseWords& words, const FitSetup& setup, co
 // something else.
 Result<RecordedRun> Recorded(const std::string& path, const Problem& problem, const FitSetup& setup,
                              const Hdf5Node& origin) {
-  SINEW_ASSIGN(RecordedRun run, ReadRun(path));
   SINEW_ASSIGN(const Hdf5Node tree, ReadHdf5(path));
+  SINEW_ASSIGN(RecordedRun run, RecordedRunOf(path, tree));
   const Hdf5Node* then = tree.Find("origin");
   if (run.solver != kDiagnoseSolver || then == nullptr)
     return Fail("--resume: {} is no diagnosis that was begun: give another --out", path);
@@ -152,7 +152,7 @@ Result<int> RunDiagnose(const DiagnoseWords& words) {
   const Hdf5Node origin = files::OriginTree(provenance, setup, FactsOf(words, setup, solver));
   if (words.resume && std::filesystem::exists(words.out)) {
     SINEW_ASSIGN(RecordedRun run, Recorded(words.out, binding.problem(), setup, origin));
-    options.base_search.replay = std::move(run.trace);
+    options.base_search.replay = std::move(run.record);
     options.base_search.finished = std::move(run.finished_searches);
     options.base_search.replayed_residuals = std::move(run.kept_residuals);
     record.Restore(std::move(run.fits));
@@ -162,7 +162,7 @@ Result<int> RunDiagnose(const DiagnoseWords& words) {
   ProgressLine line("diagnose", words.fit.quiet);
   options.progress = [&](const DiagnosisProgress& now) { line.Show(text::ProgressText(now)); };
   RunCheckpoint checkpoint({words.out, kDiagnoseSolver, words.fit.seed, provenance, &origin, record, line},
-                           options.base_search.replay.size());
+                           options.base_search.replay.evaluations());
   std::string how_to_go_on;
   if (!IsHelper()) {
     options.base_search.watch = checkpoint.watch();

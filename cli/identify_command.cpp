@@ -3,6 +3,7 @@
 #include <cmath>
 #include <cstdio>
 #include <filesystem>
+#include <optional>
 
 #include "base/numbers.h"
 #include "base/text.h"
@@ -25,6 +26,8 @@
 namespace sinew {
 namespace {
 
+constexpr int kMostStarts = 1000000;
+
 struct IdentifyWords {
   BindingOptions binding;
   FitOptions fit;
@@ -34,7 +37,21 @@ struct IdentifyWords {
   bool resume = false;
   bool stepwise = false;
   std::string intervals = "profile";
+  std::optional<int> starts;         // of multistart
+  std::optional<double> max_memory;  // [MB]
 };
+
+bool HasStarts(const std::string& solver) {
+  const std::vector<std::string_view> links = Split(solver, '+');
+  return std::find(links.begin(), links.end(), "multistart") != links.end();
+}
+
+Status TakeStarts(const IdentifyWords& words, const std::string& solver, SolverOptions& options) {
+  if (!words.starts) return {};
+  if (!HasStarts(solver)) return Fail("--starts: they are those of solver multistart, and not of {}", solver);
+  options.starts = *words.starts;
+  return {};
+}
 
 // The recorded points lie between 0 and 1: under other bounds the same numbers are other parameters.
 Status CheckSameParameters(const std::string& path, const Hdf5Node& recorded, const FitSetup& setup) {
@@ -60,7 +77,8 @@ Status CheckSameParameters(const std::string& path, const Hdf5Node& recorded, co
 // its evaluations are not those of this one.
 Result<RecordedRun> Recorded(const IdentifyWords& words, const std::string& solver,
                              const Provenance& provenance, const Problem& problem, const FitSetup& setup) {
-  const auto recorded = ReadRun(words.out);
+  SINEW_ASSIGN(const Hdf5Node tree, ReadHdf5(words.out));
+  auto recorded = RecordedRunOf(words.out, tree);
   if (!recorded) return tl::unexpected(recorded.error());
   const auto differs = [&](const char* what, const std::string& then, const std::string& now) {
     return Fail("--resume: {} was made with {} {}, not {}", words.out, what, then, now);
@@ -69,12 +87,13 @@ Result<RecordedRun> Recorded(const IdentifyWords& words, const std::string& solv
     return differs("problem", recorded->problem, provenance.problem);
   if (recorded->version != kVersion) return differs("version", recorded->version, kVersion);
   if (recorded->solver != solver) return differs("solver", recorded->solver, solver);
+  if (recorded->starts != 0 && recorded->starts != provenance.starts)
+    return differs("--starts", std::to_string(recorded->starts), std::to_string(provenance.starts));
   if (recorded->data_hash != provenance.data_hash)
     return differs("data", recorded->data_hash, provenance.data_hash);
   if (recorded->seed != words.fit.seed) {
     return differs("seed", std::to_string(recorded->seed), std::to_string(words.fit.seed));
   }
-  SINEW_ASSIGN(const Hdf5Node tree, ReadHdf5(words.out));
   std::vector<std::string> names;
   for (const int index : setup.free) names.push_back(setup.parameters[static_cast<std::size_t>(index)].name);
   if (recorded->variables != names)
@@ -85,7 +104,7 @@ Result<RecordedRun> Recorded(const IdentifyWords& words, const std::string& solv
                 words.out);
   if (tree.Find("parameters") != nullptr) SINEW_TRY(CheckSameParameters(words.out, tree, setup));
   SINEW_TRY(files::CheckBestCost(words.out, *recorded, LeastSquares(problem, setup)));
-  return *recorded;
+  return recorded;
 }
 
 // The cost and what it is, then the problem's own figures of merit.
@@ -102,7 +121,7 @@ std::string Headline(const Identification& identification) {
   const SolverResult& result = identification.result;
   double solving = identification.seconds;
   double intervals = identification.interval_seconds;
-  std::size_t evaluations = identification.trace.size();
+  auto evaluations = static_cast<std::size_t>(identification.record.evaluations());
   for (const FinishedStep& step : identification.steps) {
     solving += step.seconds;
     intervals += step.interval_seconds;
@@ -135,12 +154,15 @@ Result<int> RunIdentify(const IdentifyWords& words) {
   SINEW_ASSIGN(const Binding binding, BindToFit(words.binding, !words.fit.release.empty()));
   SINEW_ASSIGN(const FitRequest request, words.fit.Request());
   SINEW_ASSIGN(FitSetup setup, MakeFitSetup(binding.problem(), request));
-  const Provenance provenance = binding.ToProvenance(words.binding);
+  Provenance provenance = binding.ToProvenance(words.binding);
 
   IdentificationOptions options;
   options.solver = words.solver.empty() ? binding.problem().default_solver() : words.solver;
   options.solver_options = words.fit.ToSolverOptions();
+  SINEW_TRY(TakeStarts(words, options.solver, options.solver_options));
+  if (HasStarts(options.solver)) provenance.starts = options.solver_options.starts;
   options.evaluator.budget = words.fit.ToBudget();
+  if (words.max_memory) options.evaluator.budget.max_memory = 1e6 * *words.max_memory;
   options.evaluator.interrupt = &InterruptFlag();
   if (words.intervals != "profile" && words.intervals != "linear")
     return Fail("--intervals: '{}'{}", words.intervals, Suggestion(words.intervals, {"profile", "linear"}));
@@ -156,7 +178,7 @@ Result<int> RunIdentify(const IdentifyWords& words) {
     NoteBeginning(words.out);
   } else if (words.resume) {
     SINEW_ASSIGN(RecordedRun recorded, Recorded(words, options.solver, provenance, binding.problem(), setup));
-    options.evaluator.replay = std::move(recorded.trace);
+    options.evaluator.replay = std::move(recorded.record);
     options.evaluator.finished = std::move(recorded.finished_searches);
     options.evaluator.replayed_residuals = std::move(recorded.kept_residuals);
     record.Restore(std::move(recorded.fits));
@@ -164,7 +186,7 @@ Result<int> RunIdentify(const IdentifyWords& words) {
 
   ProgressLine line("identify " + options.solver, words.fit.quiet);
   RunCheckpoint checkpoint({words.out, options.solver, words.fit.seed, provenance, nullptr, record, line},
-                           options.evaluator.replay.size());
+                           options.evaluator.replay.evaluations());
   if (!IsHelper()) {
     options.evaluator.watch = checkpoint.watch();
     options.evaluator.progress = [&](const Progress& progress, const Evaluator& evaluator) {
@@ -182,7 +204,7 @@ Result<int> RunIdentify(const IdentifyWords& words) {
   line.Clear();
   SINEW_TRY(work_times.Write());
   // Stopped while it still repeated what it resumes: the file holds more.
-  if (identification.interrupted && checkpoint.IsBehind(identification.trace.size()))
+  if (identification.interrupted && checkpoint.IsBehind(identification.record.evaluations()))
     return ReportStopped(*words.binding.program, checkpoint.SaveNow());
   for (const std::string& note : binding.bound.notes)
     identification.warnings.push_back({WarningKind::kOther, {}, {}, note});
@@ -195,7 +217,7 @@ Result<int> RunIdentify(const IdentifyWords& words) {
   if (!words.json.empty())
     SINEW_TRY(WriteText(words.json, RunJson(binding.problem(), identification, provenance)));
   if (identification.interrupted) {
-    return ReportStopped(*words.binding.program, checkpoint.HowToResume(identification.trace.size()));
+    return ReportStopped(*words.binding.program, checkpoint.HowToResume(identification.record.evaluations()));
   }
   if (!identification.result.stop.usable()) {
     return ReportNotUsable(*words.binding.program, identification.result.stop.test);
@@ -215,6 +237,12 @@ void AddIdentifyCommand(Command app, const RunAction& run) {
       .Add("--solver", words->solver,
            "One of `sinew list solvers`, or a chain a+b; default: the problem's own, mostly restarts")
       .Shows("S");
+  command.Add("--starts", words->starts, "Of solver multistart; default: 20").Between(1, kMostStarts);
+  command
+      .Add("--max-memory", words->max_memory,
+           "Budget of the search: it ends where the process takes so many MB of memory")
+      .AtLeastZero()
+      .Shows("MB");
   command.AddFlag("--resume", words->resume, "Continue an interrupted run; the result is the same");
   command
       .Add("--intervals", words->intervals,

@@ -15,13 +15,13 @@ constexpr int kShare = 20;  // ... but at least so many times what one saving ta
 
 }  // namespace
 
-RunCheckpoint::RunCheckpoint(File file, std::size_t resumed_evaluations)
+RunCheckpoint::RunCheckpoint(File file, long resumed_evaluations)
     : file_(std::move(file)),
       resumed_evaluations_(resumed_evaluations),
       resumed_fits_(file_.record.size()),
       next_saving_(Clock::now() + kInterval) {}
 
-bool RunCheckpoint::IsBehind(std::size_t evaluations) const {
+bool RunCheckpoint::IsBehind(long evaluations) const {
   if (evaluations != resumed_evaluations_) return evaluations < resumed_evaluations_;
   return file_.record.size() <= resumed_fits_;
 }
@@ -30,7 +30,7 @@ void RunCheckpoint::SaveIfDue() {
   const std::unique_lock saving(saving_, std::try_to_lock);
   if (!saving.owns_lock() || Clock::now() < next_saving_) return;
   const std::lock_guard lock(watch_.mutex);
-  if (watch_.running == nullptr || IsBehind(watch_.running->trace().size())) return;
+  if (watch_.running == nullptr || IsBehind(watch_.running->evaluations())) return;
   const auto began = Clock::now();
   // A checkpoint that cannot be written is no reason to stop: the answer itself may find room again.
   const Status saved = Write();
@@ -47,7 +47,7 @@ std::string RunCheckpoint::SaveNow() {
   const std::lock_guard saving(saving_);
   const std::lock_guard lock(watch_.mutex);
   const Evaluator* search = watch_.running;
-  const std::size_t evaluations = search == nullptr ? 0 : search->trace().size();
+  const long evaluations = search == nullptr ? 0 : search->evaluations();
   if (IsBehind(evaluations)) {
     if (resumed_evaluations_ > 0) return HowToResume(resumed_evaluations_);
     return " before anything was evaluated: begin it again";
@@ -65,7 +65,7 @@ Status RunCheckpoint::Write() {
   return WriteHdf5(file_.out, tree);
 }
 
-std::string RunCheckpoint::HowToResume(std::size_t evaluations) const {
+std::string RunCheckpoint::HowToResume(long evaluations) const {
   const std::size_t fits = file_.record.size();
   const std::string more = fits == 0 ? "" : fmt::format(" and {} fit{}", fits, fits == 1 ? "" : "s");
   return fmt::format("; {} holds {} evaluation{}{}: the same command with --resume goes on", file_.out,

@@ -29,7 +29,7 @@ class RunCheckpoint {
   };
 
   /// @param resumed_evaluations of the file that is resumed; its fits are in the record
-  RunCheckpoint(File file, std::size_t resumed_evaluations);
+  RunCheckpoint(File file, long resumed_evaluations);
 
   /// To be called after every evaluation of the search and every fit (FitRecord::after_keep).
   void SaveIfDue();
@@ -41,10 +41,10 @@ class RunCheckpoint {
   std::string SaveNow();
 
   /// A file that is resumed holds more than a search that still repeats it: it is not written again then.
-  [[nodiscard]] bool IsBehind(std::size_t evaluations) const;
+  [[nodiscard]] bool IsBehind(long evaluations) const;
 
   /// "; RUN.h5 holds its N evaluations: the same command with --resume goes on"
-  [[nodiscard]] std::string HowToResume(std::size_t evaluations) const;
+  [[nodiscard]] std::string HowToResume(long evaluations) const;
 
  private:
   using Clock = std::chrono::steady_clock;
@@ -54,7 +54,7 @@ class RunCheckpoint {
 
   File file_;
   EvaluatorWatch watch_;
-  std::size_t resumed_evaluations_;
+  long resumed_evaluations_;
   std::size_t resumed_fits_;
   std::mutex saving_;  // locked before the watch
   Clock::time_point next_saving_;

@@ -23,9 +23,10 @@ Grid Slice(const Grid& grid, std::ptrdiff_t first, std::ptrdiff_t last) {
   Grid slice;
   slice.time.assign(grid.time.begin() + first, grid.time.begin() + last);
   for (const auto& [name, channel] : grid.channels) {
-    Channel part = channel;
-    part.values.assign(channel.values.begin() + first, channel.values.begin() + last);
-    slice.channels.emplace(name, std::move(part));
+    slice.channels[name] = {channel.unit,
+                            channel.kind,
+                            channel.sigma,
+                            {channel.values.begin() + first, channel.values.begin() + last}};
   }
   return slice;
 }

@@ -5,7 +5,7 @@ Each case: hidden_effects_generate makes a data file without a label and the tru
 data only; its JSON is compared with the truth. README.md describes the counts and the limits of any method.
 
 usage: run.py --sinew PATH --generate PATH [--kind none,single,pair,outsider] [--cases 100] [--sizes 1,1.5,2,3,6]
-              [--noise white,ar] [--experiment multisine] [--effect NAME] [--jobs 2] [--first-seed 1] [--out results.json]
+              [--noise white,ar] [--experiment multisine] [--effect NAME] [--jobs 2] [--first-seed 1] [--out results.json [--resume]]
        run.py --merge results.json...
 """
 import argparse
@@ -15,6 +15,7 @@ import statistics
 import subprocess
 import sys
 import tempfile
+import threading
 import time
 from concurrent.futures import ThreadPoolExecutor
 from pathlib import Path
@@ -327,10 +328,50 @@ def print_table(kind, rows):
             print(f"  {noise}: false alarms, 95 % interval {100 * low:.1f} to {100 * high:.1f} %")
 
 
-def run_all(options, plan):
+class Kept:
+    """The cases that have ended, a line each in a file beside the results, until these are written."""
+
+    def __init__(self, options):
+        self.path = options.out.with_name(options.out.name + ".cases") if options.out else None
+        self.lock = threading.Lock()
+        self.cases = {}
+        # What a case follows from, besides its kind, size, noise and seed.
+        settings = {"effect": options.effect, "experiment": options.experiment, "program_seed": options.program_seed,
+                    "no_coverage": options.no_coverage, "no_correlations": options.no_correlations}
+        if self.path is None:
+            return
+        if options.resume and self.path.exists():
+            lines = [line for line in self.path.read_text().split("\n")[:-1]]  # one that was cut off is none
+            if not lines or json.loads(lines[0]) != settings:
+                raise SystemExit(f"{self.path} was made with other settings: {lines[0] if lines else 'none'}")
+            self.cases = {self.key(**case): case for case in map(json.loads, lines[1:])}
+            self.path.write_text("".join(line + "\n" for line in lines))
+        else:
+            self.path.write_text(json.dumps(settings) + "\n")
+
+    @staticmethod
+    def key(kind, size, noise, seed, **_):
+        return kind, size, noise, seed
+
+    def study(self, options, number, *what):
+        known = self.cases.get(what)
+        if known is not None:
+            return known
+        case = study(options, number, *what)
+        if self.path is not None:
+            with self.lock, self.path.open("a") as file:
+                file.write(json.dumps(case) + "\n")
+        return case
+
+    def remove(self):
+        if self.path is not None:
+            self.path.unlink()
+
+
+def run_all(options, plan, kept):
     with ThreadPoolExecutor(options.jobs) as pool:
         # A size of 0 is for the table only: the generator ignores it where nothing is hidden.
-        tasks = [pool.submit(study, options, n, kind, size or 1.0, noise, seed)
+        tasks = [pool.submit(kept.study, options, n, kind, size or 1.0, noise, seed)
                  for n, (kind, size, noise, seed) in enumerate(plan)]
         cases = []
         for task in tasks:
@@ -379,7 +420,10 @@ def main():
     parser.add_argument("--no-correlations", action="store_true", help="without the count `separable`, which needs them")
     parser.add_argument("--merge", type=Path, nargs="+", help="no new cases: the tables of these results together")
     parser.add_argument("--out", type=Path)
+    parser.add_argument("--resume", action="store_true", help="go on with what a run that was stopped has kept beside --out")
     options = parser.parse_args()
+    if options.resume and not options.out:
+        parser.error("--resume needs --out")
 
     plan = [(kind, size, noise, options.first_seed + i)
             for kind in options.kind for noise in options.noise
@@ -391,7 +435,8 @@ def main():
         if not options.sinew or not options.generate:
             parser.error("--sinew and --generate are needed")
         options.sinew, options.generate = options.sinew.resolve(), options.generate.resolve()
-        cases = run_all(options, plan)
+        kept = Kept(options)
+        cases = run_all(options, plan, kept)
     summary = summarise(cases)
     for failure in sorted({c["failure"] for c in cases if "failure" in c})[:5]:
         print(f"failed: {failure}")
@@ -401,6 +446,8 @@ def main():
                     for k, v in vars(options).items()}
         options.out.write_text(json.dumps({"schema": "sinew.hidden_effects/1", "settings": settings,
                                            "summary": summary, "cases": cases}, indent=1))
+        if not options.merge:
+            kept.remove()
 
 
 if __name__ == "__main__":

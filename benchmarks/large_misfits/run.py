@@ -2,7 +2,7 @@
 """Several things wrong at once: does `sinew diagnose` predict trials that were not fitted as well as a fit of the true causes does, and
 does it name them? README.md describes the cases and the counts.
 
-usage: run.py --sinew PATH --seeds 1:40 [--jobs 1] [--threads 1] [--reuse ORACLES.json] --out RESULTS.json
+usage: run.py --sinew PATH --seeds 1:40 [--jobs 1] [--threads 1] [--reuse ORACLES.json] --out RESULTS.json [--resume]
        run.py --report RESULTS.json
 """
 import argparse
@@ -139,6 +139,13 @@ def total_of(some, key):
     return sum(j[key] for j in some)
 
 
+def write_whole(path, text):
+    """Whoever stops this finds the old file or the new one."""
+    part = path.with_name(path.name + ".part")
+    part.write_text(text)
+    part.replace(path)
+
+
 def main():
     parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
     parser.add_argument("--sinew", type=Path)
@@ -148,6 +155,7 @@ def main():
     parser.add_argument("--threads", type=int, default=1)
     parser.add_argument("--reuse", type=Path, help="results whose oracles are taken over")
     parser.add_argument("--out", type=Path)
+    parser.add_argument("--resume", action="store_true", help="without the seeds that --out has already")
     parser.add_argument("--report", type=Path)
     parser.add_argument("--each", action="store_true", help="a line per case")
     options = parser.parse_args()
@@ -156,11 +164,14 @@ def main():
         return
     first, last = map(int, options.seeds.split(":"))
     oracles = {r["seed"]: r["oracle"] for r in json.loads(options.reuse.read_text()) if "oracle" in r} if options.reuse else {}
+    done = {r["seed"]: r for r in json.loads(options.out.read_text())} if options.resume and options.out.exists() else {}
     results = []
     with ThreadPoolExecutor(options.jobs) as pool:
-        for result in pool.map(lambda seed: study(options, seed, oracles), range(first, last + 1)):
+        for result in pool.map(lambda seed: done.get(seed) or study(options, seed, oracles), range(first, last + 1)):
             results.append(result)
-            options.out.write_text(json.dumps(results, indent=1))
+            # What an earlier run has found of later seeds stays until these are reached.
+            later = [r for seed, r in sorted(done.items()) if seed > result["seed"]]
+            write_whole(options.out, json.dumps(results + later, indent=1))
             print(result["seed"], result.get("error", "")[-200:] or result["diagnosis"]["causes"], flush=True)
     tell(results, options.each)
 

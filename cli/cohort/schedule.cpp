@@ -17,7 +17,8 @@ std::optional<std::size_t> Schedule::Next() {
   std::unique_lock lock(mutex_);
   for (;;) {
     if (const auto task = Take()) return task;
-    if (stopped_ || !AnyWaiting()) return std::nullopt;
+    // One that is being done may be put back.
+    if (stopped_ || ended_ == state_.size()) return std::nullopt;
     changed_.wait(lock);
   }
 }
@@ -28,22 +29,20 @@ std::optional<std::size_t> Schedule::NextNow() {
 }
 
 std::optional<std::size_t> Schedule::Take() {
-  for (std::size_t i = 0; i < state_.size() && !stopped_; ++i) {
+  while (first_open_ < state_.size() && state_[first_open_] == State::kEnded) ++first_open_;
+  for (std::size_t i = first_open_; i < state_.size() && !stopped_; ++i) {
     if (state_[i] != State::kWaiting || !Ready(i)) continue;
     state_[i] = State::kRunning;
+    busy_.insert(pipeline_.tasks[i].subject);
     return i;
   }
   return std::nullopt;
 }
 
-// One that is being done may be put back.
-bool Schedule::AnyWaiting() const {
-  return std::any_of(state_.begin(), state_.end(), [](State state) { return state != State::kEnded; });
-}
-
 void Schedule::PutBack(std::size_t task) {
   const std::lock_guard lock(mutex_);
   state_[task] = State::kWaiting;
+  busy_.erase(pipeline_.tasks[task].subject);
   changed_.notify_all();
 }
 
@@ -52,9 +51,11 @@ void Schedule::End(std::size_t task, TaskResult result) {
   stopped_ = stopped_ || result.outcome == Outcome::kStopped;
   results_[task] = std::move(result);
   state_[task] = State::kEnded;
+  const std::string& subject = pipeline_.tasks[task].subject;
+  busy_.erase(subject);
   ++ended_;
-  // What comes after a failure is not run; tasks stand in an order in which each comes after its own.
-  for (std::size_t i = 0; i < state_.size(); ++i) {
+  // What comes after a failure is not run; tasks stand subject by subject, and each comes after its own.
+  for (std::size_t i = task + 1; i < state_.size() && pipeline_.tasks[i].subject == subject; ++i) {
     if (state_[i] != State::kWaiting) continue;
     for (const std::size_t before : pipeline_.tasks[i].after) {
       if (state_[before] != State::kEnded || Ended(before)) continue;
@@ -65,7 +66,7 @@ void Schedule::End(std::size_t task, TaskResult result) {
       break;
     }
   }
-  if (progress_) progress_(ended_, static_cast<int>(state_.size()));
+  if (progress_) progress_(static_cast<int>(ended_), static_cast<int>(state_.size()));
   changed_.notify_all();
 }
 
@@ -76,9 +77,7 @@ bool Schedule::Ended(std::size_t task) const {
 bool Schedule::Ready(std::size_t task) const {
   const Task& wanted = pipeline_.tasks[task];
   // One step of a subject at a time: they share a record of steps.
-  for (std::size_t i = 0; i < state_.size(); ++i) {
-    if (state_[i] == State::kRunning && pipeline_.tasks[i].subject == wanted.subject) return false;
-  }
+  if (busy_.count(wanted.subject) != 0) return false;
   return std::all_of(wanted.after.begin(), wanted.after.end(),
                      [&](std::size_t before) { return state_[before] == State::kEnded && Ended(before); });
 }

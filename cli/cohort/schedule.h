@@ -6,6 +6,8 @@
 #include <functional>
 #include <mutex>
 #include <optional>
+#include <set>
+#include <string>
 #include <vector>
 
 #include "cli/cohort/pipeline.h"
@@ -36,7 +38,6 @@ class Schedule {
   std::optional<std::size_t> Take();
   [[nodiscard]] bool Ended(std::size_t task) const;
   [[nodiscard]] bool Ready(std::size_t task) const;
-  [[nodiscard]] bool AnyWaiting() const;
 
   const Pipeline& pipeline_;
   std::function<void(int, int)> progress_;
@@ -44,7 +45,9 @@ class Schedule {
   std::condition_variable changed_;
   std::vector<TaskResult> results_;
   std::vector<State> state_;
-  int ended_ = 0;
+  std::set<std::string> busy_;  // subjects of the tasks that are running
+  std::size_t ended_ = 0;
+  std::size_t first_open_ = 0;  // all tasks before it have ended
   bool stopped_ = false;
 };
 

@@ -93,21 +93,21 @@ Result<int> Check(const CheckWords& words) {
   }
   const std::vector<MaskedSpan> mask = SuggestMask(data, report.findings);
   std::string text = CheckText(words, data, report);
-  MaskOutcome outcome;
-  Dataset masked = data;
-  const auto applied = ApplyMask(masked, mask);
-  const bool write = words.mask == "auto" && applied && !mask.empty();
-  if (write) {
-    outcome = *applied;
+  // What is said about the data as they are is made first: they are masked in place, not in a copy.
+  nlohmann::ordered_json json;
+  if (!words.json.empty()) json = CheckJson(data, report);
+  const auto applied = ApplyMask(data, mask);
+  if (words.mask == "auto" && applied && !mask.empty()) {
     const std::string& out = words.out.empty() ? words.path : words.out;
-    SINEW_TRY(WriteDataset(out, masked));
-    text += MaskedText(out, mask, outcome);
+    SINEW_TRY(WriteDataset(out, data));
+    text += MaskedText(out, mask, *applied);
+    json["masked"] = {{"values", applied->values}, {"removed_trials", applied->removed}};
   }
   SINEW_TRY(Report(
-      words.json, [&] { return CheckJson(data, report, write ? &outcome : nullptr); }, text));
+      words.json, [&] { return json; }, text));
   std::string why = cannot_bind;
   if (why.empty() && !applied) why = applied.error().message;
-  if (why.empty() && !HasTrainingData(masked, compared))
+  if (why.empty() && !HasTrainingData(data, compared))
     why = fmt::format("no training trial has anything measured left of {}", Join(compared, ", "));
   if (why.empty()) return kDone;
   Print(stderr, Wrapped("sinew: no usable data: " + why +

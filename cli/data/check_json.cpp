@@ -1,6 +1,7 @@
 #include "cli/data/check_json.h"
 
 #include "cli/data/check_text.h"
+#include "datasets/check/mask.h"
 #include "datasets/dataset_hash.h"
 
 namespace sinew {
@@ -32,14 +33,13 @@ Json FindingJson(const Dataset& data, const Finding& finding) {
 
 }  // namespace
 
-Json CheckJson(const Dataset& data, const CheckReport& report, const MaskOutcome* masked) {
+Json CheckJson(const Dataset& data, const CheckReport& report) {
   Json json{{"schema", "sinew.check/1"},
             {"hash", DatasetHash(data)},
             {"trials", report.trials},
             {"channels", report.channels}};
   json["findings"] = Json::array();
   for (const Finding& finding : report.findings) json["findings"].push_back(FindingJson(data, finding));
-  if (masked != nullptr) json["masked"] = {{"values", masked->values}, {"removed_trials", masked->removed}};
   return json;
 }
 

@@ -5,13 +5,11 @@
 #include <string>
 
 #include "datasets/check/check.h"
-#include "datasets/check/mask.h"
 #include "datasets/dataset.h"
 
 namespace sinew {
 
-/// @param masked what was applied; nullptr: nothing was
-[[nodiscard]] nlohmann::ordered_json CheckJson(const Dataset& data, const CheckReport& report,
-                                               const MaskOutcome* masked);
+/// Of data before anything of them is masked.
+[[nodiscard]] nlohmann::ordered_json CheckJson(const Dataset& data, const CheckReport& report);
 
 }  // namespace sinew

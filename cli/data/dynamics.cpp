@@ -2,11 +2,11 @@
 #include <cmath>
 #include <optional>
 
-#include "base/read_file.h"
 #include "base/text.h"
 #include "cli/command_files.h"
 #include "cli/data/data_commands.h"
 #include "cli/data/dataset_json.h"
+#include "cli/data/model_file.h"
 #include "datasets/io/dataset_file.h"
 #include "models/multibody/osim_reader.h"
 #include "problems/whole_body_dynamics.h"
@@ -50,13 +50,8 @@ Result<int> Dynamics(const DynamicsWords& words) {
   const std::string out = words.out.empty() ? words.path : words.out;
   SINEW_ASSIGN(const FileLocks locks, ClaimInPlace(words.path, words.out, {words.model}, words.json));
   SINEW_ASSIGN(Dataset data, ReadDataset(words.path));
-  if (!words.model.empty()) {
-    SINEW_ASSIGN(data.files["model.osim"], ReadFile(words.model));
-  }
-  const auto file = data.files.find("model.osim");
-  if (file == data.files.end()) return Fail("{}: holds no model.osim: expected --model M.osim", words.path);
-  SINEW_ASSIGN(const OsimModel osim,
-               ReadOsim(file->second, words.model.empty() ? words.path + "/files/model.osim" : words.model));
+  SINEW_ASSIGN(const ModelFile model_file, OpenModel(words.model, words.path, data));
+  SINEW_ASSIGN(const OsimModel osim, ReadOsim(model_file.text, model_file.name));
   const auto done = AddWholeBodyDynamics(osim, cutoff, data);
   if (!done) return Fail("{}: {}", words.path, done.error().message);
   if (done->empty())

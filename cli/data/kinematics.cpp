@@ -5,6 +5,7 @@
 #include "cli/command_files.h"
 #include "cli/data/data_commands.h"
 #include "cli/data/dataset_json.h"
+#include "cli/data/model_file.h"
 #include "cli/terminal.h"
 #include "cli/work_options.h"
 #include "datasets/io/dataset_file.h"
@@ -90,13 +91,8 @@ Result<int> Kinematics(const KinematicsWords& words) {
   const auto limit = words.work.LimitThreads();
   SINEW_ASSIGN(const FileLocks locks, ClaimInPlace(words.path, "", {words.model, words.weights}, words.json));
   SINEW_ASSIGN(Dataset data, ReadDataset(words.path));
-  if (!words.model.empty()) {
-    SINEW_ASSIGN(data.files["model.osim"], ReadFile(words.model));
-  }
-  const auto file = data.files.find("model.osim");
-  if (file == data.files.end()) return Fail("{}: holds no model.osim: expected --model M.osim", words.path);
-  SINEW_ASSIGN(const OsimModel osim,
-               ReadOsim(file->second, words.model.empty() ? words.path + "/files/model.osim" : words.model));
+  SINEW_ASSIGN(const ModelFile model_file, OpenModel(words.model, words.path, data));
+  SINEW_ASSIGN(const OsimModel osim, ReadOsim(model_file.text, model_file.name));
   SINEW_ASSIGN(const MultibodyModel model, MultibodyModel::Build(osim));
   IkSetup setup;
   if (!words.weights.empty()) {

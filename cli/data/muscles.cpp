@@ -1,11 +1,11 @@
 // sinew data muscles: lengths and moment arms of muscles along the joint angles of every trial.
 #include <memory>
 
-#include "base/read_file.h"
 #include "base/text.h"
 #include "cli/command_files.h"
 #include "cli/data/data_commands.h"
 #include "cli/data/dataset_json.h"
+#include "cli/data/model_file.h"
 #include "cli/terminal.h"
 #include "cli/work_options.h"
 #include "datasets/io/dataset_file.h"
@@ -29,14 +29,9 @@ Result<int> Muscles(const MusclesWords& words) {
   const std::string out = words.out.empty() ? words.path : words.out;
   SINEW_ASSIGN(const FileLocks locks, ClaimInPlace(words.path, words.out, {words.model}, words.json));
   SINEW_ASSIGN(Dataset data, ReadDataset(words.path));
-  if (!words.model.empty()) {
-    SINEW_ASSIGN(data.files["model.osim"], ReadFile(words.model));
-  }
-  const auto file = data.files.find("model.osim");
-  if (file == data.files.end()) return Fail("{}: holds no model.osim: expected --model M.osim", words.path);
-  const std::string model = words.model.empty() ? words.path + "/files/model.osim" : words.model;
+  SINEW_ASSIGN(const ModelFile model_file, OpenModel(words.model, words.path, data));
   SINEW_ASSIGN(const MuscleGrids grids,
-               MuscleGrids::Build(file->second, model,
+               MuscleGrids::Build(model_file.text, model_file.name,
                                   {words.muscles, words.joints, words.skip_unsupported, "--joints",
                                    "--skip-unsupported leaves them out"}));
   std::string report;

@@ -2,7 +2,6 @@
 
 #include <algorithm>
 #include <iterator>
-#include <limits>
 #include <map>
 #include <string>
 #include <utility>
@@ -59,8 +58,7 @@ void LeaveOut(const std::vector<Finding>& found, Signal& signal) {
       const auto& time = *signal.time;
       const auto first = std::lower_bound(time.begin(), time.end(), span.from) - time.begin();
       const auto last = std::upper_bound(time.begin(), time.end(), span.to) - time.begin();
-      std::fill(signal.values.begin() + first, signal.values.begin() + last,
-                std::numeric_limits<double>::quiet_NaN());
+      signal.values.MakeGap(static_cast<std::size_t>(first), static_cast<std::size_t>(last));
     }
   }
 }

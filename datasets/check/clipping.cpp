@@ -77,10 +77,6 @@ std::vector<Finding> FindClipping(const ChannelGroup& group) {
   std::vector<Finding> found;
   for (const Signal& signal : group.signals) {
     const std::vector<double>& x = signal.values;
-    std::map<double, int> counts;
-    for (const double value : x) {
-      if (std::isfinite(value)) ++counts[value];
-    }
     std::map<double, ClipLevel> levels;
     for (const Run& run : EqualRuns(x, kClipShortest)) {
       if (run.value == 0) continue;
@@ -100,6 +96,9 @@ std::vector<Finding> FindClipping(const ChannelGroup& group) {
         (in < 0 ? level.top : level.bottom).push_back(run);
       }
     }
+    if (levels.empty()) continue;
+    std::vector<double> sorted = Finite(x);
+    std::sort(sorted.begin(), sorted.end());
     const auto is_clipped = [&](const std::vector<Run>& runs, const ClipLevel& level) {
       const std::size_t samples = Samples(runs);
       return samples >= kClipFewest && samples > 4 * level.other;
@@ -119,13 +118,14 @@ std::vector<Finding> FindClipping(const ChannelGroup& group) {
     // Samples at the level, against the mean of the next levels inwards: a rounded signal turns within a
     // quantum, and spends some time there.
     const auto piles_up = [&](const std::vector<Run>& runs, bool top) {
-      auto at = counts.find(runs.front().value);
-      const double here = at->second;
+      auto at = std::equal_range(sorted.begin(), sorted.end(), runs.front().value);
+      const auto here = static_cast<double>(at.second - at.first);
       double inwards = 0;
       for (int i = 0; i < kClipLevels; ++i) {
-        if (top ? at == counts.begin() : std::next(at) == counts.end()) break;
-        at = top ? std::prev(at) : std::next(at);
-        inwards += at->second;
+        if (top ? at.first == sorted.begin() : at.second == sorted.end()) break;
+        at = top ? std::equal_range(sorted.begin(), at.first, *std::prev(at.first))
+                 : std::equal_range(at.second, sorted.end(), *at.second);
+        inwards += static_cast<double>(at.second - at.first);
       }
       return here > kClipPile * inwards / kClipLevels;
     };
@@ -136,7 +136,7 @@ std::vector<Finding> FindClipping(const ChannelGroup& group) {
         const std::vector<Run>& opposite = top ? level.bottom : level.top;
         if (!is_clipped(runs, level) || !opposite.empty() || !is_extreme(runs, top) || !piles_up(runs, top))
           continue;
-        if (shape.rounded && value != (top ? counts.rbegin()->first : counts.begin()->first)) continue;
+        if (shape.rounded && value != (top ? sorted.back() : sorted.front())) continue;
         // A rounded signal may rest at its extreme once, but comes to rest in small steps.
         if (shape.rounded && runs.size() < 2 &&
             !(runs.front().size() >= kClipLongRest && is_abrupt(runs.front())))

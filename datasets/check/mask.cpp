@@ -31,16 +31,24 @@ TimeSpan ShorterPart(const Grid& grid, const TimeSpan& jump) {
   return before.to - before.from < after.to - after.from ? before : after;
 }
 
-long Mask(Channel& channel, const std::vector<double>& time, const TimeSpan& span) {
+// What a mask has changed, so that it can be taken back without a copy of all data.
+struct MaskedValues {
+  Channel* channel = nullptr;
+  std::size_t first = 0;
+  std::vector<double> before;
+};
+
+MaskedValues Mask(Channel& channel, const std::vector<double>& time, const TimeSpan& span, long& masked) {
   const auto first = std::lower_bound(time.begin(), time.end(), span.from - kSameInstant_s) - time.begin();
   const auto last = std::upper_bound(time.begin(), time.end(), span.to + kSameInstant_s) - time.begin();
-  long masked = 0;
+  MaskedValues changed{&channel, static_cast<std::size_t>(first), {}};
   for (auto i = first; i < last; ++i) {
     double& value = channel.values[static_cast<std::size_t>(i)];
     masked += std::isnan(value) ? 0 : 1;
+    changed.before.push_back(value);
     value = std::numeric_limits<double>::quiet_NaN();
   }
-  return masked;
+  return changed;
 }
 
 bool HoldsData(const Trial& trial, const std::vector<std::string>& channels) {
@@ -126,29 +134,30 @@ std::vector<MaskedSpan> SuggestMask(const Dataset& dataset, const std::vector<Fi
 }
 
 Result<MaskOutcome> ApplyMask(Dataset& dataset, const std::vector<MaskedSpan>& mask) {
-  Dataset masked = dataset;
   MaskOutcome outcome;
-  std::string& record = masked.files[kMaskFile];
+  std::string record = dataset.files.count(kMaskFile) == 0 ? "" : dataset.files.at(kMaskFile);
   if (record.empty())
     record = "# Values that were replaced by gaps (sinew data check --mask auto), times in s.\nmasked:\n";
+  std::vector<MaskedValues> changed;
   for (const MaskedSpan& span : mask) {
-    Grid& grid = masked.trials.at(span.trial).grids.at(span.grid);
-    outcome.values += Mask(grid.channels.at(span.channel), grid.time, span.span);
+    Grid& grid = dataset.trials.at(span.trial).grids.at(span.grid);
+    changed.push_back(Mask(grid.channels.at(span.channel), grid.time, span.span, outcome.values));
     record += fmt::format("  - {{trial: {}, grid: {}, channel: {}, from: {}, to: {}, reason: {}}}\n",
                           Quoted(span.trial), Quoted(span.grid), Quoted(span.channel), span.span.from,
                           span.span.to, span.reason);
   }
-  for (auto it = masked.trials.begin(); it != masked.trials.end();) {
-    if (HasMeasured(it->second) && !HoldsData(it->second, {})) {
-      outcome.removed.push_back(it->first);
-      it = masked.trials.erase(it);
-    } else {
-      ++it;
-    }
+  for (const auto& [name, trial] : dataset.trials) {
+    if (HasMeasured(trial) && !HoldsData(trial, {})) outcome.removed.push_back(name);
   }
-  if (!HasTrainingData(masked)) return Fail("nothing measured would be left in any training trial");
+  if (!HasTrainingData(dataset)) {
+    for (auto one = changed.rbegin(); one != changed.rend(); ++one)  // spans may overlap
+      std::copy(one->before.begin(), one->before.end(),
+                one->channel->values.begin() + static_cast<std::ptrdiff_t>(one->first));
+    return Fail("nothing measured would be left in any training trial");
+  }
   if (mask.empty()) return outcome;
-  dataset = std::move(masked);
+  for (const std::string& name : outcome.removed) dataset.trials.erase(name);
+  dataset.files[kMaskFile] = std::move(record);
   return outcome;
 }
 

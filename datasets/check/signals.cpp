@@ -12,7 +12,7 @@ namespace {
 
 // Sets the centre of pressure and the free moment of an unloaded plate to NaN. A force at any angle counts,
 // so that a wrong axis does not hide them.
-void LeaveOutUnloaded(const std::string& channel, const Grid& grid, std::vector<double>& values) {
+void LeaveOutUnloaded(const std::string& channel, const Grid& grid, SignalValues& values) {
   const auto cop = channel.find("_cop_");
   const auto at = cop != std::string::npos ? cop : channel.find("_moment_");
   if (at == std::string::npos) return;
@@ -29,11 +29,26 @@ void LeaveOutUnloaded(const std::string& channel, const Grid& grid, std::vector<
   const auto finite = Finite(load);
   const double most = finite.empty() ? 0 : Quantile(finite, 0.99);
   for (std::size_t i = 0; i < load.size(); ++i) {
-    if (!(load[i] > kUnloadedShare * most)) values[i] = std::numeric_limits<double>::quiet_NaN();
+    if (!(load[i] > kUnloadedShare * most)) values.MakeGap(i);
   }
 }
 
 }  // namespace
+
+// What another copy holds, too, stays as it is.
+std::vector<double>& SignalValues::Own() {
+  if (own_.use_count() != 1) own_ = std::make_shared<std::vector<double>>(*values_);
+  values_ = own_.get();
+  return *own_;
+}
+
+void SignalValues::MakeGap(std::size_t sample) {
+  if (!std::isnan((*values_)[sample])) Own()[sample] = std::numeric_limits<double>::quiet_NaN();
+}
+
+void SignalValues::MakeGap(std::size_t first, std::size_t end) {
+  for (std::size_t i = first; i < end; ++i) MakeGap(i);
+}
 
 Finding Signal::Found(FindingKind found) const {
   Finding finding;

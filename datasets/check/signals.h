@@ -2,6 +2,8 @@
 // together.
 #pragma once
 
+#include <cstddef>
+#include <memory>
 #include <string>
 #include <vector>
 
@@ -9,6 +11,29 @@
 #include "datasets/dataset.h"
 
 namespace sinew {
+
+/// Values that lie in the data set, and are copied only if they are changed: a recording may have a gigabyte.
+class SignalValues {
+ public:
+  /// @param values must outlive this and all its copies
+  SignalValues(const std::vector<double>& values) : values_(&values) {}  // NOLINT: used like a vector
+
+  operator const std::vector<double>&() const { return *values_; }  // NOLINT: the same
+  [[nodiscard]] std::size_t size() const { return values_->size(); }
+  [[nodiscard]] double operator[](std::size_t i) const { return (*values_)[i]; }
+  [[nodiscard]] auto begin() const { return values_->begin(); }
+  [[nodiscard]] auto end() const { return values_->end(); }
+
+  void MakeGap(std::size_t sample);
+  /// From sample `first` to the one before `end`.
+  void MakeGap(std::size_t first, std::size_t end);
+
+ private:
+  std::vector<double>& Own();
+
+  const std::vector<double>* values_;
+  std::shared_ptr<std::vector<double>> own_ = {};  // of all copies made since it was changed
+};
 
 /// One channel of one trial. Points into the data set, which must outlive it.
 struct Signal {
@@ -22,7 +47,7 @@ struct Signal {
   const std::vector<double>* time = nullptr;  ///< [N, s]
   /// [N] NaN where there is a gap, and where the channel means nothing: centres of pressure and free moments
   /// of a plate while it carries nothing.
-  std::vector<double> values;
+  SignalValues values;
 
   [[nodiscard]] std::size_t size() const { return values.size(); }
   /// From sample `first` to sample `last`.

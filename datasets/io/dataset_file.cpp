@@ -59,16 +59,16 @@ Status CheckGroup(const Hdf5Node& node, const std::string& where) {
   return {};
 }
 
-// The numbers of a dataset of shape [N], [N, 1] or [1, N].
-Result<std::vector<double>> ReadVector(const Hdf5Node& node, const std::string& where) {
-  const Hdf5Array* array = node.array();
+// The numbers of a dataset of shape [N], [N, 1] or [1, N], which are taken out of it.
+Result<std::vector<double>> ReadVector(Hdf5Node& node, const std::string& where) {
+  auto* array = std::get_if<Hdf5Array>(&node.data);
   if (array == nullptr) return Fail("{}: holds no numbers, expected a vector", where);
   const auto long_axes =
       std::count_if(array->shape.begin(), array->shape.end(), [](auto size) { return size != 1; });
   if (array->shape.empty() || long_axes > 1) {
     return Fail("{}: has {} dimensions, expected a vector", where, array->shape.size());
   }
-  return array->values;
+  return std::move(array->values);
 }
 
 Result<UnitConversion> ReadUnit(const Hdf5Node& node, const std::string& where) {
@@ -85,7 +85,7 @@ Result<ChannelKind> ReadKind(const Hdf5Node& node, const std::string& where) {
   return Fail("{}: kind is {}, expected measured or input", where, Quoted(kind));
 }
 
-Result<Channel> ReadChannel(const Hdf5Node& node, const std::string& where) {
+Result<Channel> ReadChannel(Hdf5Node& node, const std::string& where) {
   SINEW_TRY(CheckAttributes(node, where, {"unit", "kind", "sigma"}));
   SINEW_ASSIGN(const UnitConversion unit, ReadUnit(node, where));
   Channel channel;
@@ -100,7 +100,7 @@ Result<Channel> ReadChannel(const Hdf5Node& node, const std::string& where) {
   return channel;
 }
 
-Result<std::vector<double>> ReadTime(const Hdf5Node& node, const std::string& where) {
+Result<std::vector<double>> ReadTime(Hdf5Node& node, const std::string& where) {
   SINEW_TRY(CheckAttributes(node, where, {"unit"}));
   SINEW_ASSIGN(std::vector<double> time, ReadVector(node, where));
   if (node.attributes.count("unit") == 0) return time;
@@ -110,24 +110,23 @@ Result<std::vector<double>> ReadTime(const Hdf5Node& node, const std::string& wh
   return time;
 }
 
-Result<Grid> ReadGrid(const Hdf5Node& node, const std::string& where) {
+Result<Grid> ReadGrid(Hdf5Node& node, const std::string& where) {
   SINEW_TRY(CheckGroup(node, where));
   SINEW_TRY(CheckAttributes(node, where, {}));
   SINEW_TRY(CheckChildren(node, where, {"time", "channels"}));
-  const Hdf5Node* time = node.Find("time");
-  const Hdf5Node* channels = node.Find("channels");
-  if (time == nullptr) return Fail("{}: has no 'time'", where);
-  if (channels == nullptr) return Fail("{}: has no 'channels'", where);
-  SINEW_TRY(CheckGroup(*channels, where + "/channels"));
+  if (node.Find("time") == nullptr) return Fail("{}: has no 'time'", where);
+  if (node.Find("channels") == nullptr) return Fail("{}: has no 'channels'", where);
+  Hdf5Node& channels = node.At("channels");
+  SINEW_TRY(CheckGroup(channels, where + "/channels"));
   Grid grid;
-  SINEW_ASSIGN(grid.time, ReadTime(*time, where + "/time"));
-  for (const auto& [name, child] : channels->children) {
+  SINEW_ASSIGN(grid.time, ReadTime(node.At("time"), where + "/time"));
+  for (auto& [name, child] : channels.children) {
     SINEW_ASSIGN(grid.channels[name], ReadChannel(child, where + "/channels/" + name));
   }
   return grid;
 }
 
-Result<Trial> ReadTrial(const Hdf5Node& node, const std::string& where) {
+Result<Trial> ReadTrial(Hdf5Node& node, const std::string& where) {
   SINEW_TRY(CheckGroup(node, where));
   Trial trial;
   SINEW_ASSIGN(const std::string role, TextAttribute(node, where, "role"));
@@ -143,7 +142,7 @@ Result<Trial> ReadTrial(const Hdf5Node& node, const std::string& where) {
       SINEW_ASSIGN(trial.conditions[name], NumberAttribute(node, where, name));
     }
   }
-  for (const auto& [name, child] : node.children) {
+  for (auto& [name, child] : node.children) {
     SINEW_ASSIGN(trial.grids[name], ReadGrid(child, where + "/" + name));
   }
   return trial;
@@ -191,6 +190,7 @@ Hdf5Attribute UnitAttribute(const std::string& unit) {
   return ToSi(unit)->si_unit;
 }
 
+// The channels are not copied: the trial must outlive the tree.
 Hdf5Node ToTree(const Trial& trial) {
   Hdf5Node node;
   node.attributes["role"] = std::string(trial.role == Role::kTrain ? "train" : "validate");
@@ -198,11 +198,11 @@ Hdf5Node ToTree(const Trial& trial) {
   for (const auto& [name, value] : trial.conditions) node.attributes[name] = value;
   for (const auto& [grid_name, grid] : trial.grids) {
     Hdf5Node& grid_node = node.children[grid_name];
-    grid_node.children["time"].SetVector(grid.time);
+    grid_node.children["time"].SetView(grid.time);
     Hdf5Node& channels = grid_node.children["channels"];
     for (const auto& [name, channel] : grid.channels) {
       Hdf5Node& channel_node = channels.children[name];
-      channel_node.SetVector(channel.values);
+      channel_node.SetView(channel.values);
       channel_node.attributes["unit"] = UnitAttribute(channel.unit);
       channel_node.attributes["kind"] =
           std::string(channel.kind == ChannelKind::kMeasured ? "measured" : "input");
@@ -233,16 +233,16 @@ Hdf5Node ToTree(const Dataset& dataset) {
 
 }  // namespace
 
-Result<Dataset> DatasetOf(const Hdf5Node& root) {
+Result<Dataset> DatasetOf(Hdf5Node root) {
   Dataset dataset;
   SINEW_TRY(ReadRootAttributes(root, dataset));
   SINEW_TRY(CheckChildren(root, "/", {"trials", "constants", "files"}));
   for (const char* name : {"trials", "constants", "files"}) {
-    const Hdf5Node* group = root.Find(name);
-    if (group == nullptr) continue;
+    if (root.Find(name) == nullptr) continue;
+    Hdf5Node& group = root.At(name);
     const std::string where = std::string("/") + name;
-    SINEW_TRY(CheckGroup(*group, where));
-    for (const auto& [child_name, child] : group->children) {
+    SINEW_TRY(CheckGroup(group, where));
+    for (auto& [child_name, child] : group.children) {
       const std::string child_where = where + "/" + child_name;
       if (where == "/trials") {
         SINEW_ASSIGN(dataset.trials[child_name], ReadTrial(child, child_where));
@@ -258,8 +258,8 @@ Result<Dataset> DatasetOf(const Hdf5Node& root) {
 }
 
 Result<Dataset> ReadDataset(const std::string& path) {
-  SINEW_ASSIGN(const Hdf5Node root, ReadHdf5(path));
-  auto dataset = DatasetOf(root);
+  SINEW_ASSIGN(Hdf5Node root, ReadHdf5(path));
+  auto dataset = DatasetOf(std::move(root));
   if (!dataset) return Fail("{}: {}", path, dataset.error().message);
   return dataset;
 }

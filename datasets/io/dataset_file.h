@@ -18,8 +18,8 @@ namespace sinew {
 /// does not increase (index and both values), everything that Dataset::Check refuses.
 Result<Dataset> ReadDataset(const std::string& path);
 
-/// The same of a file's content.
-Result<Dataset> DatasetOf(const Hdf5Node& root);
+/// The same of a file's content, whose numbers are taken over without a copy.
+Result<Dataset> DatasetOf(Hdf5Node root);
 
 /// Writes the file in one step; the same dataset gives the same bytes. Errors: those of Dataset::Check; a
 /// folder that cannot be written.

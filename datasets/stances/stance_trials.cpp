@@ -23,18 +23,24 @@ std::vector<StanceTrial> PlanStances(const std::string& trial, const TrialContac
 }
 
 Status CutStances(Dataset& dataset, const std::string& trial, const std::vector<StanceTrial>& stances) {
-  Dataset changed = dataset;
-  for (const StanceTrial& stance : stances) {
+  const auto cut = [&](const StanceTrial& stance) -> Status {
     TrialWindow window;
     window.trial = trial;
     window.start_s = stance.contact.from;
     window.end_s = stance.contact.to;
     window.name = stance.name;
     window.role = stance.role;
-    SINEW_TRY(CutTrial(changed, window));
-    SINEW_TRY(KeepPlates(changed.trials.at(stance.name), {stance.contact.plate}));
+    SINEW_TRY(CutTrial(dataset, window));
+    const Status kept = KeepPlates(dataset.trials.at(stance.name), {stance.contact.plate});
+    if (!kept) dataset.trials.erase(stance.name);
+    return kept;
+  };
+  for (std::size_t i = 0; i < stances.size(); ++i) {
+    const Status done = cut(stances[i]);
+    if (done) continue;
+    for (std::size_t k = 0; k < i; ++k) dataset.trials.erase(stances[k].name);
+    return done;
   }
-  dataset = std::move(changed);
   return {};
 }
 

@@ -5,6 +5,7 @@
 #include <mutex>
 
 #include "base/constants.h"
+#include "base/process_memory.h"
 
 namespace sinew {
 namespace {
@@ -12,6 +13,7 @@ namespace {
 // A constraint counts as satisfied up to this share of the size of its terms, which allows for rounding and
 // for the final tolerance of an interior-point method.
 constexpr double kConstraintTolerance = 1e-9;
+constexpr double kBetweenLooksAtMemory = 0.02;  // [s]; a look takes 20 us
 
 }  // namespace
 
@@ -19,7 +21,8 @@ Evaluator::Evaluator(const LeastSquares& fit, Options options)
     : fit_(fit),
       options_(std::move(options)),
       workspace_(fit.NewWorkspace()),
-      gradient_jacobian_(fit.NewJacobian()) {
+      gradient_jacobian_(fit.NewJacobian()),
+      record_(options_.most_entries) {
   if (options_.watch == nullptr) return;
   const std::lock_guard lock(options_.watch->mutex);
   options_.watch->running = this;
@@ -41,7 +44,8 @@ double Evaluator::seconds() const {
 }
 
 Budget Evaluator::remaining() const {
-  return {evaluation_limit() - evaluations(), options_.budget.max_seconds - seconds()};
+  return {evaluation_limit() - evaluations(), options_.budget.max_seconds - seconds(),
+          options_.budget.max_memory};
 }
 
 long Evaluator::evaluation_limit() const {
@@ -57,12 +61,19 @@ void Evaluator::EndShare() {
   if (stop_cause_ == StopCause::kEvaluations) stop_cause_ = StopCause::kNone;
 }
 
+bool Evaluator::NeedsMuchMemory() {
+  if (!std::isfinite(options_.budget.max_memory) || seconds() < next_look_at_memory_) return false;
+  next_look_at_memory_ = seconds() + kBetweenLooksAtMemory;
+  return static_cast<double>(ResidentMemory()) >= options_.budget.max_memory;
+}
+
 bool Evaluator::MustStop() {
   if (stop_cause_ != StopCause::kNone) return true;
   if (evaluations() >= evaluation_limit()) stop_cause_ = StopCause::kEvaluations;
   if (std::isfinite(options_.budget.max_seconds) && seconds() >= options_.budget.max_seconds) {
     stop_cause_ = StopCause::kSeconds;
   }
+  if (NeedsMuchMemory()) stop_cause_ = StopCause::kMemory;
   if (options_.interrupt != nullptr && options_.interrupt->load(std::memory_order_relaxed)) {
     stop_cause_ = StopCause::kInterrupted;
   }
@@ -71,14 +82,16 @@ bool Evaluator::MustStop() {
   return stop_cause_ != StopCause::kNone;
 }
 
-const TraceEntry* Evaluator::Replayed(const Vector& x) const {
-  if (trace_.size() >= options_.replay.size()) return nullptr;
-  const TraceEntry& entry = options_.replay[trace_.size()];
-  return entry.x.size() == x.size() && entry.x == x ? &entry : nullptr;
+const EvaluationOutcome* Evaluator::Replayed(const Vector& x) const {
+  return options_.replay.Find(evaluations(), x);
+}
+
+Evaluator::Outcome Evaluator::ReplayFailure(const Vector& x) {
+  return RecordFailure(x, {options_.replay.FailureOf(evaluations())});
 }
 
 bool Evaluator::ReplayResiduals(const Vector& x, Vector& residuals, SparseJacobian* jacobian) const {
-  const TraceEntry* known = Replayed(x);
+  const EvaluationOutcome* known = Replayed(x);
   if (known == nullptr || !std::isfinite(known->cost)) return false;
   const auto& kept = options_.replayed_residuals;
   const auto found = std::lower_bound(kept.begin(), kept.end(), evaluations(),
@@ -134,19 +147,15 @@ std::optional<std::string> Evaluator::Violated(const Vector& x) const {
   return std::nullopt;
 }
 
-void Evaluator::Keep(TraceEntry entry) {
-  const bool better = std::isfinite(entry.cost) && (best_ < 0 || entry.cost < best().cost);
-  const bool is_best = better && !Violated(entry.x);  // may need a prediction: not while the record is locked
-  const auto lock = LockRecord();
-  trace_.push_back(std::move(entry));
-  if (is_best) best_ = static_cast<long>(trace_.size()) - 1;
-}
-
 void Evaluator::Record(const Vector& x, double cost, const std::string& failure) {
-  Keep({seconds(), cost, x, failure});
-  if (options_.progress) {
-    options_.progress({evaluations(), trace_.back().seconds, has_best() ? best().cost : kInfinity}, *this);
+  const double now = seconds();
+  const bool better = std::isfinite(cost) && (!has_best() || cost < best().cost);
+  const bool is_best = better && !Violated(x);  // may need a prediction: not while the record is locked
+  {
+    const auto lock = LockRecord();
+    record_.Add({now, cost, x, failure}, is_best);
   }
+  if (options_.progress) options_.progress({evaluations(), now, has_best() ? best().cost : kInfinity}, *this);
 }
 
 Evaluator::Outcome Evaluator::RecordFailure(const Vector& x, const Error& error) {
@@ -168,9 +177,9 @@ Evaluator::Outcome Evaluator::Cost(const Vector& x, double& cost, Infeasible inf
   cost = kInfinity;
   const Outcome admitted = Admit(x, infeasible);
   if (admitted != Outcome::kOk) return admitted;
-  if (const TraceEntry* known = Replayed(x)) {
+  if (const EvaluationOutcome* known = Replayed(x)) {
     cost = known->cost;
-    if (!std::isfinite(cost)) return RecordFailure(x, {known->failure});
+    if (!std::isfinite(cost)) return ReplayFailure(x);
     Record(x, cost);
     return Outcome::kOk;
   }
@@ -185,8 +194,8 @@ Evaluator::Outcome Evaluator::Residuals(const Vector& x, Vector& residuals, Spar
                                         Infeasible infeasible) {
   const Outcome admitted = Admit(x, infeasible);
   if (admitted != Outcome::kOk) return admitted;
-  const TraceEntry* known = Replayed(x);
-  if (known != nullptr && !std::isfinite(known->cost)) return RecordFailure(x, {known->failure});
+  const EvaluationOutcome* known = Replayed(x);
+  if (known != nullptr && !std::isfinite(known->cost)) return ReplayFailure(x);
   if (ReplayResiduals(x, residuals, jacobian)) {
     KeepResiduals(residuals, jacobian);
     Record(x, 0.5 * residuals.squaredNorm());
@@ -226,33 +235,28 @@ void Evaluator::AbsorbFinished(const Evaluator& child, FinishedSearch search) {
   search.failures = child.failures_;
   search.infeasible = child.infeasible_;
   search.first_failure = child.first_failure_;
-  {
-    const auto lock = LockRecord();
-    finished_.push_back(std::move(search));
-  }
   Absorb(child);
+  const auto lock = LockRecord();
+  finished_.push_back(std::move(search));
 }
 
 const FinishedSearch* Evaluator::FindFinished(const std::string& solver, const Vector& start,
                                               long max_evaluations) const {
   const auto same = [&](const FinishedSearch& search) {
     return search.solver == solver && search.max_evaluations == max_evaluations &&
-           search.start.size() == start.size() && search.start == start;
+           search.start.size() == start.size() && search.start == start &&
+           search.first + search.evaluations <= options_.replay.recorded();
   };
   const auto found = std::find_if(options_.finished.begin(), options_.finished.end(), same);
   return found == options_.finished.end() ? nullptr : &*found;
 }
 
 void Evaluator::Restore(const Evaluator& parent, const FinishedSearch& search) {
-  const auto& recorded = parent.options_.replay;
-  const auto end =
-      std::min<std::size_t>(recorded.size(), static_cast<std::size_t>(search.first + search.evaluations));
-  for (auto i = static_cast<std::size_t>(search.first); i < end; ++i) Keep(recorded[i]);
-  TakeCounts(search);
+  Restore(parent.options_.replay.Part(search.first, search.evaluations), search);
 }
 
-void Evaluator::Restore(const std::vector<TraceEntry>& trace, const FinishedSearch& search) {
-  for (const TraceEntry& entry : trace) Keep(entry);
+void Evaluator::Restore(const SearchRecord& all, const FinishedSearch& search) {
+  Take(all);
   TakeCounts(search);
 }
 
@@ -263,13 +267,24 @@ void Evaluator::TakeCounts(const FinishedSearch& search) {
 }
 
 void Evaluator::RestoreAll() {
-  for (const TraceEntry& entry : options_.replay) Keep(entry);
+  Take(options_.replay);
   const auto lock = LockRecord();
   finished_ = options_.finished;
 }
 
+void Evaluator::Take(const SearchRecord& more) {
+  double lowest = has_best() ? best().cost : kInfinity;
+  std::vector<bool> is_best;
+  for (const TraceEntry& entry : more.trace()) {
+    is_best.push_back(entry.cost < lowest && !Violated(entry.x));
+    if (is_best.back()) lowest = entry.cost;
+  }
+  const auto lock = LockRecord();
+  record_.Append(more, is_best);
+}
+
 void Evaluator::Absorb(const Evaluator& child) {
-  for (const TraceEntry& entry : child.trace_) Keep(entry);
+  Take(child.record_);
   failures_ += child.failures_;
   infeasible_ += child.infeasible_;
   if (first_failure_.empty()) first_failure_ = child.first_failure_;

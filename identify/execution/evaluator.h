@@ -12,6 +12,7 @@
 #include <vector>
 
 #include "identify/execution/finished_search.h"
+#include "identify/execution/search_record.h"
 #include "identify/least_squares.h"
 
 namespace sinew {
@@ -21,14 +22,8 @@ inline constexpr long kUnlimitedEvaluations = std::numeric_limits<long>::max();
 struct Budget {
   long max_evaluations = kUnlimitedEvaluations;
   double max_seconds = std::numeric_limits<double>::infinity();
-};
-
-/// One evaluation as it is kept in the run file.
-struct TraceEntry {
-  double seconds = 0;  ///< since the start of the run
-  double cost = 0;     ///< infinite if the simulation failed there
-  Vector x;
-  std::string failure = {};  ///< why it failed, or was rejected; empty if it did not
+  /// [bytes] of the whole process, as they are in the machine's memory (ResidentMemory)
+  double max_memory = std::numeric_limits<double>::infinity();
 };
 
 /// State of a running search, for a progress display.
@@ -49,7 +44,7 @@ class Evaluator;
 /// Lets another thread read the record of a search while it runs: to save it before the process is ended.
 struct EvaluatorWatch {
   std::mutex mutex;                    ///< held while the record changes
-  const Evaluator* running = nullptr;  ///< under the mutex; its trace, best point and counts may be read
+  const Evaluator* running = nullptr;  ///< under the mutex; its record and counts may be read
 };
 
 /// Evaluations of one search, with their record.
@@ -59,8 +54,8 @@ struct EvaluatorWatch {
 /// budgets, interrupts or the target itself, and it need not remember its best point. Failed and rejected
 /// points count as evaluations, with an infinite cost in the trace.
 ///
-/// Resuming: with Options::replay, evaluation i is answered from record i if its point is the recorded one to
-/// the last bit; a deterministic solver thus repeats its search without predictions. Residuals and
+/// Resuming: with Options::replay, evaluation i is answered from outcome i of that record if its point is the
+/// recorded one; a deterministic solver thus repeats its search without predictions. Residuals and
 /// derivatives are recorded as far as Options::most_kept allows, and computed again beyond. A point that
 /// differs from the record is predicted, so that a record of another search does no harm.
 ///
@@ -82,10 +77,11 @@ class Evaluator {
     EvaluatorWatch* watch = nullptr;                                  ///< of this search; may be null
     /// Of the run that is resumed: their evaluations are those of `replay` from `first` on.
     std::vector<FinishedSearch> finished;
-    std::vector<TraceEntry> replay;  ///< evaluations of the run that is resumed, in their order
+    SearchRecord replay;                            ///< of the run that is resumed
     std::vector<KeptResiduals> replayed_residuals;  ///< of some of these, in their order
     /// Numbers of residuals and derivatives that are kept for a search that is resumed; 0: none.
     std::size_t most_kept = 0;
+    long most_entries = 0;  ///< of the trace, see SearchRecord
     std::chrono::steady_clock::time_point began = std::chrono::steady_clock::now();
   };
 
@@ -119,15 +115,16 @@ class Evaluator {
   [[nodiscard]] std::optional<std::string> Violated(const Vector& x) const;
 
   [[nodiscard]] const LeastSquares& fit() const { return fit_; }
-  [[nodiscard]] long evaluations() const { return static_cast<long>(trace_.size()); }
+  [[nodiscard]] long evaluations() const { return record_.evaluations(); }
   [[nodiscard]] long failures() const { return failures_; }
   [[nodiscard]] const std::string& first_failure() const { return first_failure_; }
   /// Number of points, evaluated or rejected, that violate a constraint.
   [[nodiscard]] long infeasible() const { return infeasible_; }
-  [[nodiscard]] bool has_best() const { return best_ >= 0; }
+  [[nodiscard]] bool has_best() const { return record_.has_best(); }
   /// Best evaluated point that satisfies the constraints; @pre has_best().
-  [[nodiscard]] const TraceEntry& best() const { return trace_[static_cast<std::size_t>(best_)]; }
-  [[nodiscard]] const std::vector<TraceEntry>& trace() const { return trace_; }
+  [[nodiscard]] const TraceEntry& best() const { return record_.best(); }
+  [[nodiscard]] const SearchRecord& record() const { return record_; }
+  [[nodiscard]] const std::vector<TraceEntry>& trace() const { return record_.trace(); }
   /// Of the first evaluations with residuals or derivatives, as many as Options::most_kept allows.
   [[nodiscard]] const std::vector<KeptResiduals>& kept_residuals() const { return kept_residuals_; }
   [[nodiscard]] const Options& options() const { return options_; }
@@ -141,7 +138,7 @@ class Evaluator {
   void EndShare();
 
   /// Why Outcome::kStop was returned; kNone if it was not.
-  enum class StopCause { kNone, kEvaluations, kSeconds, kInterrupted, kTarget };
+  enum class StopCause { kNone, kEvaluations, kSeconds, kMemory, kInterrupted, kTarget };
   [[nodiscard]] StopCause stop_cause() const { return stop_cause_; }
 
   /// Appends the evaluations of a child (one start of a multi-start) to this record, updates the best point
@@ -157,8 +154,8 @@ class Evaluator {
                                                    long max_evaluations) const;
   /// Takes the evaluations of such a search over, of the parent that is resumed. @pre nothing was evaluated
   void Restore(const Evaluator& parent, const FinishedSearch& search);
-  /// The same, of a search of another process. @param trace all of its evaluations
-  void Restore(const std::vector<TraceEntry>& trace, const FinishedSearch& search);
+  /// The same, of a search of another process.
+  void Restore(const SearchRecord& all, const FinishedSearch& search);
   /// Takes over everything that the run which is resumed has evaluated. @pre nothing was evaluated
   void RestoreAll();
 
@@ -166,13 +163,16 @@ class Evaluator {
   [[nodiscard]] long evaluation_limit() const;
   /// kOk if the point may be predicted now; else the outcome to return.
   Outcome Admit(const Vector& x, Infeasible infeasible);
-  /// The record of this evaluation if the run is resumed and its recorded point is x, else nullptr.
-  const TraceEntry* Replayed(const Vector& x) const;
+  /// The outcome of this evaluation if the run is resumed and its recorded point is x, else nullptr.
+  const EvaluationOutcome* Replayed(const Vector& x) const;
+  /// @pre the outcome of this evaluation was replayed, and is a failure
+  Outcome ReplayFailure(const Vector& x);
   /// Residuals and derivatives from that record. @return false: they are not in it
   bool ReplayResiduals(const Vector& x, Vector& residuals, SparseJacobian* jacobian) const;
   void KeepResiduals(const Vector& residuals, const SparseJacobian* jacobian);
-  void Keep(TraceEntry entry);
+  void Take(const SearchRecord& more);
   void TakeCounts(const FinishedSearch& search);
+  bool NeedsMuchMemory();
   [[nodiscard]] std::unique_lock<std::mutex> LockRecord() const;
   void Record(const Vector& x, double cost, const std::string& failure = {});
   Outcome RecordFailure(const Vector& x, const Error& error);
@@ -181,15 +181,15 @@ class Evaluator {
   Options options_;
   mutable LeastSquares::Workspace workspace_;  // scratch
   SparseJacobian gradient_jacobian_;
-  std::vector<TraceEntry> trace_;
+  SearchRecord record_;
   std::vector<FinishedSearch> finished_;
   std::vector<KeptResiduals> kept_residuals_;
   std::size_t kept_numbers_ = 0;
   bool keeps_residuals_ = true;  // until the first that finds no room: a search is repeated from its start
-  long best_ = -1;
   long failures_ = 0;
   long infeasible_ = 0;
   long share_end_ = std::numeric_limits<long>::max();
+  double next_look_at_memory_ = 0;  // [s]
   std::string first_failure_;
   StopCause stop_cause_ = StopCause::kNone;
 };

@@ -9,6 +9,7 @@
 #include "identify/equal_noise_view.h"
 #include "identify/files/diagnosis_json.h"
 #include "identify/files/run_groups.h"
+#include "identify/files/trace.h"
 #include "identify/text/diagnosis_sentences.h"
 #include "identify/text/effects.h"
 #include "identify/text/shapes.h"
@@ -267,7 +268,7 @@ Result<Hdf5Node> DiagnosisTree(const Problem& problem, const Diagnosis& diagnosi
   const FitSetup extended = ExtendedSetup(diagnosis);
   std::vector<std::string> free;
   for (const int i : extended.free) free.push_back(extended.parameters[static_cast<std::size_t>(i)].name);
-  files::WriteTrace({}, free, root.At("trace"));  // readers of run files expect it; a diagnosis keeps none
+  files::WriteTrace(SearchRecord(), free, root);  // readers of run files expect it; a diagnosis keeps none
 
   Hdf5Node& node = root.At("diagnosis");
   node.attributes["sinew_schema"] = std::string("diagnosis/1");

@@ -44,9 +44,9 @@ std::optional<FitSetup> SetupOf(const RecordedRun& run, const Problem& problem) 
 
 Status CheckBestCost(const std::string& path, const RecordedRun& run, const LeastSquares& fit) {
   const auto best =
-      std::min_element(run.trace.begin(), run.trace.end(),
+      std::min_element(run.record.trace().begin(), run.record.trace().end(),
                        [](const TraceEntry& a, const TraceEntry& b) { return a.cost < b.cost; });
-  if (best == run.trace.end() || !std::isfinite(best->cost)) return {};
+  if (best == run.record.trace().end() || !std::isfinite(best->cost)) return {};
   auto workspace = fit.NewWorkspace();
   const Result<double> cost = fit.Cost(best->x, workspace);
   if (!cost)

@@ -12,6 +12,7 @@
 #include "identify/files/kept_work.h"
 #include "identify/files/run_groups.h"
 #include "identify/files/searches.h"
+#include "identify/files/trace.h"
 #include "identify/text/findings.h"
 #include "identify/text/reasons.h"
 #include "identify/text/warnings.h"
@@ -187,23 +188,6 @@ void FindDispensable(const Hdf5Node& root, RecordedRun& run) {
   }
 }
 
-// Runs of earlier versions have none.
-Status ReadFailures(const std::string& path, const Hdf5Node& node, std::vector<TraceEntry>& trace) {
-  const Hdf5Node* reasons = node.Find("failures/reason");
-  if (reasons == nullptr) return {};
-  const std::size_t count = reasons->texts() == nullptr ? 0 : reasons->texts()->size();
-  const auto* evaluation = files::NumberColumn(node, "failures/evaluation", count);
-  if (reasons->texts() == nullptr || evaluation == nullptr)
-    return Fail("{}: /trace/failures is not complete", path);
-  for (std::size_t i = 0; i < count; ++i) {
-    const double at = (*evaluation)[i];
-    if (!(at >= 0 && at < static_cast<double>(trace.size())))
-      return Fail("{}: /trace/failures names an evaluation that is not there", path);
-    trace[static_cast<std::size_t>(at)].failure = (*reasons->texts())[i];
-  }
-  return {};
-}
-
 }  // namespace
 
 Result<Hdf5Node> RunTree(const Problem& problem, const Identification& identification,
@@ -217,7 +201,7 @@ Result<Hdf5Node> RunTree(const Problem& problem, const Identification& identific
   run.attributes["stop_test"] = result.stop.test;
   run.attributes["converged"] = std::int64_t{result.stop.converged() ? 1 : 0};
   run.attributes["usable"] = std::int64_t{result.stop.usable() ? 1 : 0};
-  run.attributes["evaluations"] = static_cast<std::int64_t>(identification.trace.size());
+  run.attributes["evaluations"] = static_cast<std::int64_t>(identification.record.evaluations());
   run.attributes["failures"] = static_cast<std::int64_t>(identification.failures);
   run.attributes["iterations"] = std::int64_t{result.iterations};
   run.attributes["steps"] = static_cast<std::int64_t>(identification.steps.size());
@@ -226,7 +210,7 @@ Result<Hdf5Node> RunTree(const Problem& problem, const Identification& identific
   run.attributes["objective"] = problem.objective();
   files::WriteSentences(text::Findings(identification), identification.warnings,
                         text::Warnings(identification), run);
-  files::WriteTrace(identification.trace, FreeNames(identification.setup), root.At("trace"));
+  files::WriteTrace(identification.record, FreeNames(identification.setup), root);
   if (!identification.finished.empty())
     files::WriteSearches(identification.finished, FreeNames(identification.setup).size(),
                          root.At("searches"));
@@ -260,7 +244,7 @@ Hdf5Node UnfinishedRunTree(const LeastSquares& problem, const std::string& solve
   run.attributes["seconds"] = evaluator.seconds();
   run.attributes["cost"] = evaluator.has_best() ? evaluator.best().cost : kNaN;
   run.attributes["objective"] = problem.problem().objective();
-  files::WriteTrace(evaluator.trace(), FreeNames(problem.setup()), root.At("trace"));
+  files::WriteTrace(evaluator.record(), FreeNames(problem.setup()), root);
   if (!evaluator.finished().empty())
     files::WriteSearches(evaluator.finished(), problem.setup().free.size(), root.At("searches"));
   files::WriteKeptWork(evaluator.kept_residuals(), problem.setup().record, root);
@@ -293,6 +277,8 @@ Result<RecordedRun> RecordedRunOf(const std::string& path, const Hdf5Node& root)
     return Fail("{}: /run: steps is {}, expected a count", path, run->Number("steps", 0));
   recorded.steps = static_cast<int>(*steps);
   recorded.finished = run->Number("finished", 0) == 1;
+  const double starts = run->Number("starts", 0);
+  recorded.starts = starts > 0 && starts <= kMostSteps ? static_cast<int>(starts) : 0;
 
   const Hdf5Node* names = root.Find("parameters/name");
   const Hdf5Node* values = root.Find("parameters/value");
@@ -306,34 +292,13 @@ Result<RecordedRun> RecordedRunOf(const std::string& path, const Hdf5Node& root)
     }
     FindDispensable(root, recorded);
   }
-  const Hdf5Node* trace = root.Find("trace");
-  const Hdf5Node* cost = root.Find("trace/cost");
-  const Hdf5Node* seconds = root.Find("trace/seconds");
-  const Hdf5Node* x = root.Find("trace/x");
-  if (trace == nullptr || cost == nullptr || seconds == nullptr || x == nullptr || cost->array() == nullptr ||
-      seconds->array() == nullptr || x->array() == nullptr || x->array()->shape.size() != 2 ||
-      x->array()->shape[0] != cost->array()->values.size() ||
-      seconds->array()->values.size() != cost->array()->values.size()) {
-    return Fail("{}: /trace is not complete: expected seconds [E], cost [E] and x [E, n]", path);
-  }
-  const std::string variables = trace->Text("variables");  // Split returns views into it
-  for (const auto name : Split(variables, ',')) {
-    if (!name.empty()) recorded.variables.emplace_back(name);
-  }
-  if (x->array()->shape[1] != recorded.variables.size()) {
-    return Fail("{}: /trace/x has {} columns but names {} variables", path, x->array()->shape[1],
-                recorded.variables.size());
-  }
-  const auto width = static_cast<Eigen::Index>(x->array()->shape[1]);
-  for (std::size_t i = 0; i < cost->array()->values.size(); ++i) {
-    const double* row = x->array()->values.data() + i * x->array()->shape[1];
-    recorded.trace.push_back(
-        {seconds->array()->values[i], cost->array()->values[i], Eigen::Map<const Vector>(row, width)});
-  }
-  SINEW_TRY(ReadFailures(path, *trace, recorded.trace));
+  SINEW_ASSIGN(files::RecordedTrace trace, files::ReadTrace(path, root));
+  recorded.variables = std::move(trace.variables);
+  recorded.record = std::move(trace.record);
+  const auto evaluations = static_cast<std::size_t>(recorded.record.evaluations());
   SINEW_ASSIGN(recorded.finished_searches,
-               files::ReadSearches(path, root, recorded.trace.size(), x->array()->shape[1]));
-  SINEW_ASSIGN(files::KeptWork kept, files::ReadKeptWork(path, root, recorded.trace.size()));
+               files::ReadSearches(path, root, evaluations, recorded.variables.size()));
+  SINEW_ASSIGN(files::KeptWork kept, files::ReadKeptWork(path, root, evaluations));
   recorded.kept_residuals = std::move(kept.residuals);
   recorded.fits = std::move(kept.fits);
   return recorded;

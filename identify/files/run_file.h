@@ -19,6 +19,7 @@ struct Provenance {
   std::string title;
   std::string config;  ///< YAML text, may be empty
   bool synthetic = false;
+  int starts = 0;  ///< of solver multistart; 0: of another one
 };
 
 /// A finished run. Errors: those of Problem::Describe.
@@ -38,10 +39,11 @@ struct RecordedRun {
   std::string version;
   double cost =
       0;  ///< of its values; NaN if there are none, or of a diagnosis, whose cost is of other residuals
-  int steps = 0;  ///< of a stepwise fit: those before the last, of which alone cost and trace are
+  int starts = 0;  ///< see Provenance
+  int steps = 0;   ///< of a stepwise fit: those before the last, of which alone cost and trace are
   bool finished = false;
   std::vector<std::string> variables;  ///< names of the free parameters
-  std::vector<TraceEntry> trace;
+  SearchRecord record;
   std::vector<FinishedSearch> finished_searches;
   std::vector<KeptResiduals> kept_residuals;           ///< of an unfinished run
   FitRecord::Answers fits;                             ///< the same

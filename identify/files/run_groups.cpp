@@ -19,6 +19,7 @@ void WriteProvenance(const Provenance& provenance, const std::string& solver, st
   run.attributes["data_hash"] = provenance.data_hash;
   run.attributes["title"] = provenance.title;
   run.attributes["synthetic"] = std::int64_t{provenance.synthetic ? 1 : 0};
+  if (provenance.starts > 0) run.attributes["starts"] = std::int64_t{provenance.starts};
   if (!provenance.config.empty()) run.At("config").data = provenance.config;
 }
 
@@ -54,30 +55,6 @@ void WriteParameters(const FitSetup& setup, const Vector& values, Hdf5Node& node
       {"lower", &lower}, {"upper", &upper}, {"null", &null},       {"start", &start},
       {"value", &value}, {"free", &free},   {"prior_mean", &mean}, {"prior_deviation", &deviation}};
   for (const auto& [key, column] : numbers) node.At(key).SetVector(std::move(*column));
-}
-
-void WriteTrace(const std::vector<TraceEntry>& trace, const std::vector<std::string>& variables,
-                Hdf5Node& node) {
-  std::vector<double> seconds, cost, x;
-  for (const TraceEntry& entry : trace) {
-    seconds.push_back(entry.seconds);
-    cost.push_back(entry.cost);
-    x.insert(x.end(), entry.x.data(), entry.x.data() + entry.x.size());
-  }
-  node.attributes["variables"] = Join(variables, ",");
-  node.At("seconds").SetVector(std::move(seconds));
-  node.At("cost").SetVector(std::move(cost));
-  node.At("x").SetMatrix(trace.size(), variables.size(), std::move(x));
-  std::vector<double> failed;
-  std::vector<std::string> reason;
-  for (std::size_t i = 0; i < trace.size(); ++i) {
-    if (trace[i].failure.empty()) continue;
-    failed.push_back(static_cast<double>(i));
-    reason.push_back(trace[i].failure);
-  }
-  if (failed.empty()) return;
-  node.At("failures/evaluation").SetVector(std::move(failed));
-  node.At("failures/reason").data = std::move(reason);
 }
 
 void WriteSentences(const std::vector<text::Sentence>& findings, const std::vector<Warning>& warnings,

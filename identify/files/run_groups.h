@@ -18,10 +18,6 @@ void WriteProvenance(const Provenance& provenance, const std::string& solver, st
 /// /parameters. @param values [P]
 void WriteParameters(const FitSetup& setup, const Vector& values, Hdf5Node& node);
 
-/// /trace. @param variables names of the free parameters
-void WriteTrace(const std::vector<TraceEntry>& trace, const std::vector<std::string>& variables,
-                Hdf5Node& node);
-
 /// findings, finding_kinds, warnings and warning_kinds of /run. @param texts of the warnings
 void WriteSentences(const std::vector<text::Sentence>& findings, const std::vector<Warning>& warnings,
                     const std::vector<std::string>& texts, Hdf5Node& run);

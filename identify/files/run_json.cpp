@@ -52,7 +52,7 @@ Json FromRun(const Problem& problem, const Identification& identification, const
   json["stop_reason"] = ToString(identification.result.stop.kind);
   json["stop_test"] = identification.result.stop.test;
   json["converged"] = identification.result.stop.converged();
-  json["evaluations"] = identification.trace.size();
+  json["evaluations"] = identification.record.evaluations();
   json["seconds"] = identification.seconds;
   json["cost"] = Finite(identification.result.cost);
   json["objective"] = problem.objective();

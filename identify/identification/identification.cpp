@@ -4,7 +4,6 @@
 
 #include "identify/check_problem.h"
 #include "identify/error_concentration.h"
-#include "identify/execution/failure_reasons.h"
 #include "identify/identification/odd_trials.h"
 #include "identify/solvers/held_out_nuisance.h"
 #include "identify/solvers/improved_start.h"
@@ -25,6 +24,7 @@ Status AnalyseAndImprove(const LeastSquares& least_squares, UncertaintyOptions h
     // The last analysis has to find intervals, and may not meet yet another minimum.
     is_last = is_last || improvements == kMaxImprovements || !out.result.stop.converged();
     how.points = is_last ? nullptr : &evaluator.trace();
+    how.search_evaluations = evaluator.evaluations();
     SINEW_ASSIGN(out.uncertainty, AnalyseUncertainty(least_squares, out.result.x, how));
     const Vector& better = out.uncertainty.better_point;
     if (better.size() == 0 || is_last) break;
@@ -45,9 +45,9 @@ Warning FailuresOf(const Identification& found, const std::string& first) {
   constexpr std::size_t kMostReasons = 5;
   Warning warning{WarningKind::kFailedEvaluations,
                   {},
-                  {static_cast<double>(found.failures), static_cast<double>(found.trace.size())},
+                  {static_cast<double>(found.failures), static_cast<double>(found.record.evaluations())},
                   first};
-  for (const FailureReason& reason : FailuresByReason(found.trace)) {
+  for (const FailureReason& reason : found.record.reasons().MostFrequentFirst()) {
     if (warning.names.size() == kMostReasons) break;
     warning.names.push_back(reason.message);
     warning.numbers.push_back(static_cast<double>(reason.count));
@@ -80,7 +80,7 @@ Result<Identification> Identify(const Problem& problem, FitSetup setup, Identifi
     SINEW_TRY(AnalyseAndImprove(least_squares, how, options, evaluator, out));
     out.interval_seconds = evaluator.seconds() - out.seconds;
   }
-  out.trace = evaluator.trace();
+  out.record = evaluator.record();
   out.finished = evaluator.finished();
   out.kept_residuals = evaluator.kept_residuals();
   out.failures = evaluator.failures();

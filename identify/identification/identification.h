@@ -42,7 +42,7 @@ struct Identification {
   SolverOptions solver_options;
   FitSetup setup;
   SolverResult result;
-  std::vector<TraceEntry> trace;
+  SearchRecord record;
   std::vector<FinishedSearch> finished;       ///< of the search from many starts
   std::vector<KeptResiduals> kept_residuals;  ///< see Evaluator
   long failures = 0;

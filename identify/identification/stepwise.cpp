@@ -103,7 +103,8 @@ Result<Identification> IdentifyStepwise(const Problem& problem, const FitRequest
     if (usable) TakeOver(found, fit);
     if (usable && !last) {
       steps.push_back({step.name, std::move(fit.setup), std::move(fit.uncertainty), std::move(fit.pooled_fit),
-                       std::move(fit.derived), fit.trace.size(), fit.seconds, fit.interval_seconds});
+                       std::move(fit.derived), static_cast<std::size_t>(fit.record.evaluations()),
+                       fit.seconds, fit.interval_seconds});
       continue;
     }
     if (!usable && !last) fit.result.stop.test = step.name + ": " + fit.result.stop.test;

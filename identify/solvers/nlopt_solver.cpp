@@ -4,6 +4,8 @@
 
 #include <algorithm>
 #include <cmath>
+#include <cstddef>
+#include <deque>
 #include <limits>
 #include <mutex>
 #include <vector>
@@ -19,6 +21,7 @@ constexpr double kBeside = 1e-3;
 constexpr double kStepTolerance = 1e-10;          // in the unit box
 constexpr int kDefaultGlobalEvaluations = 20000;  // global searches without a budget
 constexpr long kMaxStogoEvaluations = 100000;
+constexpr std::size_t kMostFailed = 4096;
 constexpr double kCostWithoutAnyPrediction = 1e100;  // until one point has a cost
 
 using Handle = std::unique_ptr<nlopt_opt_s, void (*)(nlopt_opt)>;
@@ -47,6 +50,7 @@ struct Call {
   Matrix constraint_jacobian;
   double best = std::numeric_limits<double>::infinity();
   double last_improvement = 0;  // relative
+  std::deque<Vector> failed;    // points, the last kMostFailed of them
 };
 
 double CostForNlopt(unsigned n, const double* x, double* gradient, void* data) {
@@ -62,6 +66,8 @@ double CostForNlopt(unsigned n, const double* x, double* gradient, void* data) {
   cost *= call.scale;
   if (call.objective.stopped()) nlopt_force_stop(call.handle);
   if (!std::isfinite(cost)) {
+    if (call.failed.size() == kMostFailed) call.failed.pop_front();
+    if (!call.objective.stopped()) call.failed.push_back(call.x);
     return std::isfinite(call.objective.worst()) ? 2 * call.scale * call.objective.worst()
                                                  : kCostWithoutAnyPrediction;
   }
@@ -148,7 +154,7 @@ class NloptSolver : public Solver {
     const nlopt_result result = nlopt_optimize(opt, x.data(), &cost);
     Search search{StopFromNlopt(result, opt, call), nlopt_get_numevals(opt), {}};
     const bool sees_values_only = name_[0] == 'L' && name_[1] == 'N';
-    if (sees_values_only && search.stop.converged() && evaluator.has_best() && EndedBesideFailures(evaluator))
+    if (sees_values_only && search.stop.converged() && evaluator.has_best() && EndedBesideFailures(call))
       search.stop = {Termination::kSolverFailed,
                      "it ended beside points without prediction, which may lie between "
                      "it and the minimum; " +
@@ -157,11 +163,10 @@ class NloptSolver : public Solver {
   }
 
   // A search that knows values only cannot tell a minimum from the edge of a region without prediction.
-  static bool EndedBesideFailures(const Evaluator& evaluator) {
-    const Vector& best = evaluator.best().x;
-    return std::any_of(evaluator.trace().begin(), evaluator.trace().end(), [&](const TraceEntry& entry) {
-      return !std::isfinite(entry.cost) && (entry.x - best).cwiseAbs().maxCoeff() <= kBeside &&
-             !evaluator.Violated(entry.x);
+  static bool EndedBesideFailures(const Call& call) {
+    const Vector& best = call.evaluator.best().x;
+    return std::any_of(call.failed.begin(), call.failed.end(), [&](const Vector& x) {
+      return (x - best).cwiseAbs().maxCoeff() <= kBeside && !call.evaluator.Violated(x);
     });
   }
 

@@ -59,7 +59,9 @@ class Polishing {
 
   void NewEvaluator(std::size_t i) {
     Evaluator::Options options;
-    options.budget = {starts_[i].evaluations, parent_.options().budget.max_seconds};
+    options.budget = parent_.options().budget;
+    options.budget.max_evaluations = starts_[i].evaluations;
+    options.most_entries = parent_.options().most_entries;
     options.target_cost = parent_.options().target_cost;
     options.interrupt = parent_.options().interrupt;
     options.began = parent_.options().began;
@@ -85,7 +87,8 @@ class Polishing {
                        result.iterations};
     }
     Answer answer;
-    if (answers_ && IsFinished(i)) answer = ToAnswer(i);
+    // One so long that not all of its points are there is made by every process.
+    if (answers_ && IsFinished(i) && !task.evaluator->record().thinned()) answer = ToAnswer(i);
     AbsorbWhatIsDone(i);
     return answer;
   }
@@ -94,7 +97,7 @@ class Polishing {
   [[nodiscard]] bool IsFinished(std::size_t i) const {
     const Evaluator::StopCause cause = tasks_[i].evaluator->stop_cause();
     return cause != Evaluator::StopCause::kInterrupted && cause != Evaluator::StopCause::kSeconds &&
-           tasks_[i].polished.stage.x.size() == starts_[i].x.size();
+           cause != Evaluator::StopCause::kMemory && tasks_[i].polished.stage.x.size() == starts_[i].x.size();
   }
 
   [[nodiscard]] Answer ToAnswer(std::size_t i) const {
@@ -150,7 +153,7 @@ class Polishing {
       if (!std::isfinite(at[1]) && failure < texts.size()) trace.back().failure = texts[failure++];
     }
     NewEvaluator(i);
-    tasks_[i].evaluator->Restore(trace, search);
+    tasks_[i].evaluator->Restore(SearchRecord::OfAll(std::move(trace)), search);
     tasks_[i].polished = {
         {name_,
          {TerminationOf(search.stop_kind).value_or(Termination::kSolverFailed), search.stop_test},

@@ -6,7 +6,6 @@
 #include "base/constants.h"
 #include "base/numbers.h"
 #include "base/text.h"
-#include "identify/execution/failure_reasons.h"
 
 namespace sinew {
 namespace {
@@ -65,7 +64,7 @@ Stop StopWithoutAnswer(const Evaluator& evaluator) {
                                                *violated, ConstrainedSolvers())
                                  : "")};
   }
-  const auto reasons = FailuresByReason(evaluator.trace());
+  const auto reasons = evaluator.record().reasons().MostFrequentFirst();
   std::string more;
   for (const FailureReason& reason : reasons) {
     if (reasons.size() > 1)
@@ -101,6 +100,8 @@ const char* ToString(Termination termination) {
       return "max_evaluations";
     case Termination::kMaxSeconds:
       return "max_seconds";
+    case Termination::kMaxMemory:
+      return "max_memory";
     case Termination::kInterrupted:
       return "interrupted";
     case Termination::kSolverFailed:
@@ -143,6 +144,10 @@ Stop StopFrom(const Evaluator& evaluator) {
     case Evaluator::StopCause::kSeconds:
       return {Termination::kMaxSeconds, fmt::format("{:.3g} s >= {:.3g} s", evaluator.seconds(),
                                                     evaluator.options().budget.max_seconds)};
+    case Evaluator::StopCause::kMemory:
+      return {Termination::kMaxMemory,
+              fmt::format("the process takes the {:.4g} MB of memory that it may; --resume with more goes on",
+                          evaluator.options().budget.max_memory / 1e6)};
     case Evaluator::StopCause::kInterrupted:
       return {Termination::kInterrupted,
               fmt::format("interrupted after {} evaluations", evaluator.evaluations())};

@@ -26,6 +26,7 @@ enum class Termination {
   kNothingFree,       ///< no parameter is free: the start was evaluated; usable
   kMaxEvaluations,    ///< budget; best point so far, not converged
   kMaxSeconds,        ///< budget; best point so far, not converged
+  kMaxMemory,         ///< budget; best point so far, not converged
   kInterrupted,       ///< Ctrl-C; best point so far, not converged
   kSolverFailed,      ///< the solver failed (its message is in Stop::test); best point so far, not converged
   kInfeasible,        ///< no evaluated point satisfies the constraints; not usable

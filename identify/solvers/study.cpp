@@ -33,10 +33,10 @@ double Median(std::vector<double> values) {
 std::vector<StudyRun::Improvement> Improvements(const std::vector<TraceEntry>& trace) {
   std::vector<StudyRun::Improvement> improvements;
   double lowest = kInfinity;
-  for (std::size_t i = 0; i < trace.size(); ++i) {
-    if (!(trace[i].cost < lowest)) continue;
-    lowest = trace[i].cost;
-    improvements.push_back({static_cast<long>(i + 1), lowest, trace[i].seconds});
+  for (const TraceEntry& entry : trace) {
+    if (!(entry.cost < lowest)) continue;
+    lowest = entry.cost;
+    improvements.push_back({entry.evaluation + 1, lowest, entry.seconds});
   }
   return improvements;
 }

@@ -36,7 +36,10 @@ class Competition {
   Competition(const LeastSquares& problem, const CompetitionQuestion& question)
       : problem_(problem),
         q_(question),
-        left_(static_cast<long>(kEffort * static_cast<double>(question.points.size()))) {}
+        left_(static_cast<long>(kEffort *
+                                static_cast<double>(question.search_evaluations > 0
+                                                        ? question.search_evaluations
+                                                        : static_cast<long>(question.points.size())))) {}
 
   std::vector<LocalMinimum> Run() {
     std::vector<LocalMinimum> points = FromEnds();

@@ -30,6 +30,7 @@ struct CompetitionQuestion {
   double penalty = 0;                     ///< that of solvers::LocalFit
   int threads = 1;
   const std::atomic<bool>* interrupt = nullptr;
+  long search_evaluations = 0;  ///< 0: as many as points
 };
 
 /// Minima that are nearer than this share of an interval are the same.

@@ -305,9 +305,10 @@ bool Analysis::LowerMinimum() {
   }
   if (!(rise > 0)) return false;
   const Vector widths = Widths();
-  answer_.minima = CompetingMinima(
-      problem_, {here, rise, widths, *options_.points, ends, penalty_, options_.threads, options_.interrupt},
-      answer_.evaluations);
+  answer_.minima = CompetingMinima(problem_,
+                                   {here, rise, widths, *options_.points, ends, penalty_, options_.threads,
+                                    options_.interrupt, options_.search_evaluations},
+                                   answer_.evaluations);
   const LocalMinimum& lowest = answer_.minima.front();
   if (!(lowest.cost < here.cost) || DistanceInWidths(lowest.x, here.x, widths) < kSameShare) return false;
   answer_.notes.push_back({WarningKind::kBetterFit, {}, {cost_, lowest.cost}, {}});

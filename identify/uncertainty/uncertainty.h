@@ -78,6 +78,7 @@ struct UncertaintyOptions {
   const std::atomic<bool>* interrupt = nullptr;  ///< the remaining intervals are linear (and marked)
   /// Points that were evaluated in the search, from which other minima are looked for; null: none.
   const std::vector<TraceEntry>* points = nullptr;
+  long search_evaluations = 0;  ///< of the search, of which the points may be a part; 0: the points are all
 };
 
 /// Analyses the solution x [n, within 0..1] of a fit.

@@ -18,6 +18,50 @@ RUN = ROOT / "benchmarks" / "hidden_effects" / "run.py"
 SEPARATE = RUN.with_name("separate.py")
 
 
+GENERATOR = """#!/bin/sh
+echo case >> calls.txt
+[ $(wc -l < calls.txt) -ne 3 ] || { echo stopped >&2; exit 1; }
+while [ $# -gt 1 ]; do
+  [ "$1" != --truth ] || echo '{"effects": [], "base": {}}' > "$2"
+  shift
+done
+"""
+DIAGNOSIS = """#!/bin/sh
+while [ $# -gt 1 ]; do
+  [ "$1" != --json ] || echo '{"verdict": "adequate", "causes": [], "alternatives": [], "unknown_terms": [], "base": {}}' > "$2"
+  shift
+done
+"""
+
+
+class StoppedTest(ProgramTest):
+    """Cases that had ended are kept; the programs are stand-ins, of which the third case fails once."""
+
+    def test_resumed_it_does_only_what_is_left(self):
+        for name, text in (("generate", GENERATOR), ("sinew", DIAGNOSIS)):
+            self.write(name, text)
+            self.path(name).chmod(0o755)
+        words = [sys.executable, RUN, "--sinew", "sinew", "--generate", "generate", "--kind", "none", "--cases", "5", "--jobs", "1",
+                 "--out", "results.json"]
+
+        def run(*more):
+            return subprocess.run([*words, *more], cwd=self.folder, capture_output=True, text=True, timeout=60, check=False)
+
+        self.assertEqual(run().returncode, 1)
+        self.assertFalse(self.path("results.json").exists())
+        with self.path("results.json.cases").open("a") as kept:
+            kept.write('{"kind": "no')  # cut off
+        calls = self.path("calls.txt").read_text().count("case")
+        self.assertIn("made with other settings", run("--resume", "--program-seed", "2").stderr)
+        done = run("--resume")
+        self.assertEqual(done.returncode, 0, done.stderr)
+        # With one job, the cases after the third one went on.
+        self.assertEqual(self.path("calls.txt").read_text().count("case"), calls + 1)
+        cases = json.loads(self.path("results.json").read_text())["cases"]
+        self.assertEqual([case["seed"] for case in cases], [1, 2, 3, 4, 5])
+        self.assertFalse(self.path("results.json.cases").exists())
+
+
 @unittest.skipUnless(Path(GENERATE).exists(), "the benchmarks are not built")
 class HiddenEffectsTest(ProgramTest):
     def generate(self, *words, name="case"):

@@ -54,7 +54,7 @@ void RunFile(std::string_view bytes) {
   if (GoesThroughAFile(bytes)) DemandSameTree(tree);
   const auto run = RecordedRunOf(kAnyFile, tree);
   if (!Holds(run, kAnyFile)) return;
-  for (const TraceEntry& entry : run->trace)
+  for (const TraceEntry& entry : run->record.trace())
     Demand(static_cast<std::size_t>(entry.x.size()) == run->variables.size(), "a point of the trace");
 }
 

@@ -230,7 +230,7 @@ TEST_F(EvaluatorTest, AReplayedRunIsTheUninterruptedRunToTheLastBit) {
 
   predictions_ = 0;
   Evaluator::Options resumed_options;
-  resumed_options.replay = interrupted.trace();
+  resumed_options.replay = interrupted.record();
   Evaluator resumed = Make(resumed_options);
   AutocorrelationExcess(resumed, 80);
   EXPECT_EQ(predictions_, 0) << "what was recorded is not predicted again";
@@ -243,6 +243,54 @@ TEST_F(EvaluatorTest, AReplayedRunIsTheUninterruptedRunToTheLastBit) {
   }
   EXPECT_EQ(on.failures(), whole.failures());
   EXPECT_EQ(on.best().x, whole.best().x);
+}
+
+TEST_F(EvaluatorTest, ASearchOfWhichNotAllPointsAreKeptIsReplayedAllTheSame) {
+  Evaluator::Options options;
+  options.most_entries = 16;
+  Evaluator whole = Make(options);
+  AutocorrelationExcess(whole, 400);
+  options.budget.max_evaluations = 150;
+  Evaluator stopped = Make(options);
+  AutocorrelationExcess(stopped, 400);
+  ASSERT_TRUE(stopped.record().thinned());
+
+  options.budget = {};
+  options.replay = stopped.record();
+  Evaluator resumed = Make(options);
+  predictions_ = 0;
+  AutocorrelationExcess(resumed, 150);
+  EXPECT_EQ(predictions_, 0) << "what was recorded is not predicted again";
+  Evaluator on = Make(options);
+  AutocorrelationExcess(on, 400);
+  ASSERT_EQ(on.evaluations(), 400);
+  ASSERT_EQ(on.trace().size(), whole.trace().size());
+  for (std::size_t i = 0; i < whole.trace().size(); ++i) {
+    EXPECT_EQ(on.trace()[i].evaluation, whole.trace()[i].evaluation) << i;
+    EXPECT_EQ(on.trace()[i].x, whole.trace()[i].x) << i;
+    EXPECT_EQ(on.trace()[i].cost, whole.trace()[i].cost) << i;
+    EXPECT_EQ(on.trace()[i].failure, whole.trace()[i].failure) << i;
+  }
+  EXPECT_EQ(on.failures(), whole.failures());
+  EXPECT_EQ(on.first_failure(), whole.first_failure());
+  EXPECT_EQ(on.best().x, whole.best().x);
+  const auto reasons = whole.record().reasons().MostFrequentFirst();
+  const auto again = on.record().reasons().MostFrequentFirst();
+  ASSERT_EQ(again.size(), reasons.size());
+  EXPECT_EQ(again[0].message, reasons[0].message);
+  EXPECT_EQ(again[0].count, reasons[0].count);
+}
+
+TEST_F(EvaluatorTest, AMemoryBudgetStopsTheSearch) {
+  Evaluator::Options options;
+  options.budget.max_memory = 1;
+  Evaluator none = Make(options);
+  double cost = 0;
+  EXPECT_EQ(none.Cost(At(0, 0), cost), Outcome::kStop);
+  EXPECT_EQ(none.stop_cause(), StopCause::kMemory);
+  options.budget.max_memory = 1e15;
+  Evaluator enough = Make(options);
+  EXPECT_EQ(enough.Cost(At(0, 0), cost), Outcome::kOk);
 }
 
 // A search that depends on every residual and derivative, to the last bit.
@@ -273,7 +321,7 @@ TEST_F(EvaluatorTest, ResidualsAndDerivativesAreKeptAsFarAsThereIsRoom) {
 
   Evaluator::Options resumed_options;
   resumed_options.most_kept = 1000;
-  resumed_options.replay = stopped.trace();
+  resumed_options.replay = stopped.record();
   resumed_options.replayed_residuals = stopped.kept_residuals();
   Evaluator again = Make(resumed_options);
   predictions_ = 0;
@@ -300,7 +348,7 @@ TEST_F(EvaluatorTest, FailuresAreCountedByReason) {
   evaluator.Cost(At(0, 0), cost);
   evaluator.Cost(At(3.5, 0), cost);
   for (const double a : {-2.0, -2.5, -3.25e-7 - 1}) evaluator.Cost(At(a, 0), cost);
-  const auto reasons = FailuresByReason(evaluator.trace());
+  const auto reasons = evaluator.record().reasons().MostFrequentFirst();
   ASSERT_EQ(reasons.size(), 2U);
   EXPECT_EQ(reasons[0].message, "a = -2 is out of reach");
   EXPECT_EQ(reasons[0].count, 3);
@@ -315,7 +363,7 @@ TEST_F(EvaluatorTest, TheFirstFailureHasItsReasonAlsoWhenResumed) {
   stopped.Cost(At(3.5, 0), cost);
   ASSERT_EQ(stopped.failures(), 1);
   Evaluator::Options options;
-  options.replay = stopped.trace();
+  options.replay = stopped.record();
   Evaluator resumed = Make(options);
   resumed.Cost(At(3.5, 0), cost);
   EXPECT_EQ(resumed.first_failure(), stopped.first_failure());
@@ -323,7 +371,7 @@ TEST_F(EvaluatorTest, TheFirstFailureHasItsReasonAlsoWhenResumed) {
 
 TEST_F(EvaluatorTest, ARecordOfAnotherSearchIsIgnored) {
   Evaluator::Options options;
-  options.replay = {{0, 123, At(0, 1)}};
+  options.replay = SearchRecord::OfAll({{0, 123, At(0, 1)}});
   Evaluator evaluator = Make(options);
   double cost = 0;
   ASSERT_EQ(evaluator.Cost(At(0, 0), cost), Outcome::kOk);

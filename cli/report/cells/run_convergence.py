@@ -3,7 +3,10 @@
 
 # %% convergence
 cost = run["/trace/cost"][:]
-count = np.arange(1, len(cost) + 1)
+# Of a long search only a part of the evaluations is in the file, and their numbers with them.
+count = run["/trace/evaluation"][:].astype(int) + 1 if "/trace/evaluation" in run else np.arange(1, len(cost) + 1)
+evaluations = max(int(run["/run"].attrs["evaluations"]), len(cost))
+failures = int(run["/run"].attrs["failures"]) if len(cost) < evaluations else (~np.isfinite(cost)).sum()
 failed = ~np.isfinite(cost)
 best = np.minimum.accumulate(np.where(failed, np.inf, cost))
 reached = best[np.isfinite(best)]
@@ -25,13 +28,13 @@ if reached.size:
     axis.annotate(number(reached[-1], 4), (count[-1], reached[-1]), xytext=(6, 0), textcoords="offset points",
                   va="center", color=TRAIN, annotation_clip=False)
     near = count[best <= reached[-1] + 0.01 * (reached[0] - reached[-1])][0]
-    finding = f"99 % of the improvement came within the first {near} of {len(cost)} evaluations" \
-        if reached[0] > reached[-1] else f"No evaluation was better than the first, out of {len(cost)}"
+    finding = f"99 % of the improvement came within the first {near} of {evaluations} evaluations" \
+        if reached[0] > reached[-1] else f"No evaluation was better than the first, out of {evaluations}"
 else:
     axis.set_yticks([])
 if failed.any():
     axis.plot(count[failed], np.zeros(failed.sum()), "|", color=VALIDATE, ms=8, transform=axis.get_xaxis_transform(),
-              label=f"failed simulation ({failed.sum()})", clip_on=False)
+              label=f"failed simulation ({failures})", clip_on=False)
 chain = "/stages" in run and not any(name in info["solver"] for name in ("multistart", "restarts"))
 if chain:  # one solver after the other: say where each began
     ends = np.cumsum(run["/stages/evaluations"][:])

@@ -54,11 +54,11 @@ TEST_F(RunFileTest, WhatIsWrittenIsRead) {
   ASSERT_EQ(read->values.size(), 2U);
   EXPECT_EQ(read->values[1].first, "slope");
   EXPECT_EQ(read->values[1].second, line_.parameters[1]);
-  ASSERT_EQ(read->trace.size(), line_.trace.size());
-  for (std::size_t i = 0; i < line_.trace.size(); ++i) {
-    EXPECT_EQ(read->trace[i].x, line_.trace[i].x);
-    EXPECT_EQ(read->trace[i].cost, line_.trace[i].cost);
-    EXPECT_EQ(read->trace[i].seconds, line_.trace[i].seconds);
+  ASSERT_EQ(read->record.trace().size(), line_.record.trace().size());
+  for (std::size_t i = 0; i < line_.record.trace().size(); ++i) {
+    EXPECT_EQ(read->record.trace()[i].x, line_.record.trace()[i].x);
+    EXPECT_EQ(read->record.trace()[i].cost, line_.record.trace()[i].cost);
+    EXPECT_EQ(read->record.trace()[i].seconds, line_.record.trace()[i].seconds);
   }
 }
 
@@ -74,10 +74,86 @@ TEST_F(RunFileTest, EverySeedSurvives) {
 
 TEST_F(RunFileTest, AFailedEvaluationSurvives) {
   Identification line = line_;
-  line.trace.push_back({1.5, std::numeric_limits<double>::infinity(), toy::Values({0.25, 0.75})});
+  line.record.Add({1.5, std::numeric_limits<double>::infinity(), toy::Values({0.25, 0.75})}, false);
   const auto read = Reread(RunTree(problem_, line, kRunProvenance).value());
   ASSERT_TRUE(read) << read.error().message;
-  EXPECT_TRUE(std::isinf(read->trace.back().cost));
+  EXPECT_TRUE(std::isinf(read->record.trace().back().cost));
+}
+
+// 300 evaluations, of which 16 points and those of improvements are kept.
+SearchRecord ThinnedRecord() {
+  SearchRecord record(16);
+  for (int i = 0; i < 300; ++i) {
+    const bool fails = i % 7 == 3;
+    const double cost = fails ? std::numeric_limits<double>::infinity() : 1000.0 - i;
+    record.Add({0.5 * i, cost, toy::Values({0.001 * i, 0.5}), fails ? fmt::format("no end at {}", i) : ""},
+               !fails);
+  }
+  return record;
+}
+
+TEST_F(RunFileTest, OutcomesOfAllEvaluationsSurviveWhereNotAllPointsAreKept) {
+  Identification line = line_;
+  line.record = ThinnedRecord();
+  ASSERT_TRUE(line.record.thinned());
+  const auto read = Reread(RunTree(problem_, line, kRunProvenance).value());
+  ASSERT_TRUE(read) << read.error().message;
+  EXPECT_EQ(read->record.evaluations(), 300);
+  ASSERT_EQ(read->record.trace().size(), line.record.trace().size());
+  for (std::size_t i = 0; i < line.record.trace().size(); ++i) {
+    EXPECT_EQ(read->record.trace()[i].evaluation, line.record.trace()[i].evaluation);
+    EXPECT_EQ(read->record.trace()[i].level, line.record.trace()[i].level);
+    EXPECT_EQ(read->record.trace()[i].failure, line.record.trace()[i].failure);
+  }
+  for (int i = 0; i < 300; ++i) {
+    const EvaluationOutcome* found = read->record.Find(i, toy::Values({0.001 * i, 0.5}));
+    ASSERT_NE(found, nullptr) << i;
+    EXPECT_EQ(found->cost, line.record.outcomes()[static_cast<std::size_t>(i)].cost) << i;
+  }
+  EXPECT_EQ(read->record.reasons().MostFrequentFirst()[0].count, 43);
+  EXPECT_EQ(read->record.FailureOf(10), "no end at 3") << "of those whose words are not kept, the first's";
+}
+
+TEST_F(RunFileTest, DamagedOutcomesAreAnError) {
+  Identification line = line_;
+  line.record = ThinnedRecord();
+  const Hdf5Node tree = RunTree(problem_, line, kRunProvenance).value();
+  const auto error_after = [&](const std::function<void(Hdf5Node&)>& damage) {
+    Hdf5Node damaged = tree;
+    damage(damaged);
+    return ErrorOf(Reread(damaged));
+  };
+  const std::string strangers = file_.path() + ": /resume/outcomes and /trace do not belong together";
+  EXPECT_EQ(error_after([](Hdf5Node& t) { t.At("resume").children.erase("outcomes"); }), strangers);
+  EXPECT_EQ(
+      error_after([](Hdf5Node& t) { t.At("resume/outcomes").attributes["evaluations"] = std::int64_t{100}; }),
+      strangers);
+  EXPECT_EQ(error_after([](Hdf5Node& t) {
+              std::get<Hdf5Array>(t.At("resume/outcomes/cost").data).values[17] = 1e-9;
+            }),
+            strangers)
+      << "a cost below that of the best point, which is looked at";
+  EXPECT_EQ(error_after(
+                [](Hdf5Node& t) { std::get<Hdf5Array>(t.At("resume/outcomes/reason").data).values[2] = 9; }),
+            strangers);
+  EXPECT_EQ(error_after([](Hdf5Node& t) { t.At("resume/outcomes").children.erase("mark"); }),
+            file_.path() + ": /resume/outcomes is not complete");
+  EXPECT_THAT(
+      error_after([](Hdf5Node& t) { std::get<Hdf5Array>(t.At("trace/evaluation").data).values[2] = 0; }),
+      testing::HasSubstr("/trace: evaluation and level 2 are no numbers"));
+  EXPECT_THAT(error_after([](Hdf5Node& t) { t.At("trace").children.erase("level"); }),
+              testing::HasSubstr("expected evaluation [E] and level [E]"));
+}
+
+// Of a version that had all evaluations in its trace, and did not number them.
+TEST_F(RunFileTest, ATraceWithoutNumbersHasAllEvaluations) {
+  Hdf5Node tree = tree_;
+  tree.At("trace").children.erase("evaluation");
+  tree.At("trace").children.erase("level");
+  const auto read = Reread(tree);
+  ASSERT_TRUE(read) << read.error().message;
+  EXPECT_EQ(read->record.evaluations(), line_.record.evaluations());
+  EXPECT_EQ(read->record.recorded(), line_.record.evaluations());
 }
 
 TEST_F(RunFileTest, PredictionsHoldMeasuredAndSimulatedSamples) {
@@ -119,7 +195,7 @@ TEST_F(RunFileTest, ARunningSearchIsUnfinishedAndHasItsTrace) {
   Evaluator evaluator(least_squares, {});
   const auto at_once = Reread(UnfinishedRunTree(least_squares, "lm", 1, kRunProvenance, evaluator));
   ASSERT_TRUE(at_once) << at_once.error().message;
-  EXPECT_TRUE(at_once->trace.empty());
+  EXPECT_TRUE(at_once->record.trace().empty());
   EXPECT_EQ(at_once->values[1].second, 0) << "nothing was evaluated: the start";
 
   double cost = 0;
@@ -128,8 +204,8 @@ TEST_F(RunFileTest, ARunningSearchIsUnfinishedAndHasItsTrace) {
   const auto read = Reread(UnfinishedRunTree(least_squares, "lm", 1, kRunProvenance, evaluator));
   ASSERT_TRUE(read) << read.error().message;
   EXPECT_FALSE(read->finished);
-  ASSERT_EQ(read->trace.size(), 2U);
-  EXPECT_EQ(read->trace[1].x, evaluator.trace()[1].x);
+  ASSERT_EQ(read->record.trace().size(), 2U);
+  EXPECT_EQ(read->record.trace()[1].x, evaluator.trace()[1].x);
   EXPECT_EQ(read->values[0].second, least_squares.Parameters(evaluator.best().x)[0]);
 }
 
@@ -178,7 +254,7 @@ TEST_F(RunFileTest, ARunWithoutAnAnswerHasItsReason) {
   EXPECT_EQ(tree.Find("parameters"), nullptr);
   const auto read = Reread(tree);
   ASSERT_TRUE(read) << read.error().message;
-  EXPECT_EQ(read->trace.size(), none.trace.size());
+  EXPECT_EQ(read->record.trace().size(), none.record.trace().size());
 }
 
 TEST_F(RunFileTest, ParametersThatOtherDataMayLackAreMarked) {
@@ -212,8 +288,8 @@ TEST_F(RunFileTest, NothingFreeCanBeWrittenAndRead) {
   const auto read = Reread(RunTree(problem_, fixed, kRunProvenance).value());
   ASSERT_TRUE(read) << read.error().message;
   EXPECT_TRUE(read->variables.empty());
-  ASSERT_EQ(read->trace.size(), 1U);
-  EXPECT_EQ(read->trace[0].x.size(), 0);
+  ASSERT_EQ(read->record.trace().size(), 1U);
+  EXPECT_EQ(read->record.trace()[0].x.size(), 0);
 }
 
 TEST_F(RunFileTest, AFileThatIsNoRunIsAnError) {

@@ -32,7 +32,7 @@ TEST_F(RunJsonTest, HasTheFieldsOfTheContract) {
   EXPECT_EQ(json["problem"], "line");
   EXPECT_EQ(json["solver"], "restarts");
   EXPECT_EQ(json["stop_reason"], ToString(line_.result.stop.kind));
-  EXPECT_EQ(json["evaluations"], line_.trace.size());
+  EXPECT_EQ(json["evaluations"], line_.record.evaluations());
   EXPECT_EQ(json["cost"], line_.result.cost);
   EXPECT_TRUE(json["seconds"].is_number());
   EXPECT_TRUE(json["warnings"].is_array());

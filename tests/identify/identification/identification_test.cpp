@@ -31,7 +31,7 @@ TEST(Identification, FitsALineWithItsUncertainty) {
   ASSERT_EQ(line.prediction.quality.size(), 2U);
   EXPECT_EQ(line.prediction.values.size(), 3U);
   EXPECT_EQ(line.pooled_fit.size(), line.prediction.pooled.size());
-  EXPECT_FALSE(line.trace.empty());
+  EXPECT_FALSE(line.record.trace().empty());
   EXPECT_THAT(line.warnings, testing::IsEmpty());
 }
 
@@ -54,7 +54,7 @@ TEST(Identification, AnUnfinishedSearchIsAWarning) {
   options.evaluator.budget.max_evaluations = 10;
   const Identification line = toy::IdentifyLine(problem, options);
   EXPECT_EQ(line.result.stop.kind, Termination::kMaxEvaluations);
-  EXPECT_EQ(line.trace.size(), 10U);
+  EXPECT_EQ(line.record.evaluations(), 10);
   ASSERT_FALSE(line.warnings.empty());
   EXPECT_EQ(line.warnings.front().kind, WarningKind::kNotConverged);
   EXPECT_EQ(line.warnings.front().message, line.result.stop.test);
@@ -124,7 +124,8 @@ TEST(Identification, FailedEvaluationsAreAWarningWithTheFirstReason) {
   ASSERT_FALSE(found.warnings.empty());
   const Warning& warning = found.warnings.front();
   EXPECT_EQ(warning.kind, WarningKind::kFailedEvaluations);
-  EXPECT_THAT(warning.numbers, testing::ElementsAre(found.failures, found.trace.size(), found.failures));
+  EXPECT_THAT(warning.numbers,
+              testing::ElementsAre(found.failures, found.record.evaluations(), found.failures));
   EXPECT_THAT(warning.names, testing::ElementsAre(warning.message));
   EXPECT_THAT(warning.message, HasSubstr("the foot slips"));
 }

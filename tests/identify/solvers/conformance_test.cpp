@@ -133,8 +133,8 @@ TEST_P(Conformance, ResumesToTheSameAnswer) {
   const Outcome whole = Solve(fit.least_squares);
   Evaluator::Options options;
   options.budget.max_evaluations = kBudget;
-  options.replay.assign(whole.trace.begin(),
-                        whole.trace.begin() + static_cast<std::ptrdiff_t>(whole.trace.size() / 2));
+  options.replay = SearchRecord::OfAll(
+      {whole.trace.begin(), whole.trace.begin() + static_cast<std::ptrdiff_t>(whole.trace.size() / 2)});
   const Outcome resumed = Solve(fit.least_squares, options);
   EXPECT_EQ(resumed.result.x, whole.result.x);
   EXPECT_EQ(resumed.result.cost, whole.result.cost);

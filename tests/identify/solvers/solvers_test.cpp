@@ -327,7 +327,7 @@ TEST(Resume, RecordedEvaluationsAreNotPredictedAgain) {
   EXPECT_EQ(interrupted.evaluations(), kInterruptedAt);
 
   options.interrupt = nullptr;
-  options.replay = interrupted.trace();
+  options.replay = interrupted.record();
   Evaluator resumed(fit.least_squares, options);
   predictions = 0;
   const SolverResult result = SolveWith("sa", fit.least_squares, resumed);
@@ -350,8 +350,11 @@ TEST(Resume, FinishedLocalSearchesAreNotDoneAgain) {
                      return {};
                    });
   const Fit fit(problem);
-  for (const char* name : {"multistart", "restarts", "basin-hopping"}) {
+  for (const auto& [name, most_entries] :
+       {std::pair("multistart", 0L), std::pair("restarts", 0L), std::pair("basin-hopping", 0L),
+        std::pair("multistart", 16L), std::pair("restarts", 16L), std::pair("basin-hopping", 16L)}) {
     Evaluator::Options options;
+    options.most_entries = most_entries;  // also of a record that does not have all points
     Evaluator whole(fit.least_squares, options);
     predictions = 0;
     const SolverResult expected = SolveWith(name, fit.least_squares, whole);
@@ -368,7 +371,7 @@ TEST(Resume, FinishedLocalSearchesAreNotDoneAgain) {
     ASSERT_LT(interrupted.finished().size(), whole.finished().size()) << name;
 
     options.interrupt = nullptr;
-    options.replay = interrupted.trace();
+    options.replay = interrupted.record();
     options.finished = interrupted.finished();
     Evaluator resumed(fit.least_squares, options);
     predictions = 0;
@@ -380,6 +383,8 @@ TEST(Resume, FinishedLocalSearchesAreNotDoneAgain) {
     EXPECT_EQ(resumed.failures(), whole.failures()) << name;
     EXPECT_EQ(resumed.first_failure(), whole.first_failure()) << name;
     ASSERT_EQ(resumed.evaluations(), whole.evaluations()) << name;
+    ASSERT_EQ(resumed.trace().size(), whole.trace().size()) << name;
+    EXPECT_EQ(whole.record().thinned(), most_entries > 0) << name;
     for (std::size_t i = 0; i < whole.trace().size(); ++i) {
       EXPECT_EQ(resumed.trace()[i].cost, whole.trace()[i].cost) << name;
       EXPECT_EQ(resumed.trace()[i].x, whole.trace()[i].x) << name;
