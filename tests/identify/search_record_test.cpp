@@ -19,7 +19,7 @@ Vector At(double x) {
   return Vector::Constant(2, x);
 }
 
-// Costs that wander downwards, with failures.
+// Costs with a decreasing trend and noise, with failures.
 std::vector<TraceEntry> Search(std::uint64_t seed, long evaluations) {
   Random random(seed);
   std::vector<TraceEntry> entries;

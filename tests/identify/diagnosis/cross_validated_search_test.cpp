@@ -140,6 +140,50 @@ TEST(CrossValidatedSearch, FindsACauseThatImprovesOnlyTogetherWithAnother) {
   EXPECT_EQ(right, kCases);
 }
 
+// The noise of the channel is visible: where two causes leave no more, sets of three are not tried.
+TEST(CrossValidatedSearch, EndsWhereOnlyVisibleNoiseIsLeft) {
+  LinearLaws::Truth truth = Hidden();
+  for (const double slow_error : {0.0, 0.15}) {
+    truth.slow_error = slow_error;
+    const LinearLaws problem(truth, 1, 6, 0, 100);
+    Case one(problem);
+    const auto base = ScoreModel(problem, one.candidates, one.Base(), 0.05, 1);
+    ASSERT_TRUE(base) << base.error().message;
+    ASSERT_TRUE(one.scale.Dominates(base->refit.noise));
+    const auto found = one.search->Run(*base);
+    ASSERT_TRUE(found) << found.error().message;
+    EXPECT_EQ(one.NamesOf(found->released), (std::vector<std::string>{"drift", "offset"}));
+    EXPECT_EQ(found->misfit_left, slow_error > 0);
+    // Entries of no cause, of one and of two.
+    if (slow_error > 0) {
+      EXPECT_GT(found->ladder.size(), 3U);
+    } else {
+      EXPECT_EQ(found->ladder.size(), 3U);
+    }
+  }
+}
+
+// After the search a further cause has to lower the residual's deviation by 2 %, however significant it is.
+TEST(CrossValidatedSearch, NoFurtherCauseForAThousandthOfTheMisfit) {
+  LinearLaws::Truth truth = Hidden();
+  truth.slow_error = 0;
+  // Significant are both: without the rule each is named.
+  for (const double size : {0.0013, 0.004}) {
+    truth.effects = {{"drift_size", 0.3}, {"offset_size", 0.9}, {"quadratic_size", size}};
+    const LinearLaws problem(truth, 1, 6, 2, 100);
+    const auto setup = MakeFitSetup(problem, {});
+    ASSERT_TRUE(setup);
+    const auto d = Diagnose(problem, *setup, {});
+    ASSERT_TRUE(d) << d.error().message;
+    std::vector<std::string> names;
+    for (const Cause& cause : d->causes) names.push_back(cause.effect);
+    std::sort(names.begin(), names.end());
+    std::vector<std::string> expected = {"drift", "offset"};
+    if (size > 0.002) expected.emplace_back("quadratic");
+    EXPECT_EQ(names, expected) << size;
+  }
+}
+
 // An effect that improves the fitted trials a little and the left-out ones not at all is not added.
 TEST(CrossValidatedSearch, AddsNoCauseThatLeftOutTrialsDoNotNeed) {
   LinearLaws::Truth truth = Hidden();
