@@ -163,9 +163,11 @@ class DiagnosisRun {
     SINEW_ASSIGN(state_.selection,
                  Select(problem_, *state_.refitter, state_.candidates, state_.base, options_));
     SINEW_TRY(Continue());
+    SINEW_TRY(RejectUnsupportedTerms());
     if (state_.held_out.exists() && !state_.selection.causes.empty()) {
       SINEW_ASSIGN(out_.withdrawn, RejectUnsupportedCauses(state_));
     }
+    TellImitations();
     SINEW_TRY(AddEquivalentEffects(state_));
     SINEW_TRY(Continue());
     out_.extended_point = state_.selection.model.point;
@@ -179,6 +181,27 @@ class DiagnosisRun {
     SINEW_TRY(MeasureGain(state_.selection.model.noise));
     Conclude();
     return {};
+  }
+
+  // Unknown terms that do not generalise to the held-out trials leave the causes as they were without them.
+  Status RejectUnsupportedTerms() {
+    Selection& selection = state_.selection;
+    if (selection.terms.empty() || !state_.held_out.exists()) return {};
+    SINEW_ASSIGN(const auto with, state_.held_out.Residuals(selection.model.point));
+    SINEW_ASSIGN(const auto without, state_.held_out.Residuals(selection.without_terms->model.point));
+    if (state_.Loss(with, selection.model.noise) < state_.Loss(without, selection.model.noise)) return {};
+    const std::shared_ptr<const Selection> plain = selection.without_terms;
+    selection = *plain;
+    return {};
+  }
+
+  void TellImitations() {
+    constexpr double kNaN = std::numeric_limits<double>::quiet_NaN();
+    for (const int c : state_.selection.imitations) {
+      WithdrawnCause cause{state_.candidate(c).effect, kNaN, kNaN};
+      for (const int term : state_.selection.terms) cause.terms.push_back(state_.candidate(term).effect);
+      out_.withdrawn.push_back(std::move(cause));
+    }
   }
 
   // An interrupted diagnosis is an error: part of it is not a result.

@@ -210,6 +210,9 @@ struct WithdrawnCause {
   double delta_lr = 0;  ///< improvement of the fitted trials; NaN if causes were chosen by cross-validation
   double held_out_loss = 0;  ///< deterioration of the held-out trials, in the same units; else NaN
   std::optional<TraceErrors> worst = {};  ///< the trace that it makes worse most, if it does any
+  /// The unknown terms beside which left-out data do not need it, because it may have been a part of them;
+  /// empty if held-out trials withdrew it.
+  std::vector<std::string> terms = {};
 };
 
 /// A dependence of the residual on one signal: the share of its variance that a smooth curve of the signal
@@ -268,10 +271,10 @@ struct UnknownFinding {
   std::string port;  ///< or the parameter that is not constant, or the channel
   std::string signal;
   std::string signal_unit;
-  std::string unit;      ///< of the port
-  Shape shape = {};      ///< kCurve
-  double frequency = 0;  ///< [Hz] kPeriodic
-  double p_value = 1;
+  std::string unit;               ///< of the port
+  Shape shape = {};               ///< kCurve
+  double frequency = 0;           ///< [Hz] kPeriodic
+  double p_value = 1;             ///< NaN if it was chosen by cross-validation
   double held_out_reduction = 0;  ///< of RMSE on held-out trials
   std::vector<double> knots;
   std::vector<double> curve;      ///< [knots, unit of the port]

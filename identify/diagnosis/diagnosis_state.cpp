@@ -34,8 +34,9 @@ Vector DiagnosisState::SpreadOverSets(const Refit& refit) const {
 
 Refit DiagnosisState::Fit(const std::vector<int>& released, const std::vector<Vector>& starts) const {
   constexpr double kTolerance = 1e-6;
-  return selection.cross_validated ? refitter->FitOrdinary(released, starts, kTolerance)
-                                   : refitter->Fit(released, starts);
+  if (!selection.cross_validated) return refitter->Fit(released, starts);
+  const Refitter& with = selection.refitter ? *selection.refitter : *refitter;
+  return with.FitOrdinary(released, starts, kTolerance);
 }
 
 }  // namespace sinew::diagnosis

@@ -33,6 +33,11 @@ struct DiagnosisState {
   /// dominates the noise, the sum of squares.
   [[nodiscard]] double Loss(const std::vector<Vector>& residuals, const noise::NoiseModel& noise) const;
 
+  /// DevianceDifference of this selection.
+  [[nodiscard]] double Difference(const Refit& refit, const Refit& reference) const {
+    return DevianceDifference(selection.found_by_search, refit, reference);
+  }
+
   /// Covariance of the variables: under the refit's noise (Refitter::Covariance), or, if the misfit dominates
   /// the noise, by the jackknife over trials.
   [[nodiscard]] Result<Matrix> CovarianceOf(const Refit& refit) const;

@@ -306,10 +306,10 @@ class HeldOutValidation {
       if (rival.refit.usable()) refitted.push_back(std::move(rival));
     }
     selection_.rivals = std::move(refitted);
-    const auto best =
-        std::min_element(selection_.rivals.begin(), selection_.rivals.end(),
-                         [](const Rival& a, const Rival& b) { return a.refit.deviance < b.refit.deviance; });
-    if (best != selection_.rivals.end() && best->refit.deviance < selection_.model.deviance &&
+    const auto best = std::min_element(
+        selection_.rivals.begin(), selection_.rivals.end(),
+        [&](const Rival& a, const Rival& b) { return state_.Difference(a.refit, b.refit) < 0; });
+    if (best != selection_.rivals.end() && state_.Difference(best->refit, selection_.model) < 0 &&
         Generalises(best->refit)) {
       for (ChosenCause& chosen : selection_.causes) {
         if (chosen.candidate == best->instead_of) chosen.candidate = best->candidate;
@@ -324,7 +324,7 @@ class HeldOutValidation {
     }
     std::vector<Rival> close;
     for (Rival& rival : selection_.rivals) {
-      rival.delta_lr = rival.refit.deviance - selection_.model.deviance;
+      rival.delta_lr = state_.Difference(rival.refit, selection_.model);
       const bool is_cause = std::any_of(selection_.causes.begin(), selection_.causes.end(),
                                         [&](const ChosenCause& c) { return c.candidate == rival.candidate; });
       const double more = static_cast<double>(state_.candidate(rival.candidate).parameters.size()) -
@@ -349,7 +349,7 @@ class HeldOutValidation {
   void CompareWithTheRest() {
     for (ChosenCause& cause : selection_.causes) {
       const Refit without = Without(cause.candidate);
-      if (without.usable()) cause.delta_lr = without.deviance - selection_.model.deviance;
+      if (without.usable()) cause.delta_lr = state_.Difference(without, selection_.model);
     }
     RemoveWhatLowersTheLikelihood();
   }

@@ -48,7 +48,7 @@ class LevelWeighing {
           best = &refit;
       }
       if (best != nullptr) {
-        one.delta_lr = state_.base.refit.deviance - best->deviance;
+        one.delta_lr = -state_.Difference(*best, state_.base.refit);
         one.parameters = Parameters(best->released);
         one.behind = Penalised(*best) - Penalised(state_.selection.model);
         for (const int c : best->released) one.effects.push_back(state_.candidate(c).effect);
@@ -93,7 +93,7 @@ class LevelWeighing {
     return count;
   }
   [[nodiscard]] double Penalised(const Refit& refit) const {
-    return refit.deviance + kPerParameter * Parameters(refit.released);
+    return state_.Difference(refit, state_.base.refit) + kPerParameter * Parameters(refit.released);
   }
 
   // The refit of one effect that the selection has made; nothing released if it has not.

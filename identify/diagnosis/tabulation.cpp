@@ -19,10 +19,16 @@ double SizeOf(double statistic) {
   return statistic > 0 ? std::sqrt(statistic) / kDetectableLength : 0;
 }
 
-std::vector<int> Findings(const Refit& refit) {
+// Free parameters that are no nuisance, and no weight of an unknown term, which is described as a curve.
+std::vector<int> Findings(const DiagnosisState& state, const Refit& refit) {
   std::vector<int> findings;
   for (const int index : refit.setup->free) {
-    if (refit.setup->parameters[static_cast<std::size_t>(index)].kind != ParameterKind::kNuisance)
+    const bool of_term = std::any_of(refit.released.begin(), refit.released.end(), [&](int c) {
+      const Candidate& candidate = state.candidate(c);
+      const auto& own = candidate.parameters;
+      return !candidate.known && std::find(own.begin(), own.end(), index) != own.end();
+    });
+    if (!of_term && refit.setup->parameters[static_cast<std::size_t>(index)].kind != ParameterKind::kNuisance)
       findings.push_back(index);
   }
   return findings;
@@ -36,9 +42,10 @@ class Tables {
   Status Fill() {
     const Refit& model = state_.selection.model;
     SINEW_ASSIGN(const Matrix base_covariance, state_.CovarianceOf(state_.base.refit));
-    out_.base_parameters = ValuesOf(state_, state_.base.refit, base_covariance, Findings(state_.base.refit));
+    out_.base_parameters =
+        ValuesOf(state_, state_.base.refit, base_covariance, Findings(state_, state_.base.refit));
     SINEW_ASSIGN(const Matrix covariance, CovarianceOverSets(model));
-    out_.extended_parameters = ValuesOf(state_, model, covariance, Findings(model));
+    out_.extended_parameters = ValuesOf(state_, model, covariance, Findings(state_, model));
     for (const ChosenCause& chosen : state_.selection.causes) AddCause(chosen, covariance);
     for (const Rival& rival : state_.selection.rivals) SINEW_TRY(AddAlternative(rival));
     AddScores();

@@ -156,7 +156,8 @@ Json FromWithdrawn(const WithdrawnCause& w) {
           {"reason", text::ReasonText(w)},
           {"delta_lr", Finite(w.delta_lr)},
           {"held_out_loss", Finite(w.held_out_loss)},
-          {"worst", worst}};
+          {"worst", worst},
+          {"terms", w.terms}};
 }
 
 Json FromLevel(const LevelEvidence& l) {

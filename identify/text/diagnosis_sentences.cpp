@@ -165,9 +165,10 @@ Sentence AlternativeSentence(const Cause& cause, const Alternative& other) {
   return sentence;
 }
 
-// Each explains what is left on its own: all but the first are alternatives.
-Sentence UnknownSentence(const UnknownFinding& unknown, bool alternative) {
-  std::string text = alternative ? "Or instead: " : "Not in the library: ";
+// Each explains what is left on its own, all but the first are alternatives; those that cross-validation has
+// chosen explain it together.
+Sentence UnknownSentence(const UnknownFinding& unknown, bool first, bool together) {
+  std::string text = first ? "Not in the library: " : together ? "Nor is this: " : "Or instead: ";
   const std::string law = LawText(unknown);
   switch (unknown.kind) {
     case UnknownKind::kDrift:
@@ -310,7 +311,7 @@ std::vector<Sentence> Sentences(const Diagnosis& d) {
     }
   }
   for (std::size_t i = 0; i < d.unknown_terms.size(); ++i)
-    sentences.push_back(UnknownSentence(d.unknown_terms[i], i > 0));
+    sentences.push_back(UnknownSentence(d.unknown_terms[i], i == 0, !d.left_out.empty()));
   AddChanges(d, sentences);
   if (!d.has_held_out) {
     sentences.push_back({SentenceKind::kNoHeldOutTrial,

@@ -15,6 +15,11 @@ std::string DescriptionOf(const Cause& cause) {
 }
 
 std::string ReasonText(const WithdrawnCause& cause) {
+  if (!cause.terms.empty()) {
+    return fmt::format(
+        "it may be a part of the unknown {}: beside that, data left out of the fit do not need it",
+        Join(cause.terms, " and "));
+  }
   std::string text = "it does not generalise to the held-out trials";
   if (std::isfinite(cause.delta_lr)) {
     text += fmt::format(" (delta LR {:.0f} in the fitted trials, {:.0f} in those)", cause.delta_lr,

@@ -38,6 +38,7 @@ class DiscoveryStep {
     }
     SINEW_ASSIGN(const ScoredModel scored, ScoreModel(state_.problem, state_.candidates, selection.model,
                                                       state_.options.alarm_level, state_.options.seed));
+    for (const int c : selection.terms) Describe(c);
     if (selection.line_left && scored.line) AddLine(scored);
     for (std::size_t i = 0; i < std::min(selection.unknown.size(), kMaxUnknown); ++i) {
       const int c = selection.unknown[i];
@@ -59,11 +60,49 @@ class DiscoveryStep {
     const bool large = score == nullptr || score->statistic > kLarge;
     const bool added = large ? RefitCurve(c, scored, finding) : AddToFirstOrder(c, scored.noise, finding);
     if (!added) return;
-    std::vector<double> sure;
-    for (const double deviation : finding.deviation)
-      sure.push_back(deviation > 0 ? 1 / (deviation * deviation) : 0);
-    finding.shape = FindShape(finding.knots, finding.curve, sure);
+    finding.shape = FindShape(finding.knots, finding.curve, Weights(finding.deviation));
     out_.unknown_terms.push_back(std::move(finding));
+  }
+
+  // A curve that the selected model contains. Its errors are those of the jackknife over what was left out.
+  void Describe(int c) {
+    const Refit& model = state_.selection.model;
+    UnknownFinding finding = NameCurve(c);
+    finding.p_value = kNaN;
+    Matrix covariance = CurveCovariance(c, model, finding);
+    if (auto jackknife = state_.CovarianceOf(model)) covariance = std::move(*jackknife);
+    FillCurve(ValuesOf(state_, model, covariance, state_.candidate(c).parameters), finding);
+    if (before_) finding.held_out_reduction = ReductionBy(c);
+    finding.shape = FindShape(finding.knots, finding.curve, Weights(finding.deviation));
+    out_.unknown_terms.push_back(std::move(finding));
+  }
+
+  static void FillCurve(const std::vector<DiagnosedParameter>& values, UnknownFinding& finding) {
+    for (const DiagnosedParameter& value : values) {
+      finding.curve.push_back(value.value);
+      finding.deviation.push_back(std::isfinite(value.std_error) ? value.std_error : kNaN);
+    }
+  }
+
+  static std::vector<double> Weights(const std::vector<double>& deviations) {
+    std::vector<double> sure;
+    for (const double deviation : deviations) sure.push_back(deviation > 0 ? 1 / (deviation * deviation) : 0);
+    return sure;
+  }
+
+  // Of the error of held-out trials, by a term of the selected model; 0 if the model without it fails.
+  [[nodiscard]] double ReductionBy(int c) const {
+    const Refit& model = state_.selection.model;
+    std::vector<int> rest;
+    for (const int other : model.released) {
+      if (other != c) rest.push_back(other);
+    }
+    Vector start = model.point;
+    for (const int index : state_.candidate(c).parameters) start[index] = state_.base.refit.point[index];
+    const Refit without = state_.Fit(rest, {start});
+    if (!without.usable()) return 0;
+    const auto before = state_.held_out.Residuals(without.point);
+    return before ? Reduction(*before, *before_) : 0;
   }
 
   [[nodiscard]] UnknownFinding NameCurve(int c) const {
@@ -89,10 +128,7 @@ class DiscoveryStep {
     const Refit refit = state_.Fit(released, RefitStarts(scored, state_.candidates, c));
     if (!refit.usable()) return false;
     const Matrix covariance = CurveCovariance(c, refit, finding);
-    for (const auto& value : ValuesOf(state_, refit, covariance, state_.candidate(c).parameters)) {
-      finding.curve.push_back(value.value);
-      finding.deviation.push_back(std::isfinite(value.std_error) ? value.std_error : kNaN);
-    }
+    FillCurve(ValuesOf(state_, refit, covariance, state_.candidate(c).parameters), finding);
     if (before_) {
       const auto after = state_.held_out.Residuals(refit.point);
       if (!after || state_.Loss(*before_, refit.noise) <= state_.Loss(*after, refit.noise)) return false;
@@ -237,7 +273,7 @@ class DiscoveryStep {
 
   DiagnosisState& state_;
   Diagnosis& out_;
-  std::optional<std::vector<Vector>> before_;  // held-out residuals without any discrepancy term
+  std::optional<std::vector<Vector>> before_;  // held-out residuals of the selected model
   bool extended_ = false;                      // the extended model contains one already
 };
 

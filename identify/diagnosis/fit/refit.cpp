@@ -89,6 +89,11 @@ bool AreAlike(const noise::NoiseModel& a, const noise::NoiseModel& b) {
 
 }  // namespace
 
+double IndependentDifference(const Refit& refit, const Refit& reference) {
+  const double least = std::numeric_limits<double>::min();
+  return reference.rows * std::log(std::max(refit.cost, least) / std::max(reference.cost, least));
+}
+
 std::vector<std::vector<int>> TrainStretches(const LeastSquares& fit) {
   std::vector<std::vector<int>> stretches;
   for (const auto& train : fit.train_blocks())

@@ -36,6 +36,10 @@ struct Refit {
   [[nodiscard]] int parameters() const { return static_cast<int>(setup->free.size()); }
 };
 
+/// Deviance of a refit less that of another one of the same data, both under independent errors of one level:
+/// rows log(cost / cost of the reference).
+[[nodiscard]] double IndependentDifference(const Refit& refit, const Refit& reference);
+
 /// Fits models with any set of candidates released, by the same procedure, so that they can be compared.
 class Refitter {
  public:

@@ -23,6 +23,12 @@ double LogOf(double error) {
   return std::log(std::max(error, std::numeric_limits<double>::min()));
 }
 
+// Whether a cause is kept. @param share error with it over that without it @param gained share of the folds
+// in which the error is smaller with it
+bool Suffices(double share, double gained) {
+  return share <= kLikely || (share <= kLeastGain && gained >= kLeastGainedFolds);
+}
+
 class Choice {
  public:
   explicit Choice(const std::vector<JudgedSet>& sets) : sets_(sets) {
@@ -68,10 +74,8 @@ class Choice {
     for (;;) {
       const std::size_t least = LeastWithoutOne(chosen);
       if (least == sets_.size()) return chosen;
-      const double share = std::exp(means_[chosen] - means_[least]);
-      const bool needed = share <= kLikely ||
-                          (share <= kLeastGain && GainedFolds(chosen, least, weights) >= kLeastGainedFolds);
-      if (needed) return chosen;
+      if (Suffices(std::exp(means_[chosen] - means_[least]), GainedFolds(chosen, least, weights)))
+        return chosen;
       chosen = least;
     }
   }
@@ -109,6 +113,13 @@ double GeometricMean(const std::vector<double>& errors) {
   double sum = 0;
   for (const double error : errors) sum += LogOf(error);
   return std::exp(sum / static_cast<double>(errors.size()));
+}
+
+bool IsNeeded(const std::vector<double>& with, const std::vector<double>& without) {
+  if (with.empty() || with.size() != without.size()) return false;
+  double gained = 0;
+  for (std::size_t f = 0; f < with.size(); ++f) gained += with[f] < without[f] ? 1 : 0;
+  return Suffices(GeometricMean(with) / GeometricMean(without), gained / static_cast<double>(with.size()));
 }
 
 std::size_t ChooseSet(const std::vector<JudgedSet>& sets) {

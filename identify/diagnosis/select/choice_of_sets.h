@@ -20,6 +20,10 @@ struct JudgedSet {
   int rarity = 0;                   ///< sum over the causes of how rare they are in practice; 0: common
 };
 
+/// Whether left-out data need what one set has beyond another one: by rule 3 of ChooseSet.
+/// @param with, without [folds] errors of left-out data; false if one is empty
+[[nodiscard]] bool IsNeeded(const std::vector<double>& with, const std::vector<double>& without);
+
 /// Index of the set that is chosen:
 /// 1. the smallest of those whose error is at most 1.25 times the least one;
 /// 2. among sets of that size within 5 % of the least error of that size: the one with the fewest base

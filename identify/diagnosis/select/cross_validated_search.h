@@ -5,20 +5,22 @@
 // another one is included. The error of a set is the geometric mean of the errors of the folds, so that no
 // single fold decides; the answer is the smallest set whose error is near the least one.
 //
-// The search makes hundreds of fits, so that only some of many trials and samples are used in it; the set
-// that is found is then fitted to all.
+// The search makes hundreds of fits (SetFitter); the set that is found is then fitted to all data.
 #pragma once
 
+#include <memory>
+#include <optional>
 #include <set>
 #include <utility>
 #include <vector>
 
 #include "identify/diagnosis/diagnosis.h"
-#include "identify/diagnosis/fit/folds.h"
 #include "identify/diagnosis/fit/refit.h"
 #include "identify/diagnosis/score/scored_model.h"
 #include "identify/diagnosis/select/choice_of_sets.h"
 #include "identify/diagnosis/select/misfit_scale.h"
+#include "identify/diagnosis/select/set_fitter.h"
+#include "identify/diagnosis/select/unknown_terms.h"
 
 namespace sinew::diagnosis {
 
@@ -32,20 +34,8 @@ class CrossValidatedSearch {
                        const DiagnosisOptions& options);
 
   /// True if there are data that can be left out in turn.
-  [[nodiscard]] bool possible() const { return folds_.size() > 1; }
-  /// The problem with the training data of the search: all trials, or twenty of them, spaced evenly in the
-  /// order of their names; of many samples every second, third, ...
-  [[nodiscard]] const Problem& searched() const { return searched_; }
-  /// What is left out in turn.
-  [[nodiscard]] const std::vector<Fold>& folds() const { return folds_; }
-
-  /// Root mean square of the weighted residuals of each fold, left out of the fit; empty if a fit failed.
-  /// @param start [P] from which every fit starts
-  /// @param tolerance relative, of the cost
-  [[nodiscard]] std::vector<double> LeftOutErrors(const Set& released, const Vector& start,
-                                                  double tolerance) const;
-  /// Their geometric mean; infinite if a fit failed.
-  [[nodiscard]] double LeftOutError(const Set& released, const Vector& start) const;
+  [[nodiscard]] bool possible() const { return fitter_.folds().size() > 1; }
+  [[nodiscard]] const SetFitter& fitter() const { return fitter_; }
 
   /// The smallest error of left-out data with a number of causes.
   struct Step {
@@ -66,7 +56,7 @@ class CrossValidatedSearch {
     double share = 0;
   };
   struct Outcome {
-    Set released;
+    Set released;              ///< the causes
     Refit model;               ///< ordinary least squares
     bool misfit_left = false;  ///< MisfitScale::Resembles is false with the chosen causes
     double base_error = 0;     ///< of left-out data by the base model
@@ -79,6 +69,11 @@ class CrossValidatedSearch {
     std::vector<Resampled> resampled;
     std::vector<std::pair<int, double>> chosen_shares;  ///< ... and each candidate's share
     std::vector<Substitute> substitutes;                ///< best first
+    /// Unknown terms that are needed beside the causes. `released`, `model`, `error`, the shares and the
+    /// substitutes are then those with the terms.
+    std::optional<BesideUnknown> beside;
+    std::shared_ptr<const Refitter> refitter;  ///< of models with terms, if there are any
+    std::shared_ptr<const Outcome> plain;      ///< the outcome without the terms, if there are any
   };
   /// Searches for the smallest set that predicts left-out data nearly as well as the best one, starting from
   /// the base model; ends early if what one cause leaves may be noise (MisfitScale::Resembles), and if what a
@@ -88,49 +83,37 @@ class CrossValidatedSearch {
   [[nodiscard]] Result<Outcome> Run(const ScoredModel& base);
 
  private:
-  struct Trial {
-    Set released;
-    Vector point;  ///< [P]
-    double fitted_error = 0;
-    double left_out_error = 0;
-    std::vector<double> fold_errors;
-  };
-  [[nodiscard]] std::vector<int> Promising(const ScoredModel& scored, const Set& have) const;
-  void AddDraws(int candidate, int draws, const Vector& point, std::vector<Vector>& starts) const;
-  void Grow(const Trial& from, const ScoredModel& scored, std::vector<Trial>& made);
-  void FitAll(std::vector<Trial>& trials, const std::vector<std::vector<Vector>>& starts, double tolerance,
-              std::size_t continued) const;
-  void Polish(std::vector<Trial>& sets) const;
-  void LeaveOut(std::vector<Trial>& sets, double tolerance) const;
-  void Shorten(std::vector<Trial>& made) const;
-  [[nodiscard]] bool LeavesOnlyNoise(const Trial& one) const;
-  void EndWith(std::vector<Trial> made);
-  [[nodiscard]] std::vector<Trial> OneLess(const Trial& of) const;
   using Shares = std::vector<std::pair<int, double>>;
-  [[nodiscard]] Trial Polished(Trial one) const;
-  void Consider(std::vector<Trial> made);
+  [[nodiscard]] Result<std::vector<FittedSet>> GrownFrom(const std::vector<FittedSet>& beam,
+                                                         const ScoredModel& base);
+  void Grow(const FittedSet& from, const ScoredModel& scored, std::vector<FittedSet>& made);
+  void Shorten(std::vector<FittedSet>& made) const;
+  void Polish(std::vector<FittedSet>& sets) const;
+  [[nodiscard]] std::optional<FittedSet> Shrunk(FittedSet from);
+  void Consider(std::vector<FittedSet> made);
+  void EndWith(std::vector<FittedSet> made);
+  [[nodiscard]] bool LeavesOnlyNoise(const FittedSet& one) const;
+  [[nodiscard]] bool LeavesMisfit(const FittedSet& one) const;
   [[nodiscard]] std::vector<JudgedSet> Judged() const;
-  [[nodiscard]] Result<std::vector<Trial>> OneMore(const Trial& of) const;
-  [[nodiscard]] Result<Trial> Choose(Shares& shares);
+  [[nodiscard]] FittedSet Polished(FittedSet one) const;
+  [[nodiscard]] Result<std::vector<FittedSet>> OneMore(const FittedSet& of) const;
+  [[nodiscard]] Result<std::vector<FittedSet>> Exchanged(const FittedSet& of,
+                                                         const std::vector<FittedSet>& smaller) const;
+  [[nodiscard]] Result<FittedSet> Choose(Shares& shares);
   void Resample(Outcome& outcome) const;
-  [[nodiscard]] Result<std::vector<Substitute>> FindSubstitutes(const Trial& of) const;
+  [[nodiscard]] std::vector<Substitute> Substitutes(const FittedSet& of) const;
   [[nodiscard]] Result<Outcome> Conclude();
-  [[nodiscard]] double Rows() const;
-  [[nodiscard]] bool Interrupted() const {
-    return options_.interrupt != nullptr && options_.interrupt->load();
-  }
+  Status AddUnknownTerms(const FittedSet& best, Outcome& outcome) const;
+  void Tell(const FittedSet& best) const;
 
   const Problem& problem_;
   const Refitter& refitter_;
   const std::vector<Candidate>& candidates_;
   const MisfitScale& scale_;
   const DiagnosisOptions& options_;
-  EditedView searched_;
-  Refitter searched_refitter_;
-  std::vector<Fold> folds_;
-  int draws_ = 0;  // random starts per set
-  std::set<Set> seen_;
-  std::vector<Trial> judged_;  // every set whose error of left-out data is known
+  SetFitter fitter_;
+  std::set<Set> seen_;             // made by Grow
+  std::vector<FittedSet> judged_;  // every set whose error of left-out data is known
 };
 
 }  // namespace sinew::diagnosis

@@ -9,8 +9,8 @@ namespace sinew::diagnosis {
 void TakeOver(const CrossValidatedSearch& search, CrossValidatedSearch::Outcome found,
               const std::vector<Candidate>& candidates, const ScoredModel& base, Selection& selection) {
   constexpr double kNaN = std::numeric_limits<double>::quiet_NaN();
-  selection.left_out = search.folds();
-  selection.searched = TrainingTrials(search.searched()).size();
+  selection.left_out = search.fitter().folds();
+  selection.searched = TrainingTrials(search.fitter().searched()).size();
   selection.ladder.clear();
   for (const CrossValidatedSearch::Step& step : found.ladder) {
     LadderStep told{{}, step.error / found.base_error};
@@ -38,6 +38,15 @@ void TakeOver(const CrossValidatedSearch& search, CrossValidatedSearch::Outcome 
         {other.candidate, other.cause, std::move(other.refit), kNaN, correlation, other.error});
   }
   selection.model = std::move(found.model);
+  if (!found.beside) return;
+  selection.terms = found.beside->terms;
+  selection.imitations = found.beside->imitations;
+  Selection plain = selection;
+  plain.terms.clear();
+  plain.imitations.clear();
+  TakeOver(search, *found.plain, candidates, base, plain);
+  selection.refitter = found.refitter;
+  selection.without_terms = std::make_shared<Selection>(std::move(plain));
 }
 
 }  // namespace sinew::diagnosis

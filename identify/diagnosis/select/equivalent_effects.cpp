@@ -207,7 +207,7 @@ std::optional<Rival> Judged(const DiagnosisState& state, int cause, const Exchan
   Rival rival{substitute.candidate, cause, state.Fit(released, substitute.starts), 0, substitute.correlation};
   if (!rival.refit.usable()) return {};
   if (!state.selection.cross_validated) {
-    rival.delta_lr = rival.refit.deviance - model.deviance;
+    rival.delta_lr = state.Difference(rival.refit, model);
     const double more = PriceOf(state, substitute.candidate) - PriceOf(state, cause);
     if (rival.delta_lr + more > SetWidth(model)) return {};
     return rival;

@@ -65,6 +65,7 @@ class Selector {
       SINEW_TRY(SearchByCrossValidation(selection, chosen));
       if (selection.cross_validated) return selection;
       found_by_search_ = !chosen.empty();
+      selection.found_by_search = found_by_search_;
       if (found_by_search_) {
         selection.alarm = true;
         selection.family_p_value = std::min(selection.family_p_value, options_.alarm_level);
@@ -129,7 +130,7 @@ class Selector {
       Fit({{chosen, {found.model.point}}});
       if (!cache_.at(chosen).usable()) chosen.clear();
     }
-    if (found.released.empty() || !found.misfit_left) return {};
+    if (!found.misfit_left || (found.released.empty() && !found.beside)) return {};
     selection.alarm = true;
     selection.cross_validated = true;
     selection.family_p_value = std::min(selection.family_p_value, options_.alarm_level);
@@ -155,13 +156,22 @@ class Selector {
       parameters += static_cast<double>(candidates_[static_cast<std::size_t>(c)].parameters.size());
     return kPerParameter * parameters;
   }
-  [[nodiscard]] double Penalised(const Refit& refit) const { return refit.deviance + Price(refit.released); }
+  [[nodiscard]] double Difference(const Refit& refit, const Refit& reference) const {
+    return DevianceDifference(found_by_search_, refit, reference);
+  }
+  // Penalised deviance less that of the reference.
+  [[nodiscard]] double Penalised(const Refit& refit, const Refit& reference) const {
+    return Difference(refit, reference) + Price(refit.released) - Price(reference.released);
+  }
   // Of models that data do not distinguish, the one whose causes are more common in practice.
-  [[nodiscard]] double PenalisedByOccurrence(const Refit& refit) const {
+  [[nodiscard]] double PenalisedByOccurrence(const Refit& refit, const Refit& reference) const {
+    return Penalised(refit, reference) + kByOccurrence * (Rarity(refit) - Rarity(reference));
+  }
+  [[nodiscard]] double Rarity(const Refit& refit) const {
     double rarity = 0;
     for (const int c : refit.released)
       rarity += static_cast<double>(candidates_[static_cast<std::size_t>(c)].occurrence);
-    return Penalised(refit) + kByOccurrence * rarity;
+    return rarity;
   }
 
   static Set With(Set set, int c) {
@@ -195,7 +205,7 @@ class Selector {
     for (const int c : released) {
       const auto part = cache_.find(Without(released, c));
       if (part == cache_.end() || !part->second.usable()) continue;
-      if (refit.usable() && refit.deviance <= part->second.deviance + kAboveItsPart) continue;
+      if (refit.usable() && Difference(refit, part->second) <= kAboveItsPart) continue;
       const Candidate& candidate = candidates_[static_cast<std::size_t>(c)];
       Vector from = part->second.point;
       for (const auto& [index, value] : candidate.probes.front().at) from[index] = start[index];
@@ -210,8 +220,8 @@ class Selector {
     }
   }
 
-  static void Replace(Refit by, Refit& refit) {
-    if (by.usable() && (!refit.usable() || by.deviance < refit.deviance)) refit = std::move(by);
+  void Replace(Refit by, Refit& refit) const {
+    if (by.usable() && (!refit.usable() || Difference(by, refit) < 0)) refit = std::move(by);
   }
 
   // Whether the refit with one more candidate contradicts the linear model from which it was chosen.
@@ -274,7 +284,7 @@ class Selector {
     const Refit* best = nullptr;
     for (const auto& [released, starts] : wanted) {
       const Refit& refit = cache_.at(released);
-      if (refit.usable() && (best == nullptr || Penalised(refit) < Penalised(*best))) best = &refit;
+      if (refit.usable() && (best == nullptr || Penalised(refit, *best) < 0)) best = &refit;
     }
     return best;
   }
@@ -299,7 +309,8 @@ class Selector {
       if (IsSimplerDouble(released, *best)) best = &cache_.at(released);
     }
     const double gained = cache_.at(chosen).deviance - best->deviance;
-    if (found_by_search_ && gained < kLeastGainPerSample * Samples()) return Set();
+    if (found_by_search_ && -Difference(*best, cache_.at(chosen)) < kLeastGainPerSample * Samples())
+      return Set();
     Set more;
     const std::size_t extra = best->released.size() - chosen.size();
     for (const int c : best->released) {
@@ -309,7 +320,7 @@ class Selector {
     const double level = chosen.empty() ? options_.alarm_level : kFurtherLevel;
     const bool by_score = scored.family.p_value <= level && BestIsKnown(scored);
     if (!by_score && RefitPValue(gained, more) > level) return Set();
-    if (Penalised(cache_.at(chosen)) <= Penalised(*best)) return Set();
+    if (Penalised(*best, cache_.at(chosen)) >= 0) return Set();
     return best->released;
   }
 
@@ -319,7 +330,7 @@ class Selector {
     const Refit& refit = cache_.at(released);
     if (!refit.usable() || released.size() != best.released.size() || Price(released) >= Price(best.released))
       return false;
-    if (refit.deviance - best.deviance > kParsimony) return false;
+    if (Difference(refit, best) > kParsimony) return false;
     Set own;
     Set other;
     std::set_difference(released.begin(), released.end(), best.released.begin(), best.released.end(),
@@ -369,7 +380,7 @@ class Selector {
       parameters += static_cast<double>(candidates_[static_cast<std::size_t>(c)].parameters.size());
     }
     const double linear = JointStatistic(base_.whitened, known);
-    const double refitted = cache_.at({}).deviance - cache_.at(chosen).deviance;
+    const double refitted = -Difference(cache_.at(chosen), cache_.at({}));
     const double explained = std::max(linear, refitted) - kPerParameter * parameters;
     const double neglected = kCurvature * std::pow(std::max(linear, 0.0), 1.5);
     for (const Score& score : base_.whitened.scores) {
@@ -401,7 +412,7 @@ class Selector {
       const Set* best = nullptr;
       for (const auto& [released, starts] : wanted) {
         if (cache_.at(released).usable() &&
-            (best == nullptr || Penalised(cache_.at(released)) < Penalised(cache_.at(*best))))
+            (best == nullptr || Penalised(cache_.at(released), cache_.at(*best)) < 0))
           best = &released;
       }
       if (best == nullptr) return;
@@ -409,6 +420,9 @@ class Selector {
       for (const int c : chosen) {
         if (std::find(best->begin(), best->end(), c) == best->end()) gone.push_back(c);
       }
+      if (found_by_search_ &&
+          Difference(cache_.at(*best), cache_.at(chosen)) >= kLeastGainPerSample * Samples())
+        return;
       const double lost = cache_.at(*best).deviance - cache_.at(chosen).deviance;
       if (RefitPValue(lost, gone) <= options_.alarm_level) return;
       chosen = *best;
@@ -423,7 +437,7 @@ class Selector {
       ChosenCause cause;
       cause.candidate = c;
       if (without != cache_.end() && without->second.usable())
-        cause.delta_lr = without->second.deviance - model.deviance;
+        cause.delta_lr = Difference(without->second, model);
       cause.p_value = RefitPValue(cause.delta_lr, {c});
       if (chosen.size() == 1) {
         for (std::size_t i = 0; i < base_.whitened.scores.size(); ++i) {
@@ -487,8 +501,8 @@ class Selector {
   [[nodiscard]] Set BetterRival(const Set& chosen, const Selection& selection) const {
     const Refit* best = &cache_.at(chosen);
     for (const Rival& rival : selection.rivals) {
-      if (PenalisedByOccurrence(rival.refit) < PenalisedByOccurrence(*best) &&
-          !IsSimplerDouble(chosen, rival.refit) && !EndsAtABound(rival.refit, rival.candidate))
+      if (PenalisedByOccurrence(rival.refit, *best) < 0 && !IsSimplerDouble(chosen, rival.refit) &&
+          !EndsAtABound(rival.refit, rival.candidate))
         best = &rival.refit;
     }
     return best->released == chosen ? Set() : best->released;
@@ -506,23 +520,23 @@ class Selector {
   void AddRival(const Set& chosen, int cause, const Set& released, Selection& selection) const {
     const Refit& refit = cache_.at(released);
     const Refit& model = cache_.at(chosen);
-    if (!refit.usable() || Penalised(refit) - Penalised(model) > SetWidth(model)) return;
+    if (!refit.usable() || Penalised(refit, model) > SetWidth(model)) return;
     for (const int c : released) {
       if (std::find(chosen.begin(), chosen.end(), c) == chosen.end())
-        selection.rivals.push_back({c, cause, refit, refit.deviance - model.deviance, Correlation(c, cause)});
+        selection.rivals.push_back({c, cause, refit, Difference(refit, model), Correlation(c, cause)});
     }
   }
 
   void AddRivalPair(const Set& chosen, const Set& released, Selection& selection) const {
     const Refit& refit = cache_.at(released);
     const Refit& model = cache_.at(chosen);
-    if (!refit.usable() || Penalised(refit) - Penalised(model) > SetWidth(model)) return;
+    if (!refit.usable() || Penalised(refit, model) > SetWidth(model)) return;
     for (const int c : released) {
       const bool known = std::any_of(selection.rivals.begin(), selection.rivals.end(),
                                      [&](const Rival& rival) { return rival.candidate == c; });
       if (known) continue;
       const int like = Correlation(c, chosen[0]) >= Correlation(c, chosen[1]) ? chosen[0] : chosen[1];
-      selection.rivals.push_back({c, like, refit, refit.deviance - model.deviance, Correlation(c, like)});
+      selection.rivals.push_back({c, like, refit, Difference(refit, model), Correlation(c, like)});
     }
   }
 
@@ -578,6 +592,10 @@ class Selector {
 };
 
 }  // namespace
+
+double DevianceDifference(bool found_by_search, const Refit& refit, const Refit& reference) {
+  return found_by_search ? IndependentDifference(refit, reference) : refit.deviance - reference.deviance;
+}
 
 double SetWidth(const Refit& model) {
   return model.noise.IsColoured() ? kSetWidthColoured : kSetWidth;

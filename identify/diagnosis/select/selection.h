@@ -11,6 +11,7 @@
 #include "identify/diagnosis/fit/folds.h"
 #include "identify/diagnosis/score/scored_model.h"
 #include "identify/diagnosis/select/free_terms.h"
+#include "identify/diagnosis/select/unknown_terms.h"
 
 namespace sinew::diagnosis {
 
@@ -57,6 +58,9 @@ struct Selection {
   /// The misfit dominates the noise, also with the causes: these were chosen by cross-validation over trials,
   /// not by likelihood.
   bool cross_validated = false;
+  /// Several causes, by cross-validation, that leave no more than noise: the steps by likelihood went on from
+  /// them.
+  bool found_by_search = false;
   std::vector<Fold> left_out;                         ///< in turn, if cross_validated
   std::vector<LadderStep> ladder;                     ///< if cross_validated
   std::vector<ResampledSet> resampled;                ///< if cross_validated, with a share > 0 ...
@@ -75,7 +79,16 @@ struct Selection {
   std::vector<int>
       unknown;  ///< discrepancy terms that are significant in the remaining residual, most significant first
   std::vector<double> unknown_p_value;
+  /// Unknown terms that cross-validation has chosen: `model` and the rivals contain them ...
+  std::vector<int> terms;
+  std::vector<int> imitations;                     ///< ... causes that are not needed beside them ...
+  std::shared_ptr<const Selection> without_terms;  ///< ... the selection without them ...
+  std::shared_ptr<const Refitter> refitter;        ///< ... and what fits models with them
 };
+
+/// Deviance of a refit less that of another one. Where a search found the causes, a smaller set leaves a
+/// misfit that its noise model may absorb: both then count as having independent errors.
+[[nodiscard]] double DevianceDifference(bool found_by_search, const Refit& refit, const Refit& reference);
 
 /// Selects the causes: the smallest set of known candidates that explains the error of the base model.
 ///

@@ -61,13 +61,13 @@ TEST(CrossValidatedSearch, OfManyTrialsTwentyAreSearched) {
   const LinearLaws many({}, 1, 50, 1);
   const Case of_many(many);
   const std::vector<std::string> all = TrainingTrials(many);
-  const std::vector<std::string> some = TrainingTrials(of_many.search->searched());
+  const std::vector<std::string> some = TrainingTrials(of_many.search->fitter().searched());
   ASSERT_EQ(some.size(), 20U);
   EXPECT_EQ(some.front(), all.front());
   EXPECT_EQ(some[10], all[25]) << "evenly";
-  for (const Fold& fold : of_many.search->folds()) EXPECT_EQ(fold.trials.size(), 2U);
+  for (const Fold& fold : of_many.search->fitter().folds()) EXPECT_EQ(fold.trials.size(), 2U);
   const LinearLaws few({}, 1, 20, 1);
-  EXPECT_EQ(TrainingTrials(Case(few).search->searched()), TrainingTrials(few));
+  EXPECT_EQ(TrainingTrials(Case(few).search->fitter().searched()), TrainingTrials(few));
 }
 
 // By normal equations on the other trials.
@@ -97,7 +97,7 @@ TEST(CrossValidatedSearch, LeftOutErrorMatchesAHandCalculation) {
   }
   const double by_hand = std::exp(logarithms / 6);
   // The fits end within 1e-4 of the least cost, steps of a linear problem much nearer.
-  EXPECT_NEAR(one.search->LeftOutError({}, one.setup.rest), by_hand, 1e-4 * by_hand);
+  EXPECT_NEAR(one.search->fitter().LeftOutError({}, one.setup.rest), by_hand, 1e-4 * by_hand);
 }
 
 TEST(CrossValidatedSearch, NuisanceOfLeftOutTrialsIsFitted) {
@@ -107,7 +107,8 @@ TEST(CrossValidatedSearch, NuisanceOfLeftOutTrialsIsFitted) {
   const Case one(problem);
   // Decaying initial values are fitted in left-out trials too: the noise remains, less one value per trial;
   // three standard deviations of a root mean square of 1000.
-  EXPECT_NEAR(one.search->LeftOutError({}, one.setup.rest), truth.noise, 3 * truth.noise / std::sqrt(2000.0));
+  EXPECT_NEAR(one.search->fitter().LeftOutError({}, one.setup.rest), truth.noise,
+              3 * truth.noise / std::sqrt(2000.0));
 }
 
 TEST(CrossValidatedSearch, FindsACauseThatImprovesOnlyTogetherWithAnother) {
@@ -125,10 +126,13 @@ TEST(CrossValidatedSearch, FindsACauseThatImprovesOnlyTogetherWithAnother) {
     right += one.NamesOf(found->released) == std::vector<std::string>{"drift", "offset"} ? 1 : 0;
     // The second effect improves nothing alone, but does together with the first.
     EXPECT_LT(found->error, 0.6 * found->base_error) << seed;
-    EXPECT_GT(one.search->LeftOutError(one.SetOf({"offset"}), base->refit.point), 0.97 * found->base_error)
+    EXPECT_GT(one.search->fitter().LeftOutError(one.SetOf({"offset"}), base->refit.point),
+              0.97 * found->base_error)
         << seed;
-    EXPECT_GT(one.search->LeftOutError(one.SetOf({"drift"}), base->refit.point), found->error / 0.97) << seed;
-    EXPECT_NEAR(found->base_error, one.search->LeftOutError({}, base->refit.point), 1e-4 * found->base_error);
+    EXPECT_GT(one.search->fitter().LeftOutError(one.SetOf({"drift"}), base->refit.point), found->error / 0.97)
+        << seed;
+    EXPECT_NEAR(found->base_error, one.search->fitter().LeftOutError({}, base->refit.point),
+                1e-4 * found->base_error);
     EXPECT_EQ(found->left_out_shares.size(), found->released.size());
     for (const auto& [c, share] : found->left_out_shares) EXPECT_LT(share, 0.85) << seed;
     EXPECT_EQ(found->model.released, found->released);

@@ -1,0 +1,227 @@
+#include "identify/diagnosis/select/set_fitter.h"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <set>
+#include <utility>
+
+#include "base/random.h"
+#include "identify/diagnosis/select/choice_of_sets.h"
+#include "identify/diagnosis/select/many_starts.h"
+#include "identify/execution/shared_loop.h"
+#include "identify/keep_samples.h"
+
+namespace sinew::diagnosis {
+namespace {
+
+constexpr std::size_t kMaxPromising = 10;
+constexpr int kDraws = 20;
+// Fits take longer with more trials, and with many trials local searches end in poor local minima less often.
+constexpr double kFewTrials = 6;
+constexpr std::size_t kMaxSearchedTrials = 20;  // two in each fold
+constexpr int kMaxSearchedSamples = 6000;
+
+std::set<std::string> SearchedTrials(const Problem& problem) {
+  const std::vector<std::string> all = TrainingTrials(problem);
+  const std::size_t count = std::min(all.size(), kMaxSearchedTrials);
+  std::set<std::string> some;
+  for (std::size_t i = 0; i < count; ++i) some.insert(all[i * all.size() / count]);
+  return some;
+}
+
+EditedView Searched(const Problem& problem) {
+  const std::set<std::string> trials = SearchedTrials(problem);
+  const auto is_searched = [&](const Block& block) {
+    return block.role == BlockRole::kTrain && trials.count(block.trial) > 0;
+  };
+  int samples = 0;
+  for (const Block& block : problem.layout()) samples += is_searched(block) ? block.samples() : 0;
+  const int every = 1 + (samples - 1) / kMaxSearchedSamples;
+  return EditedView(problem, [&](Block& block) {
+    if (block.role != BlockRole::kTrain) return;
+    if (!is_searched(block)) {
+      block.role = BlockRole::kPredicted;
+    } else if (every > 1 && !block.measured.empty()) {
+      KeepSamples([&](std::size_t i) { return i % static_cast<std::size_t>(every) == 0; }, block);
+    }
+  });
+}
+
+}  // namespace
+
+bool PredictsBetter(const FittedSet& a, const FittedSet& b) {
+  if (a.left_out_error != b.left_out_error) return a.left_out_error < b.left_out_error;
+  return a.released.size() < b.released.size();
+}
+
+bool FitsBetter(const FittedSet& a, const FittedSet& b) {
+  return a.fitted_error < b.fitted_error;
+}
+
+std::vector<int> With(std::vector<int> set, int c) {
+  set.insert(std::lower_bound(set.begin(), set.end(), c), c);
+  return set;
+}
+
+std::vector<int> Without(std::vector<int> set, int c) {
+  set.erase(std::remove(set.begin(), set.end(), c), set.end());
+  return set;
+}
+
+bool IsOneLess(const std::vector<int>& smaller, const std::vector<int>& set) {
+  return smaller.size() + 1 == set.size() &&
+         std::includes(set.begin(), set.end(), smaller.begin(), smaller.end());
+}
+
+int MemberBeyond(const std::vector<int>& smaller, const std::vector<int>& set) {
+  return *std::mismatch(smaller.begin(), smaller.end(), set.begin()).second;
+}
+
+SetFitter::SetFitter(const Problem& problem, const Refitter& refitter,
+                     const std::vector<Candidate>& candidates, const DiagnosisOptions& options)
+    : refitter_(refitter),
+      candidates_(candidates),
+      options_(options),
+      searched_(Searched(problem)),
+      searched_refitter_(searched_, refitter.base(), candidates, options.interrupt),
+      folds_(FoldsOf(searched_)) {
+  const auto trials = static_cast<double>(TrainingTrials(searched_).size());
+  draws_ = static_cast<int>(kDraws * std::min(1.0, std::pow(kFewTrials / trials, 2)));
+}
+
+double SetFitter::Rows() const {
+  double rows = 0;
+  for (const Block& block : searched_.layout()) rows += block.role == BlockRole::kTrain ? block.samples() : 0;
+  return rows;
+}
+
+std::vector<double> SetFitter::LeftOutErrors(const std::vector<int>& released, const Vector& start,
+                                             double tolerance) const {
+  std::vector<double> errors;
+  for (const Fold& fold : folds_) {
+    const FoldView view(searched_, fold);
+    FitSetup setup = WithoutLeftOut(refitter_.SetupWith(released), fold);
+    setup.rest = start;
+    const LeastSquares fit(view, setup);
+    const auto found = FitFromStarts(fit, {start}, tolerance);
+    if (!found.failure.empty() || !std::isfinite(found.cost)) return {};
+    const auto residuals = LeftOutResiduals(searched_, fold, fit.Parameters(found.x), setup.record);
+    if (!residuals) return {};
+    if (residuals->size() > 0)
+      errors.push_back(residuals->norm() / std::sqrt(static_cast<double>(residuals->size())));
+  }
+  return errors;
+}
+
+double SetFitter::LeftOutError(const std::vector<int>& released, const Vector& start) const {
+  return GeometricMean(LeftOutErrors(released, start, kTolerance));
+}
+
+void SetFitter::Fit(std::vector<FittedSet>& sets, const std::vector<std::vector<Vector>>& starts,
+                    double tolerance, std::size_t continued) const {
+  ForEachShared(options_.record, options_.threads, sets.size(), [&](std::size_t i, std::size_t) {
+    FittedSet& one = sets[i];
+    one.fitted_error = std::numeric_limits<double>::infinity();
+    one.left_out_error = one.fitted_error;
+    if (Interrupted()) return;
+    FitSetup setup = refitter_.SetupWith(one.released);
+    setup.rest = starts[i].front();
+    const LeastSquares fit(searched_, setup);
+    const auto found = FitFromManyStarts(fit, starts[i], tolerance, continued);
+    if (!found.failure.empty() || !std::isfinite(found.cost)) return;
+    one.point = fit.Parameters(found.x);
+    one.fitted_error = std::sqrt(2 * found.cost / Rows());
+  });
+}
+
+void SetFitter::LeaveOut(std::vector<FittedSet>& sets, double tolerance) const {
+  ForEachShared(options_.record, options_.threads, sets.size(), [&](std::size_t i, std::size_t) {
+    if (!std::isfinite(sets[i].fitted_error) || Interrupted()) return;
+    sets[i].fold_errors = LeftOutErrors(sets[i].released, sets[i].point, tolerance);
+    sets[i].left_out_error = GeometricMean(sets[i].fold_errors);
+  });
+}
+
+// @param starts the point with the member at its null is added
+FittedSet SetFitter::WithoutMember(const FittedSet& of, int c, std::vector<Vector>& starts) const {
+  Vector start = of.point;
+  for (const int index : candidates_[static_cast<std::size_t>(c)].parameters)
+    start[index] = refitter_.base().rest[index];
+  starts.push_back(std::move(start));
+  return {Without(of.released, c), {}, 0, 0, {}};
+}
+
+std::vector<FittedSet> SetFitter::OneLess(const FittedSet& of, const std::vector<FittedSet>& known) const {
+  std::vector<FittedSet> smaller;
+  std::vector<std::vector<Vector>> starts(of.released.size());
+  for (std::size_t i = 0; i < starts.size(); ++i) {
+    smaller.push_back(WithoutMember(of, of.released[i], starts[i]));
+    for (const FittedSet& one : known) {
+      if (one.released == smaller.back().released) starts[i].push_back(one.point);
+    }
+  }
+  Fit(smaller, starts, kTolerance, kContinued);
+  LeaveOut(smaller, kTolerance);
+  return smaller;
+}
+
+Vector SetFitter::Faded(const FittedSet& of, int c) const {
+  FitSetup setup = refitter_.SetupWith(Without(of.released, c));
+  Vector point = of.point;
+  for (const double share : {0.75, 0.5, 0.25, 0.0}) {
+    for (const int index : candidates_[static_cast<std::size_t>(c)].parameters) {
+      const double null = refitter_.base().rest[index];
+      point[index] = null + share * (of.point[index] - null);
+    }
+    setup.rest = point;
+    const LeastSquares fit(searched_, setup);
+    const auto found = FitFromStarts(fit, {point}, kRoughTolerance);
+    if (found.failure.empty() && std::isfinite(found.cost)) point = fit.Parameters(found.x);
+  }
+  return point;
+}
+
+std::vector<FittedSet> SetFitter::OneFaded(const FittedSet& of) const {
+  std::vector<FittedSet> smaller;
+  std::vector<std::vector<Vector>> starts(of.released.size());
+  for (std::size_t i = 0; i < starts.size(); ++i)
+    smaller.push_back(WithoutMember(of, of.released[i], starts[i]));
+  ForEachShared(options_.record, options_.threads, starts.size(), [&](std::size_t i, std::size_t) {
+    if (!Interrupted()) starts[i].push_back(Faded(of, of.released[i]));
+  });
+  Fit(smaller, starts, kTolerance, kContinued);
+  LeaveOut(smaller, kTolerance);
+  return smaller;
+}
+
+Result<std::optional<ScoredModel>> SetFitter::Score(const FittedSet& one) const {
+  Refit refit = searched_refitter_.FitOrdinary(one.released, {one.point}, kTolerance);
+  if (!refit.usable()) return std::optional<ScoredModel>();
+  SINEW_ASSIGN(ScoredModel scored,
+               ScoreModel(searched_, candidates_, std::move(refit), options_.alarm_level, options_.seed));
+  return std::optional<ScoredModel>(std::move(scored));
+}
+
+std::vector<int> SetFitter::Promising(const ScoredModel& scored, const std::vector<int>& have) const {
+  std::vector<std::pair<double, int>> ranking;
+  for (std::size_t c = 0; c < candidates_.size(); ++c) {
+    if (!candidates_[c].primary() || std::binary_search(have.begin(), have.end(), static_cast<int>(c)))
+      continue;
+    const sinew::diagnosis::Score* score = scored.BestOf(static_cast<int>(c), scored.plain);
+    if (score != nullptr) ranking.emplace_back(-score->statistic, static_cast<int>(c));
+  }
+  std::sort(ranking.begin(), ranking.end());
+  std::vector<int> promising;
+  for (std::size_t i = 0; i < std::min(ranking.size(), kMaxPromising); ++i)
+    promising.push_back(ranking[i].second);
+  return promising;
+}
+
+void SetFitter::AddDraws(int candidate, int draws, const Vector& point, std::vector<Vector>& starts) const {
+  const FitSetup setup = refitter_.SetupWith({candidate});
+  Random random(Random::StreamSeed(options_.seed, static_cast<std::uint64_t>(candidate)));
+  for (int draw = 0; draw < draws; ++draw) starts.push_back(DrawEffects(setup, point, random));
+}
+
+}  // namespace sinew::diagnosis

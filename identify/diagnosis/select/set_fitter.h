@@ -1,0 +1,116 @@
+// Fits of sets of causes and their errors on left-out data, for the search by cross-validation: many fits, so
+// that only some of many trials and samples are used.
+#pragma once
+
+#include <atomic>
+#include <cmath>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "identify/diagnosis/diagnosis.h"
+#include "identify/diagnosis/fit/folds.h"
+#include "identify/diagnosis/fit/refit.h"
+#include "identify/diagnosis/score/scored_model.h"
+#include "identify/problem_view.h"
+
+namespace sinew::diagnosis {
+
+/// A set of released candidates with what is known of it.
+struct FittedSet {
+  std::vector<int> released;  ///< increasing
+  Vector point;               ///< [P]
+  double fitted_error = 0;    ///< root mean square of the weighted residuals; infinite if the fit failed
+  double left_out_error = 0;  ///< geometric mean of ...
+  std::vector<double> fold_errors;  ///< ... these, see SetFitter::LeftOutErrors
+};
+
+/// By the error of left-out data; sets of the same error, as of an effect that changes nothing, by size.
+[[nodiscard]] bool PredictsBetter(const FittedSet& a, const FittedSet& b);
+[[nodiscard]] bool FitsBetter(const FittedSet& a, const FittedSet& b);
+
+/// `set` with `c`; without `c`.
+[[nodiscard]] std::vector<int> With(std::vector<int> set, int c);
+[[nodiscard]] std::vector<int> Without(std::vector<int> set, int c);
+/// True if `smaller` is `set` without one of its members.
+[[nodiscard]] bool IsOneLess(const std::vector<int>& smaller, const std::vector<int>& set);
+/// That member. @pre IsOneLess
+[[nodiscard]] int MemberBeyond(const std::vector<int>& smaller, const std::vector<int>& set);
+
+class SetFitter {
+ public:
+  static constexpr double kTolerance = 1e-5;       ///< relative, of the cost, while searching
+  static constexpr double kRoughTolerance = 1e-2;  ///< before the sets of one size are shortened
+  static constexpr std::size_t kContinued = 3;     ///< short searches that are continued to convergence
+
+  /// The arguments must outlive it.
+  SetFitter(const Problem& problem, const Refitter& refitter, const std::vector<Candidate>& candidates,
+            const DiagnosisOptions& options);
+  SetFitter(const SetFitter&) = delete;
+  SetFitter& operator=(const SetFitter&) = delete;
+
+  /// The problem with the training data of the search: all trials, or twenty of them, spaced evenly in the
+  /// order of their names; of many samples every second, third, ...
+  [[nodiscard]] const Problem& searched() const { return searched_; }
+  /// What is left out in turn.
+  [[nodiscard]] const std::vector<Fold>& folds() const { return folds_; }
+  /// Random starts per set: fewer with many trials, where fits take longer and local minima are fewer.
+  [[nodiscard]] int draws() const { return draws_; }
+  [[nodiscard]] FitSetup SetupWith(const std::vector<int>& released) const {
+    return refitter_.SetupWith(released);
+  }
+  [[nodiscard]] const FitSetup& base() const { return refitter_.base(); }
+
+  /// Fits every set to the searched data. @param starts [sets] points [P], not empty
+  /// @param continued see FitFromManyStarts
+  void Fit(std::vector<FittedSet>& sets, const std::vector<std::vector<Vector>>& starts, double tolerance,
+           std::size_t continued) const;
+  /// Fills the errors of left-out data, of sets that are fitted.
+  void LeaveOut(std::vector<FittedSet>& sets, double tolerance) const;
+
+  /// Root mean square of the weighted residuals of each fold, left out of the fit; empty if a fit failed.
+  /// @param start [P] from which every fit starts @param tolerance relative, of the cost
+  [[nodiscard]] std::vector<double> LeftOutErrors(const std::vector<int>& released, const Vector& start,
+                                                  double tolerance) const;
+
+  /// Their geometric mean; infinite if a fit failed.
+  [[nodiscard]] double LeftOutError(const std::vector<int>& released, const Vector& start) const;
+
+  /// Norm of the weighted residuals of the searched data. @pre the set is fitted
+  [[nodiscard]] double Residual(const FittedSet& one) const { return one.fitted_error * std::sqrt(Rows()); }
+
+  /// The sets with one member of `of` less, fitted and left out. @param known sets that were fitted before:
+  /// their points are starts, too
+  [[nodiscard]] std::vector<FittedSet> OneLess(const FittedSet& of,
+                                               const std::vector<FittedSet>& known) const;
+  /// The same, with one more start each: the member fades in steps while the others are fitted, so that they
+  /// can take over what they are able to (continuation: Nocedal, Wright 2006, section 11.3).
+  [[nodiscard]] std::vector<FittedSet> OneFaded(const FittedSet& of) const;
+
+  /// Scores beside a fitted set, on the searched data; nothing if the fit failed. Errors: those of
+  /// Problem::Predict.
+  [[nodiscard]] Result<std::optional<ScoredModel>> Score(const FittedSet& one) const;
+  /// Known effects that all trials share, not in `have`, the best ten by the linear prediction.
+  [[nodiscard]] std::vector<int> Promising(const ScoredModel& scored, const std::vector<int>& have) const;
+  /// Starts at `point` with the candidate's parameters anywhere.
+  void AddDraws(int candidate, int draws, const Vector& point, std::vector<Vector>& starts) const;
+
+  [[nodiscard]] bool Interrupted() const {
+    return options_.interrupt != nullptr && options_.interrupt->load();
+  }
+
+ private:
+  [[nodiscard]] double Rows() const;
+  [[nodiscard]] FittedSet WithoutMember(const FittedSet& of, int c, std::vector<Vector>& starts) const;
+  [[nodiscard]] Vector Faded(const FittedSet& of, int c) const;
+
+  const Refitter& refitter_;
+  const std::vector<Candidate>& candidates_;
+  const DiagnosisOptions& options_;
+  EditedView searched_;
+  Refitter searched_refitter_;
+  std::vector<Fold> folds_;
+  int draws_ = 0;
+};
+
+}  // namespace sinew::diagnosis
