@@ -168,13 +168,12 @@ void CrossValidatedSearch::Resample(Outcome& outcome) const {
 }
 
 // The sets of the same size with another candidate in place of one cause, and their errors on left-out data.
-// @param smaller those of OneLess
-Result<std::vector<FittedSet>> CrossValidatedSearch::Exchanged(const FittedSet& of,
-                                                               const std::vector<FittedSet>& smaller) const {
+// @pre the sets with one cause less are judged
+Result<std::vector<FittedSet>> CrossValidatedSearch::Exchanged(const FittedSet& of) const {
   std::vector<FittedSet> sets;
   std::vector<std::vector<Vector>> starts;
-  for (const FittedSet& less : smaller) {
-    if (!std::isfinite(less.fitted_error)) continue;
+  for (const FittedSet& less : judged_) {
+    if (!IsOneLess(less.released, of.released)) continue;
     SINEW_ASSIGN(const auto scored, fitter_.Score(less));
     if (!scored) continue;
     for (const int c : fitter_.Promising(*scored, of.released)) {
@@ -265,10 +264,12 @@ Result<std::vector<FittedSet>> CrossValidatedSearch::OneMore(const FittedSet& of
 // where it leaves more than noise also those with one more and with another one in the place of each.
 Result<FittedSet> CrossValidatedSearch::Choose(Shares& shares) {
   std::set<Set> completed;
+  std::set<Set> exchanged;
   for (;;) {
     const FittedSet chosen = judged_[ChooseSet(Judged())];
-    if (!completed.insert(chosen.released).second || completed.size() > kMaxChoices ||
-        fitter_.Interrupted()) {
+    const bool again = completed.count(chosen.released) > 0;
+    const bool done = again && (exchanged.count(chosen.released) > 0 || !LeavesMisfit(chosen));
+    if (done || completed.size() >= kMaxChoices || fitter_.Interrupted()) {
       shares.clear();
       for (const FittedSet& less : judged_) {
         if (IsOneLess(less.released, chosen.released))
@@ -277,15 +278,19 @@ Result<FittedSet> CrossValidatedSearch::Choose(Shares& shares) {
       }
       return chosen;
     }
+    if (again) {
+      exchanged.insert(chosen.released);
+      SINEW_ASSIGN(std::vector<FittedSet> others, Exchanged(chosen));
+      Consider(std::move(others));
+      continue;
+    }
+    completed.insert(chosen.released);
     const FittedSet polished = Polished(chosen);
     Consider({polished});
-    const std::vector<FittedSet> smaller = fitter_.OneLess(polished, judged_);
-    Consider(smaller);
+    Consider(fitter_.OneLess(polished, judged_));
     if (!LeavesMisfit(polished)) continue;
     SINEW_ASSIGN(std::vector<FittedSet> larger, OneMore(polished));
     Consider(std::move(larger));
-    SINEW_ASSIGN(std::vector<FittedSet> others, Exchanged(polished, smaller));
-    Consider(std::move(others));
   }
 }
 

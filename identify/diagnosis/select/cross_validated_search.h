@@ -97,8 +97,7 @@ class CrossValidatedSearch {
   [[nodiscard]] std::vector<JudgedSet> Judged() const;
   [[nodiscard]] FittedSet Polished(FittedSet one) const;
   [[nodiscard]] Result<std::vector<FittedSet>> OneMore(const FittedSet& of) const;
-  [[nodiscard]] Result<std::vector<FittedSet>> Exchanged(const FittedSet& of,
-                                                         const std::vector<FittedSet>& smaller) const;
+  [[nodiscard]] Result<std::vector<FittedSet>> Exchanged(const FittedSet& of) const;
   [[nodiscard]] Result<FittedSet> Choose(Shares& shares);
   void Resample(Outcome& outcome) const;
   [[nodiscard]] std::vector<Substitute> Substitutes(const FittedSet& of) const;

@@ -14,7 +14,6 @@ constexpr double kOfRange = 1.0 / 3;
 constexpr double kOfResidual = 0.01;
 constexpr std::size_t kMaxFittedTerms = 4;  // the best by the linear prediction
 constexpr std::size_t kMaxFurtherLeftOut = 3;
-constexpr double kClearlyBetter = 0.95;  // error of a set of the same size over the answer's, at most
 
 class Search {
  public:
@@ -91,31 +90,9 @@ class Search {
     const std::vector<int> terms = PromisingTerms(*scored);
     if (terms.empty()) return false;
     const std::vector<FittedSet> more = Extended(now_, *scored, terms, terms.size());
-    if (IsNeeded(more.front().fold_errors, now_.fold_errors)) {
-      terms_.push_back(MemberBeyond(now_.released, more.front().released));
-      now_ = more.front();
-      return true;
-    }
-    return ReplaceByTerm();
-  }
-
-  // A term in the place of one cause.
-  Result<bool> ReplaceByTerm() {
-    FittedSet best = now_;
-    for (const FittedSet& less : fitter_.OneFaded(now_)) {
-      if (!IsKnown(MemberBeyond(less.released, now_.released)) || !std::isfinite(less.fitted_error)) continue;
-      SINEW_ASSIGN(const auto scored, fitter_.Score(less));
-      if (!scored) continue;
-      const std::vector<int> terms = PromisingTerms(*scored);
-      if (terms.empty()) return false;
-      std::vector<FittedSet> instead = Extended(less, *scored, terms, terms.size());
-      if (PredictsBetter(instead.front(), best)) best = std::move(instead.front());
-    }
-    if (!(best.left_out_error <= kClearlyBetter * now_.left_out_error)) return false;
-    for (const int c : best.released) {
-      if (!Has(now_, c)) terms_.push_back(c);
-    }
-    now_ = std::move(best);
+    if (!IsNeeded(more.front().fold_errors, now_.fold_errors)) return false;
+    terms_.push_back(MemberBeyond(now_.released, more.front().released));
+    now_ = more.front();
     return true;
   }
 

@@ -26,9 +26,9 @@ struct BesideUnknown {
 [[nodiscard]] FitSetup WithShrunkTerms(FitSetup setup, const std::vector<Candidate>& candidates,
                                        double residual);
 
-/// Adds at most two terms to a set of causes, each if left-out data need it (IsNeeded) beside the causes, or
-/// if it predicts them clearly better in the place of one of them; after each, takes out the causes that are
-/// not needed beside it, and adds known effects that are needed now. Nothing if no term is needed.
+/// Adds at most two terms to a set of causes, each if left-out data need it (IsNeeded) beside the causes;
+/// after each, takes out the causes that are not needed beside it, and adds known effects that are needed
+/// now. Nothing if no term is needed.
 /// @param fitter of WithShrunkTerms @param answer fitted and left out @param most causes
 /// Errors: those of Problem::Predict.
 [[nodiscard]] Result<std::optional<BesideUnknown>> FindUnknownTerms(const SetFitter& fitter,
