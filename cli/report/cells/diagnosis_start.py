@@ -10,7 +10,7 @@ diagnosis = run["/diagnosis"]
 about = {key: value.decode() if isinstance(value, bytes) else value for key, value in diagnosis.attrs.items()}
 COLOURS = {"cause": "#D55E00", "alternative": "#E69F00", "withdrawn": "#A8467F", "unknown_term": "#007A5A",
            "ruled_out": "#b4bac1", "not_judged": "#b4bac1"}
-LABELS = {"cause": "cause", "alternative": "could also be", "withdrawn": "withdrawn: does not generalise",
+LABELS = {"cause": "cause", "alternative": "could also be", "withdrawn": "withdrawn",
         "unknown_term": "discrepancy term", "ruled_out": "ruled out", "not_judged": "not judged"}
 VERDICTS = {"adequate": ("Adequate", "no misfit beyond chance", "#007A5A"),
             "explained": ("Explained", "each misfit that was found has one named cause", "#0072B2"),

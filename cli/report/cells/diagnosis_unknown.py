@@ -1,7 +1,8 @@
 # %% unknown [markdown]
 # ## Not in the library
 #
-# Model discrepancy terms: they improve the fit and no known effect explains them. Where there are several, each is an alternative to the others.
+# Model discrepancy terms: they improve the fit and no known effect explains them. Where there are several, each is an alternative to the others; where
+# causes were chosen by cross-validation, all of them are in the extended model.
 # Band: 95 %; where it fills the figure, the base parameters compensate part of the curve, so that only its shape is known, not
 # its height or slope.
 
@@ -34,7 +35,14 @@ for axis in axes.flat[len(shown):]:
     axis.remove()
 HEADLINES = {"curve": "{port} needs a function of {signal}", "drift": "{port} changes with time",
         "periodic": "a periodic term adds to {port}"}
-headline(figure, "; or ".join(dict.fromkeys(HEADLINES[term["kind"]].format(**term) for term in shown)))
+together = any(np.isnan(term["p_value"]) for term in shown)
+headline(figure, ("; " if together else "; or ").join(dict.fromkeys(HEADLINES[term["kind"]].format(**term) for term in shown)))
 plt.show()
-display(HTML(items([f"{term['name']}: {chance(term['p_value'])}; held-out error "
+
+
+def reason(term):
+    return "left-out data need it" if np.isnan(term["p_value"]) else chance(term["p_value"])
+
+
+display(HTML(items([f"{term['name']}: {reason(term)}; held-out error "
                     f"{percent(-term['held_out_reduction'])}." for term in terms], "notes")))
