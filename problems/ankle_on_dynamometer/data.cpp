@@ -124,6 +124,7 @@ class Preparation {
   // measured, single samples that jump do not count.
   [[nodiscard]] AnkleRanges Ranges() const {
     constexpr double kJumps = 0.005;  // share of samples at either end
+    constexpr double kMore = 0.1;
     const double none = std::numeric_limits<double>::infinity();
     AnkleRanges ranges;
     ranges.machine_angle = {none, -none};
@@ -156,7 +157,11 @@ class Preparation {
       ranges.ankle_angle.lowest = std::min(ranges.ankle_angle.lowest, Quantile(ankle, kJumps));
       ranges.ankle_angle.highest = std::max(ranges.ankle_angle.highest, Quantile(ankle, 1 - kJumps));
     }
-    ranges.ankle_velocity = {-fastest, fastest};
+    // The foot may turn a little further and faster than the plate.
+    const double more = kMore * (ranges.ankle_angle.highest - ranges.ankle_angle.lowest);
+    ranges.ankle_angle.lowest -= more;
+    ranges.ankle_angle.highest += more;
+    ranges.ankle_velocity = {-(1 + kMore) * fastest, (1 + kMore) * fastest};
     // No mean is above the mean of the largest ones.
     if (!ranges.excitation.empty())
       ranges.mean_activation = std::accumulate(ranges.excitation.begin(), ranges.excitation.end(), 0.0) /

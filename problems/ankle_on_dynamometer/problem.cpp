@@ -16,8 +16,9 @@ constexpr int kLanes = 8;
 bool Matters(AnkleTask task, int slot) {
   if (slot <= kLastOfAttachment) return true;
   if (task == AnkleTask::kAttachmentAlone) return false;
+  // The first of these knots is at rest.
   const bool of_activation =
-      slot >= kActiveMomentTerm && slot < kActiveMomentTerm + static_cast<int>(kMomentKnots);
+      slot > kActiveMomentTerm && slot < kActiveMomentTerm + static_cast<int>(kMomentKnots);
   const bool of_muscle = slot >= kAnkleSlots && PlaceInMuscle(slot) >= kActivationTerm;
   const bool of_drive = (slot >= kAnkleShape && slot <= kAntagonist) || of_activation || of_muscle;
   return task == AnkleTask::kActive || !of_drive;

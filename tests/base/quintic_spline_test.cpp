@@ -53,8 +53,8 @@ TEST(NaturalQuinticSpline, ReproducesParabolas) {
 }
 
 TEST(NaturalQuinticSpline, TheSecondDerivativeConvergesWithFourthOrder) {
-  const double coarse = WorstSecondDerivative<NaturalQuinticSpline>(41);
-  const double fine = WorstSecondDerivative<NaturalQuinticSpline>(81);
+  const double coarse = WorstSecondDerivative<NaturalQuinticSpline>(81);
+  const double fine = WorstSecondDerivative<NaturalQuinticSpline>(161);
   EXPECT_NEAR(std::log2(coarse / fine), 4, 0.3);
   // That of the cubic one is off by (omega h)^2 / 12, as the header states.
   EXPECT_NEAR(WorstSecondDerivative<NaturalCubicSpline>(41), 9 * std::pow(3 * 0.05, 2) / 12, 2e-3);

@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "base/quintic_spline.h"
 #include "base/random.h"
 
 namespace sinew {
@@ -81,6 +82,62 @@ TEST(SmoothAngleTest, TheFilterHasSettledWhereTheAngleBegins) {
     EXPECT_NEAR(found * kFast * kFast, -0.4 * way * way * std::sin(way * static_cast<double>(i) / kFast), 0.1)
         << i;
   }
+}
+
+// What is regressed on an acceleration that still has noise comes out too small (errors in variables). It
+// does not where the acceleration is the expected one, given the noisy angle: over many records of a plate
+// that turns round as a servo lets it, true acceleration over found one.
+TEST(SmoothAngleTest, TheAccelerationAttenuatesNothing) {
+  constexpr double kNoise = 2e-4;
+  constexpr double kSpeed = 1.5;  // [rad/s]
+  constexpr double kTurn = 0.04;  // [s] of a change of direction
+  constexpr double kStep = 1e-3;
+  constexpr int kEvery = 10;  // steps per sample
+  Random random(7);
+  double product = 0;
+  double squares = 0;
+  double missed = 0;
+  for (int record = 0; record < 40; ++record) {
+    const double begin = 0.2 + 0.3 * random.Uniform();
+    const auto acceleration = [&](double t) {
+      double sum = 0;
+      for (int k = 0; k < 4; ++k) {
+        const double x = (t - begin - 0.7 * k) / kTurn;
+        sum +=
+            (k % 2 == 0 ? -2 : 2) * kSpeed * std::exp(-0.5 * x * x) / (kTurn * std::sqrt(2 * std::acos(-1)));
+      }
+      return sum;
+    };
+    double angle = 0;
+    double velocity = kSpeed;
+    std::vector<double> time;
+    std::vector<double> noisy;
+    std::vector<double> truth;
+    for (int i = 0; i <= 3000; ++i) {
+      const double t = kStep * i;
+      if (i % kEvery == 0) {
+        time.push_back(t);
+        noisy.push_back(angle + kNoise * random.Normal());
+        truth.push_back(acceleration(t));
+      }
+      // The trapezoidal rule, in steps far shorter than a turn.
+      const double next = velocity + 0.5 * kStep * (acceleration(t) + acceleration(t + kStep));
+      angle += 0.5 * kStep * (velocity + next);
+      velocity = next;
+    }
+    const auto smooth = SmoothedAngle(noisy, 1 / (kStep * kEvery), -1);
+    ASSERT_TRUE(smooth);
+    const auto spline = NaturalQuinticSpline::Fit(time, smooth->values);
+    ASSERT_TRUE(spline);
+    for (std::size_t i = 0; i < time.size(); ++i) {
+      const double found = spline->At(time[i]).second;
+      product += found * truth[i];
+      squares += found * found;
+      missed += std::pow(found - truth[i], 2);
+    }
+  }
+  EXPECT_NEAR(product / squares, 1, 3e-3);
+  EXPECT_LT(missed, 0.01 * squares);
 }
 
 TEST(SmoothAngleTest, CutOffsThatDoNothing) {
