@@ -1,9 +1,9 @@
 #include "base/quintic_spline.h"
 
 #include <algorithm>
-#include <cmath>
 
 #include "base/linear_algebra.h"
+#include "base/spline.h"
 
 namespace sinew {
 namespace {
@@ -41,14 +41,8 @@ EndOfInterval AtEnd(double h, double rise) {
 }  // namespace
 
 Result<NaturalQuinticSpline> NaturalQuinticSpline::Fit(std::vector<double> time, std::vector<double> values) {
+  SINEW_TRY(CheckSplineSamples(time, values, 3));
   const std::size_t n = time.size();
-  if (values.size() != n) return Fail("spline: {} times but {} values", n, values.size());
-  if (n < 3) return Fail("spline: {} sample(s), expected at least 3", n);
-  for (std::size_t i = 0; i < n; ++i) {
-    if (!std::isfinite(time[i]) || !std::isfinite(values[i]))
-      return Fail("spline: sample {} is not finite", i);
-    if (i > 0 && time[i] <= time[i - 1]) return Fail("spline: time does not increase at sample {}", i);
-  }
 
   // Third and fourth derivatives agree at every inner sample, and are zero at the ends: a block tridiagonal
   // system, in units of the mean distance of the samples.

@@ -20,8 +20,8 @@ class NaturalQuinticSpline {
     double second = 0;  ///< d2/dt2
   };
 
-  /// @param time [N, s, strictly increasing, N >= 3]; @param values [N]. Errors: sizes differ, fewer than
-  /// three samples, time not increasing, a value that is not finite.
+  /// @param time [N, s, strictly increasing, N >= 3]; @param values [N]. Errors: those of
+  /// CheckSplineSamples.
   static Result<NaturalQuinticSpline> Fit(std::vector<double> time, std::vector<double> values);
 
   /// Value and derivatives at t; outside the samples it continues as a parabola.

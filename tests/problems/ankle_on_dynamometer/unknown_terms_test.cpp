@@ -22,15 +22,6 @@ using testing::StartsWith;
 
 constexpr const char* kWide = "wide";  // a trial that widens what the signals span
 
-Prediction Predicted(const Problem& problem, const Vector& parameters) {
-  Prediction prediction(problem.layout());
-  const auto workspace = problem.NewWorkspace();
-  const std::vector<bool> all(problem.layout().size(), true);
-  const Status status = problem.Predict({parameters, all, false, nullptr}, *workspace, prediction);
-  EXPECT_TRUE(status) << status.error().message;
-  return prediction;
-}
-
 /// Of all trials but kWide.
 double FarthestApart(const Problem& problem, const Prediction& a, const Prediction& b) {
   double worst = 0;
@@ -97,10 +88,10 @@ TEST(AnkleUnknownTerms, LinesOfTheMomentAreTheKnownLaws) {
   const Vector rest = RestPoint(*problem);
   const double rest_angle = AnkleDefaults(settings)[kPassiveAngle];
   const auto check = [&](const std::string& term, const auto& curve, const std::string& law, double change) {
-    const Prediction by_curve = Predicted(*problem, WithCurve(*problem, rest, term, curve));
-    const Prediction by_law = Predicted(*problem, With(*problem, rest, law, change));
+    const Prediction by_curve = PredictAnkle(*problem, WithCurve(*problem, rest, term, curve));
+    const Prediction by_law = PredictAnkle(*problem, With(*problem, rest, law, change));
     EXPECT_LT(FarthestApart(*problem, by_curve, by_law), 1e-8) << term;
-    EXPECT_GT(FarthestApart(*problem, by_curve, Predicted(*problem, rest)), 1e-2) << term;
+    EXPECT_GT(FarthestApart(*problem, by_curve, PredictAnkle(*problem, rest)), 1e-2) << term;
   };
   check(
       "ankle_moment(ankle_angle)", [&](double q) { return -3 * (q - rest_angle); },
@@ -117,20 +108,20 @@ TEST(AnkleUnknownTerms, ACurveOfTimeInAllMusclesIsFatigue) {
   const auto falls = [](double t) { return -0.08 * t; };
   Vector curves = WithCurve(*problem, rest, "activation.soleus_r(time)", falls);
   curves = WithCurve(*problem, curves, "activation.tib_ant_r(time)", falls);
-  EXPECT_LT(FarthestApart(*problem, Predicted(*problem, curves),
-                          Predicted(*problem, With(*problem, rest, "fatigue", 0.08))),
+  EXPECT_LT(FarthestApart(*problem, PredictAnkle(*problem, curves),
+                          PredictAnkle(*problem, With(*problem, rest, "fatigue", 0.08))),
             1e-9);
   // A constant share is the same whatever the signal.
   const auto constant = [](double) { return 0.1; };
   const Prediction over_time =
-      Predicted(*problem, WithCurve(*problem, rest, "activation.soleus_r(time)", constant));
+      PredictAnkle(*problem, WithCurve(*problem, rest, "activation.soleus_r(time)", constant));
   for (const char* signal : {"machine_angle", "excitation"}) {
     const std::string name = "activation.soleus_r(" + std::string(signal) + ")";
     EXPECT_LT(
-        FarthestApart(*problem, Predicted(*problem, WithCurve(*problem, rest, name, constant)), over_time),
+        FarthestApart(*problem, PredictAnkle(*problem, WithCurve(*problem, rest, name, constant)), over_time),
         1e-9);
   }
-  EXPECT_GT(FarthestApart(*problem, over_time, Predicted(*problem, rest)), 0.1);
+  EXPECT_GT(FarthestApart(*problem, over_time, PredictAnkle(*problem, rest)), 0.1);
 }
 
 TEST(AnkleUnknownTerms, DerivativesAgreeWithDifferences) {
@@ -179,7 +170,7 @@ Diagnosis DiagnosisOf(const Vector& truth, std::uint64_t seed) {
   settings.step = 0.02;
   settings.foot.strips = 4;
   const auto made = BindAnkleBench(data, settings);
-  const Prediction prediction = Predicted(*made, truth);
+  const Prediction prediction = PredictAnkle(*made, truth);
   Random random(seed);
   for (std::size_t b = 0; b < made->layout().size(); ++b) {
     const Block& block = made->layout()[b];
