@@ -152,7 +152,7 @@ Dataset PassiveData() {
     Trial trial = AnkleBenchTrial(kinds[i]);
     Grid& grid = trial.grids.at("machine");
     std::vector<double> time;
-    for (int k = 0; k <= 120; ++k) time.push_back(0.02 * k);
+    for (int k = 0; k <= 60; ++k) time.push_back(0.04 * k);
     for (auto& [name, channel] : grid.channels) {
       channel.values.clear();
       for (const double t : time) channel.values.push_back(-0.1 + 0.3 * std::cos(speeds[i] * t));
@@ -167,7 +167,7 @@ Dataset PassiveData() {
 Diagnosis DiagnosisOf(const Vector& truth, std::uint64_t seed) {
   Dataset data = PassiveData();
   AnkleSettings settings = AnkleBenchSettings();
-  settings.step = 0.02;
+  settings.step = 0.04;
   settings.foot.strips = 4;
   const auto made = BindAnkleBench(data, settings);
   const Prediction prediction = PredictAnkle(*made, truth);
