@@ -5,15 +5,22 @@
 
 namespace sinew {
 
-Result<NaturalCubicSpline> NaturalCubicSpline::Fit(std::vector<double> time, std::vector<double> values) {
+Status CheckSplineSamples(const std::vector<double>& time, const std::vector<double>& values,
+                          std::size_t least) {
   const std::size_t n = time.size();
   if (values.size() != n) return Fail("spline: {} times but {} values", n, values.size());
-  if (n < 2) return Fail("spline: {} sample(s), expected at least 2", n);
+  if (n < least) return Fail("spline: {} sample(s), expected at least {}", n, least);
   for (std::size_t i = 0; i < n; ++i) {
     if (!std::isfinite(time[i]) || !std::isfinite(values[i]))
       return Fail("spline: sample {} is not finite", i);
     if (i > 0 && time[i] <= time[i - 1]) return Fail("spline: time does not increase at sample {}", i);
   }
+  return {};
+}
+
+Result<NaturalCubicSpline> NaturalCubicSpline::Fit(std::vector<double> time, std::vector<double> values) {
+  SINEW_TRY(CheckSplineSamples(time, values, 2));
+  const std::size_t n = time.size();
 
   // Tridiagonal system for the second derivatives (Thomas algorithm; diagonally dominant, so it needs no
   // pivots).

@@ -10,7 +10,7 @@
 namespace sinew {
 namespace {
 
-constexpr int kOrder = 2;  // of each of the two passes
+constexpr int kOrder = 3;  // of each of the two passes
 constexpr double kLowest = 2;
 constexpr double kHighest = 40;
 constexpr double kRatio = 1.15;      // of neighbouring cut-offs

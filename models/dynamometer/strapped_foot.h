@@ -1,9 +1,10 @@
 // A foot on the plate of a dynamometer whose angle is prescribed: muscles, passive ankle, weight, sole and
 // straps. SCIENCE section 6.
 //
-//   I q'' = sum of muscles arm F + passive moment + weight + sole and straps
+//   I q'' = sum of muscles arm F + passive moment + weight + sole and straps + unknown moment
 #pragma once
 
+#include <algorithm>
 #include <utility>
 #include <vector>
 
@@ -11,6 +12,7 @@
 #include "models/dynamometer/boundary.h"
 #include "models/dynamometer/muscle_path.h"
 #include "models/dynamometer/passive_ankle.h"
+#include "models/dynamometer/unknown_moment.h"
 #include "models/muscle/hill_muscle.h"
 
 namespace sinew {
@@ -35,6 +37,7 @@ struct StrappedFoot {
   Relaxation<T> boundary_relaxation;  ///< of what is between foot and plate
   BoundaryLaw<T> boundary;
   Attachment<T> attachment;
+  UnknownMoment<T> unknown;  ///< about the ankle
 };
 
 /// The same without derivatives, in the numbers that a search for an angle needs.
@@ -62,6 +65,11 @@ StrappedFoot<To> Converted(const StrappedFoot<From>& from) {
                  c(b.strap_damping),   c(b.strap_loosening),  c(b.axis_x),
                  c(b.axis_y)};
   to.antagonist = c(from.antagonist);
+  to.unknown.knots = from.unknown.knots;
+  to.unknown.acts = from.unknown.acts;
+  for (std::size_t i = 0; i < kMomentSignals; ++i)
+    std::transform(from.unknown.weights[i].begin(), from.unknown.weights[i].end(),
+                   to.unknown.weights[i].begin(), c);
   return to;
 }
 

@@ -13,51 +13,13 @@
 
 #include "base/assert.h"
 #include "base/error.h"
+#include "models/dynamometer/foot_solutions.h"
 #include "models/dynamometer/implicit_step.h"
 #include "models/dynamometer/strapped_foot.h"
 #include "models/muscle/elastic_tendon.h"
 #include "models/muscle/force_history.h"
 
 namespace sinew {
-
-/// The solution of one stage in plain numbers, with the slopes from which derivatives follow (implicit
-/// function theorem): g is the imbalance of a fibre, R that of the foot.
-struct StageSolution {
-  double angle = 0;             ///< of the ankle [rad]
-  double per_angle = 0;         ///< dR / d angle, the fibres following [N m/rad]
-  double torque_per_angle = 0;  ///< of the foot's torque on the plate [N m/rad]
-};
-struct FibreSolution {
-  double length = 0;     ///< [m]
-  double inverse = 0;    ///< 1 / (dg / d length) [m/N]
-  double per_angle = 0;  ///< -d length / d angle [m/rad]
-  double lever = 0;      ///< (dR / d length) / (dg / d length) [m]
-};
-
-/// Slopes of one muscle's forces at the solution of a stage, length and angle kept.
-struct MuscleSlopes {
-  enum Of { kVelocity, kActivation, kStrength, kSlackLength, kOptimalLength, kActiveGain, kCount };
-  std::array<double, kCount> imbalance{};
-  std::array<double, kCount> tendon_force{};
-};
-
-/// What a plain run leaves for those with derivatives.
-struct FootSolutions {
-  std::vector<StageSolution> stages;
-  std::vector<FibreSolution> fibres;  ///< [stages x muscles]
-  std::vector<MuscleSlopes> slopes;   ///< [stages x muscles], by the first run with derivatives
-};
-
-/// Everything about one instant that a prediction may show.
-template <class T>
-struct FootInstant {
-  T ankle_angle{0.0};
-  T ankle_velocity{0.0};
-  T muscle_moment{0.0};   ///< about the ankle [N m]
-  T passive_moment{0.0};  ///< [N m]
-  BoundaryLoad<T> boundary;
-  T torque{0.0};  ///< of the foot on the plate: boundary.on_plate and what relaxes [N m]
-};
 
 /// One trial's run. @tparam T double, or Dual: then the plain run must have been made before with the same
 /// numbers, and is followed. Of a muscle, strength, slack length, optimal length and what changes with time
@@ -237,8 +199,11 @@ class StrappedFootRun {
     instant.torque = instant.boundary.on_plate + relaxing;
     instant.muscle_moment = -(foot.antagonist * As<S>(mean_activation));
     const A weight = WeightOfFoot(geometry_, angle);
-    return geometry_.inertia * acceleration - instant.muscle_moment - instant.passive_moment - weight -
-           instant.boundary.on_foot + relaxing;
+    S imbalance = geometry_.inertia * acceleration - instant.muscle_moment - instant.passive_moment - weight -
+                  instant.boundary.on_foot + relaxing;
+    if (foot.unknown.Acts())
+      imbalance -= foot.unknown.Moment(angle, instant.ankle_velocity, As<S>(mean_activation), since);
+    return imbalance;
   }
 
   // Moment of a spring in series with a damper, whose state z follows z' = (x - z) / time.

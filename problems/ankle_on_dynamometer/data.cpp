@@ -3,8 +3,9 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
+#include <numeric>
 
-#include "base/spline.h"
+#include "base/quintic_spline.h"
 #include "base/text.h"
 #include "datasets/robust.h"
 #include "models/dynamometer/smooth_angle.h"
@@ -85,6 +86,7 @@ class Preparation {
           "no trial has the channels {} and {}; `sinew list channels ankle_on_dynamometer` shows them",
           kAngle, kTorque);
     for (Block& block : prepared_.layout) block.weight = WeightOf(block);
+    prepared_.settings.knots = KnotsOver(Ranges(), prepared_.paths.size());
     NoteWhatIsMissing();
     return std::move(prepared_);
   }
@@ -118,9 +120,58 @@ class Preparation {
     return {};
   }
 
+  // What the signals of unknown terms span. The foot turns about as far as the plate; where its own angle was
+  // measured, single samples that jump do not count.
+  [[nodiscard]] AnkleRanges Ranges() const {
+    constexpr double kJumps = 0.005;  // share of samples at either end
+    constexpr double kMore = 0.1;
+    const double none = std::numeric_limits<double>::infinity();
+    AnkleRanges ranges;
+    ranges.machine_angle = {none, -none};
+    ranges.duration = 0;
+    ranges.excitation.assign(prepared_.paths.size(), 0);
+    double fastest = 0;
+    std::vector<double> ankle;
+    for (const AnkleTrial& trial : prepared_.trials) {
+      ranges.duration = std::max(ranges.duration, trial.stops.back() - trial.stops.front());
+      if (trial.task == AnkleTask::kAttachmentAlone) continue;
+      for (const PlateMotion& plate : trial.plate) {
+        ranges.machine_angle.lowest = std::min(ranges.machine_angle.lowest, plate.angle);
+        ranges.machine_angle.highest = std::max(ranges.machine_angle.highest, plate.angle);
+        fastest = std::max(fastest, std::abs(plate.velocity));
+      }
+      for (std::size_t m = 0; m < trial.excitations.size(); ++m) {
+        for (const double value : trial.excitations[m])
+          ranges.excitation[m] = std::max(ranges.excitation[m], value);
+      }
+      for (const AnkleBlock& block : trial.blocks) {
+        const auto& measured = prepared_.layout[static_cast<std::size_t>(block.block)].measured;
+        if (block.quantity == AnkleQuantity::kAnkleAngle)
+          ankle.insert(ankle.end(), measured.begin(), measured.end());
+      }
+    }
+    if (ranges.machine_angle.lowest > ranges.machine_angle.highest)
+      ranges.machine_angle = AnkleRanges().machine_angle;
+    ranges.ankle_angle = ranges.machine_angle;
+    if (!ankle.empty()) {
+      ranges.ankle_angle.lowest = std::min(ranges.ankle_angle.lowest, Quantile(ankle, kJumps));
+      ranges.ankle_angle.highest = std::max(ranges.ankle_angle.highest, Quantile(ankle, 1 - kJumps));
+    }
+    // The foot may turn a little further and faster than the plate.
+    const double more = kMore * (ranges.ankle_angle.highest - ranges.ankle_angle.lowest);
+    ranges.ankle_angle.lowest -= more;
+    ranges.ankle_angle.highest += more;
+    ranges.ankle_velocity = {-(1 + kMore) * fastest, (1 + kMore) * fastest};
+    // No mean is above the mean of the largest ones.
+    if (!ranges.excitation.empty())
+      ranges.mean_activation = std::accumulate(ranges.excitation.begin(), ranges.excitation.end(), 0.0) /
+                               static_cast<double>(ranges.excitation.size());
+    return ranges;
+  }
+
   // The machine's angle without what is faster than the cut-off: its second derivative is needed.
-  Result<NaturalCubicSpline> Smooth(const std::string& name, const std::vector<double>& time,
-                                    std::vector<double> values) {
+  Result<NaturalQuinticSpline> Smooth(const std::string& name, const std::vector<double>& time,
+                                      std::vector<double> values) {
     if (prepared_.settings.angle_cutoff != 0) {
       const auto rate = UniformRate(time);
       if (!rate) return Fail("trial '{}': {}: {}", name, kAngle, rate.error().message);
@@ -128,13 +179,13 @@ class Preparation {
       if (!smooth) return Fail("trial '{}': {}: {}", name, kAngle, smooth.error().message);
       values = std::move(smooth->values);
     }
-    auto spline = NaturalCubicSpline::Fit(time, std::move(values));
+    auto spline = NaturalQuinticSpline::Fit(time, std::move(values));
     if (!spline) return Fail("trial '{}': {}: {}", name, kAngle, spline.error().message);
     return std::move(*spline);
   }
 
   Status AddBlock(AnkleTrial& made, const Trial& trial, const std::string& channel, const char* unit,
-                  AnkleQuantity quantity, std::size_t muscle, const NaturalCubicSpline& motion) {
+                  AnkleQuantity quantity, std::size_t muscle, const NaturalQuinticSpline& motion) {
     const auto found = trial.Find(channel);
     if (found && found.channel->unit != unit)
       return Fail("trial '{}': {} is in {}, expected {}", made.name, channel, found.channel->unit, unit);
@@ -188,7 +239,7 @@ class Preparation {
   }
 
   // What speaks against a passive trial, or against the signs of its channels.
-  void NoteIfActive(const AnkleTrial& made, const Trial& trial, const NaturalCubicSpline& motion) {
+  void NoteIfActive(const AnkleTrial& made, const Trial& trial, const NaturalQuinticSpline& motion) {
     constexpr double kSilent = 0.05;      // excitation
     constexpr double kOff = 0.2;          // of the reading at rest elsewhere
     constexpr double kLeastRange = 0.15;  // [rad] of a rotation that shows a stiffness
@@ -298,7 +349,7 @@ class Preparation {
     return {};
   }
 
-  void Discretise(AnkleTrial& trial, const NaturalCubicSpline& motion) {
+  void Discretise(AnkleTrial& trial, const NaturalQuinticSpline& motion) {
     std::sort(trial.stops.begin(), trial.stops.end());
     trial.stops.erase(std::unique(trial.stops.begin(), trial.stops.end(),
                                   [](double a, double b) { return b - a < kSameTime; }),
@@ -309,6 +360,7 @@ class Preparation {
     };
     for (const double t : trial.stops) trial.plate.push_back(at(t));
     trial.stage_times.push_back(trial.stops.front());
+    trial.stage_angles.push_back(trial.plate.front().angle);
     for (std::size_t s = 1; s < trial.stops.size(); ++s) {
       const double span = trial.stops[s] - trial.stops[s - 1];
       const int parts = std::max(1, static_cast<int>(std::ceil(span / prepared_.settings.step - 1e-6)));
@@ -321,6 +373,7 @@ class Preparation {
           const auto stage = static_cast<std::size_t>(i);
           trial.stage_times.push_back(step.begin + step.length * ImplicitStep::kNodes[stage]);
           step.plate[stage] = at(trial.stage_times.back());
+          trial.stage_angles.push_back(step.plate[stage].angle);
         }
         trial.steps.push_back(step);
       }

@@ -41,7 +41,8 @@ struct AnkleTrial {
     std::array<PlateMotion, ImplicitStep::kStages> plate;
   };
   std::vector<Step> steps;
-  std::vector<double> stage_times;  ///< [1 + 3 steps, s] first stop, then every stage
+  std::vector<double> stage_times;   ///< [1 + 3 steps, s] first stop, then every stage
+  std::vector<double> stage_angles;  ///< [1 + 3 steps, rad] of the plate there
 
   std::vector<double> excitation_time;           ///< [M, s]; empty: the muscles are silent
   std::vector<std::vector<double>> excitations;  ///< [muscles][M, 0..1]

@@ -10,14 +10,6 @@ namespace {
 
 constexpr double kUnused = 1;
 
-// A number that is 0 and stays so whatever the parameters do.
-bool IsZero(double x) {
-  return x == 0;
-}
-bool IsZero(const Dual<8>& x) {
-  return x.value == 0 && std::all_of(x.d.begin(), x.d.end(), [](double d) { return d == 0; });
-}
-
 struct BaseEntry {
   int slot;
   const char* name;
@@ -175,8 +167,8 @@ std::vector<double> AnkleDefaults(const AnkleSettings& settings) {
   values[kBoundaryRelaxationTime] = kUnused;
   values[kPassiveRelaxationTime] = kUnused;
   for (std::size_t m = 0; m < settings.muscles.size(); ++m) {
-    for (int k = 0; k < kAnkleMuscleSlots; ++k)
-      values[static_cast<std::size_t>(SlotOfMuscle(m, static_cast<AnkleMuscleSlot>(k)))] = 1;
+    for (const AnkleMuscleSlot factor : {kAnkleStrength, kAnkleSlackLength, kAnkleOptimalLength})
+      values[static_cast<std::size_t>(SlotOfMuscle(m, factor))] = 1;
   }
   return values;
 }
@@ -230,6 +222,10 @@ Result<ParameterList> ListAnkleParameters(const AnkleSettings& settings) {
   AddRobotEffects(add);
   AddBoundaryEffects(add);
   AddHumanEffects(add, !settings.muscles.empty());
+  AddMomentPort(settings.knots, !settings.muscles.empty(), kMomentTerm, add);
+  for (std::size_t m = 0; m < settings.knots.activation.size(); ++m)
+    AddActivationPort(settings.knots.activation[m], settings.muscles[m].name,
+                      SlotOfMuscle(m, kActivationTerm), add);
   return list;
 }
 
@@ -237,7 +233,7 @@ template <class T>
 StrappedFoot<T> FootOf(const AnkleSettings& settings, const std::vector<T>& values) {
   StrappedFoot<T> foot;
   const auto at = [&](int slot) -> const T& { return values[static_cast<std::size_t>(slot)]; };
-  const auto moves = [&](int slot) { return !IsZero(at(slot)); };
+  const auto moves = [&](int slot) { return !IsNothing(at(slot)); };
   for (std::size_t m = 0; m < settings.muscles.size(); ++m) {
     const AnkleMuscle& from = settings.muscles[m];
     HillMuscle<T> muscle;
@@ -272,6 +268,7 @@ StrappedFoot<T> FootOf(const AnkleSettings& settings, const std::vector<T>& valu
   foot.attachment = {at(kAttachmentInertia),  at(kAttachmentGravity),  at(kAttachmentGravityAngle),
                      at(kAttachmentFriction), at(kDryFriction),        at(kOneWayFriction),
                      at(kFrictionWithLoad),   at(kAttachmentStiffness)};
+  foot.unknown = MomentOf(settings.knots.moment, &at(kMomentTerm));
   return foot;
 }
 

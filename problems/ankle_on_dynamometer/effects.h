@@ -53,13 +53,26 @@ enum AnkleSlot {
   kAntagonist,       ///< moment of an unmeasured muscle per mean excitation [N m]
   kStretchForce,     ///< ForceHistory's enhancement [1]
   kShorteningForce,  ///< its depression [1]
-  kAnkleSlots
+  kMomentTerm,       ///< unknown moment at each knot of each signal [N m]
+  kActiveMomentTerm =
+      kMomentTerm + static_cast<int>(MomentSignal::kActivation) * static_cast<int>(kMomentKnots),
+  kAnkleSlots = kMomentTerm + static_cast<int>(kMomentSignals * kMomentKnots)
 };
 /// Beyond kAnkleSlots, of each muscle.
-enum AnkleMuscleSlot { kAnkleStrength, kAnkleSlackLength, kAnkleOptimalLength, kAnkleMuscleSlots };
+enum AnkleMuscleSlot {
+  kAnkleStrength,
+  kAnkleSlackLength,
+  kAnkleOptimalLength,
+  kActivationTerm,  ///< unknown share of its activation at each knot of each signal [1]
+  kAnkleMuscleSlots = kActivationTerm + static_cast<int>(kActivationSignals * kActivationKnots)
+};
 
 [[nodiscard]] inline int SlotOfMuscle(std::size_t muscle, AnkleMuscleSlot slot) {
   return kAnkleSlots + static_cast<int>(muscle) * kAnkleMuscleSlots + slot;
+}
+/// @param slot from kAnkleSlots on
+[[nodiscard]] inline int PlaceInMuscle(int slot) {
+  return (slot - kAnkleSlots) % kAnkleMuscleSlots;
 }
 
 /// A value for every slot of a problem with these settings that no parameter has.

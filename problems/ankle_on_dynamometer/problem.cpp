@@ -16,7 +16,11 @@ constexpr int kLanes = 8;
 bool Matters(AnkleTask task, int slot) {
   if (slot <= kLastOfAttachment) return true;
   if (task == AnkleTask::kAttachmentAlone) return false;
-  const bool of_drive = slot >= kAnkleShape && slot <= kAntagonist;
+  // The first of these knots is at rest.
+  const bool of_activation =
+      slot > kActiveMomentTerm && slot < kActiveMomentTerm + static_cast<int>(kMomentKnots);
+  const bool of_muscle = slot >= kAnkleSlots && PlaceInMuscle(slot) >= kActivationTerm;
+  const bool of_drive = (slot >= kAnkleShape && slot <= kAntagonist) || of_activation || of_muscle;
   return task == AnkleTask::kActive || !of_drive;
 }
 
@@ -111,8 +115,8 @@ void AnkleProblem::ListSteps() {
     step.name = kind.name;
     for (int slot = 0; slot < slots; ++slot) {
       // A muscle that is silent is a spring beyond its slack length.
-      const bool spring = kind.task == AnkleTask::kPassive && slot >= kAnkleSlots &&
-                          (slot - kAnkleSlots) % kAnkleMuscleSlots == kAnkleSlackLength;
+      const bool spring =
+          kind.task == AnkleTask::kPassive && slot >= kAnkleSlots && PlaceInMuscle(slot) == kAnkleSlackLength;
       if (!spring && (slot < kind.first || slot >= kind.end)) continue;
       const int index = list_.index[static_cast<std::size_t>(slot)];
       if (index >= 0 && list_.parameters[static_cast<std::size_t>(index)].kind == ParameterKind::kBase)

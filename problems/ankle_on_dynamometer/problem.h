@@ -25,6 +25,8 @@ class AnkleProblem final : public Problem {
   [[nodiscard]] const std::vector<Parameter>& parameters() const override { return list_.parameters; }
   [[nodiscard]] const Layout& layout() const override { return data_.layout; }
   [[nodiscard]] const std::vector<Effect>& effects() const override { return list_.effects; }
+  /// ankle_moment, and activation.MUSCLE of every muscle.
+  [[nodiscard]] const std::vector<DiscrepancyPort>& ports() const override { return list_.ports; }
   /// Attachment alone, passive, active, and everything at once, as far as there are trials.
   [[nodiscard]] const std::vector<FitStep>& steps() const override { return steps_; }
   [[nodiscard]] std::unique_ptr<Workspace> NewWorkspace() const override;

@@ -122,6 +122,7 @@ Result<AnkleSettings> ReadAnkleSettings(const YamlReader& yaml) {
       SINEW_ASSIGN(settings.parameters[name], ReadChange(at));
     }
   }
+  settings.knots = KnotsOver(AnkleRanges(), settings.muscles.size());
   return settings;
 }
 

@@ -29,6 +29,7 @@
 #include "base/yaml_reader.h"
 #include "models/dynamometer/foot_geometry.h"
 #include "models/dynamometer/muscle_path.h"
+#include "problems/ankle_on_dynamometer/unknown_terms.h"
 
 namespace sinew {
 
@@ -60,6 +61,8 @@ struct AnkleSettings {
   double torque_zero = 0;    ///< standard deviation of every trial's own zero [N m]; 0: none
   std::vector<AnkleMuscle> muscles;
   std::map<std::string, AnkleParameterChange> parameters;
+  /// Not of the file: over what the trials span; over wide ranges without data.
+  UnknownTermKnots knots = KnotsOver(AnkleRanges(), 0);
 };
 
 /// @param yaml the map under the key `ankle_on_dynamometer`. Errors: unknown keys, wrong values, each with

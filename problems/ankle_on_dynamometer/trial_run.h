@@ -34,10 +34,11 @@ class ExcitationsOf {
   const std::vector<T>& values_;
 };
 
-/// Activations at every stage time, [stages][muscles, and their mean].
+/// Activations at every stage time, [stages][muscles, and their mean]. @param knots [muscles]
 template <class T>
-void ComputeActivations(const AnkleTrial& trial, std::size_t muscles, const std::vector<T>& values,
-                        std::vector<std::vector<T>>& activations) {
+void ComputeActivations(const AnkleTrial& trial, const std::vector<ActivationKnots>& knots,
+                        const std::vector<T>& values, std::vector<std::vector<T>>& activations) {
+  const std::size_t muscles = knots.size();
   activations.assign(trial.stage_times.size(), std::vector<T>(muscles + 1, T(0.0)));
   if (trial.excitation_time.empty() || muscles == 0) return;
   const auto& t = trial.excitation_time;
@@ -46,8 +47,11 @@ void ComputeActivations(const AnkleTrial& trial, std::size_t muscles, const std:
   const auto coefficients = FilterOfTimes(time, T(0.0), step);
   const T late = values[kAnkleDelay] + FilterLead(time, step);
   const ExcitationsOf<T> excitation(trial, values);
+  const double begin = trial.stage_times.front();
   std::vector<T> neural(t.size(), T(0.0));
   for (std::size_t m = 0; m < muscles; ++m) {
+    const UnknownShare<T> unknown(knots[m],
+                                  &values[static_cast<std::size_t>(SlotOfMuscle(m, kActivationTerm))]);
     ExcitationFilter<T> filter(coefficients);
     filter.Settle(excitation(m, 0));
     for (std::size_t k = 0; k < t.size(); ++k) neural[k] = filter.Next(excitation(m, k));
@@ -62,7 +66,9 @@ void ComputeActivations(const AnkleTrial& trial, std::size_t muscles, const std:
         u = neural[after - 1] + share * (neural[after] - neural[after - 1]);
       }
       T active = Shaped(ActivationShape::kExponential, u, values[kAnkleShape]);
-      active = active * (1.0 - values[kFatigue] * (trial.stage_times[i] - trial.stage_times.front()));
+      active = active * (1.0 - values[kFatigue] * (trial.stage_times[i] - begin));
+      if (unknown.acts())
+        active += active * unknown.At(trial.stage_times[i] - begin, trial.stage_angles[i], u);
       if (!(Value(active) > 0)) active = T(0.0);
       activations[i][m] = active;
       activations[i][muscles] += active * (1 / static_cast<double>(muscles));
@@ -84,7 +90,7 @@ Status RunAnkleTrial(const AnkleData& data, const AnkleTrial& trial, const std::
     return {};
   }
   std::vector<std::vector<T>> activations;
-  ComputeActivations(trial, data.paths.size(), values, activations);
+  ComputeActivations(trial, data.settings.knots.activation, values, activations);
   Run run(data.settings.foot, data.curves, data.paths, foot, solutions);
   SINEW_TRY(run.Settle(trial.stops.front(), trial.plate.front(), activations.front()));
   see(std::size_t{0}, run.MachineTorque(trial.plate.front()), &std::as_const(run));

@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "base/quintic_spline.h"
 #include "base/random.h"
 
 namespace sinew {
@@ -80,6 +81,75 @@ TEST(SmoothAngleTest, TheFilterHasSettledWhereTheAngleBegins) {
     const double found = smooth->values[i + 1] - 2 * smooth->values[i] + smooth->values[i - 1];
     EXPECT_NEAR(found * kFast * kFast, -0.4 * way * way * std::sin(way * static_cast<double>(i) / kFast), 0.1)
         << i;
+  }
+}
+
+struct Turning {
+  double noise;  // of the angle [rad]
+  double turn;   // of a change of direction: standard deviation [s]
+};
+
+// True accelerations of a plate that turns round and back, and those that are found from its noisy angle.
+struct Accelerations {
+  std::vector<double> truth;
+  std::vector<double> found;
+};
+
+void AddRecord(const Turning& of, Random& random, Accelerations& to) {
+  constexpr double kSpeed = 1.5;  // [rad/s]
+  constexpr double kStep = 1e-3;  // far shorter than a turn
+  constexpr int kEvery = 10;      // steps per sample
+  const double begin = random.Uniform(0.2, 0.5);
+  const double peak = 2 * kSpeed / (of.turn * std::sqrt(2 * std::acos(-1)));
+  const auto acceleration = [&](double t) {
+    double sum = 0;
+    for (int k = 0; k < 4; ++k)
+      sum += (k % 2 == 0 ? -peak : peak) * std::exp(-0.5 * std::pow((t - begin - 0.7 * k) / of.turn, 2));
+    return sum;
+  };
+  double angle = 0;
+  double velocity = kSpeed;
+  std::vector<double> time;
+  std::vector<double> noisy;
+  for (int i = 0; i <= 3000; ++i) {
+    const double t = kStep * i;
+    if (i % kEvery == 0) {
+      time.push_back(t);
+      noisy.push_back(angle + of.noise * random.Normal());
+    }
+    const double next = velocity + 0.5 * kStep * (acceleration(t) + acceleration(t + kStep));
+    angle += 0.5 * kStep * (velocity + next);
+    velocity = next;
+  }
+  const auto smooth = SmoothedAngle(noisy, 1 / (kStep * kEvery), -1);
+  ASSERT_TRUE(smooth);
+  const auto spline = NaturalQuinticSpline::Fit(time, smooth->values);
+  ASSERT_TRUE(spline);
+  for (const double t : time) {
+    to.truth.push_back(acceleration(t));
+    to.found.push_back(spline->At(t).second);
+  }
+}
+
+// What is regressed on an acceleration that still has noise comes out too small (errors in variables); not so
+// where the acceleration is the expected one, given the noisy angle. With a filter of second order the two
+// ratios are 0.990 and 0.999, with a cubic spline 0.997 and 0.991.
+TEST(SmoothAngleTest, TheAccelerationAttenuatesNothing) {
+  constexpr int kRecords = 40;
+  for (const Turning& of : {Turning{1e-3, 0.04}, Turning{2e-4, 0.02}}) {
+    Random random(7);
+    Accelerations all;
+    for (int record = 0; record < kRecords; ++record) AddRecord(of, random, all);
+    double product = 0;
+    double squares = 0;
+    double missed = 0;
+    for (std::size_t i = 0; i < all.found.size(); ++i) {
+      product += all.found[i] * all.truth[i];
+      squares += all.found[i] * all.found[i];
+      missed += std::pow(all.found[i] - all.truth[i], 2);
+    }
+    EXPECT_NEAR(product / squares, 1, 4e-3) << of.noise;
+    EXPECT_LT(missed, 0.01 * squares) << of.noise;
   }
 }
 

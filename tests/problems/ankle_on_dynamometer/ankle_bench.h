@@ -100,6 +100,16 @@ inline std::unique_ptr<AnkleProblem> BindAnkleBench(const Dataset& data = AnkleB
   return problem ? std::move(*problem) : nullptr;
 }
 
+/// All blocks, without derivatives.
+inline Prediction PredictAnkle(const Problem& problem, const Vector& parameters) {
+  Prediction prediction(problem.layout());
+  const auto workspace = problem.NewWorkspace();
+  const std::vector<bool> all(problem.layout().size(), true);
+  const Status status = problem.Predict({parameters, all, false, nullptr}, *workspace, prediction);
+  EXPECT_TRUE(status) << status.error().message;
+  return prediction;
+}
+
 inline const Block& BlockOf(const Problem& problem, const std::string& trial, const std::string& channel) {
   for (const Block& block : problem.layout()) {
     if (block.trial == trial && block.channel == channel) return block;

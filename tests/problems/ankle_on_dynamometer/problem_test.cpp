@@ -30,15 +30,6 @@ std::vector<std::string> StepNames(const Problem& problem) {
   return names;
 }
 
-Prediction PredictAnkle(const Problem& problem, const Vector& parameters) {
-  Prediction prediction(problem.layout());
-  const auto workspace = problem.NewWorkspace();
-  const std::vector<bool> all(problem.layout().size(), true);
-  const Status status = problem.Predict({parameters, all, false, nullptr}, *workspace, prediction);
-  EXPECT_TRUE(status) << status.error().message;
-  return prediction;
-}
-
 TEST(AnkleProblemTest, AttachmentAloneDependsOnTheRobotOnly) {
   const auto problem = BindAnkleBench();
   EXPECT_THAT(NamesOf(*problem, BlockOf(*problem, "alone", "machine_torque").columns),
