@@ -29,13 +29,14 @@ constexpr int kIdleRounds = 2;                  // ... until so many have found 
 constexpr double kLower = 0.999;                // ... with a fitted error below this share
 constexpr std::size_t kBeam = 3;                // sets that are extended
 constexpr std::size_t kMaxSearchedCauses = 8;
-constexpr int kMaxGrowths = 16;         // mostly as many as there are causes, and two
-constexpr std::size_t kMostCauses = 8;  // of the answer
-constexpr std::size_t kMaxChoices = 8;  // of a set, each after further fits around it; mostly 2 to 4
-constexpr double kStillGains = 0.97;    // error over the best one before, for the search to go on
-constexpr std::size_t kShrunk = 3;      // size from which causes are taken out again
-constexpr double kSubstitute = 1.05;    // error of a substitute over that of the answer, at most
-constexpr double kFarOff = 1.25;        // fitted error of what is no substitute over that of the answer
+constexpr std::size_t kIdleGrowths = 3;  // without a gain, before the search ends
+constexpr int kMaxGrowths = 16;          // mostly as many as there are causes, and two
+constexpr std::size_t kMostCauses = 8;   // of the answer
+constexpr std::size_t kMaxChoices = 8;   // of a set, each after further fits around it; mostly 2 to 4
+constexpr double kStillGains = 0.97;     // error over the best one before, for the search to go on
+constexpr std::size_t kShrunk = 3;       // size from which causes are taken out again
+constexpr double kSubstitute = 1.05;     // error of a substitute over that of the answer, at most
+constexpr double kFarOff = 1.25;         // fitted error of what is no substitute over that of the answer
 
 }  // namespace
 
@@ -435,7 +436,7 @@ Result<CrossValidatedSearch::Outcome> CrossValidatedSearch::Run(const ScoredMode
   judged_ = beam;
   double least = beam.front().left_out_error;
   std::size_t without_gain = 0;
-  for (int growth = 0; growth < kMaxGrowths && without_gain < 2; ++growth) {
+  for (int growth = 0; growth < kMaxGrowths && without_gain < kIdleGrowths; ++growth) {
     if (beam.front().released.size() >= kMaxSearchedCauses) break;
     SINEW_ASSIGN(std::vector<FittedSet> made, GrownFrom(beam, base));
     if (made.empty()) break;
