@@ -72,11 +72,12 @@ Result<Identification> Identify(const Problem& problem, FitSetup setup, Identifi
   Evaluator evaluator(least_squares, std::move(options.evaluator));
   out.result = solver->Solve(evaluator, solvers::BestStart(least_squares));
   out.seconds = evaluator.seconds();
+  if (options.after_search) options.after_search(out.result);
   if (out.result.stop.usable() && !out.setup.free.empty()) {
     UncertaintyOptions how;
     how.threads = options.solver_options.threads;
     how.interrupt = interrupt;
-    how.profile = options.profiles;
+    how.profile = options.profiles && out.result.stop.kind != Termination::kMaxMemory;
     SINEW_TRY(AnalyseAndImprove(least_squares, how, options, evaluator, out));
     out.interval_seconds = evaluator.seconds() - out.seconds;
   }
