@@ -1,5 +1,7 @@
 #include "cli/binding.h"
 
+#include <algorithm>
+
 #include "base/read_file.h"
 #include "base/text.h"
 #include "cli/run_command_line.h"
@@ -67,6 +69,16 @@ void FitOptions::AddTo(Command command) {
   command.Add("--max-evaluations", max_evaluations, "Budget").AtLeastZero().Shows("N");
   command.Add("--max-seconds", max_seconds, "Budget").AtLeastZero().Shows("S");
   AddWorkTo(command);
+}
+
+void AddStartsTo(Command command, std::optional<int>& starts) {
+  constexpr int kMostStarts = 1000000;
+  command.Add("--starts", starts, "Of solver multistart; default: 20").Between(1, kMostStarts);
+}
+
+bool HasStarts(const std::string& solver) {
+  const std::vector<std::string_view> links = Split(solver, '+');
+  return std::find(links.begin(), links.end(), "multistart") != links.end();
 }
 
 Result<std::pair<std::string, double>> ParseAssignment(const std::string& option, const std::string& text) {

@@ -74,6 +74,11 @@ Result<Binding> BindToFit(const BindingOptions& options, bool with_sensor_effect
 Result<Binding> Bind(const BindingOptions& options,
                      const std::function<Result<BoundProblem>(const Dataset&, const YamlReader&)>& bind);
 
+/// "--starts N".
+void AddStartsTo(Command command, std::optional<int>& starts);
+/// Whether a solver, or a link of a chain, is the one that --starts is about.
+bool HasStarts(const std::string& solver);
+
 /// "NAME=VALUE". Errors say what was expected of which option.
 Result<std::pair<std::string, double>> ParseAssignment(const std::string& option, const std::string& text);
 

@@ -1,4 +1,5 @@
 // sinew compare: solvers against each other on one problem, over several starts and seeds.
+#include <algorithm>
 #include <cmath>
 #include <cstdio>
 #include <filesystem>
@@ -8,6 +9,7 @@
 #include "cli/binding.h"
 #include "cli/command.h"
 #include "cli/command_files.h"
+#include "cli/memory_limit.h"
 #include "cli/mpi_ranks.h"
 #include "cli/stop_signals.h"
 #include "cli/study_checkpoint.h"
@@ -29,6 +31,8 @@ struct CompareWords {
   std::string out;
   std::string json;
   bool resume = false;
+  std::optional<int> starts;         // of multistart
+  std::optional<double> max_memory;  // [MB]
 };
 
 // What a run of the comparison follows from. Solvers and repeats may be added when it is resumed.
@@ -37,6 +41,7 @@ files::OriginFacts FactsOf(const CompareWords& words) {
     return limit ? fmt::format("{}", *limit) : std::string("none");
   };
   return {{"--seed", std::to_string(words.fit.seed)},
+          {"--starts", std::to_string(words.starts.value_or(SolverOptions().starts))},
           {"--max-evaluations", given(words.fit.max_evaluations)},
           {"--max-seconds", given(words.fit.max_seconds)}};
 }
@@ -64,11 +69,17 @@ std::string StudyTable(const Study& study, const Problem& problem) {
   return Table(rows, 2) + "Parameters, mean +- standard deviation over the repeats\n" + Table(spread, 2);
 }
 
+Status CheckStarts(const CompareWords& words) {
+  if (!words.starts || std::any_of(words.solvers.begin(), words.solvers.end(), HasStarts)) return {};
+  return Fail("--starts: they are those of solver multistart, which is not compared");
+}
+
 StudyOptions ToOptions(const CompareWords& words) {
   StudyOptions options;
   options.solvers = words.solvers;
   options.repeats = words.repeats;
   options.solver_options = words.fit.ToSolverOptions();
+  options.solver_options.starts = words.starts.value_or(options.solver_options.starts);
   if (words.fit.max_evaluations || words.fit.max_seconds) options.budget = words.fit.ToBudget();
   options.target = words.target;
   options.interrupt = &InterruptFlag();
@@ -77,6 +88,7 @@ StudyOptions ToOptions(const CompareWords& words) {
 
 Result<int> RunCompare(const CompareWords& words) {
   const auto limit = words.fit.LimitThreads();
+  SINEW_TRY(CheckStarts(words));
   SINEW_ASSIGN(
       const FileLocks locks,
       ClaimFiles({{words.binding.data, words.binding.config}, words.fit.Written(words.out), words.json},
@@ -101,6 +113,8 @@ Result<int> RunCompare(const CompareWords& words) {
   WorkTimesFile work_times(words.fit.work_times);
   options.work = work_times.work();
   StoppableWork work([&] { return checkpoint.SaveNow(); });
+  MemoryLimit memory(words.max_memory);
+  memory.Begin();
   SINEW_ASSIGN(const Study study, CompareSolvers(problem, options));
   if (IsHelper()) return kDone;
   work.Finish();
@@ -142,6 +156,8 @@ void AddCompareCommand(Command app, const RunAction& run) {
   command.Add("--target", words->target, "Cost that counts as success; default: within 1 % of the best found")
       .AtLeastZero();
   command.Add("--out", words->out, "Study file to write").Required().Shows("STUDY.h5");
+  AddStartsTo(command, words->starts);
+  AddMaxMemoryTo(command, words->max_memory, "It stops where the process takes so many MB of memory");
   command.AddFlag("--resume", words->resume,
                   "Continue an interrupted comparison: runs that had ended are kept");
   AddJsonTo(command, words->json);

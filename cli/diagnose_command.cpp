@@ -2,12 +2,14 @@
 #include <algorithm>
 #include <cstdio>
 #include <filesystem>
+#include <optional>
 
 #include "base/text.h"
 #include "cli/binding.h"
 #include "cli/command.h"
 #include "cli/command_files.h"
 #include "cli/data/data_warnings.h"
+#include "cli/memory_limit.h"
 #include "cli/mpi_ranks.h"
 #include "cli/run_checkpoint.h"
 #include "cli/stop_signals.h"
@@ -33,6 +35,7 @@ struct DiagnoseWords {
   std::string out;
   std::string json;
   bool resume = false;
+  std::optional<double> max_memory;  // [MB]
 };
 
 template <class Named>
@@ -173,6 +176,8 @@ Result<int> RunDiagnose(const DiagnoseWords& words) {
     };
   }
   StoppableWork work([&] { return checkpoint.SaveNow(); });
+  MemoryLimit memory(words.max_memory);
+  memory.Begin();
   auto result = Diagnose(binding.problem(), std::move(setup), options);
   if (IsHelper()) return kDone;
   const bool interrupted = work.Finish() != 0;
@@ -209,6 +214,7 @@ void AddDiagnoseCommand(Command app, const RunAction& run) {
   command.Add("--from", words->from, "Start the base fit from the answer of a run file").Shows("RUN.h5");
   command.Add("--solver", words->solver, "Of the base fit; default: the problem's own, mostly restarts")
       .Shows("S");
+  AddMaxMemoryTo(command, words->max_memory, "It stops where the process takes so many MB of memory");
   command.AddFlag("--resume", words->resume,
                   "Continue an interrupted diagnosis: refits that were done are kept");
   command.Add("--out", words->out, "Diagnosis file to write (docs/run_file.md)").Required().Shows("DIAG.h5");

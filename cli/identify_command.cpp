@@ -12,6 +12,7 @@
 #include "cli/command.h"
 #include "cli/command_files.h"
 #include "cli/data/data_warnings.h"
+#include "cli/memory_limit.h"
 #include "cli/mpi_ranks.h"
 #include "cli/run_checkpoint.h"
 #include "cli/stop_signals.h"
@@ -26,8 +27,6 @@
 namespace sinew {
 namespace {
 
-constexpr int kMostStarts = 1000000;
-
 struct IdentifyWords {
   BindingOptions binding;
   FitOptions fit;
@@ -40,11 +39,6 @@ struct IdentifyWords {
   std::optional<int> starts;         // of multistart
   std::optional<double> max_memory;  // [MB]
 };
-
-bool HasStarts(const std::string& solver) {
-  const std::vector<std::string_view> links = Split(solver, '+');
-  return std::find(links.begin(), links.end(), "multistart") != links.end();
-}
 
 Status TakeStarts(const IdentifyWords& words, const std::string& solver, SolverOptions& options) {
   if (!words.starts) return {};
@@ -196,6 +190,12 @@ Result<int> RunIdentify(const IdentifyWords& words) {
     record.after_keep = [&] { checkpoint.SaveIfDue(); };
   }
   StoppableWork work([&] { return checkpoint.SaveNow(); });
+  // Of steps nothing is kept. A search that has used its memory has its answer: linear intervals take no
+  // more.
+  MemoryLimit memory(words.stepwise ? std::nullopt : words.max_memory);
+  options.after_search = [&](const SolverResult& found) {
+    if (found.stop.usable() && found.stop.kind != Termination::kMaxMemory) memory.Begin();
+  };
   SINEW_ASSIGN(Identification identification,
                words.stepwise ? IdentifyStepwise(binding.problem(), request, options)
                               : Identify(binding.problem(), std::move(setup), std::move(options)));
@@ -237,12 +237,9 @@ void AddIdentifyCommand(Command app, const RunAction& run) {
       .Add("--solver", words->solver,
            "One of `sinew list solvers`, or a chain a+b; default: the problem's own, mostly restarts")
       .Shows("S");
-  command.Add("--starts", words->starts, "Of solver multistart; default: 20").Between(1, kMostStarts);
-  command
-      .Add("--max-memory", words->max_memory,
-           "Budget of the search: it ends where the process takes so many MB of memory")
-      .AtLeastZero()
-      .Shows("MB");
+  AddStartsTo(command, words->starts);
+  AddMaxMemoryTo(command, words->max_memory,
+                 "Budget: the search ends where the process takes so many MB of memory, the intervals stop");
   command.AddFlag("--resume", words->resume, "Continue an interrupted run; the result is the same");
   command
       .Add("--intervals", words->intervals,

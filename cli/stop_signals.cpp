@@ -29,6 +29,12 @@ constexpr std::chrono::milliseconds kGrace{600};
 std::atomic<bool> interrupted{false};
 std::atomic<int> stop_signal{0};
 std::atomic<bool> others_end{false};
+constexpr int kOwnReason = -1;  // stop_signal of StopFor
+constexpr int kStatusOfOwnReason = 1;
+
+// Of StopFor; set before stop_signal, and not again.
+std::mutex reason_mutex;
+std::string own_reason;
 
 // Who may do what at the end. A work is registered, finished, or taken over by the listening thread.
 struct Works {
@@ -45,7 +51,8 @@ Works& TheWorks() {
 
 class Listener {
  public:
-  explicit Listener(std::string name) : name_(std::move(name)), end_(eventfd(0, EFD_CLOEXEC)) {
+  explicit Listener(std::string name)
+      : name_(std::move(name)), end_(eventfd(0, EFD_CLOEXEC)), request_(eventfd(0, EFD_CLOEXEC)) {
     sigemptyset(&signals_);
     for (const int signal : {SIGINT, SIGTERM}) {
       struct sigaction now {};
@@ -56,22 +63,35 @@ class Listener {
     thread_ = std::thread([this] { Listen(); });
   }
   ~Listener() {
-    const std::uint64_t one = 1;
-    static_cast<void>(!write(end_, &one, sizeof one));
+    Raise(end_);
     thread_.join();
     close(arrivals_);
     close(end_);
+    close(request_);
     pthread_sigmask(SIG_SETMASK, &before_, nullptr);
   }
   Listener(const Listener&) = delete;
   Listener& operator=(const Listener&) = delete;
 
+  /// The program asks itself to stop.
+  void Request() { Raise(request_); }
+
  private:
-  // The signal that has come, or 0: the program has ended, or nothing came in that time.
+  static void Raise(int event) {
+    const std::uint64_t one = 1;
+    static_cast<void>(!write(event, &one, sizeof one));
+  }
+
+  // The signal that has come, or kOwnReason, or 0: the program has ended, or nothing came in that time.
   int Wait(int milliseconds) {
-    std::array<pollfd, 2> files{pollfd{arrivals_, POLLIN, 0}, pollfd{end_, POLLIN, 0}};
+    std::array<pollfd, 3> files{pollfd{arrivals_, POLLIN, 0}, pollfd{end_, POLLIN, 0},
+                                pollfd{request_, POLLIN, 0}};
     if (poll(files.data(), files.size(), milliseconds) <= 0) return 0;
     ended_ = files[1].revents != 0;
+    if (files[2].revents != 0) {
+      std::uint64_t count = 0;
+      if (read(request_, &count, sizeof count) == sizeof count) return kOwnReason;
+    }
     signalfd_siginfo arrival{};
     if (files[0].revents == 0 || read(arrivals_, &arrival, sizeof arrival) != sizeof arrival) return 0;
     return static_cast<int>(arrival.ssi_signo);
@@ -88,7 +108,7 @@ class Listener {
       std::unique_lock lock(TheWorks().mutex);
       Works& works = TheWorks();
       if (!works.registered && !leaves_end) End("");
-      if (works.on_signal) works.on_signal(signal);
+      if (works.on_signal) works.on_signal(signal == kOwnReason ? SIGTERM : signal);
     }
     if (leaves_end) return;
     // In order, or after the second signal, or after a while.
@@ -96,12 +116,12 @@ class Listener {
     while (!ended_) {
       const auto left =
           std::chrono::duration_cast<std::chrono::milliseconds>(deadline - std::chrono::steady_clock::now());
-      if (Wait(static_cast<int>(std::max<std::int64_t>(left.count(), 0))) != 0) End("");
+      if (Wait(static_cast<int>(std::max<std::int64_t>(left.count(), 0))) > 0) End("");
       if (std::chrono::steady_clock::now() >= deadline) break;
     }
     if (!ended_) TakeOver();
     while (!ended_) {
-      if (Wait(-1) != 0) End("");
+      if (Wait(-1) > 0) End("");
     }
   }
 
@@ -125,6 +145,7 @@ class Listener {
   sigset_t before_{};
   int arrivals_ = -1;
   int end_;
+  int request_;
   bool ended_ = false;
   std::thread thread_;
 };
@@ -149,11 +170,26 @@ const std::atomic<bool>& InterruptFlag() {
   return interrupted;
 }
 
+void StopFor(const std::string& reason) {
+  if (!listener || stop_signal != 0) return;
+  {
+    const std::lock_guard lock(reason_mutex);
+    if (!own_reason.empty()) return;
+    own_reason = reason;
+  }
+  listener->Request();
+}
+
 int StopStatus() {
-  return stop_signal == 0 ? 0 : 128 + stop_signal;
+  const int signal = stop_signal;
+  return signal == 0 ? 0 : signal == kOwnReason ? kStatusOfOwnReason : 128 + signal;
 }
 
 std::string StopName() {
+  if (stop_signal == kOwnReason) {
+    const std::lock_guard lock(reason_mutex);
+    return own_reason;
+  }
   return stop_signal == SIGTERM ? "SIGTERM" : "SIGINT";
 }
 

@@ -26,13 +26,17 @@ class StopSignals {
 /// A process that works for another one: a signal raises InterruptFlag and nothing more.
 void LeaveEndToOthers();
 
+/// Stops the program as the first signal does, for a reason of its own, with exit status 1. Nothing if it is
+/// stopping already. @param reason follows "stopped by"
+void StopFor(const std::string& reason);
+
 /// Raised by the first signal.
 const std::atomic<bool>& InterruptFlag();
 
-/// The exit status that belongs to the signal that came (130 or 143), or 0.
+/// The exit status that belongs to the signal that came (130 or 143) or to StopFor, or 0.
 int StopStatus();
 
-/// "SIGINT" or "SIGTERM", of the signal that came.
+/// "SIGINT" or "SIGTERM", of the signal that came, or the reason of StopFor.
 std::string StopName();
 
 /// Work that looks at InterruptFlag and ends in order. If it has not within most of a second, because a

@@ -4,30 +4,24 @@
 #include <cmath>
 #include <limits>
 
+#include "datasets/order_statistics.h"
+
 namespace sinew {
 
-double Quantile(std::vector<double> values, double share) {
-  const double place = share * static_cast<double>(values.size() - 1);
-  const auto low = static_cast<std::ptrdiff_t>(place);
-  const auto at = values.begin() + low;
-  std::nth_element(values.begin(), at, values.end());
-  const double value = *at;
-  if (at + 1 == values.end()) return value;
-  const double next = *std::min_element(at + 1, values.end());
-  return value + (place - static_cast<double>(low)) * (next - value);
+double Quantile(const std::vector<double>& values, double share) {
+  return QuantileOf(share, [&](auto add) {
+    for (const double value : values) add(value);
+  });
 }
 
-double Median(std::vector<double> values) {
-  return Quantile(std::move(values), 0.5);
+double Median(const std::vector<double>& values) {
+  return Quantile(values, 0.5);
 }
 
 double RobustDeviation(const std::vector<double>& values) {
-  constexpr double kNormal = 1.4826;  // 1 / (upper quartile of the standard normal)
-  const double middle = Median(values);
-  std::vector<double> distance;
-  distance.reserve(values.size());
-  for (const double value : values) distance.push_back(std::abs(value - middle));
-  return kNormal * Median(std::move(distance));
+  return RobustDeviationOf([&](auto add) {
+    for (const double value : values) add(value);
+  });
 }
 
 std::vector<double> Finite(const std::vector<double>& values) {

@@ -5,10 +5,11 @@
 
 namespace sinew {
 
-/// Value below which a share of the values lies, between order statistics. @param values not empty, no NaN
-[[nodiscard]] double Quantile(std::vector<double> values, double share);
+/// Value below which a share of the values lies, between order statistics. Long ones are not copied.
+/// @param values not empty, no NaN
+[[nodiscard]] double Quantile(const std::vector<double>& values, double share);
 
-[[nodiscard]] double Median(std::vector<double> values);
+[[nodiscard]] double Median(const std::vector<double>& values);
 
 /// Median absolute deviation from the median, times 1.4826: the standard deviation of normal values.
 [[nodiscard]] double RobustDeviation(const std::vector<double>& values);

@@ -2,7 +2,7 @@
 
     /usr/bin/python3 benchmarks/memory/run.py [--program build/release/sinew] [--folder /tmp/memory] [--size 1.0] [data] [search] [starts]
 
-Of data: 32 channels of noise, which nothing compresses, in 4 trials. Of searches: annealing on a synthetic stance, an evaluation of which takes 5 us,
+Of data: 32 channels of noise, which nothing compresses, in 4 trials; one channel; a plate and a servo at 1 kHz for hours. Of searches: annealing on a synthetic stance, an evaluation of which takes 5 us,
 with 100,000, a million and three million evaluations, and 10,000 starts. Needs up to three times the size on the disk and some minutes of processor time.
 """
 import argparse
@@ -62,32 +62,75 @@ def measured(program, *words):
     return peak
 
 
-def recording(path, gigabytes, trials=4, channels=8):
+def noise(rng, time):
+    values = rng.standard_normal(time.size)
+    values[1000:20000] = values[1000]
+    return values
+
+
+def noise_of_channels(rng, time, count=8):
+    return {f"c{k}": ("V", "measured", noise(rng, time)) for k in range(count)}
+
+
+def plate(rng, time):
+    """Forces of a plate that steps load for 0.6 s now and then."""
+    load = np.zeros(time.size)
+    at = 0
+    while (at := at + int(rng.uniform(300, 3000))) + 600 < time.size:
+        load[at:at + 600] = np.hanning(600)
+        at += 600
+    return {f"plate_force_{axis}": ("N", "measured", np.round(size * load / 0.5 + 3 * rng.standard_normal(time.size)) * 0.5)
+            for axis, size in (("x", 100), ("y", 800), ("z", 30))}
+
+
+def servo(rng, time):
+    """An encoder's position with its speed and its input."""
+    places = rng.standard_normal(time.size // 100 + 2)
+    window = np.hanning(101)
+    position = np.convolve(np.interp(time, np.arange(places.size) * 0.1, places), window / window.sum(), "same")
+    speed = np.gradient(position, 1e-3)
+    step = 2 * np.pi / 4096
+    return {"position": ("rad", "measured", np.round(position / step) * step), "current": ("A", "input", np.round(np.gradient(speed, 1e-3), 2)),
+            "speed": ("rad/s", "measured", speed + 0.01 * rng.standard_normal(time.size))}
+
+
+# Of recordings: trials, channels of each, what they are.
+KINDS = {
+    "32 channels of noise": (4, 8, noise_of_channels),
+    "one channel of noise": (1, 1, lambda rng, time: noise_of_channels(rng, time, 1)),
+    "a plate": (2, 3, plate),
+    "a servo": (4, 3, servo),
+}
+
+
+def recording(path, gigabytes, kind):
     rng = np.random.default_rng(1)
-    samples = int(gigabytes * 1e9 / 8 / trials / (channels + 1))
+    trials, channels, make = KINDS[kind]
+    time = np.arange(int(gigabytes * 1e9 / 8 / trials / (channels + 1))) * 1e-3
     with h5py.File(path, "w") as file:
         file.attrs.update(sinew_schema="dataset/1", title="long", synthetic=1)
         for trial in range(trials):
             group = file.create_group(f"trials/t{trial}")
             group.attrs.update(role="train", task="")
-            group["sensors/time"] = np.arange(samples) * 1e-3
-            for name in range(channels):
-                channel = group.create_dataset(f"sensors/channels/c{name}", data=rng.standard_normal(samples))
-                channel.attrs.update(unit="V", kind="measured")
-                channel[1000:20000] = channel[1000]
+            group["sensors/time"] = time
+            for name, (unit, role, values) in make(rng, time).items():
+                channel = group.create_dataset(f"sensors/channels/{name}", data=values)
+                channel.attrs.update(unit=unit, kind=role)
+    print(f"{kind}: a data set of {path.stat().st_size / 1e6:.0f} MB", flush=True)
 
 
 def on_data(program, folder, size):
     long = folder / "long.h5"
-    recording(long, size)
-    print(f"a data set of {long.stat().st_size / 1e6:.0f} MB", flush=True)
-    measured(program, "data", "info", long)
-    measured(program, "data", "check", long)
-    measured(program, "data", "check", long, "--mask", "auto", "--out", folder / "masked.h5")
-    (folder / "masked.h5").unlink(missing_ok=True)
-    measured(program, "data", "cut", long, "--trial", "t0", "--window", "100:1000", "--as", "part")
-    measured(program, "data", "drop", long, "--trial", "part")
-    long.unlink()
+    for kind in KINDS:
+        recording(long, size, kind)
+        measured(program, "data", "check", long)
+        if kind == "32 channels of noise":
+            measured(program, "data", "info", long)
+            measured(program, "data", "check", long, "--mask", "auto", "--out", folder / "masked.h5")
+            (folder / "masked.h5").unlink(missing_ok=True)
+            measured(program, "data", "cut", long, "--trial", "t0", "--window", "100:1000", "--as", "part")
+            measured(program, "data", "drop", long, "--trial", "part")
+        long.unlink()
 
 
 def of_searches(program, folder, cases):

@@ -5,6 +5,7 @@
 #include <functional>
 #include <limits>
 
+#include "datasets/order_statistics.h"
 #include "datasets/robust.h"
 
 namespace sinew {
@@ -49,12 +50,16 @@ Series Sampled(const std::vector<const Signal*>& signals) {
   const std::size_t stride = std::max<std::size_t>(1, signals.size() / kCycleMostChannels);
   for (std::size_t s = 0; s < signals.size(); s += stride) {
     const Signal& signal = *signals[s];
-    const auto finite = Finite(signal.values);
-    if (2 * finite.size() < signal.size() || signal.size() < 50) continue;
-    const double middle = Median(finite);
+    if (2 * CountFinite(signal.values) < signal.size() || signal.size() < 50) continue;
+    const auto levels = FiniteQuantiles(signal.values, {0.05, 0.5, 0.95});
+    const double middle = levels[1];
+    const double robust = RobustDeviationOf([&](auto add) {
+      for (const double v : signal.values) {
+        if (std::isfinite(v)) add(v);
+      }
+    });
     // Signals that rest most of the time have a robust deviation of 0.
-    const double deviation =
-        std::max(RobustDeviation(finite), (Quantile(finite, 0.95) - Quantile(finite, 0.05)) / 4);
+    const double deviation = std::max(robust, (levels[2] - levels[0]) / 4);
     if (!(deviation > 0)) continue;
     std::vector<double> values(samples);
     for (std::size_t i = 0; i < samples; ++i) {

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "datasets/order_statistics.h"
 #include "datasets/robust.h"
 
 namespace sinew {
@@ -16,6 +17,7 @@ constexpr double kDriftKendall = 4;        // standard deviations of Kendall's s
 constexpr double kDriftUnloaded = 0.1;     // of the range of a plate's force
 constexpr double kDriftShortest_s = 0.05;  // of an unloaded stretch
 constexpr double kDriftPiece_s = 0.25;     // longest: longer ones give several levels
+constexpr std::size_t kDriftMost = 2000;   // levels: of more the medians of neighbours, as pairs are compared
 
 struct Levels {
   std::vector<double> time;
@@ -82,19 +84,37 @@ Levels OfUnloaded(const Signal& signal, double low, double high) {
   return levels;
 }
 
+// At most kDriftMost: medians of as many neighbours each.
+Levels Condensed(Levels levels) {
+  const std::size_t n = levels.time.size();
+  if (n <= kDriftMost) return levels;
+  const std::size_t width = (n + kDriftMost - 1) / kDriftMost;
+  Levels condensed;
+  for (std::size_t from = 0; from < n; from += width) {
+    const auto first = static_cast<std::ptrdiff_t>(from);
+    const auto end = static_cast<std::ptrdiff_t>(std::min(n, from + width));
+    const auto middle = [&](const std::vector<double>& of) {
+      return Median({of.begin() + first, of.begin() + end});
+    };
+    condensed.time.push_back(middle(levels.time));
+    condensed.level.push_back(middle(levels.level));
+  }
+  return condensed;
+}
+
 }  // namespace
 
 std::vector<Finding> FindDrift(const Signal& signal, const Cycles& cycles) {
   const bool is_load = signal.unit == "N" || signal.unit == "N*m" || signal.unit == "V";
-  const auto finite = Finite(signal.values);
-  if (!is_load || signal.kind != ChannelKind::kMeasured || finite.size() < 100) return {};
-  const double low = Quantile(finite, 0.01);
-  const double high = Quantile(finite, 0.99);
+  if (!is_load || signal.kind != ChannelKind::kMeasured || CountFinite(signal.values) < 100) return {};
+  const auto ends = FiniteQuantiles(signal.values, {0.01, 0.99});
+  const double low = ends[0];
+  const double high = ends[1];
   const bool plate = signal.channel.find("_force_y") != std::string::npos;
   // The free moment of a plate is known only where it is loaded.
   if (signal.channel.find("_moment_") != std::string::npos) return {};
   const Levels levels = cycles.count() > 0 ? OfCycles(signal, cycles)
-                        : plate            ? OfUnloaded(signal, low, high)
+                        : plate            ? Condensed(OfUnloaded(signal, low, high))
                                            : Levels{};
   const std::size_t n = levels.time.size();
   if (n < kDriftFewest) return {};

@@ -5,6 +5,7 @@
 #include <cmath>
 #include <limits>
 
+#include "datasets/order_statistics.h"
 #include "datasets/robust.h"
 
 namespace sinew {
@@ -28,19 +29,28 @@ constexpr std::size_t kExcursionSpike = 3;   // [samples] at most
 constexpr std::size_t kExcursionAround = 3;  // increments on each side that tell the local slope
 
 // Increments less the median of their neighbourhood, so that motion is not a jump.
-std::vector<double> Unexpected(const std::vector<double>& increments) {
-  std::vector<double> unexpected(increments.size(), std::numeric_limits<double>::quiet_NaN());
+std::vector<double> Unexpected(const std::vector<double>& values) {
+  std::vector<double> unexpected = Increments(values);
+  std::array<double, kExcursionAround> before;  // the increments in front, which are overwritten
+  before.fill(std::numeric_limits<double>::quiet_NaN());
   std::array<double, 2 * kExcursionAround + 1> near{};
-  for (std::size_t i = 0; i < increments.size(); ++i) {
-    if (!std::isfinite(increments[i])) continue;
-    std::size_t count = 0;
-    for (std::size_t j = i > kExcursionAround ? i - kExcursionAround : 0;
-         j <= i + kExcursionAround && j < increments.size(); ++j) {
-      if (std::isfinite(increments[j])) near[count++] = increments[j];
+  for (std::size_t i = 0; i < unexpected.size(); ++i) {
+    const double increment = unexpected[i];
+    if (std::isfinite(increment)) {
+      std::size_t count = 0;
+      for (const double b : before) {
+        if (std::isfinite(b)) near[count++] = b;
+      }
+      for (std::size_t j = i; j <= i + kExcursionAround && j < unexpected.size(); ++j) {
+        if (std::isfinite(unexpected[j])) near[count++] = unexpected[j];
+      }
+      const auto middle = near.begin() + static_cast<std::ptrdiff_t>(count / 2);
+      std::nth_element(near.begin(), middle, near.begin() + static_cast<std::ptrdiff_t>(count));
+      unexpected[i] = increment - *middle;
+    } else {
+      unexpected[i] = std::numeric_limits<double>::quiet_NaN();
     }
-    const auto middle = near.begin() + static_cast<std::ptrdiff_t>(count / 2);
-    std::nth_element(near.begin(), middle, near.begin() + static_cast<std::ptrdiff_t>(count));
-    unexpected[i] = increments[i] - *middle;
+    before[i % kExcursionAround] = increment;
   }
   return unexpected;
 }
@@ -53,8 +63,11 @@ struct Excursion {
 };
 
 double MedianOf(const std::vector<double>& values, std::size_t first, std::size_t last) {
-  return Median(Finite({values.begin() + static_cast<std::ptrdiff_t>(first),
-                        values.begin() + static_cast<std::ptrdiff_t>(last) + 1}));
+  return QuantileOf(0.5, [&](auto add) {
+    for (std::size_t i = first; i <= last; ++i) {
+      if (std::isfinite(values[i])) add(values[i]);
+    }
+  });
 }
 
 // Steps of one direction right after each other, as a filter makes of a jump, count as one jump.
@@ -165,11 +178,6 @@ double LocalSize(const std::vector<double>& unexpected, std::size_t first, std::
   return sizes.empty() ? 0 : Quantile(std::move(sizes), 0.9);
 }
 
-// Raw EMG and the like: from one sample to the next it changes as much as it varies at all.
-bool IsNoise(double typical_step, const std::vector<double>& all) {
-  return typical_step > kExcursionNoise * RobustDeviation(all);
-}
-
 // Largest distance from the middle around a stretch of noise, without its next neighbours.
 double LargestNearby(const std::vector<double>& x, double middle, const Excursion& e) {
   constexpr std::size_t kSkip = 5;
@@ -188,30 +196,45 @@ double LargestNearby(const std::vector<double>& x, double middle, const Excursio
 
 std::vector<Finding> FindExcursions(const ChannelGroup& group) {
   std::vector<std::vector<double>> unexpected;
-  std::vector<double> sizes;
-  std::vector<double> all;
-  std::vector<double> steps;
+  std::size_t moves = 0;
   for (const Signal& signal : group.signals) {
-    const auto increments = Increments(signal.values);
-    unexpected.push_back(Unexpected(increments));
-    for (const double u : unexpected.back()) {
-      if (std::isfinite(u) && u != 0) sizes.push_back(std::abs(u));
-    }
-    for (const double d : increments) {
-      if (std::isfinite(d)) steps.push_back(std::abs(d));
-    }
-    for (const double v : signal.values) {
-      if (std::isfinite(v)) all.push_back(v);
-    }
+    unexpected.push_back(Unexpected(signal.values));
+    moves += static_cast<std::size_t>(std::count_if(unexpected.back().begin(), unexpected.back().end(),
+                                                    [](double u) { return std::isfinite(u) && u != 0; }));
   }
-  if (sizes.size() < kExcursionMinIncrements) return {};
+  if (moves < kExcursionMinIncrements) return {};
+  const auto sizes = [&](auto add) {
+    for (const auto& of_signal : unexpected) {
+      for (const double u : of_signal) {
+        if (std::isfinite(u) && u != 0) add(std::abs(u));
+      }
+    }
+  };
+  const auto all = [&](auto add) {
+    for (const Signal& signal : group.signals) {
+      for (const double v : signal.values) {
+        if (std::isfinite(v)) add(v);
+      }
+    }
+  };
+  const auto steps = [&](auto add) {
+    for (const Signal& signal : group.signals) {
+      const std::vector<double>& x = signal.values;
+      for (std::size_t i = 1; i < x.size(); ++i) {
+        const double d = x[i] - x[i - 1];
+        if (std::isfinite(d)) add(std::abs(d));
+      }
+    }
+  };
   // Of a short recording the 99th percentile would be the fault itself.
-  const double share = 1 - std::max(0.01, kExcursionFaults / static_cast<double>(sizes.size()));
-  const double usual = Quantile(sizes, share);
-  const double range = Quantile(all, 0.99) - Quantile(all, 0.01);
-  const double typical_step = Median(std::move(steps));
-  const bool is_noise = IsNoise(typical_step, all);
-  const double middle = Median(all);
+  const double share = 1 - std::max(0.01, kExcursionFaults / static_cast<double>(moves));
+  const double usual = QuantileOf(share, sizes);
+  const std::vector<double> levels = QuantilesOf({0.01, 0.5, 0.99}, all);
+  const double range = levels[2] - levels[0];
+  const double middle = levels[1];
+  const double typical_step = QuantileOf(0.5, steps);
+  // Raw EMG and the like: from one sample to the next it changes as much as it varies at all.
+  const bool is_noise = typical_step > kExcursionNoise * RobustDeviationOf(all);
   const double least_if_constant =
       std::max(kExcursionBeyondUsualIfConstant * usual, kExcursionShareOfRange * range);
   const double least = std::max(kExcursionBeyondUsual * usual, kExcursionShareOfRange * range);

@@ -5,6 +5,7 @@
 #include <map>
 
 #include "datasets/check/marker_paths.h"
+#include "datasets/order_statistics.h"
 #include "datasets/robust.h"
 #include "datasets/stances/stances.h"
 
@@ -26,25 +27,23 @@ constexpr double kFootScatter = 0.75;
 struct FootMarker {
   const Marker* marker = nullptr;
   Path path;
-  Path velocity;             // [frames, m/s]
   std::vector<bool> stands;  // [frames]
+
+  // [m/s] NaN at the ends and beside gaps.
+  [[nodiscard]] Vec3 Velocity(std::size_t i) const {
+    if (i == 0 || i + 1 >= path.size()) return {NAN, NAN, NAN};
+    const std::vector<double>& time = marker->time();
+    return (path[i + 1] - path[i - 1]) / (time[i + 1] - time[i - 1]);
+  }
 };
 
 double Slowness(const Vec3& velocity, const Vec3& floor) {
   return (velocity - floor).norm();
 }
 
-Path Velocity(const Path& path, const std::vector<double>& time) {
-  constexpr std::size_t kWidth = 1;
-  Path velocity(path.size(), Vec3(NAN, NAN, NAN));
-  for (std::size_t i = kWidth; i + kWidth < path.size(); ++i)
-    velocity[i] = (path[i + kWidth] - path[i - kWidth]) / (time[i + kWidth] - time[i - kWidth]);
-  return velocity;
-}
-
 double Lowest(const Marker& marker) {
-  const auto heights = Finite(marker.axes[1]->values);
-  return heights.size() < 20 ? INFINITY : Quantile(heights, 0.05);
+  const std::vector<double>& heights = marker.axes[1]->values;
+  return CountFinite(heights) < 20 ? INFINITY : FiniteQuantiles(heights, {0.05}).front();
 }
 
 // Those that walk, with the times at which they stand; empty if nothing walks here.
@@ -52,31 +51,38 @@ std::vector<FootMarker> FootMarkers(const std::vector<Marker>& markers) {
   double floor_height = INFINITY;
   for (const Marker& marker : markers) floor_height = std::min(floor_height, Lowest(marker));
   std::vector<FootMarker> feet;
-  std::vector<double> forward;
-  std::vector<double> sideways;
+  std::vector<double> lowest;
   for (const Marker& marker : markers) {
-    const double lowest = Lowest(marker);
-    if (!(lowest < floor_height + kFootHeight_m)) continue;
-    FootMarker foot{&marker, PathOf(marker), {}, {}};
-    foot.velocity = Velocity(foot.path, marker.time());
-    for (std::size_t i = 0; i < foot.path.size(); ++i) {
-      if (!(foot.path[i].y() < lowest + kFootOnFloor_m) || !foot.velocity[i].allFinite()) continue;
-      forward.push_back(foot.velocity[i].x());
-      sideways.push_back(foot.velocity[i].z());
-    }
-    feet.push_back(std::move(foot));
+    const double height = Lowest(marker);
+    if (!(height < floor_height + kFootHeight_m)) continue;
+    feet.push_back({&marker, Path(marker), {}});
+    lowest.push_back(height);
   }
-  if (feet.size() < kFootFewestMarkers || forward.empty()) return {};
-  const Vec3 floor(Median(forward), 0, Median(sideways));
+  if (feet.size() < kFootFewestMarkers) return {};
+  // Velocities of what is on the floor.
+  const auto on_floor = [&](const auto& use) {
+    for (std::size_t f = 0; f < feet.size(); ++f) {
+      for (std::size_t i = 0; i < feet[f].path.size(); ++i) {
+        if (!(feet[f].path[i].y() < lowest[f] + kFootOnFloor_m)) continue;
+        const Vec3 velocity = feet[f].Velocity(i);
+        if (velocity.allFinite()) use(velocity);
+      }
+    }
+  };
+  const Vec3 floor(QuantileOf(0.5, [&](auto add) { on_floor([&](const Vec3& v) { add(v.x()); }); }), 0,
+                   QuantileOf(0.5, [&](auto add) { on_floor([&](const Vec3& v) { add(v.z()); }); }));
+  if (!floor.allFinite()) return {};
   std::vector<FootMarker> walking;
   for (FootMarker& foot : feet) {
-    std::vector<double> speeds;
-    for (const Vec3& v : foot.velocity) {
-      const double speed = Slowness(v, floor);
-      foot.stands.push_back(speed < kFootRest_m_s);
-      if (std::isfinite(speed)) speeds.push_back(speed);
-    }
-    if (!speeds.empty() && Quantile(speeds, 0.95) > kFootSwings_m_s) walking.push_back(std::move(foot));
+    for (std::size_t i = 0; i < foot.path.size(); ++i)
+      foot.stands.push_back(Slowness(foot.Velocity(i), floor) < kFootRest_m_s);
+    const double fast = QuantileOf(0.95, [&](auto add) {
+      for (std::size_t i = 0; i < foot.path.size(); ++i) {
+        const double speed = Slowness(foot.Velocity(i), floor);
+        if (std::isfinite(speed)) add(speed);
+      }
+    });
+    if (fast > kFootSwings_m_s) walking.push_back(std::move(foot));
   }
   return walking;
 }

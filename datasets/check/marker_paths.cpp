@@ -23,13 +23,6 @@ void SetMirrors(std::vector<Marker>& markers) {
 
 }  // namespace
 
-Path PathOf(const Marker& marker) {
-  Path path(marker.size());
-  for (std::size_t i = 0; i < path.size(); ++i)
-    path[i] = {marker.axes[0]->values[i], marker.axes[1]->values[i], marker.axes[2]->values[i]};
-  return path;
-}
-
 std::vector<std::vector<Marker>> MarkerSets(const std::vector<ChannelGroup>& groups) {
   std::map<std::pair<std::string, std::string>, std::map<std::string, Marker>> sets;
   for (const ChannelGroup& group : groups) {

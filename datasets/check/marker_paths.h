@@ -23,9 +23,21 @@ struct Marker {
   [[nodiscard]] std::size_t size() const { return axes[0]->size(); }
 };
 
-using Path = std::vector<Vec3>;  ///< [frames, m] NaN in gaps
+/// The points of a marker, [frames, m], NaN in gaps; as they lie in the data set.
+class Path {
+ public:
+  /// @param marker must outlive this
+  explicit Path(const Marker& marker)
+      : x_(marker.axes[0]->values), y_(marker.axes[1]->values), z_(marker.axes[2]->values) {}
 
-[[nodiscard]] Path PathOf(const Marker& marker);
+  [[nodiscard]] std::size_t size() const { return x_.size(); }
+  [[nodiscard]] Vec3 operator[](std::size_t i) const { return {x_[i], y_[i], z_[i]}; }
+
+ private:
+  const std::vector<double>& x_;
+  const std::vector<double>& y_;
+  const std::vector<double>& z_;
+};
 
 /// The markers of each grid of each trial, in the order of their names: all points in metres but centres of
 /// pressure.

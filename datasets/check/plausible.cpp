@@ -7,6 +7,8 @@
 
 #include "datasets/check/cycles.h"
 #include "datasets/check/sides.h"
+#include "datasets/lagged_correlation.h"
+#include "datasets/order_statistics.h"
 #include "datasets/robust.h"
 #include "datasets/stances/stances.h"
 
@@ -72,9 +74,12 @@ const Signal* Get(const OfTrial& channels, const std::string& name) {
 
 double LargestOf(const Signal* signal) {
   if (signal == nullptr) return 0;
-  std::vector<double> sizes;
-  for (const double v : Finite(signal->values)) sizes.push_back(std::abs(v));
-  return sizes.empty() ? 0 : Quantile(std::move(sizes), 0.98);
+  const double largest = QuantileOf(0.98, [&](auto add) {
+    for (const double v : signal->values) {
+      if (std::isfinite(v)) add(std::abs(v));
+    }
+  });
+  return std::isfinite(largest) ? largest : 0;
 }
 
 void CheckForces(const Dataset& dataset, const std::string& plate, const OfTrial& channels,
@@ -97,12 +102,12 @@ void CheckForces(const Dataset& dataset, const std::string& plate, const OfTrial
     }
   }
   if (!(vertical > 0)) return;
-  std::vector<double> loaded;
-  for (const double v : Finite(up->values)) {
-    if (std::abs(v) > 0.2 * vertical) loaded.push_back(v);
-  }
-  if (!loaded.empty() && Median(loaded) < 0)
-    found.push_back(WholeFinding(*up, FindingKind::kSign, -1, 1, ""));
+  const double loaded = QuantileOf(0.5, [&](auto add) {
+    for (const double v : up->values) {
+      if (std::isfinite(v) && std::abs(v) > 0.2 * vertical) add(v);
+    }
+  });
+  if (loaded < 0) found.push_back(WholeFinding(*up, FindingKind::kSign, -1, 1, ""));
   if (mass != dataset.constants.end() && mass->second.value > 0) {
     const double weights = vertical / (mass->second.value * kGravity);
     if (weights > 30 || weights < 0.01)
@@ -122,10 +127,8 @@ std::optional<TimeSpan> MarkerRange(const OfTrial& channels, const std::string& 
   std::vector<double> middles;
   for (const auto& [name, signal] : channels) {
     if (signal->grid != "markers" || name.size() < 2 || name.compare(name.size() - 2, 2, axis) != 0) continue;
-    const auto finite = Finite(signal->values);
-    if (finite.empty()) continue;
-    middles.push_back(Quantile(finite, 0.02));
-    middles.push_back(Quantile(finite, 0.98));
+    const auto ends = FiniteQuantiles(signal->values, {0.02, 0.98});
+    if (std::isfinite(ends.front())) middles.insert(middles.end(), ends.begin(), ends.end());
   }
   if (middles.size() < 10) return std::nullopt;
   return TimeSpan{Quantile(middles, 0.02), Quantile(middles, 0.98)};
@@ -136,9 +139,8 @@ void CheckPressure(const std::string& plate, const OfTrial& channels, std::vecto
     const Signal* cop = Get(channels, plate + "_cop" + axis);
     const auto markers = MarkerRange(channels, axis);
     if (cop == nullptr || !markers) continue;
-    const auto finite = Finite(cop->values);
-    if (finite.size() < 10) continue;
-    const double middle = Median(finite);
+    if (CountFinite(cop->values) < 10) continue;
+    const double middle = FiniteQuantiles(cop->values, {0.5}).front();
     const double away = std::max(markers->from - middle, middle - markers->to);
     if (!(away > kFarFromMarkers_m)) continue;
     const double reach = std::max(std::abs(markers->from), std::abs(markers->to));
@@ -154,10 +156,9 @@ void CheckMarkers(const OfTrial& channels, std::vector<Finding>& found) {
     for (const auto& [name, signal] : channels) {
       if (signal->grid != "markers" || name.size() < 3 || name.compare(name.size() - 2, 2, axis) != 0)
         continue;
-      const auto finite = Finite(signal->values);
-      if (finite.size() < 10) continue;
+      if (CountFinite(signal->values) < 10) continue;
       markers.push_back(signal);
-      levels.push_back(Median(finite));
+      levels.push_back(FiniteQuantiles(signal->values, {0.5}).front());
     }
     if (markers.size() < 8) continue;
     const double middle = Median(levels);
@@ -228,18 +229,15 @@ void CheckSpeeds(const OfTrial& channels, std::vector<Finding>& found) {
       found.push_back(WholeFinding(*speed, FindingKind::kUnit, *unit_factor, 1, position->channel));
       continue;
     }
-    const double step = Median(Finite(Increments(t)));
+    const double step = QuantileOf(0.5, [&](auto add) {
+      for (std::size_t i = 1; i < t.size(); ++i) add(t[i] - t[i - 1]);
+    });
     double best = r;
     int best_lag = 0;
     const int longest = static_cast<int>(std::min<double>(0.4 / step, static_cast<double>(slope.size()) / 4));
+    const std::vector<double> of_lags = LaggedCorrelations(slope, speed->values, longest);
     for (int lag = -longest; lag <= longest; ++lag) {
-      std::vector<double> shifted(slope.size(), NAN);
-      for (std::size_t i = 0; i < shifted.size(); ++i) {
-        const long from = static_cast<long>(i) - lag;
-        if (from >= 0 && from < static_cast<long>(slope.size()))
-          shifted[i] = slope[static_cast<std::size_t>(from)];
-      }
-      const double at = Correlation(shifted, speed->values);
+      const double at = of_lags[static_cast<std::size_t>(lag + longest)];
       if (at > best) {
         best = at;
         best_lag = lag;
@@ -298,12 +296,12 @@ void CheckActivities(const OfTrial& channels, std::vector<Finding>& found) {
     const bool component =
         name.size() > 2 && name[name.size() - 2] == '_' && name.back() >= 'w' && name.back() <= 'z';
     if ((signal->unit != "1" && signal->unit != "V") || component) continue;
-    const auto finite = Finite(signal->values);
     const double range = RangeOf(*signal);
     if (!(range > 0)) continue;
     ++count[signal->grid];
-    if (Quantile(finite, 0.02) > -kBeyond * range) positive[signal->grid].push_back(signal);
-    if (Quantile(finite, 0.98) < kBeyond * range) negative[signal->grid].push_back(signal);
+    const auto ends = FiniteQuantiles(signal->values, {0.02, 0.98});
+    if (ends[0] > -kBeyond * range) positive[signal->grid].push_back(signal);
+    if (ends[1] < kBeyond * range) negative[signal->grid].push_back(signal);
   }
   for (const auto& [grid, wrong] : negative) {
     if (wrong.size() != 1 || positive[grid].size() < kFewest || positive[grid].size() + 1 != count[grid])
@@ -328,12 +326,14 @@ std::vector<Finding> FindOddScales(const ChannelGroup& group) {
   std::vector<double> ranges;
   std::vector<double> levels;
   for (const Signal& signal : group.signals) {
-    const auto finite = Finite(signal.values);
-    const bool known = finite.size() >= 10;
-    const double low = known ? Quantile(finite, 0.02) : 0;
-    const double high = known ? Quantile(finite, 0.98) : 0;
-    ranges.push_back(high - low);
-    levels.push_back(low * high > 0 ? Median(finite) : 0);
+    if (CountFinite(signal.values) < 10) {
+      ranges.push_back(0);
+      levels.push_back(0);
+      continue;
+    }
+    const auto at = FiniteQuantiles(signal.values, {0.02, 0.5, 0.98});
+    ranges.push_back(at[2] - at[0]);
+    levels.push_back(at[0] * at[2] > 0 ? at[1] : 0);
   }
   for (std::size_t s = 0; s < ranges.size(); ++s) {
     const auto factor = OddScale(levels, s);

@@ -6,6 +6,7 @@
 
 #include "base/decompositions.h"
 #include "base/linear_algebra.h"
+#include "datasets/order_statistics.h"
 #include "datasets/robust.h"
 
 namespace sinew {
@@ -107,9 +108,9 @@ std::vector<const ChannelGroup*> Common(const std::vector<ChannelGroup>& groups,
   for (const ChannelGroup& group : groups) {
     if (group.signals.size() != trials) continue;
     const bool varies = std::all_of(group.signals.begin(), group.signals.end(), [](const Signal& signal) {
-      const auto finite = Finite(signal.values);
-      return signal.size() >= 50 && 2 * finite.size() > signal.size() &&
-             Quantile(finite, 0.95) > Quantile(finite, 0.05);
+      if (signal.size() < 50 || 2 * CountFinite(signal.values) <= signal.size()) return false;
+      const auto ends = FiniteQuantiles(signal.values, {0.05, 0.95});
+      return ends[1] > ends[0];
     });
     if (varies) common.push_back(&group);
   }

@@ -41,7 +41,8 @@ struct Distance {
       INFINITY;  // [m] the same of the 80th percentile: feet that stand most of the time differ in the rest
 };
 
-Distance Between(const Path& a, const Path& b, std::size_t stride) {
+template <class Points>
+Distance Between(const Points& a, const Path& b, std::size_t stride) {
   std::vector<double> distances;
   distances.reserve(a.size() / stride + 1);
   for (std::size_t i = 0; i < a.size(); i += stride) {
@@ -65,32 +66,34 @@ struct Correction {
   int lag = 0;        // [samples] late
 };
 
-Path Corrected(const Path& path, const Correction& c) {
-  Path corrected = path;
-  const auto n = static_cast<int>(path.size());
-  for (int i = 0; i < n; ++i) {
-    Vec3& p = corrected[static_cast<std::size_t>(i)];
-    switch (c.kind) {
-      case FindingKind::kSign:
-        p[c.axis] = -p[c.axis];
-        break;
-      case FindingKind::kAxis:
-        std::swap(p[c.axis], p[c.other]);
-        break;
-      case FindingKind::kUnit:
-        p[c.axis] /= c.factor;
-        break;
-      default:
-        p = i + c.lag >= 0 && i + c.lag < n ? path[static_cast<std::size_t>(i + c.lag)] : Vec3(NAN, NAN, NAN);
+class Corrected {
+ public:
+  Corrected(const Path& path, const Correction& correction) : path_(path), correction_(correction) {}
+
+  [[nodiscard]] std::size_t size() const { return path_.size(); }
+  [[nodiscard]] Vec3 operator[](std::size_t i) const {
+    const Correction& c = correction_;
+    if (c.kind == FindingKind::kLag) {
+      const auto at = static_cast<long>(i) + c.lag;
+      if (at < 0 || at >= static_cast<long>(size())) return {NAN, NAN, NAN};
+      return path_[static_cast<std::size_t>(at)];
     }
+    Vec3 p = path_[i];
+    if (c.kind == FindingKind::kSign) p[c.axis] = -p[c.axis];
+    if (c.kind == FindingKind::kAxis) std::swap(p[c.axis], p[c.other]);
+    if (c.kind == FindingKind::kUnit) p[c.axis] /= c.factor;
+    return p;
   }
-  return corrected;
-}
+
+ private:
+  const Path& path_;
+  const Correction& correction_;
+};
 
 class Segments {
  public:
   explicit Segments(const std::vector<Marker>& markers) : markers_(markers) {
-    for (const Marker& marker : markers) paths_.push_back(PathOf(marker));
+    for (const Marker& marker : markers) paths_.emplace_back(marker);
     stride_ = std::max<std::size_t>(1, paths_.front().size() / kSegmentFrames);
     distances_.resize(markers.size());
     for (std::size_t i = 0; i < markers.size(); ++i) distances_[i] = DistancesOf(i, paths_[i]);
@@ -101,7 +104,8 @@ class Segments {
   [[nodiscard]] const Distance& distance(std::size_t i, std::size_t j) const { return distances_[i][j]; }
 
   // [markers] of marker i, if its path were this one.
-  [[nodiscard]] std::vector<Distance> DistancesOf(std::size_t i, const Path& path) const {
+  template <class Points>
+  [[nodiscard]] std::vector<Distance> DistancesOf(std::size_t i, const Points& path) const {
     std::vector<Distance> all(size());
     for (std::size_t j = 0; j < size(); ++j) {
       if (j != i) all[j] = Between(path, paths_[j], stride_);

@@ -5,7 +5,7 @@
 #include <limits>
 #include <map>
 
-#include "datasets/robust.h"
+#include "datasets/order_statistics.h"
 
 namespace sinew {
 namespace {
@@ -26,8 +26,8 @@ void LeaveOutUnloaded(const std::string& channel, const Grid& grid, SignalValues
     for (std::size_t i = 0; i < load.size(); ++i) load[i] = std::hypot(load[i], force->second.values[i]);
   }
   if (!found) return;
-  const auto finite = Finite(load);
-  const double most = finite.empty() ? 0 : Quantile(finite, 0.99);
+  const double heavy = FiniteQuantiles(load, {0.99}).front();
+  const double most = std::isfinite(heavy) ? heavy : 0;
   for (std::size_t i = 0; i < load.size(); ++i) {
     if (!(load[i] > kUnloadedShare * most)) values.MakeGap(i);
   }
@@ -99,8 +99,9 @@ std::vector<ChannelGroup> ByTask(const std::vector<ChannelGroup>& groups) {
 }
 
 double RangeOf(const Signal& signal) {
-  const auto finite = Finite(signal.values);
-  return finite.size() < 10 ? 0 : Quantile(finite, 0.98) - Quantile(finite, 0.02);
+  if (CountFinite(signal.values) < 10) return 0;
+  const auto ends = FiniteQuantiles(signal.values, {0.02, 0.98});
+  return ends[1] - ends[0];
 }
 
 std::vector<Run> EqualRuns(const std::vector<double>& values, std::size_t shortest) {

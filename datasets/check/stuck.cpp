@@ -5,7 +5,7 @@
 #include <map>
 #include <set>
 
-#include "datasets/robust.h"
+#include "datasets/order_statistics.h"
 
 namespace sinew {
 namespace {
@@ -32,44 +32,57 @@ struct StuckUsual {
   std::size_t next_longest = 0;  // of all others
 };
 
-bool InRun(const std::vector<Run>& runs, std::size_t i) {
-  const auto next = std::upper_bound(runs.begin(), runs.end(), i,
-                                     [](std::size_t at, const Run& run) { return at < run.first; });
-  return next != runs.begin() && std::prev(next)->last >= i;
+// Calls use(i, increment, the one before) for each finite increment, into sample i, but those inside of runs.
+template <class Use>
+void ForEachOutside(const std::vector<double>& x, const std::vector<Run>& runs, const Use& use) {
+  auto run = runs.begin();  // the first that does not end before sample i
+  bool in_run = !runs.empty() && runs.front().first == 0;
+  for (std::size_t i = 1; i < x.size(); ++i) {
+    while (run != runs.end() && run->last < i) ++run;
+    const bool was_in_run = in_run;
+    in_run = run != runs.end() && run->first <= i;
+    const double increment = x[i] - x[i - 1];
+    if (!std::isfinite(increment) || (was_in_run && in_run)) continue;
+    use(i, increment, i < 2 ? NAN : x[i - 1] - x[i - 2]);
+  }
 }
 
 StuckUsual Judge(const ChannelGroup& group, const std::vector<std::vector<Run>>& runs) {
   StuckUsual usual;
-  std::vector<double> sizes;
   double outside = 0;
   double equal = 0;
-  std::set<double> repeated;
+  std::set<double> repeated;  // some of them
   double bends = 0;
   double straight = 0;
   for (std::size_t s = 0; s < group.signals.size(); ++s) {
-    const auto increments = Increments(group.signals[s].values);
+    const std::vector<double>& x = group.signals[s].values;
     for (const Run& run : runs[s]) {
       ++usual.rests[run.value];
       usual.next_longest = std::max(usual.next_longest, std::min(usual.longest, run.size()));
       usual.longest = std::max(usual.longest, run.size());
     }
-    for (std::size_t i = 1; i < increments.size(); ++i) {
-      if (!std::isfinite(increments[i]) || (InRun(runs[s], i) && InRun(runs[s], i - 1))) continue;
+    ForEachOutside(x, runs[s], [&](std::size_t i, double increment, double before) {
       outside += 1;
-      equal += increments[i] == 0 ? 1 : 0;
-      if (increments[i] == 0) repeated.insert(group.signals[s].values[i]);
-      if (increments[i] != 0) sizes.push_back(std::abs(increments[i]));
-      if (i < 2 || !std::isfinite(increments[i - 1])) continue;
+      equal += increment == 0 ? 1 : 0;
+      if (increment == 0 && repeated.size() <= kStuckFewLevels) repeated.insert(x[i]);
+      if (!std::isfinite(before)) return;
       bends += 1;
-      const double size = std::max(std::abs(increments[i]), std::abs(increments[i - 1]));
-      straight += std::abs(increments[i] - increments[i - 1]) <= 1e-6 * size ? 1 : 0;
-    }
+      const double size = std::max(std::abs(increment), std::abs(before));
+      straight += std::abs(increment - before) <= 1e-6 * size ? 1 : 0;
+    });
   }
   usual.rounded = !(equal < kStuckRepeats * outside) && repeated.size() > kStuckFewLevels;
   usual.straight = straight > kStuckStraight * bends;
-  if (sizes.size() >= kStuckMinIncrements) {
-    usual.step = Median(sizes);
-    usual.large_step = Quantile(std::move(sizes), 0.99);
+  if (outside - equal >= static_cast<double>(kStuckMinIncrements)) {
+    const auto sizes = QuantilesOf({0.5, 0.99}, [&](auto add) {
+      for (std::size_t s = 0; s < group.signals.size(); ++s) {
+        ForEachOutside(group.signals[s].values, runs[s], [&](std::size_t, double increment, double) {
+          if (increment != 0) add(std::abs(increment));
+        });
+      }
+    });
+    usual.step = sizes[0];
+    usual.large_step = sizes[1];
   }
   return usual;
 }

@@ -3,7 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
-#include "datasets/robust.h"
+#include "datasets/order_statistics.h"
 
 namespace sinew {
 namespace {
@@ -19,12 +19,16 @@ constexpr double kOverlapOfClocks = 0.1;   // least share of the shorter grid in
 void FindClockJumps(const std::string& trial, const std::string& name, const Grid& grid,
                     std::vector<Finding>& found) {
   if (grid.time.size() <= kClockMinSteps) return;
-  std::vector<double> steps;
-  for (std::size_t i = 1; i < grid.time.size(); ++i) steps.push_back(grid.time[i] - grid.time[i - 1]);
-  const double usual = Median(steps);
-  const bool regular = RobustDeviation(steps) < kClockRegular * usual &&
-                       Quantile(steps, 0.95) - Quantile(steps, 0.05) < kClockRegular * usual;
-  const double longest = regular ? kClockMuchLonger * usual : kClockBeyondUsual * Quantile(steps, 0.99);
+  const std::size_t count = grid.time.size() - 1;
+  const auto step = [&](std::size_t i) { return grid.time[i + 1] - grid.time[i]; };
+  const auto steps = [&](auto add) {
+    for (std::size_t i = 0; i < count; ++i) add(step(i));
+  };
+  const auto levels = QuantilesOf({0.05, 0.5, 0.95, 0.99}, steps);
+  const double usual = levels[1];
+  const bool regular =
+      RobustDeviationOf(steps) < kClockRegular * usual && levels[2] - levels[0] < kClockRegular * usual;
+  const double longest = regular ? kClockMuchLonger * usual : kClockBeyondUsual * levels[3];
   const double shortest = regular ? kClockMuchShorter * usual : 0;
   Finding finding;
   finding.kind = FindingKind::kTimeJump;
@@ -32,15 +36,14 @@ void FindClockJumps(const std::string& trial, const std::string& name, const Gri
   finding.grid = name;
   finding.unit = "s";
   finding.usual = usual;
-  for (std::size_t i = 0; i < steps.size(); ++i) {
-    if (steps[i] <= longest && steps[i] >= shortest) continue;
+  for (std::size_t i = 0; i < count; ++i) {
+    if (step(i) <= longest && step(i) >= shortest) continue;
     finding.spans.push_back({grid.time[i], grid.time[i + 1]});
-    if (std::abs(steps[i] - usual) > std::abs(finding.size - usual) || finding.spans.size() == 1)
-      finding.size = steps[i];
+    if (std::abs(step(i) - usual) > std::abs(finding.size - usual) || finding.spans.size() == 1)
+      finding.size = step(i);
   }
   if (finding.spans.empty()) return;
-  if (static_cast<double>(finding.spans.size()) >
-      std::max(1.0, kClockMostJumps * static_cast<double>(steps.size())))
+  if (static_cast<double>(finding.spans.size()) > std::max(1.0, kClockMostJumps * static_cast<double>(count)))
     return;
   found.push_back(std::move(finding));
 }

@@ -4,6 +4,7 @@
 #include <cmath>
 #include <limits>
 
+#include "datasets/order_statistics.h"
 #include "datasets/robust.h"
 
 namespace sinew {
@@ -36,23 +37,27 @@ const std::vector<double>* ChannelOf(const Grid& grid, const std::string& name) 
 PlateContacts Thresholds(const std::string& plate, const std::vector<double>& force) {
   PlateContacts found;
   found.plate = plate;
-  const auto finite = Finite(force);
-  if (finite.size() < 20) {
+  const std::size_t known = CountFinite(force);
+  if (known < 20) {
     found.seen = false;
     return found;
   }
-  const double low = Quantile(finite, 0.01);
-  const double high = Quantile(finite, 0.99);
-  std::vector<double> unloaded;
-  for (const double f : finite) {
-    if (f < low + kStanceLower * (high - low)) unloaded.push_back(f);
-  }
-  const auto n = static_cast<double>(finite.size());
-  const auto count = static_cast<double>(unloaded.size());
+  const auto ends = FiniteQuantiles(force, {0.01, 0.99});
+  const double low = ends[0];
+  const double high = ends[1];
+  const auto unloaded = [&](auto add) {
+    for (const double f : force) {
+      if (std::isfinite(f) && f < low + kStanceLower * (high - low)) add(f);
+    }
+  };
+  std::size_t below = 0;
+  unloaded([&](double) { ++below; });
+  const auto n = static_cast<double>(known);
+  const auto count = static_cast<double>(below);
   found.seen = high > low && count > kStanceUnloaded * n && count < (1 - kStanceUnloaded) * n;
   if (!found.seen) return found;
-  found.level_N = Median(unloaded);
-  found.noise_N = RobustDeviation(unloaded);
+  found.level_N = QuantileOf(0.5, unloaded);
+  found.noise_N = RobustDeviationOf(unloaded);
   const double load = high - found.level_N;
   found.on_N = found.level_N + std::max(kStanceOnDeviations * found.noise_N, kStanceOnShare * load);
   found.off_N = found.level_N + std::max(kStanceOffDeviations * found.noise_N, kStanceOffShare * load);

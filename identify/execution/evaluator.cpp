@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 #include <mutex>
+#include <utility>
 
 #include "base/constants.h"
 #include "base/process_memory.h"
@@ -31,7 +32,13 @@ Evaluator::Evaluator(const LeastSquares& fit, Options options)
 Evaluator::~Evaluator() {
   if (options_.watch == nullptr) return;
   const std::lock_guard lock(options_.watch->mutex);
-  options_.watch->running = nullptr;
+  if (options_.watch->running == this) options_.watch->running = nullptr;
+}
+
+SearchRecord Evaluator::TakeRecord() {
+  const auto lock = LockRecord();
+  if (options_.watch != nullptr) options_.watch->running = nullptr;
+  return std::exchange(record_, SearchRecord(options_.most_entries));
 }
 
 std::unique_lock<std::mutex> Evaluator::LockRecord() const {

@@ -124,6 +124,8 @@ class Evaluator {
   /// Best evaluated point that satisfies the constraints; @pre has_best().
   [[nodiscard]] const TraceEntry& best() const { return record_.best(); }
   [[nodiscard]] const SearchRecord& record() const { return record_; }
+  /// Leaves an empty one, which is watched no longer: a record may be large.
+  [[nodiscard]] SearchRecord TakeRecord();
   [[nodiscard]] const std::vector<TraceEntry>& trace() const { return record_.trace(); }
   /// Of the first evaluations with residuals or derivatives, as many as Options::most_kept allows.
   [[nodiscard]] const std::vector<KeptResiduals>& kept_residuals() const { return kept_residuals_; }

@@ -156,6 +156,7 @@ Result<SearchRecord> RecordOf(const std::string& path, const Hdf5Node& root, std
 void WriteTrace(const SearchRecord& record, const std::vector<std::string>& variables, Hdf5Node& root) {
   std::vector<double> evaluation, level, seconds, cost, x, failed;
   std::vector<std::string> reason;
+  for (auto* column : {&evaluation, &level, &seconds, &cost}) column->reserve(record.trace().size());
   x.reserve(record.trace().size() * variables.size());
   for (const TraceEntry& entry : record.trace()) {
     evaluation.push_back(static_cast<double>(entry.evaluation));

@@ -41,13 +41,13 @@ Status AnalyseAndImprove(const LeastSquares& least_squares, UncertaintyOptions h
   return {};
 }
 
-Warning FailuresOf(const Identification& found, const std::string& first) {
+Warning FailuresOf(const Evaluator& search) {
   constexpr std::size_t kMostReasons = 5;
   Warning warning{WarningKind::kFailedEvaluations,
                   {},
-                  {static_cast<double>(found.failures), static_cast<double>(found.record.evaluations())},
-                  first};
-  for (const FailureReason& reason : found.record.reasons().MostFrequentFirst()) {
+                  {static_cast<double>(search.failures()), static_cast<double>(search.evaluations())},
+                  search.first_failure()};
+  for (const FailureReason& reason : search.record().reasons().MostFrequentFirst()) {
     if (warning.names.size() == kMostReasons) break;
     warning.names.push_back(reason.message);
     warning.numbers.push_back(static_cast<double>(reason.count));
@@ -72,26 +72,29 @@ Result<Identification> Identify(const Problem& problem, FitSetup setup, Identifi
   Evaluator evaluator(least_squares, std::move(options.evaluator));
   out.result = solver->Solve(evaluator, solvers::BestStart(least_squares));
   out.seconds = evaluator.seconds();
+  if (options.after_search) options.after_search(out.result);
   if (out.result.stop.usable() && !out.setup.free.empty()) {
     UncertaintyOptions how;
     how.threads = options.solver_options.threads;
     how.interrupt = interrupt;
-    how.profile = options.profiles;
+    how.profile = options.profiles && out.result.stop.kind != Termination::kMaxMemory;
     SINEW_TRY(AnalyseAndImprove(least_squares, how, options, evaluator, out));
     out.interval_seconds = evaluator.seconds() - out.seconds;
   }
-  out.record = evaluator.record();
   out.finished = evaluator.finished();
   out.kept_residuals = evaluator.kept_residuals();
   out.failures = evaluator.failures();
   const auto is_interrupted = [&] { return interrupt != nullptr && interrupt->load(); };
   out.interrupted = is_interrupted();
-  if (!out.result.stop.usable()) return out;
+  if (!out.result.stop.usable()) {
+    out.record = evaluator.TakeRecord();
+    return out;
+  }
 
   SINEW_ASSIGN(out.parameters, solvers::FitHeldOutNuisance(problem, least_squares.Parameters(out.result.x),
                                                            out.setup.record));
   if (out.failures > 0) {
-    out.warnings.push_back(FailuresOf(out, evaluator.first_failure()));
+    out.warnings.push_back(FailuresOf(evaluator));
   }
   if (!out.result.stop.converged())
     out.warnings.push_back({WarningKind::kNotConverged, {}, {}, out.result.stop.test});
@@ -109,6 +112,7 @@ Result<Identification> Identify(const Problem& problem, FitSetup setup, Identifi
   out.figures = problem.FiguresOfMerit(out.parameters, out.prediction.values);
   out.alternatives = CompareAlternatives(problem, out.parameters);
   out.interrupted = is_interrupted();
+  out.record = evaluator.TakeRecord();
   return out;
 }
 

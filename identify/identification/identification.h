@@ -23,6 +23,8 @@ struct IdentificationOptions {
   SolverOptions solver_options;
   Evaluator::Options evaluator;
   bool profiles = true;  ///< false: intervals are linear
+  /// Called once the search has ended, before the intervals; may be empty.
+  std::function<void(const SolverResult&)> after_search;
 };
 
 /// What a step of a stepwise fit has found (identification/stepwise.h).

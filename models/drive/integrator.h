@@ -112,8 +112,7 @@ class DriveIntegrator {
 
  private:
   static constexpr bool kDifferentiates = !std::is_same_v<T, double>;
-  static constexpr double kMaxSteps = 1000;  // between two stops
-  static constexpr int kMaxEvents = 50;      // reversals and break-aways within one step
+  static constexpr int kMaxEvents = 50;  // reversals and break-aways within one step
 
   [[nodiscard]] DriveHeld<double> PlainHeld() const {
     return {held_.piece, Value(held_.command), Value(held_.signal), held_.on};
@@ -127,7 +126,7 @@ class DriveIntegrator {
     const double wanted = std::ceil(
         span * (rate_ + drag_rate_ * std::max(std::abs(Value(v_)) - plain_.joint().largest_speed, 0.0)) *
         (1 - 1e-9));
-    if (!(wanted <= kMaxSteps)) {
+    if (!(wanted <= command_.most_steps)) {
       return Fail("trial '{}': too stiff to integrate at t = {:.4g} s", run_.trial,
                   run_.begin + Value(time_));
     }

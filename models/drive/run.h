@@ -67,7 +67,8 @@ struct DriveRun {
 struct DriveCommand {
   DriveInput input = DriveInput::kTorque;
   DriveControllerKind controller = DriveControllerKind::kNone;
-  double step = 0.01;          ///< [s] longest step
+  double step = 0.01;        ///< [s] longest step
+  double most_steps = 1000;  ///< of the integrator between two stops: a simulation that needs more has failed
   double most_position = 1e6;  ///< a motion beyond these has left the model's world
   double most_speed = 1e6;
 

@@ -96,7 +96,7 @@ Result<DriveControllerSettings> ReadController(const YamlReader& yaml) {
 }  // namespace
 
 Result<DriveSettings> ReadDriveSettings(const YamlReader& yaml) {
-  SINEW_TRY(yaml.OnlyKeys({"fit", "hold", "step", "controller"}));
+  SINEW_TRY(yaml.OnlyKeys({"fit", "hold", "step", "most_steps", "controller"}));
   DriveSettings settings;
   if (yaml.Has("fit")) {
     SINEW_ASSIGN(const YamlReader fit, yaml.At("fit"));
@@ -118,6 +118,7 @@ Result<DriveSettings> ReadDriveSettings(const YamlReader& yaml) {
       return FailAt(step.file(), step.line(), "step: {} s, expected 1e-6 to 1 s", *settings.step);
     }
   }
+  SINEW_ASSIGN(settings.most_steps, yaml.NumberOr("most_steps", settings.most_steps, 1, 1e9));
   if (yaml.Has("controller")) {
     SINEW_ASSIGN(const YamlReader controller, yaml.At("controller"));
     SINEW_ASSIGN(settings.controller, ReadController(controller));

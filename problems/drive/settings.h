@@ -5,7 +5,8 @@
 //     fit: [position]          # of position, speed, torque, current; default: position, or else speed
 //     hold: linear             # or zero: the input is constant from each sample to the next
 //     step: 0.01               # [s] longest step of the integrator; default: chosen, see DriveProblem
-//     controller:              # needed if the input is `reference`
+//     most_steps: 1000         # of the integrator between two samples: a simulation that needs more has
+//     failed controller:              # needed if the input is `reference`
 //       kind: servo            # servo, pid_position, pid_speed or cascade; numbers may also be constants of
 //                              #   the data set or conditions of a trial (which win)
 //       kp: 400                # of servo and pid_*
@@ -47,6 +48,7 @@ struct DriveSettings {
   std::vector<std::string> fit;  ///< empty: position, or speed if there is none
   bool hold = false;             ///< the input is held between samples
   std::optional<double> step;    ///< [s]
+  double most_steps = 1000;      ///< of the integrator between two samples
   DriveControllerSettings controller;
 };
 

@@ -26,7 +26,8 @@ struct FlightLimits {
 
   /// Ordinary windows take 3 to 10 steps per frame.
   static FlightLimits For(const FreeBody& body, std::size_t frames) {
-    return {body.accuracy, 300 + 30 * static_cast<long>(frames)};
+    const long by_frames = 300 + 30 * static_cast<long>(frames);
+    return {body.accuracy, body.most_steps > 0 ? static_cast<long>(body.most_steps) : by_frames};
   }
 };
 

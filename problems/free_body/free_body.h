@@ -77,6 +77,7 @@ struct FreeBody {
   double size = 0.1;                         ///< half of the longest edge [m]
   double reach = 0.1;                        ///< from the middle to the farthest point [m]
   double accuracy = 1e-8;                    ///< of the integrator
+  double most_steps = 0;                     ///< of the integrator in one simulation; 0: by its frames
   std::array<std::vector<double>, 2> knots;  ///< [kFreeBodyKnots] slip speed, depth rate [m/s]
 };
 

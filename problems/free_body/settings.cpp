@@ -30,7 +30,7 @@ Result<FreeBodyContact> ReadContact(const YamlReader& yaml) {
 
 Result<FreeBodySettings> ReadFreeBodySettings(const YamlReader& yaml) {
   SINEW_TRY(yaml.OnlyKeys({"box", "mass", "inertia", "contact", "divisions", "horizon", "window", "gravity",
-                           "transition_velocity", "accuracy"}));
+                           "transition_velocity", "accuracy", "most_steps"}));
   FreeBodySettings settings;
   FreeBody& body = settings.body;
   SINEW_ASSIGN(settings.edges, ReadPositives(yaml, "box"));
@@ -59,6 +59,7 @@ Result<FreeBodySettings> ReadFreeBodySettings(const YamlReader& yaml) {
   SINEW_ASSIGN(body.gravity, yaml.NumberOr("gravity", 9.81, 0, 1000));
   SINEW_ASSIGN(body.transition_velocity, yaml.NumberOr("transition_velocity", 0.01, 1e-5, 10));
   SINEW_ASSIGN(body.accuracy, yaml.NumberOr("accuracy", 1e-8, 1e-12, 1e-2));
+  SINEW_ASSIGN(body.most_steps, yaml.NumberOr("most_steps", 0, 0, 1e9));
   body.points = PointsOfBox(settings.edges, body.contact, static_cast<int>(divisions));
   body.size = settings.edges.maxCoeff() / 2;
   body.reach = settings.edges.norm() / 2;

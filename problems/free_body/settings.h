@@ -11,6 +11,8 @@
 //     gravity: 9.81                    # [m/s2]
 //     transition_velocity: 0.01        # [m/s] of the friction law
 //     accuracy: 1e-8                   # of the integrator, per step
+//     most_steps: 0                    # of the integrator in one simulation: one that needs more has failed;
+//                                      # 0: 300 and 30 for each frame
 #pragma once
 
 #include "base/error.h"

@@ -34,6 +34,7 @@ struct OdeAccuracy {
   /// that is larger.
   double relative = 1e-9;
   std::array<double, N> typical{};  ///< [unit of each state, >= 0]
+  std::size_t most_steps = 2000000;
 };
 
 /// Stages of one step.
@@ -85,7 +86,6 @@ template <std::size_t N, class F, class Sink>
 Status IntegrateOde(const F& f, double begin, const std::vector<double>& stops, std::array<double, N> state,
                     const OdeAccuracy<N>& accuracy, std::vector<OdeStep>& steps, const Sink& sink) {
   constexpr int kMostHalvings = 20;
-  constexpr std::size_t kMostSteps = 2000000;
   // Doubling a step multiplies the estimate by 32.
   constexpr double kFarBelow = 1.0 / 64;
   steps.clear();
@@ -120,7 +120,7 @@ Status IntegrateOde(const F& f, double begin, const std::vector<double>& stops, 
           place *= 2;
           continue;
         }
-        if (steps.size() >= kMostSteps)
+        if (steps.size() >= accuracy.most_steps)
           return Fail("the equations are too stiff: {} steps until t = {:.6g} s", steps.size(), t);
         ++place;
         const bool arrived = place == (1L << halvings);

@@ -136,6 +136,12 @@ class OdeProblem : public DeclaredProblem {
     accuracy_.relative = relative;
   }
 
+  /// @param steps >= 1, of the integrator in one simulation: one that needs more has failed
+  void set_most_steps(long steps) {
+    if (steps < 1) Complain(fmt::format("{} steps of the integration: expected at least 1", steps));
+    accuracy_.most_steps = static_cast<std::size_t>(std::max(steps, 1L));
+  }
+
  private:
   struct Output {
     std::function<double(const Values<double>&, double, const State<double>&)> plain;

@@ -196,6 +196,30 @@ TEST(DataCheck, ADriftOfTheLevelAtRestIsFound) {
   EXPECT_TRUE(SuggestMask(data, found).empty()) << "a drift can be subtracted or fitted";
 }
 
+TEST(DataCheck, ADriftOfALongRecordOfAPlateIsFoundFromAllOfIt) {
+  std::mt19937 random(4);
+  std::uniform_real_distribution<double> between(3, 9);
+  std::vector<double> steps{between(random)};
+  while (steps.back() < 1500) steps.push_back(steps.back() + between(random));
+  const auto force = [&](double drift) {
+    return [=](double t) {
+      const double since = t - *std::prev(std::upper_bound(steps.begin() + 1, steps.end(), t));
+      return drift * t / 1500 + (since > 0 && since < 0.6 ? 700 : 0);
+    };
+  };
+  const auto time = Clock(1490, 20);  // 5,000 levels of a quarter of a second
+  for (const double drift : {0.0, 60.0}) {
+    Dataset data = One(time, Sampled(time, force(drift), "N", 1));
+    auto& channels = data.trials.begin()->second.grids.begin()->second.channels;
+    channels["plate_force_y"] = channels.at("x");
+    channels.erase("x");
+    const auto found = OfKind(data, FindingKind::kDrift);
+    ASSERT_EQ(found.size(), drift > 0 ? 1U : 0U);
+    if (found.empty()) continue;
+    EXPECT_NEAR(found[0].size, drift * 1490 / 1500, 1);
+  }
+}
+
 TEST(DataCheck, AClockThatJumpsIsFound) {
   Dataset data = Running();
   auto& time = data.trials.at("run").grids.at("motion").time;

@@ -5,6 +5,7 @@
 
 #include "base/column_space.h"
 #include "base/decompositions.h"
+#include "identify/execution/executor.h"
 
 namespace sinew::diagnosis {
 namespace {
@@ -117,14 +118,25 @@ Result<ScoredModel> ScoreModel(const Problem& problem, const std::vector<Candida
   const LeastSquares fit(problem, *scored.refit.setup);
   const noise::Whitening whitening(scored.refit.noise, TrainStretches(fit));
   SINEW_ASSIGN(scored.design, MakeDesign(fit, scored.refit.x, candidates, whitening));
-  SINEW_ASSIGN(scored.noise, NoiseWithCandidatesFitted(fit, scored.refit.x, scored.design, scored.refit.noise,
-                                                       scored.refit.noise_absorbs_misfit));
-  const noise::Whitening behind(scored.noise, TrainStretches(fit));
-  scored.whitened = MakeScores(fit, scored.design, candidates, &behind);
-  scored.plain =
-      scored.refit.noise.IsColoured() ? MakeScores(fit, scored.design, candidates, nullptr) : scored.whitened;
-  scored.family = FamilyOf(scored.whitened, level, seed);
-  scored.line = noise::FindLine(fit, scored.design.residual);
+  const bool coloured = scored.refit.noise.IsColoured();
+  Status status;
+  const auto score_whitened = [&]() -> Status {
+    SINEW_ASSIGN(scored.noise,
+                 NoiseWithCandidatesFitted(fit, scored.refit.x, scored.design, scored.refit.noise,
+                                           scored.refit.noise_absorbs_misfit));
+    const noise::Whitening behind(scored.noise, TrainStretches(fit));
+    scored.whitened = MakeScores(fit, scored.design, candidates, &behind);
+    scored.family = FamilyOf(scored.whitened, level, seed);
+    return {};
+  };
+  // Each writes its own part: between the refits of a diagnosis one thread would do this alone.
+  CurrentExecutor().ForEach(3, [&](std::size_t part, std::size_t) {
+    if (part == 0) status = score_whitened();
+    if (part == 1) scored.line = noise::FindLine(fit, scored.design.residual);
+    if (part == 2 && coloured) scored.plain = MakeScores(fit, scored.design, candidates, nullptr);
+  });
+  SINEW_TRY(status);
+  if (!coloured) scored.plain = scored.whitened;
   return scored;
 }
 

@@ -159,6 +159,7 @@ Status FindTraits(const Dataset& data, const DriveSettings& settings, DriveData&
   out.command.input = traits.input;
   out.command.controller = traits.controller;
   if (settings.step) out.command.step = *settings.step;
+  out.command.most_steps = settings.most_steps;
   return {};
 }
 

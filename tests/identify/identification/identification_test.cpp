@@ -3,9 +3,13 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include <atomic>
+#include <chrono>
 #include <cmath>
+#include <thread>
 #include <vector>
 
+#include "base/process_memory.h"
 #include "tests/identify/support/error_of.h"
 #include "tests/identify/support/function_problem.h"
 #include "tests/identify/support/line_fit.h"
@@ -45,6 +49,39 @@ TEST(Identification, NothingFreeIsAPrediction) {
   EXPECT_EQ(line->parameters, Values({1, 3}));
   EXPECT_TRUE(line->uncertainty.parameters.empty());
   EXPECT_EQ(line->prediction.values[0][29], 7);
+}
+
+TEST(Identification, CanBeStoppedOnceTheSearchHasEnded) {
+  const ToyProblem problem = LineProblem();
+  std::atomic<bool> stop{false};
+  IdentificationOptions options;
+  options.evaluator.interrupt = &stop;
+  options.after_search = [&](const SolverResult& found) { stop = found.stop.converged(); };
+  const Identification line = toy::IdentifyLine(problem, options);
+  EXPECT_TRUE(line.interrupted);
+  EXPECT_TRUE(line.result.stop.converged()) << line.result.stop.test;
+  for (const auto& parameter : line.uncertainty.parameters)
+    EXPECT_EQ(parameter.interval, IntervalKind::kLinear);
+}
+
+TEST(Identification, AfterASearchThatUsedItsMemoryIntervalsAreLinear) {
+  const ToyProblem problem = LineProblem();
+  IdentificationOptions options;
+  options.solver = "sa";
+  constexpr double kRoom = 50e6;  // [bytes]
+  options.evaluator.budget.max_memory = static_cast<double>(ResidentMemory()) + kRoom;
+  std::vector<char> large;
+  options.evaluator.progress = [&](const Progress& now, const Evaluator&) {
+    if (now.evaluations != 10) return;
+    large.assign(static_cast<std::size_t>(2 * kRoom), 1);
+    std::this_thread::sleep_for(std::chrono::milliseconds(50));  // until memory is looked at again
+  };
+  const Identification line = toy::IdentifyLine(problem, options);
+  EXPECT_EQ(line.result.stop.kind, Termination::kMaxMemory);
+  EXPECT_GE(line.record.evaluations(), 10);
+  ASSERT_EQ(line.uncertainty.parameters.size(), 2U);
+  for (const auto& parameter : line.uncertainty.parameters)
+    EXPECT_EQ(parameter.interval, IntervalKind::kLinear);
 }
 
 TEST(Identification, AnUnfinishedSearchIsAWarning) {

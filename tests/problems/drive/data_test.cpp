@@ -229,6 +229,7 @@ TEST(DriveData, SettingsAreReadStrictly) {
   EXPECT_EQ(error("step: 0"), "drive.yaml:1: step: 0 s, expected 1e-6 to 1 s");
   EXPECT_EQ(error("fit: [posision]"),
             "drive.yaml:1: fit: channel 'posision' does not exist; did you mean 'position'?");
+  EXPECT_EQ(error("most_steps: 0"), "drive.yaml:1: most_steps: 0, expected 1 to 1000000000");
   EXPECT_EQ(error("hold: zer"), "drive.yaml:1: hold: 'zer' does not exist; did you mean 'zero'?");
   EXPECT_EQ(error("{}"), "");
   EXPECT_EQ(error("controller: {kind: cascad}"),

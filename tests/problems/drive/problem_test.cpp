@@ -59,6 +59,23 @@ TEST(DriveProblem, ErrorFallsWithTheFourthPowerOfTheStep) {
   EXPECT_NEAR(std::log2(coarse / fine), 4, 0.15);  // the next order is a few per cent at these steps
 }
 
+TEST(DriveProblem, ABudgetOfStepsIsKept) {
+  Bench bench;
+  bench.command = MultiSine;
+  bench.step = 0.001;  // ten between two samples
+  for (const int steps : {5, 50}) {
+    bench.settings = "most_steps: " + std::to_string(steps);
+    const auto problem = BindBench(bench);
+    Prediction prediction(problem->layout());
+    const std::vector<bool> all(problem->layout().size(), true);
+    const auto workspace = problem->NewWorkspace();
+    const Status status =
+        problem->Predict({DrivePoint(*problem, {}), all, false, nullptr}, *workspace, prediction);
+    EXPECT_EQ(status ? "" : status.error().message,
+              steps == 50 ? "" : "trial 'swing': too stiff to integrate at t = 0 s");
+  }
+}
+
 TEST(DriveProblem, SlidesToRestInExactTime) {
   constexpr double kMass = 0.2;
   constexpr double kFriction = 0.37;

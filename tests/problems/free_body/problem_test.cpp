@@ -248,6 +248,13 @@ TEST(FreeBodyFlightTest, ABudgetOfStepsIsKept) {
   EXPECT_THAT(status.error().message, testing::HasSubstr("more than 100 steps of the integrator at t = "));
 }
 
+TEST(FreeBodyFlightTest, TheBudgetOfStepsIsThatOfTheSettings) {
+  FreeBody body = Cube();
+  EXPECT_EQ(FlightLimits::For(body, 10).most_steps, 600);
+  body.most_steps = 77;
+  EXPECT_EQ(FlightLimits::For(body, 10).most_steps, 77);
+}
+
 struct Made {
   std::unique_ptr<FreeBodyProblem> problem;
   Dataset data;
@@ -459,6 +466,10 @@ TEST(FreeBodySettingsTest, WrongWordsGetTheirLine) {
   EXPECT_THAT(failure(good + "  inertia: [1, 1, 3]\n"), testing::HasSubstr("no body has such moments"));
   EXPECT_THAT(failure(good + "  accuracy: 1\n"),
               testing::HasSubstr("f.yaml:4: accuracy: 1, expected 1e-12 to 0.01"));
+  EXPECT_THAT(failure(good + "  most_steps: -1\n"),
+              testing::HasSubstr("f.yaml:4: most_steps: -1, expected 0 to 1000000000"));
+  const auto few = YamlReader::Parse("free_body:\n" + good + "  most_steps: 50\n", "f.yaml");
+  EXPECT_EQ(ReadFreeBodySettings(*few->At("free_body"))->body.most_steps, 50);
   EXPECT_THAT(failure(good + "  divisions: 2.5\n"), testing::HasSubstr("expected a whole number"));
   EXPECT_THAT(failure("  box: [0.1, 0, 0.1]\n  mass: 0.4\n"), testing::HasSubstr("expected numbers above 0"));
 }

@@ -53,6 +53,8 @@ class Lag final : public OdeProblem<Lag, 1> {
     if (not_finite && t > 1) dx[0] = dx[0] / 0.0;
   }
 
+  using OdeProblem::set_most_steps;
+
   bool throws = false;
   bool undeclared = false;
   bool not_finite = false;
@@ -97,6 +99,15 @@ TEST(OdeProblem, ValuesAndSensitivitiesAreThoseOfTheAnalyticSolution) {
     EXPECT_NEAR(slopes[1], particular - e * begin, kAccuracy);
     EXPECT_NEAR(slopes[2], e, kAccuracy);
   }
+}
+
+TEST(OdeProblem, ABudgetOfStepsIsKept) {
+  Lag lag(RampData());
+  Prediction prediction(lag.layout());
+  lag.set_most_steps(10);
+  EXPECT_THAT(ErrorOf(PredictAt(lag, RestPoint(lag), prediction)), HasSubstr("10 steps until t = "));
+  lag.set_most_steps(100000);
+  EXPECT_EQ(ErrorOf(PredictAt(lag, RestPoint(lag), prediction)), "");
 }
 
 TEST(OdeProblem, DerivativesAgreeWithDifferencesAtRandomPoints) {
@@ -223,6 +234,7 @@ class Told final : public OdeProblem<Told, 2> {
   using OdeProblem::initial;
   using OdeProblem::observe;
   using OdeProblem::set_accuracy;
+  using OdeProblem::set_most_steps;
   using OdeProblem::state;
 };
 
@@ -261,6 +273,8 @@ TEST(OdeProblem, WhatIsWrongWithADeclarationIsSaid) {
   EXPECT_THAT(ErrorOfDeclaring([](Told& m) { m.effect("overfow"); }), HasSubstr("was not declared before"));
   EXPECT_EQ(ErrorOfDeclaring([](Told& m) { m.constant("g"); }), "the data set has no constant 'g'");
   EXPECT_THAT(ErrorOfDeclaring([](Told& m) { m.set_accuracy(0.5); }), HasSubstr("expected 1e-14 .. 1e-2"));
+  EXPECT_EQ(ErrorOfDeclaring([](Told& m) { m.set_most_steps(0); }),
+            "0 steps of the integration: expected at least 1");
   EXPECT_EQ(ErrorOfDeclaring([](Told& m) { m.observe("level", m.state(0)); }, Dataset()),
             "the data set has no trial");
 }
