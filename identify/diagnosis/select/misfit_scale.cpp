@@ -37,21 +37,21 @@ MisfitScale::MisfitScale(const Problem& problem) {
   for (const Block& block : problem.layout()) {
     if (block.role != BlockRole::kTrain || block.measured.empty() || block.range) continue;
     Found& channel = found[block.channel];
-    const std::optional<noise::MeasuredNoise> found =
+    const std::optional<noise::MeasuredNoise> measured =
         block.sigma ? noise::MeasuredNoise{*block.sigma, true} : noise::DifferenceNoise(block);
     channel.stated = channel.stated && block.sigma;
-    if (!found) {
+    if (!measured) {
       if (block.noise_memory) channel.why_none = NoiseUnknown::kCorrelated;
       continue;
     }
-    const double least = found->visible ? 0 : kLeastShare * Deviation(block);
-    const double level = std::max(found->deviation, least);
+    const double least = measured->visible ? 0 : kLeastShare * Deviation(block);
+    const double level = std::max(measured->deviation, least);
     if (level <= 0) {
       channel.why_none = NoiseUnknown::kConstant;
       continue;
     }
     channel.levels.push_back(block.weight * level);
-    if (!found->visible && found->deviation < least) ++channel.smooth;
+    if (!measured->visible && measured->deviation < least) ++channel.smooth;
   }
   for (auto& [name, channel] : found) {
     Channel made{name, 0, NoiseSource::kNone, channel.why_none};
