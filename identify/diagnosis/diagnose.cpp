@@ -4,6 +4,7 @@
 #include <cmath>
 #include <limits>
 #include <optional>
+#include <utility>
 #include <vector>
 
 #include "identify/check_problem.h"
@@ -163,10 +164,7 @@ class DiagnosisRun {
     SINEW_ASSIGN(state_.selection,
                  Select(problem_, *state_.refitter, state_.candidates, state_.base, options_));
     SINEW_TRY(Continue());
-    SINEW_TRY(RejectUnsupportedTerms());
-    if (state_.held_out.exists() && !state_.selection.causes.empty()) {
-      SINEW_ASSIGN(out_.withdrawn, RejectUnsupportedCauses(state_));
-    }
+    SINEW_TRY(ValidateOnHeldOutTrials());
     TellImitations();
     SINEW_TRY(AddEquivalentEffects(state_));
     SINEW_TRY(Continue());
@@ -183,15 +181,27 @@ class DiagnosisRun {
     return {};
   }
 
-  // Unknown terms that do not generalise to the held-out trials leave the causes as they were without them.
-  Status RejectUnsupportedTerms() {
-    Selection& selection = state_.selection;
-    if (selection.terms.empty() || !state_.held_out.exists()) return {};
-    SINEW_ASSIGN(const auto with, state_.held_out.Residuals(selection.model.point));
-    SINEW_ASSIGN(const auto without, state_.held_out.Residuals(selection.without_terms->model.point));
-    if (state_.Loss(with, selection.model.noise) < state_.Loss(without, selection.model.noise)) return {};
-    const std::shared_ptr<const Selection> plain = selection.without_terms;
-    selection = *plain;
+  Result<std::vector<WithdrawnCause>> WithoutUnsupportedCauses() {
+    if (state_.selection.causes.empty()) return std::vector<WithdrawnCause>();
+    return RejectUnsupportedCauses(state_);
+  }
+
+  // Unknown terms stay if held-out trials are predicted better with them, each time with the causes that
+  // these trials leave.
+  Status ValidateOnHeldOutTrials() {
+    if (!state_.held_out.exists()) return {};
+    const std::shared_ptr<const Selection> plain = state_.selection.without_terms;
+    SINEW_ASSIGN(out_.withdrawn, WithoutUnsupportedCauses());
+    if (!plain) return {};
+    const Selection with = std::exchange(state_.selection, *plain);
+    SINEW_ASSIGN(std::vector<WithdrawnCause> withdrawn, WithoutUnsupportedCauses());
+    SINEW_ASSIGN(const auto beside, state_.held_out.Residuals(with.model.point));
+    SINEW_ASSIGN(const auto without, state_.held_out.Residuals(state_.selection.model.point));
+    if (state_.Loss(beside, with.model.noise) < state_.Loss(without, state_.selection.model.noise)) {
+      state_.selection = with;
+    } else {
+      out_.withdrawn = std::move(withdrawn);
+    }
     return {};
   }
 

@@ -5,8 +5,8 @@
 namespace sinew {
 namespace {
 
-constexpr double kMomentReach = 100;  // [N m]
-constexpr double kShareReach = 2;     // an activation that is three times too low
+constexpr double kMomentReach = 10;  // [N m] beyond it the foot leaves the plate
+constexpr double kShareReach = 0.5;     // an activation that is three times too low
 
 struct SignalName {
   const char* name;
