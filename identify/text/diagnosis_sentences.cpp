@@ -168,7 +168,7 @@ Sentence AlternativeSentence(const Cause& cause, const Alternative& other) {
 // Each explains what is left on its own, all but the first are alternatives; those that cross-validation has
 // chosen explain it together.
 Sentence UnknownSentence(const UnknownFinding& unknown, bool first, bool together) {
-  std::string text = first ? "Not in the library: " : together ? "Nor is this: " : "Or instead: ";
+  std::string text = first ? "Not in the library: " : together ? "Also not in the library: " : "Or instead: ";
   const std::string law = LawText(unknown);
   switch (unknown.kind) {
     case UnknownKind::kDrift:

@@ -17,7 +17,9 @@ std::string DescriptionOf(const Cause& cause) {
 std::string ReasonText(const WithdrawnCause& cause) {
   if (!cause.terms.empty()) {
     return fmt::format(
-        "it may be a part of the unknown {}: beside that, data left out of the fit do not need it",
+        "it may be a part of the unknown {}: beside that, it does not improve the prediction of data left "
+        "out of "
+        "the fit",
         Join(cause.terms, " and "));
   }
   std::string text = "it does not generalise to the held-out trials";

@@ -324,6 +324,42 @@ Result<CrossValidatedSearch::Outcome> CrossValidatedSearch::Conclude() {
   return outcome;
 }
 
+// Those of `before` whose cause is left, judged again beside the terms.
+// @param fitter, refitter of models with terms
+std::vector<CrossValidatedSearch::Substitute> CrossValidatedSearch::SubstitutesBeside(
+    const BesideUnknown& terms, const SetFitter& fitter, const Refitter& refitter,
+    std::vector<Substitute> before) const {
+  const auto is_cause = [&](int c) {
+    return std::find(terms.causes.begin(), terms.causes.end(), c) != terms.causes.end();
+  };
+  before.erase(std::remove_if(before.begin(), before.end(),
+                              [&](const Substitute& other) {
+                                return !is_cause(other.cause) || is_cause(other.candidate);
+                              }),
+               before.end());
+  std::vector<FittedSet> sets;
+  std::vector<std::vector<Vector>> starts;
+  for (const Substitute& other : before) {
+    Vector start = terms.set.point;
+    for (const int c : {other.cause, other.candidate}) {
+      for (const int index : candidates_[static_cast<std::size_t>(c)].parameters)
+        start[index] = other.refit.point[index];
+    }
+    sets.push_back({With(Without(terms.set.released, other.cause), other.candidate), {}, 0, 0, {}});
+    starts.push_back({std::move(start)});
+  }
+  fitter.Fit(sets, starts, kTolerance, kContinued);
+  fitter.LeaveOut(sets, kTolerance);
+  std::vector<Substitute> found;
+  for (std::size_t i = 0; i < sets.size(); ++i) {
+    const double share = sets[i].left_out_error / terms.set.left_out_error;
+    if (!(share <= kSubstitute)) continue;
+    Refit refit = refitter.FitOrdinary(sets[i].released, {sets[i].point}, kFineTolerance);
+    if (refit.usable()) found.push_back({before[i].cause, before[i].candidate, share, std::move(refit)});
+  }
+  return found;
+}
+
 // Where a term is needed, sets without it are no longer among those that could be chosen, and substitutes are
 // judged again beside it.
 Status CrossValidatedSearch::AddUnknownTerms(const FittedSet& best, Outcome& outcome) const {
@@ -343,31 +379,7 @@ Status CrossValidatedSearch::AddUnknownTerms(const FittedSet& best, Outcome& out
   outcome.left_out_shares.clear();
   for (std::size_t i = 0; i < found->causes.size(); ++i)
     outcome.left_out_shares.emplace_back(found->causes[i], found->cause_shares[i]);
-  std::vector<FittedSet> sets;
-  std::vector<std::vector<Vector>> starts;
-  std::vector<Substitute> kept;
-  for (Substitute& other : outcome.substitutes) {
-    const bool replaces = std::count(found->causes.begin(), found->causes.end(), other.cause) > 0;
-    if (!replaces || std::count(found->causes.begin(), found->causes.end(), other.candidate) > 0) continue;
-    Vector start = found->set.point;
-    for (const int c : {other.cause, other.candidate}) {
-      for (const int index : candidates_[static_cast<std::size_t>(c)].parameters)
-        start[index] = other.refit.point[index];
-    }
-    sets.push_back({With(Without(found->set.released, other.cause), other.candidate), {}, 0, 0, {}});
-    starts.push_back({std::move(start)});
-    kept.push_back(std::move(other));
-  }
-  fitter.Fit(sets, starts, kTolerance, kContinued);
-  fitter.LeaveOut(sets, kTolerance);
-  outcome.substitutes.clear();
-  for (std::size_t i = 0; i < sets.size(); ++i) {
-    const double share = sets[i].left_out_error / found->set.left_out_error;
-    if (!(share <= kSubstitute)) continue;
-    Refit refit = shrinking->FitOrdinary(sets[i].released, {sets[i].point}, kFineTolerance);
-    if (refit.usable())
-      outcome.substitutes.push_back({kept[i].cause, kept[i].candidate, share, std::move(refit)});
-  }
+  outcome.substitutes = SubstitutesBeside(*found, fitter, *shrinking, std::move(outcome.substitutes));
   outcome.beside = std::move(found);
   outcome.refitter = shrinking;
   return {};

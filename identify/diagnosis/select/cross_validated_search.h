@@ -103,6 +103,9 @@ class CrossValidatedSearch {
   [[nodiscard]] std::vector<Substitute> Substitutes(const FittedSet& of) const;
   [[nodiscard]] Result<Outcome> Conclude();
   Status AddUnknownTerms(const FittedSet& best, Outcome& outcome) const;
+  [[nodiscard]] std::vector<Substitute> SubstitutesBeside(const BesideUnknown& terms, const SetFitter& fitter,
+                                                          const Refitter& refitter,
+                                                          std::vector<Substitute> before) const;
   void Tell(const FittedSet& best) const;
 
   const Problem& problem_;

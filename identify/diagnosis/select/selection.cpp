@@ -10,7 +10,7 @@
 
 #include "identify/diagnosis/score/shortlist.h"
 #include "identify/diagnosis/select/cross_validated_selection.h"
-#include "identify/execution/shared_loop.h"
+#include "identify/diagnosis/select/refit_cache.h"
 #include "identify/statistics/distributions.h"
 
 namespace sinew::diagnosis {
@@ -32,11 +32,6 @@ constexpr double kCurvature = 1e-3;
 // from the score by this share and by more than kSetWidth, contradicts the linear model.
 constexpr double kContradictingErrors = 2.5;
 constexpr double kContradictingShare = 0.3;
-// Times that a refit is continued where scores are contradicted, while its deviance falls by more than this.
-constexpr int kContinuations = 3;
-constexpr double kWorthContinuing = 0.1;
-// A refit that ends this much above the model that it contains [deviance] has missed its minimum.
-constexpr double kAboveItsPart = 1e-3;
 
 class Selector {
  public:
@@ -48,9 +43,8 @@ class Selector {
         base_(base),
         options_(options),
         scale_(problem),
-        shortlist_(candidates, base) {
-    cache_[{}] = base.refit;
-  }
+        cache_(refitter, candidates, base.refit, options),
+        shortlist_(candidates, base) {}
 
   Result<Selection> Run() {
     Selection selection;
@@ -67,6 +61,7 @@ class Selector {
       found_by_search_ = !chosen.empty();
       selection.found_by_search = found_by_search_;
       if (found_by_search_) {
+        cache_.CompareAsAfterSearch();
         selection.alarm = true;
         selection.family_p_value = std::min(selection.family_p_value, options_.alarm_level);
         SINEW_ASSIGN(scored,
@@ -85,7 +80,7 @@ class Selector {
       SINEW_ASSIGN(scored,
                    ScoreModel(problem_, candidates_, cache_.at(chosen), kFurtherLevel, options_.seed));
     }
-    for (const auto& [released, refit] : cache_) {
+    for (const auto& [released, refit] : cache_.all()) {
       if (released.size() == 1 && refit.usable()) selection.tried.push_back(refit);
     }
     if (!selection.alarm) return selection;
@@ -127,7 +122,7 @@ class Selector {
     if (!found.misfit_left && found.released.size() > 1) {
       chosen = found.released;
       std::sort(chosen.begin(), chosen.end());
-      Fit({{chosen, {found.model.point}}});
+      cache_.Fit({{chosen, {found.model.point}}});
       if (!cache_.at(chosen).usable()) chosen.clear();
     }
     if (!found.misfit_left || (found.released.empty() && !found.beside)) return {};
@@ -157,7 +152,7 @@ class Selector {
     return kPerParameter * parameters;
   }
   [[nodiscard]] double Difference(const Refit& refit, const Refit& reference) const {
-    return DevianceDifference(found_by_search_, refit, reference);
+    return cache_.Difference(refit, reference);
   }
   // Penalised deviance less that of the reference.
   [[nodiscard]] double Penalised(const Refit& refit, const Refit& reference) const {
@@ -172,56 +167,6 @@ class Selector {
     for (const int c : refit.released)
       rarity += static_cast<double>(candidates_[static_cast<std::size_t>(c)].occurrence);
     return rarity;
-  }
-
-  static Set With(Set set, int c) {
-    set.insert(std::lower_bound(set.begin(), set.end(), c), c);
-    return set;
-  }
-  static Set Without(Set set, int c) {
-    set.erase(std::remove(set.begin(), set.end(), c), set.end());
-    return set;
-  }
-
-  // Refits the sets that are not in the cache yet, in parallel, each from the given starts.
-  void Fit(const std::map<Set, std::vector<Vector>>& wanted) {
-    std::vector<std::pair<Set, std::vector<Vector>>> work;
-    for (const auto& [released, starts] : wanted) {
-      if (cache_.count(released) == 0) work.emplace_back(released, starts);
-    }
-    std::vector<Refit> made(work.size());
-    ForEachShared(options_.record, options_.threads, work.size(), [&](std::size_t i, std::size_t) {
-      made[i] = refitter_.Fit(work[i].first, work[i].second);
-    });
-    ForEachShared(options_.record, options_.threads, work.size(), [&](std::size_t i, std::size_t) {
-      Improve(work[i].first, work[i].second.front(), made[i]);
-    });
-    for (std::size_t i = 0; i < work.size(); ++i) cache_[work[i].first] = std::move(made[i]);
-  }
-
-  // A model cannot fit worse than one that it contains: where its refit does, the start moved the effect
-  // alone and lost the trajectory. It starts again from that model, so that all values move together.
-  void Improve(const Set& released, const Vector& start, Refit& refit) const {
-    for (const int c : released) {
-      const auto part = cache_.find(Without(released, c));
-      if (part == cache_.end() || !part->second.usable()) continue;
-      if (refit.usable() && Difference(refit, part->second) <= kAboveItsPart) continue;
-      const Candidate& candidate = candidates_[static_cast<std::size_t>(c)];
-      Vector from = part->second.point;
-      for (const auto& [index, value] : candidate.probes.front().at) from[index] = start[index];
-      for (const int index : ScoredParameters(candidate, 0))
-        from[index] = base_.refit.setup->parameters[static_cast<std::size_t>(index)].null_value;
-      Replace(refitter_.Fit(released, {from}), refit);
-    }
-    for (int k = 0; scores_contradicted_ && k < kContinuations && refit.usable() && !refit.converged; ++k) {
-      const double before = refit.deviance;
-      Replace(refitter_.Fit(released, {Vector(refit.point)}), refit);
-      if (refit.deviance > before - kWorthContinuing) break;
-    }
-  }
-
-  void Replace(Refit by, Refit& refit) const {
-    if (by.usable() && (!refit.usable() || Difference(by, refit) < 0)) refit = std::move(by);
   }
 
   // Whether the refit with one more candidate contradicts the linear model from which it was chosen.
@@ -280,7 +225,7 @@ class Selector {
         wanted[With(chosen, c)] = RefitStarts(scored, candidates_, c);
     }
     if (chosen.size() == 1) AddPairs(wanted);
-    Fit(wanted);
+    cache_.Fit(wanted);
     const Refit* best = nullptr;
     for (const auto& [released, starts] : wanted) {
       const Refit& refit = cache_.at(released);
@@ -303,7 +248,10 @@ class Selector {
       // candidates would say no more than their scores, and take hours.
       const bool many_minima = base_.refit.noise.CountsPriors();
       scores_contradicted_ = !many_minima && ContradictsScore(scored, *best, added.front());
-      if (scores_contradicted_) best = FitExtensions(chosen, scored, wanted);
+      if (scores_contradicted_) {
+        cache_.ContinueRefits();
+        best = FitExtensions(chosen, scored, wanted);
+      }
     }
     for (const auto& [released, starts] : wanted) {
       if (IsSimplerDouble(released, *best)) best = &cache_.at(released);
@@ -408,7 +356,7 @@ class Selector {
           start[index] = base_.refit.point[index];
         wanted[Without(chosen, c)] = {start};
       }
-      Fit(wanted);
+      cache_.Fit(wanted);
       const Set* best = nullptr;
       for (const auto& [released, starts] : wanted) {
         if (cache_.at(released).usable() &&
@@ -433,11 +381,10 @@ class Selector {
   void Judge(const Set& chosen, Selection& selection) {
     const Refit& model = cache_.at(chosen);
     for (const int c : chosen) {
-      const auto without = cache_.find(Without(chosen, c));
+      const Refit* without = cache_.FindUsable(Without(chosen, c));
       ChosenCause cause;
       cause.candidate = c;
-      if (without != cache_.end() && without->second.usable())
-        cause.delta_lr = Difference(without->second, model);
+      if (without != nullptr) cause.delta_lr = Difference(*without, model);
       cause.p_value = RefitPValue(cause.delta_lr, {c});
       if (chosen.size() == 1) {
         for (std::size_t i = 0; i < base_.whitened.scores.size(); ++i) {
@@ -466,7 +413,7 @@ class Selector {
       const Set rest = Without(chosen, c);
       std::optional<ScoredModel> made;
       if (!rest.empty()) {
-        if (cache_.count(rest) == 0 || !cache_.at(rest).usable()) continue;
+        if (cache_.FindUsable(rest) == nullptr) continue;
         SINEW_ASSIGN(made, ScoreModel(problem_, candidates_, cache_.at(rest), kFurtherLevel, options_.seed));
       }
       const ScoredModel& scored = made ? *made : base_;
@@ -475,14 +422,14 @@ class Selector {
         if (std::find(chosen.begin(), chosen.end(), other) == chosen.end())
           wanted[With(rest, other)] = RefitStarts(scored, candidates_, other);
       }
-      Fit(wanted);
+      cache_.Fit(wanted);
       for (const auto& [released, starts] : wanted) {
         AddRival(chosen, c, released, selection);
       }
     }
     // Rivals that replace both causes of a pair.
     if (chosen.size() == 2) {
-      for (const auto& [released, refit] : cache_) {
+      for (const auto& [released, refit] : cache_.all()) {
         const bool disjoint =
             released.size() == 2 && std::none_of(released.begin(), released.end(), [&](int c) {
               return std::find(chosen.begin(), chosen.end(), c) != chosen.end();
@@ -585,17 +532,13 @@ class Selector {
   const ScoredModel& base_;
   const DiagnosisOptions& options_;
   MisfitScale scale_;
-  std::map<Set, Refit> cache_;
+  RefitCache cache_;
   Shortlist shortlist_;
   bool scores_contradicted_ = false;  // by a refit: then all candidates are refitted
   bool found_by_search_ = false;      // several causes, by cross-validation
 };
 
 }  // namespace
-
-double DevianceDifference(bool found_by_search, const Refit& refit, const Refit& reference) {
-  return found_by_search ? IndependentDifference(refit, reference) : refit.deviance - reference.deviance;
-}
 
 double SetWidth(const Refit& model) {
   return model.noise.IsColoured() ? kSetWidthColoured : kSetWidth;

@@ -11,7 +11,7 @@
 #include "identify/diagnosis/fit/folds.h"
 #include "identify/diagnosis/score/scored_model.h"
 #include "identify/diagnosis/select/free_terms.h"
-#include "identify/diagnosis/select/unknown_terms.h"
+#include "identify/diagnosis/select/refit_cache.h"
 
 namespace sinew::diagnosis {
 
@@ -86,18 +86,14 @@ struct Selection {
   std::shared_ptr<const Refitter> refitter;        ///< ... and what fits models with them
 };
 
-/// Deviance of a refit less that of another one. Where a search found the causes, a smaller set leaves a
-/// misfit that its noise model may absorb: both then count as having independent errors.
-[[nodiscard]] double DevianceDifference(bool found_by_search, const Refit& refit, const Refit& reference);
-
 /// Selects the causes: the smallest set of known candidates that explains the error of the base model.
 ///
 /// 1. Alarm: nothing is selected if the family-wise p-value of the base model's scores is above
 /// DiagnosisOptions::alarm_level, unless its noise model is so strongly autocorrelated that it can hide an
 /// effect; refits decide then.
 /// 2. If the misfit dominates the noise: CrossValidatedSearch. Its result is final if more than noise is left
-/// with the causes that it finds; else the next steps start from several such causes, or from the base model
-/// if it found only one.
+/// with the causes that it finds, and contains unknown terms if left-out data need them; else the next steps
+/// start from several such causes, or from the base model if it found only one.
 /// 3. Forward: the shortlist of candidates by score (Shortlist; at the first step also pairs) is refitted,
 /// and the best is added if it is significant by likelihood ratio. Repeated with scores of the extended
 /// model, at a level of 0.02.

@@ -16,6 +16,7 @@ namespace sinew::diagnosis {
 namespace {
 
 constexpr std::size_t kMaxPromising = 10;
+constexpr std::size_t kMaxPromisingTerms = 4;
 constexpr int kDraws = 20;
 // Fits take longer with more trials, and with many trials local searches end in poor local minima less often.
 constexpr double kFewTrials = 6;
@@ -46,6 +47,23 @@ EditedView Searched(const Problem& problem) {
       KeepSamples([&](std::size_t i) { return i % static_cast<std::size_t>(every) == 0; }, block);
     }
   });
+}
+
+// Of the candidates that are accepted and not in `have`, the best by the linear prediction.
+template <class Accepts>
+std::vector<int> BestScored(const ScoredModel& scored, const std::vector<Candidate>& candidates,
+                            const std::vector<int>& have, std::size_t most, const Accepts& accepts) {
+  std::vector<std::pair<double, int>> ranking;
+  for (std::size_t c = 0; c < candidates.size(); ++c) {
+    const bool in_set = std::binary_search(have.begin(), have.end(), static_cast<int>(c));
+    if (in_set || !accepts(candidates[c])) continue;
+    const Score* score = scored.BestOf(static_cast<int>(c), scored.plain);
+    if (score != nullptr) ranking.emplace_back(-score->statistic, static_cast<int>(c));
+  }
+  std::sort(ranking.begin(), ranking.end());
+  std::vector<int> best;
+  for (std::size_t i = 0; i < std::min(ranking.size(), most); ++i) best.push_back(ranking[i].second);
+  return best;
 }
 
 }  // namespace
@@ -166,7 +184,7 @@ std::vector<FittedSet> SetFitter::OneLess(const FittedSet& of, const std::vector
   return smaller;
 }
 
-Vector SetFitter::Faded(const FittedSet& of, int c) const {
+Vector SetFitter::Continued(const FittedSet& of, int c) const {
   FitSetup setup = refitter_.SetupWith(Without(of.released, c));
   Vector point = of.point;
   for (const double share : {0.75, 0.5, 0.25, 0.0}) {
@@ -182,13 +200,13 @@ Vector SetFitter::Faded(const FittedSet& of, int c) const {
   return point;
 }
 
-std::vector<FittedSet> SetFitter::OneFaded(const FittedSet& of) const {
+std::vector<FittedSet> SetFitter::OneLessByContinuation(const FittedSet& of) const {
   std::vector<FittedSet> smaller;
   std::vector<std::vector<Vector>> starts(of.released.size());
   for (std::size_t i = 0; i < starts.size(); ++i)
     smaller.push_back(WithoutMember(of, of.released[i], starts[i]));
   ForEachShared(options_.record, options_.threads, starts.size(), [&](std::size_t i, std::size_t) {
-    if (!Interrupted()) starts[i].push_back(Faded(of, of.released[i]));
+    if (!Interrupted()) starts[i].push_back(Continued(of, of.released[i]));
   });
   Fit(smaller, starts, kTolerance, kContinued);
   LeaveOut(smaller, kTolerance);
@@ -204,18 +222,14 @@ Result<std::optional<ScoredModel>> SetFitter::Score(const FittedSet& one) const 
 }
 
 std::vector<int> SetFitter::Promising(const ScoredModel& scored, const std::vector<int>& have) const {
-  std::vector<std::pair<double, int>> ranking;
-  for (std::size_t c = 0; c < candidates_.size(); ++c) {
-    if (!candidates_[c].primary() || std::binary_search(have.begin(), have.end(), static_cast<int>(c)))
-      continue;
-    const sinew::diagnosis::Score* score = scored.BestOf(static_cast<int>(c), scored.plain);
-    if (score != nullptr) ranking.emplace_back(-score->statistic, static_cast<int>(c));
-  }
-  std::sort(ranking.begin(), ranking.end());
-  std::vector<int> promising;
-  for (std::size_t i = 0; i < std::min(ranking.size(), kMaxPromising); ++i)
-    promising.push_back(ranking[i].second);
-  return promising;
+  return BestScored(scored, candidates_, have, kMaxPromising,
+                    [](const Candidate& candidate) { return candidate.primary(); });
+}
+
+std::vector<int> SetFitter::PromisingTerms(const ScoredModel& scored, const std::vector<int>& have) const {
+  return BestScored(scored, candidates_, have, kMaxPromisingTerms, [](const Candidate& candidate) {
+    return !candidate.known && !candidate.parameters.empty();
+  });
 }
 
 void SetFitter::AddDraws(int candidate, int draws, const Vector& point, std::vector<Vector>& starts) const {

@@ -83,15 +83,19 @@ class SetFitter {
   /// their points are starts, too
   [[nodiscard]] std::vector<FittedSet> OneLess(const FittedSet& of,
                                                const std::vector<FittedSet>& known) const;
-  /// The same, with one more start each: the member fades in steps while the others are fitted, so that they
-  /// can take over what they are able to (continuation: Nocedal, Wright 2006, section 11.3).
-  [[nodiscard]] std::vector<FittedSet> OneFaded(const FittedSet& of) const;
+  /// The same, with one more start each: the member's values go to their null in steps while the others are
+  /// fitted, so that these can take over what they are able to (continuation: Nocedal, Wright 2006, section
+  /// 11.3).
+  [[nodiscard]] std::vector<FittedSet> OneLessByContinuation(const FittedSet& of) const;
 
   /// Scores beside a fitted set, on the searched data; nothing if the fit failed. Errors: those of
   /// Problem::Predict.
   [[nodiscard]] Result<std::optional<ScoredModel>> Score(const FittedSet& one) const;
   /// Known effects that all trials share, not in `have`, the best ten by the linear prediction.
   [[nodiscard]] std::vector<int> Promising(const ScoredModel& scored, const std::vector<int>& have) const;
+  /// Unknown terms that a fit can release, not in `have`, the best four.
+  [[nodiscard]] std::vector<int> PromisingTerms(const ScoredModel& scored,
+                                                const std::vector<int>& have) const;
   /// Starts at `point` with the candidate's parameters anywhere.
   void AddDraws(int candidate, int draws, const Vector& point, std::vector<Vector>& starts) const;
 
@@ -102,7 +106,7 @@ class SetFitter {
  private:
   [[nodiscard]] double Rows() const;
   [[nodiscard]] FittedSet WithoutMember(const FittedSet& of, int c, std::vector<Vector>& starts) const;
-  [[nodiscard]] Vector Faded(const FittedSet& of, int c) const;
+  [[nodiscard]] Vector Continued(const FittedSet& of, int c) const;
 
   const Refitter& refitter_;
   const std::vector<Candidate>& candidates_;

@@ -12,7 +12,6 @@ namespace {
 constexpr std::size_t kMaxTerms = 2;
 constexpr double kOfRange = 1.0 / 3;
 constexpr double kOfResidual = 0.01;
-constexpr std::size_t kMaxFittedTerms = 4;  // the best by the linear prediction
 constexpr std::size_t kMaxFurtherLeftOut = 3;
 
 class Search {
@@ -29,7 +28,7 @@ class Search {
     }
     if (terms_.empty()) return std::optional<BesideUnknown>();
     BesideUnknown out;
-    for (const FittedSet& less : fitter_.OneFaded(now_)) {
+    for (const FittedSet& less : fitter_.OneLessByContinuation(now_)) {
       const int c = MemberBeyond(less.released, now_.released);
       if (!IsKnown(c)) continue;
       out.causes.push_back(c);
@@ -48,22 +47,6 @@ class Search {
 
   static bool Has(const FittedSet& set, int c) {
     return std::binary_search(set.released.begin(), set.released.end(), c);
-  }
-
-  // Terms that a fit can release, not in the set, the best by the linear prediction.
-  [[nodiscard]] std::vector<int> PromisingTerms(const ScoredModel& scored) const {
-    std::vector<std::pair<double, int>> ranking;
-    for (std::size_t c = 0; c < candidates_.size(); ++c) {
-      if (candidates_[c].known || candidates_[c].parameters.empty() || Has(now_, static_cast<int>(c)))
-        continue;
-      const Score* score = scored.BestOf(static_cast<int>(c), scored.plain);
-      if (score != nullptr) ranking.emplace_back(-score->statistic, static_cast<int>(c));
-    }
-    std::sort(ranking.begin(), ranking.end());
-    ranking.resize(std::min(ranking.size(), kMaxFittedTerms));
-    std::vector<int> terms;
-    for (const auto& [statistic, c] : ranking) terms.push_back(c);
-    return terms;
   }
 
   // The sets with one of the candidates each, fitted and left out; best first.
@@ -87,7 +70,7 @@ class Search {
   Result<bool> AddTerm() {
     SINEW_ASSIGN(const auto scored, fitter_.Score(now_));
     if (!scored) return false;
-    const std::vector<int> terms = PromisingTerms(*scored);
+    const std::vector<int> terms = fitter_.PromisingTerms(*scored, now_.released);
     if (terms.empty()) return false;
     const std::vector<FittedSet> more = Extended(now_, *scored, terms, terms.size());
     if (!IsNeeded(more.front().fold_errors, now_.fold_errors)) return false;
@@ -106,7 +89,7 @@ class Search {
   // Takes out the least needed cause as long as it is not needed.
   void TakeOutCauses() {
     for (;;) {
-      std::vector<FittedSet> smaller = fitter_.OneFaded(now_);
+      std::vector<FittedSet> smaller = fitter_.OneLessByContinuation(now_);
       const FittedSet* least = nullptr;
       for (const FittedSet& less : smaller) {
         if (!IsKnown(MemberBeyond(less.released, now_.released)) || less.fold_errors.empty()) continue;

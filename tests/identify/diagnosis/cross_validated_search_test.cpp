@@ -23,6 +23,9 @@ struct Case {
     search = std::make_unique<CrossValidatedSearch>(problem, *refitter, candidates, scale, options);
   }
   [[nodiscard]] Refit Base() const { return refitter->Fit({}, {setup.rest}); }
+  [[nodiscard]] Result<ScoredModel> ScoredBase() const {
+    return ScoreModel(problem, candidates, Base(), 0.05, 1);
+  }
   [[nodiscard]] std::vector<int> SetOf(const std::vector<std::string>& effects) const {
     std::vector<int> set;
     for (std::size_t c = 0; c < candidates.size(); ++c) {
@@ -117,7 +120,7 @@ TEST(CrossValidatedSearch, FindsACauseThatImprovesOnlyTogetherWithAnother) {
   for (std::uint64_t seed = 1; seed <= kCases; ++seed) {
     const LinearLaws problem(Hidden(), seed, 6, 0, 100);
     Case one(problem);
-    const auto base = ScoreModel(problem, one.candidates, one.Base(), 0.05, 1);
+    const auto base = one.ScoredBase();
     ASSERT_TRUE(base) << base.error().message;
     ASSERT_TRUE(one.scale.Dominates(base->refit.noise));
     const auto found = one.search->Run(*base);
@@ -151,7 +154,7 @@ TEST(CrossValidatedSearch, EndsWhereOnlyVisibleNoiseIsLeft) {
     truth.slow_error = slow_error;
     const LinearLaws problem(truth, 1, 6, 0, 100);
     Case one(problem);
-    const auto base = ScoreModel(problem, one.candidates, one.Base(), 0.05, 1);
+    const auto base = one.ScoredBase();
     ASSERT_TRUE(base) << base.error().message;
     ASSERT_TRUE(one.scale.Dominates(base->refit.noise));
     const auto found = one.search->Run(*base);
@@ -196,7 +199,7 @@ TEST(CrossValidatedSearch, AddsNoCauseThatLeftOutTrialsDoNotNeed) {
   for (std::uint64_t seed = 1; seed <= 2; ++seed) {
     const LinearLaws problem(truth, seed, 6, 0, 100);
     Case one(problem);
-    const auto base = ScoreModel(problem, one.candidates, one.Base(), 0.05, 1);
+    const auto base = one.ScoredBase();
     ASSERT_TRUE(base) << base.error().message;
     const auto found = one.search->Run(*base);
     ASSERT_TRUE(found) << found.error().message;
@@ -210,7 +213,7 @@ TEST(CrossValidatedSearch, AddsNoCauseThatLeftOutTrialsDoNotNeed) {
 TEST(CrossValidatedSearch, AnInterruptEndsItWithoutACause) {
   const LinearLaws problem(Hidden(), 1, 6, 0, 100);
   Case one(problem);
-  const auto base = ScoreModel(problem, one.candidates, one.Base(), 0.05, 1);
+  const auto base = one.ScoredBase();
   ASSERT_TRUE(base) << base.error().message;
   const std::atomic<bool> pressed{true};
   one.options.interrupt = &pressed;

@@ -124,6 +124,7 @@ TEST_F(DiagnosisJsonTest, EveryEffectHasOneFinding) {
   EXPECT_EQ(json["not_judged"][0]["why_kind"], "no_distinct_change");
   EXPECT_EQ(json["withdrawn"][0]["delta_lr"], 30);
   EXPECT_EQ(json["withdrawn"][0]["worst"]["trial"], "check");
+  EXPECT_EQ(json["withdrawn"][0]["terms"], Json::array());
   ASSERT_EQ(json["scores"].size(), diagnosis_.scores.size());
   EXPECT_EQ(json["scores"][3]["finding"], "unknown_term");
   EXPECT_EQ(json["scores"][4]["finding"], "ruled_out");

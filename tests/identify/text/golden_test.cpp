@@ -235,6 +235,13 @@ Lines OtherDiagnoses() {
     d.withdrawn[0].delta_lr = d.withdrawn[0].held_out_loss = NAN;
     d.withdrawn[0].worst.reset();
   });
+  add("withdrawn beside an unknown term", [](Diagnosis& d) {
+    d.withdrawn[0].terms = {"torque(position)", "torque(time)"};
+  });
+  add("unknown terms chosen by cross-validation", [](Diagnosis& d) {
+    d.left_out = {{{"slow"}, {}}};
+    d.unknown_terms.push_back(d.unknown_terms[0]);
+  });
   add("chosen by cross-validation", [](Diagnosis& d) { d.causes[0].left_out = 0.6; });
   add("less common", [](Diagnosis& d) { d.alternatives[0].less_common = true; });
   add("same class", [](Diagnosis& d) { d.alternatives[0].same_class = true; });
