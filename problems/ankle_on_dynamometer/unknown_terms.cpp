@@ -5,8 +5,9 @@
 namespace sinew {
 namespace {
 
-constexpr double kMomentReach = 10;  // [N m] beyond it the foot leaves the plate
-constexpr double kShareReach = 0.5;     // an activation that is three times too low
+// Wider, random points of the box have no equilibrium of foot and plate.
+constexpr double kMomentReach = 10;  // [N m]
+constexpr double kShareReach = 0.5;
 
 struct SignalName {
   const char* name;

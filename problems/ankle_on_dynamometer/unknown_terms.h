@@ -61,9 +61,9 @@ void AddMomentPort(const UnknownTermKnots& knots, bool muscles, int first_slot, 
 void AddActivationPort(const ActivationKnots& knots, const std::string& muscle, int first_slot,
                        ParameterListBuilder& add);
 
-/// A number that is 0 and stays so whatever the parameters do.
+/// True for 0 without derivatives.
 template <class T>
-[[nodiscard]] bool IsNothing(const T& x) {
+[[nodiscard]] bool IsAlwaysZero(const T& x) {
   if constexpr (!std::is_same_v<T, double>) {
     for (const double slope : x.d) {
       if (slope != 0) return false;
@@ -76,7 +76,7 @@ template <class T>
 template <class T>
 [[nodiscard]] bool AnyActs(const T* weights, std::size_t count) {
   for (std::size_t k = 0; k < count; ++k) {
-    if (!IsNothing(weights[k])) return true;
+    if (!IsAlwaysZero(weights[k])) return true;
   }
   return false;
 }
