@@ -233,7 +233,7 @@ template <class T>
 StrappedFoot<T> FootOf(const AnkleSettings& settings, const std::vector<T>& values) {
   StrappedFoot<T> foot;
   const auto at = [&](int slot) -> const T& { return values[static_cast<std::size_t>(slot)]; };
-  const auto moves = [&](int slot) { return !IsNothing(at(slot)); };
+  const auto moves = [&](int slot) { return !IsAlwaysZero(at(slot)); };
   for (std::size_t m = 0; m < settings.muscles.size(); ++m) {
     const AnkleMuscle& from = settings.muscles[m];
     HillMuscle<T> muscle;
