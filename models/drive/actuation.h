@@ -79,8 +79,12 @@ class DriveActuation {
     if (time.empty()) return Time(series.values.front());
     if (Value(t) <= time.front()) return Time(series.values.front());
     if (Value(t) >= time.back()) return Time(series.values.back());
-    auto i = static_cast<std::size_t>(std::max(piece, 0));  // right if both were recorded together
-    if (i + 1 >= time.size() || !(time[i] <= Value(t) && Value(t) < time[i + 1])) {
+    // Right if both were recorded together, a few samples off with a delay between them.
+    auto i = static_cast<std::size_t>(std::clamp<int>(piece, 0, static_cast<int>(time.size()) - 2));
+    constexpr int kNear = 8;
+    for (int near = 0; near < kNear && time[i] > Value(t); ++near) --i;
+    for (int near = 0; near < kNear && time[i + 1] <= Value(t); ++near) ++i;
+    if (!(time[i] <= Value(t) && Value(t) < time[i + 1])) {
       i = static_cast<std::size_t>(std::upper_bound(time.begin(), time.end(), Value(t)) - time.begin()) - 1;
     }
     const double slope = (series.values[i + 1] - series.values[i]) / (time[i + 1] - time[i]);

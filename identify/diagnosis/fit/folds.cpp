@@ -93,11 +93,18 @@ FitSetup WithoutLeftOut(FitSetup setup, const Fold& fold) {
 }
 
 Result<Vector> LeftOutResiduals(const Problem& problem, const Fold& fold, const Vector& parameters,
-                                FitRecord* record) {
+                                const Vector& fitted, FitRecord* record) {
   Vector at = parameters;
-  if (!fold.window) {
-    SINEW_ASSIGN(at, solvers::FitHeldOutNuisance(FoldView(problem, fold), parameters, record));
+  const auto which = fold.window ? solvers::HeldOutNuisance::kWithoutPriors : solvers::HeldOutNuisance::kAll;
+  const std::vector<Parameter>& all = problem.parameters();
+  for (std::size_t i = 0; i < all.size(); ++i) {
+    const bool own = all[i].kind == ParameterKind::kNuisance &&
+                     std::binary_search(fold.trials.begin(), fold.trials.end(), all[i].trial);
+    const bool determined_by_rest = fold.window && all[i].prior;
+    const auto index = static_cast<Eigen::Index>(i);
+    if (own && !determined_by_rest) at[index] = fitted[index];
   }
+  SINEW_ASSIGN(at, solvers::FitHeldOutNuisance(FoldView(problem, {fold.trials, {}}), at, record, {}, which));
   const Layout& layout = problem.layout();
   std::vector<bool> wanted(layout.size(), false);
   for (std::size_t b = 0; b < layout.size(); ++b) {

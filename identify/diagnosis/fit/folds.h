@@ -46,9 +46,13 @@ class FoldView final : public ProblemView {
 [[nodiscard]] FitSetup WithoutLeftOut(FitSetup setup, const Fold& fold);
 
 /// Weighted residuals of what the fold leaves out of the training data, at parameters that were fitted to the
-/// rest [P]; nuisance values of trials that are left out as a whole are fitted to them.
+/// rest. Nuisance values of its trials are fitted to these trials, whole ones also where only a window is
+/// left out: the rest of a stable system's trial does not tell the state in which it began. Nuisance values
+/// with priors are not fitted to a window.
+/// @param fitted [P] to all training data: its nuisance values are where these fits start
 /// @param record of FitSetup, may be null. Errors: those of Problem::Predict.
 [[nodiscard]] Result<Vector> LeftOutResiduals(const Problem& problem, const Fold& fold,
-                                              const Vector& parameters, FitRecord* record);
+                                              const Vector& parameters, const Vector& fitted,
+                                              FitRecord* record);
 
 }  // namespace sinew::diagnosis

@@ -106,9 +106,30 @@ void CrossValidatedSearch::Polish(std::vector<FittedSet>& sets) const {
   }
 }
 
+// Those of the sets in which every member does something. The others are smaller sets, and are judged as
+// such: in folds a member that does nothing on all data may act, and help or harm.
+std::vector<FittedSet> CrossValidatedSearch::WithoutIdleMembers(std::vector<FittedSet> made) {
+  std::vector<FittedSet> acting;
+  std::vector<FittedSet> smaller;
+  for (FittedSet& one : made) {
+    if (!std::isfinite(one.fitted_error)) continue;
+    FittedSet rest = fitter_.WithoutIdle(one);
+    if (rest.released.size() == one.released.size()) {
+      acting.push_back(std::move(one));
+    } else {
+      smaller.push_back(std::move(rest));
+    }
+  }
+  if (!smaller.empty()) {
+    fitter_.LeaveOut(smaller, kTolerance);
+    Consider(std::move(smaller));
+  }
+  return acting;
+}
+
 // Of fits of the same set, the one that predicts left-out data better.
 void CrossValidatedSearch::Consider(std::vector<FittedSet> made) {
-  for (FittedSet& one : made) {
+  for (FittedSet& one : WithoutIdleMembers(std::move(made))) {
     if (!std::isfinite(one.left_out_error)) continue;
     const auto known = std::find_if(judged_.begin(), judged_.end(),
                                     [&](const FittedSet& other) { return other.released == one.released; });
@@ -472,6 +493,8 @@ Result<CrossValidatedSearch::Outcome> CrossValidatedSearch::Run(const ScoredMode
       EndWith(std::move(made));
       return Conclude();
     }
+    made = WithoutIdleMembers(std::move(made));
+    if (made.empty()) break;
     fitter_.LeaveOut(made, kTolerance);
     std::stable_sort(made.begin(), made.end(), PredictsBetter);
     Consider(made);

@@ -91,6 +91,7 @@ class CrossValidatedSearch {
   void Polish(std::vector<FittedSet>& sets) const;
   [[nodiscard]] std::optional<FittedSet> Shrunk(FittedSet from);
   void Consider(std::vector<FittedSet> made);
+  [[nodiscard]] std::vector<FittedSet> WithoutIdleMembers(std::vector<FittedSet> made);
   void EndWith(std::vector<FittedSet> made);
   [[nodiscard]] bool LeavesOnlyNoise(const FittedSet& one) const;
   [[nodiscard]] bool LeavesMisfit(const FittedSet& one) const;

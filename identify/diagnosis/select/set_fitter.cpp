@@ -22,6 +22,7 @@ constexpr int kDraws = 20;
 constexpr double kFewTrials = 6;
 constexpr std::size_t kMaxSearchedTrials = 20;  // two in each fold
 constexpr int kMaxSearchedSamples = 6000;
+constexpr double kIdle = 1e-4;  // relative change of the fitted error without a member that changes nothing
 
 std::set<std::string> SearchedTrials(const Problem& problem) {
   const std::vector<std::string> all = TrainingTrials(problem);
@@ -124,7 +125,7 @@ std::vector<double> SetFitter::LeftOutErrors(const std::vector<int>& released, c
     const LeastSquares fit(view, setup);
     const auto found = FitFromStarts(fit, {start}, tolerance);
     if (!found.failure.empty() || !std::isfinite(found.cost)) return {};
-    const auto residuals = LeftOutResiduals(searched_, fold, fit.Parameters(found.x), setup.record);
+    const auto residuals = LeftOutResiduals(searched_, fold, fit.Parameters(found.x), start, setup.record);
     if (!residuals) return {};
     if (residuals->size() > 0)
       errors.push_back(residuals->norm() / std::sqrt(static_cast<double>(residuals->size())));
@@ -182,6 +183,24 @@ std::vector<FittedSet> SetFitter::OneLess(const FittedSet& of, const std::vector
   Fit(smaller, starts, kTolerance, kContinued);
   LeaveOut(smaller, kTolerance);
   return smaller;
+}
+
+FittedSet SetFitter::WithoutIdle(const FittedSet& of) const {
+  FittedSet rest = of;
+  for (const int c : of.released) {
+    FitSetup setup = refitter_.SetupWith(Without(rest.released, c));
+    setup.rest = rest.point;
+    for (const int index : candidates_[static_cast<std::size_t>(c)].parameters)
+      setup.rest[index] = refitter_.base().rest[index];
+    const LeastSquares fit(searched_, setup);
+    auto workspace = fit.NewWorkspace();
+    const auto cost = fit.Cost(fit.Variables(setup.rest), workspace);
+    if (!cost) continue;
+    const double error = std::sqrt(2 * *cost / Rows());
+    if (!(error <= (1 + kIdle) * of.fitted_error)) continue;
+    rest = {Without(rest.released, c), setup.rest, error, 0, {}};
+  }
+  return rest;
 }
 
 Vector SetFitter::Continued(const FittedSet& of, int c) const {

@@ -170,6 +170,34 @@ TEST(CrossValidatedSearch, EndsWhereOnlyVisibleNoiseIsLeft) {
   }
 }
 
+// An effect that its bound holds at its null is the same model as that without it, and no cause.
+TEST(CrossValidatedSearch, AMemberThatChangesNothingIsTakenOut) {
+  LinearLaws::Truth truth = Hidden();
+  truth.effects = {{"drift_size", 0.3}, {"quadratic_size", -0.5}};  // its lower bound is 0
+  const LinearLaws problem(truth, 1, 6, 0, 100);
+  Case one(problem);
+  const auto fitted = [&](const std::vector<std::string>& effects) {
+    std::vector<FittedSet> sets{{one.SetOf(effects), {}, 0, 0, {}}};
+    one.search->fitter().Fit(sets, {{one.setup.rest}}, SetFitter::kTolerance, 1);
+    return sets.front();
+  };
+  const FittedSet both = fitted({"drift", "quadratic"});
+  const FittedSet rest = one.search->fitter().WithoutIdle(both);
+  EXPECT_EQ(one.NamesOf(rest.released), std::vector<std::string>{"drift"});
+  EXPECT_EQ(rest.point, both.point);
+  EXPECT_NEAR(rest.fitted_error, both.fitted_error, 1e-12);
+  EXPECT_EQ(one.search->fitter().WithoutIdle(rest).released, rest.released) << "the drift acts";
+
+  const auto base = one.ScoredBase();
+  ASSERT_TRUE(base) << base.error().message;
+  const auto found = one.search->Run(*base);
+  ASSERT_TRUE(found) << found.error().message;
+  const int quadratic = one.SetOf({"quadratic"}).front();
+  for (const auto& step : found->judged)
+    EXPECT_FALSE(std::binary_search(step.released.begin(), step.released.end(), quadratic));
+  EXPECT_GT(found->judged.size(), 3U);
+}
+
 // After the search a further cause has to lower the residual's deviation by 2 %, however significant it is.
 TEST(CrossValidatedSearch, NoFurtherCauseForAThousandthOfTheMisfit) {
   LinearLaws::Truth truth = Hidden();

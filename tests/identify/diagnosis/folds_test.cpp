@@ -67,9 +67,29 @@ TEST(Folds, AViewOfAWindowLacksItsSamplesAndTheResidualsAreThoseOfThem) {
   EXPECT_EQ(rest.samples() + gone, whole.samples());
   EXPECT_EQ(rest.predictions(), whole.predictions()) << "the trajectory goes on";
   EXPECT_EQ(view.layout()[1].role, BlockRole::kPredicted) << "held-out trials are not compared";
-  const auto residuals = LeftOutResiduals(one, fold, RestPoint(one), nullptr);
+  const auto residuals = LeftOutResiduals(one, fold, RestPoint(one), RestPoint(one), nullptr);
   ASSERT_TRUE(residuals);
   EXPECT_EQ(residuals->size(), gone);
+}
+
+// A start that has died away in the rest of the trial is not determined by the rest: fits leave it anywhere.
+TEST(Folds, ErrorsOfAWindowDoNotDependOnTheStartThatTheRestOfItsTrialLeft) {
+  LinearLaws::Truth truth;
+  truth.starts = true;
+  const LinearLaws one(truth, 1, 1, 0);
+  const Fold first = FoldsOf(one)[0];
+  const Vector fitted = RestPoint(one);
+  Vector parameters = fitted;
+  for (std::size_t i = 0; i < one.parameters().size(); ++i) {
+    if (one.parameters()[i].kind == ParameterKind::kNuisance)
+      parameters[static_cast<Eigen::Index>(i)] = one.parameters()[i].upper;
+  }
+  ASSERT_NE(parameters, fitted);
+  const auto expected = LeftOutResiduals(one, first, fitted, fitted, nullptr);
+  const auto residuals = LeftOutResiduals(one, first, parameters, fitted, nullptr);
+  ASSERT_TRUE(expected);
+  ASSERT_TRUE(residuals);
+  EXPECT_EQ(*residuals, *expected);
 }
 
 TEST(Folds, AViewOfATrialHoldsItOutWithItsParameters) {

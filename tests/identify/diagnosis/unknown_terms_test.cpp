@@ -107,7 +107,9 @@ TEST(UnknownTerms, WeightsOfTermsAloneArePulledToZero) {
       if (p.prior) cost += std::pow(p.upper / 3 / p.prior->standard_deviation, 2);
     }
     // A third of the range, at every knot: 1e-4 of the squared residual.
-    if (!candidate.known && !candidate.parameters.empty()) EXPECT_NEAR(cost, 1e-2, 1e-12);
+    if (!candidate.known && !candidate.parameters.empty()) {
+      EXPECT_NEAR(cost, 1e-2, 1e-12);
+    }
   }
 }
 
