@@ -19,7 +19,7 @@ constexpr long kEvaluations = 200;
 }  // namespace
 
 Result<Vector> FitHeldOutNuisance(const Problem& problem, const Vector& parameters, FitRecord* record,
-                                  const std::vector<Vector>& earlier, HeldOutNuisance which) {
+                                  const std::vector<Vector>& earlier) {
   std::set<std::string> held_out;
   for (const Block& block : problem.layout()) {
     if (block.role == BlockRole::kValidate) held_out.insert(block.trial);
@@ -32,9 +32,7 @@ Result<Vector> FitHeldOutNuisance(const Problem& problem, const Vector& paramete
     setup.record = record;
     for (std::size_t i = 0; i < setup.parameters.size(); ++i) {
       const Parameter& p = setup.parameters[i];
-      if (p.kind != ParameterKind::kNuisance || p.trial != trial) continue;
-      if (which == HeldOutNuisance::kWithoutPriors && p.prior) continue;
-      setup.free.push_back(static_cast<int>(i));
+      if (p.kind == ParameterKind::kNuisance && p.trial == trial) setup.free.push_back(static_cast<int>(i));
     }
     if (setup.free.empty()) continue;
     const RoleView alone(problem, [&](const Block& block) {

@@ -1,6 +1,7 @@
 #include "identify/diagnosis/fit/folds.h"
 
 #include <algorithm>
+#include <cmath>
 #include <limits>
 #include <map>
 #include <set>
@@ -12,8 +13,9 @@ namespace sinew::diagnosis {
 namespace {
 
 constexpr std::size_t kMaxFolds = 10;
-constexpr std::size_t kMinTrials = 4;  // that are left out as a whole
-constexpr std::size_t kWindows = 6;    // of fewer trials together, at least
+constexpr std::size_t kMinTrials = 4;      // that are left out as a whole
+constexpr double kTiedInformation = 0.01;  // of all data
+constexpr std::size_t kWindows = 6;        // of fewer trials together, at least
 
 double TimeOf(const Block& block, std::size_t i) {
   return block.prediction_time[static_cast<std::size_t>(block.sample[i])];
@@ -92,19 +94,29 @@ FitSetup WithoutLeftOut(FitSetup setup, const Fold& fold) {
   return setup;
 }
 
-Result<Vector> LeftOutResiduals(const Problem& problem, const Fold& fold, const Vector& parameters,
-                                const Vector& fitted, FitRecord* record) {
-  Vector at = parameters;
-  const auto which = fold.window ? solvers::HeldOutNuisance::kWithoutPriors : solvers::HeldOutNuisance::kAll;
-  const std::vector<Parameter>& all = problem.parameters();
-  for (std::size_t i = 0; i < all.size(); ++i) {
-    const bool own = all[i].kind == ParameterKind::kNuisance &&
-                     std::binary_search(fold.trials.begin(), fold.trials.end(), all[i].trial);
-    const bool determined_by_rest = fold.window && all[i].prior;
-    const auto index = static_cast<Eigen::Index>(i);
-    if (own && !determined_by_rest) at[index] = fitted[index];
+FitSetup WithTiedNuisance(FitSetup setup, const Fold& fold, const Vector& norms, const Vector& fitted) {
+  if (!fold.window) return setup;
+  for (std::size_t v = 0; v < setup.free.size(); ++v) {
+    const int index = setup.free[v];
+    Parameter& p = setup.parameters[static_cast<std::size_t>(index)];
+    const double norm = norms[static_cast<Eigen::Index>(v)];
+    const bool own = std::binary_search(fold.trials.begin(), fold.trials.end(), p.trial);
+    if (p.kind != ParameterKind::kNuisance || !own || p.prior || !(norm > 0)) continue;
+    // Per variable of the search, of which the norms are.
+    const bool logarithmic = p.scale == Scale::kLog;
+    const double range = logarithmic ? std::log(p.upper / p.lower) : p.upper - p.lower;
+    p.prior = GaussianPrior{logarithmic ? std::log(fitted[index]) : fitted[index],
+                            range / (std::sqrt(kTiedInformation) * norm)};
   }
-  SINEW_ASSIGN(at, solvers::FitHeldOutNuisance(FoldView(problem, {fold.trials, {}}), at, record, {}, which));
+  return setup;
+}
+
+Result<Vector> LeftOutResiduals(const Problem& problem, const Fold& fold, const Vector& parameters,
+                                FitRecord* record) {
+  Vector at = parameters;
+  if (!fold.window) {
+    SINEW_ASSIGN(at, solvers::FitHeldOutNuisance(FoldView(problem, fold), parameters, record));
+  }
   const Layout& layout = problem.layout();
   std::vector<bool> wanted(layout.size(), false);
   for (std::size_t b = 0; b < layout.size(); ++b) {

@@ -45,14 +45,18 @@ class FoldView final : public ProblemView {
 /// The setup without the parameters of trials that the fold leaves out as a whole.
 [[nodiscard]] FitSetup WithoutLeftOut(FitSetup setup, const Fold& fold);
 
+/// The setup of a fit to what is left of the trial of a window: its nuisance values without priors get normal
+/// priors about those of a fit to all training data, with a hundredth of the information of these. The rest
+/// of a stable system's trial does not tell the state in which it began, and a fit would leave it anywhere;
+/// where the rest tells it, the priors do not count. Unchanged if the fold leaves out whole trials.
+/// @param norms [free] of the Jacobian's columns, all training data, at @param fitted [P]
+[[nodiscard]] FitSetup WithTiedNuisance(FitSetup setup, const Fold& fold, const Vector& norms,
+                                        const Vector& fitted);
+
 /// Weighted residuals of what the fold leaves out of the training data, at parameters that were fitted to the
-/// rest. Nuisance values of its trials are fitted to these trials, whole ones also where only a window is
-/// left out: the rest of a stable system's trial does not tell the state in which it began. Nuisance values
-/// with priors are not fitted to a window.
-/// @param fitted [P] to all training data: its nuisance values are where these fits start
+/// rest [P]; nuisance values of trials that are left out as a whole are fitted to them.
 /// @param record of FitSetup, may be null. Errors: those of Problem::Predict.
 [[nodiscard]] Result<Vector> LeftOutResiduals(const Problem& problem, const Fold& fold,
-                                              const Vector& parameters, const Vector& fitted,
-                                              FitRecord* record);
+                                              const Vector& parameters, FitRecord* record);
 
 }  // namespace sinew::diagnosis

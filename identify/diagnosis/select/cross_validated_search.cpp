@@ -36,7 +36,7 @@ constexpr std::size_t kMaxChoices = 8;   // of a set, each after further fits ar
 constexpr double kStillGains = 0.97;     // error over the best one before, for the search to go on
 constexpr std::size_t kShrunk = 3;       // size from which causes are taken out again
 constexpr double kSubstitute = 1.05;     // error of a substitute over that of the answer, at most
-constexpr double kFarOff = 1.25;         // fitted error of what is no substitute over that of the answer
+constexpr double kFarOff = 1.25;  // fitted error over the least one, from which left-out data need no look
 
 }  // namespace
 
@@ -106,31 +106,11 @@ void CrossValidatedSearch::Polish(std::vector<FittedSet>& sets) const {
   }
 }
 
-// Those of the sets in which every member does something. The others are smaller sets, and are judged as
-// such: in folds a member that does nothing on all data may act, and help or harm.
-std::vector<FittedSet> CrossValidatedSearch::WithoutIdleMembers(std::vector<FittedSet> made) {
-  std::vector<FittedSet> acting;
-  std::vector<FittedSet> smaller;
-  for (FittedSet& one : made) {
-    if (!std::isfinite(one.fitted_error)) continue;
-    FittedSet rest = fitter_.WithoutIdle(one);
-    if (rest.released.size() == one.released.size()) {
-      acting.push_back(std::move(one));
-    } else {
-      smaller.push_back(std::move(rest));
-    }
-  }
-  if (!smaller.empty()) {
-    fitter_.LeaveOut(smaller, kTolerance);
-    Consider(std::move(smaller));
-  }
-  return acting;
-}
-
 // Of fits of the same set, the one that predicts left-out data better.
 void CrossValidatedSearch::Consider(std::vector<FittedSet> made) {
-  for (FittedSet& one : WithoutIdleMembers(std::move(made))) {
+  for (FittedSet& one : made) {
     if (!std::isfinite(one.left_out_error)) continue;
+    if (barred_.count(one.released) > 0) continue;
     const auto known = std::find_if(judged_.begin(), judged_.end(),
                                     [&](const FittedSet& other) { return other.released == one.released; });
     if (known == judged_.end()) {
@@ -282,6 +262,18 @@ Result<std::vector<FittedSet>> CrossValidatedSearch::OneMore(const FittedSet& of
   return larger;
 }
 
+// An answer of which a member does nothing on all data is the set without it, although in folds that member
+// may act.
+void CrossValidatedSearch::Replace(const Set& idle, FittedSet acting) {
+  barred_.insert(idle);
+  judged_.erase(std::remove_if(judged_.begin(), judged_.end(),
+                               [&](const FittedSet& one) { return one.released == idle; }),
+                judged_.end());
+  std::vector<FittedSet> judged{std::move(acting)};
+  fitter_.LeaveOut(judged, kTolerance);
+  Consider(std::move(judged));
+}
+
 // A set is the answer once it, and the sets with one of its causes less, have been fitted from many starts;
 // where it leaves more than noise also those with one more and with another one in the place of each.
 Result<FittedSet> CrossValidatedSearch::Choose(Shares& shares) {
@@ -308,6 +300,11 @@ Result<FittedSet> CrossValidatedSearch::Choose(Shares& shares) {
     }
     completed.insert(chosen.released);
     const FittedSet polished = Polished(chosen);
+    const FittedSet acting = fitter_.WithoutIdle(polished);
+    if (acting.released != polished.released) {
+      Replace(chosen.released, acting);
+      continue;
+    }
     Consider({polished});
     Consider(fitter_.OneLess(polished, judged_));
     if (!LeavesMisfit(polished)) continue;
@@ -423,10 +420,13 @@ std::optional<FittedSet> CrossValidatedSearch::Shrunk(FittedSet from) {
   std::optional<FittedSet> best;
   while (from.released.size() >= kShrunk && !fitter_.Interrupted()) {
     double before = kInfinite;
+    double fitted_before = kInfinite;
     for (const FittedSet& one : judged_) {
-      if (one.released.size() + 1 == from.released.size()) before = std::min(before, one.left_out_error);
+      if (one.released.size() + 1 != from.released.size()) continue;
+      before = std::min(before, one.left_out_error);
+      fitted_before = std::min(fitted_before, one.fitted_error);
     }
-    const std::vector<FittedSet> smaller = fitter_.OneLess(from, judged_);
+    const std::vector<FittedSet> smaller = fitter_.OneLess(from, judged_, kFarOff * fitted_before);
     Consider(smaller);
     const auto least = std::min_element(smaller.begin(), smaller.end(), PredictsBetter);
     if (!(least->left_out_error < kStillGains * before)) break;
@@ -493,8 +493,6 @@ Result<CrossValidatedSearch::Outcome> CrossValidatedSearch::Run(const ScoredMode
       EndWith(std::move(made));
       return Conclude();
     }
-    made = WithoutIdleMembers(std::move(made));
-    if (made.empty()) break;
     fitter_.LeaveOut(made, kTolerance);
     std::stable_sort(made.begin(), made.end(), PredictsBetter);
     Consider(made);

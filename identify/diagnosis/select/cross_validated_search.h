@@ -91,7 +91,7 @@ class CrossValidatedSearch {
   void Polish(std::vector<FittedSet>& sets) const;
   [[nodiscard]] std::optional<FittedSet> Shrunk(FittedSet from);
   void Consider(std::vector<FittedSet> made);
-  [[nodiscard]] std::vector<FittedSet> WithoutIdleMembers(std::vector<FittedSet> made);
+  void Replace(const Set& idle, FittedSet acting);
   void EndWith(std::vector<FittedSet> made);
   [[nodiscard]] bool LeavesOnlyNoise(const FittedSet& one) const;
   [[nodiscard]] bool LeavesMisfit(const FittedSet& one) const;
@@ -117,6 +117,7 @@ class CrossValidatedSearch {
   SetFitter fitter_;
   std::set<Set> seen_;             // made by Grow
   std::vector<FittedSet> judged_;  // every set whose error of left-out data is known
+  std::set<Set> barred_;           // with a member that does nothing
 };
 
 }  // namespace sinew::diagnosis

@@ -115,17 +115,37 @@ double SetFitter::Rows() const {
   return rows;
 }
 
+// Of the Jacobian at the setup's point, searched data [free]; empty where folds do not need them.
+Vector SetFitter::ColumnNorms(const FitSetup& setup) const {
+  const bool windows =
+      std::any_of(folds_.begin(), folds_.end(), [](const Fold& fold) { return fold.window; });
+  if (!windows) return {};
+  const LeastSquares fit(searched_, setup);
+  auto workspace = fit.NewWorkspace();
+  SparseJacobian jacobian = fit.NewJacobian();
+  Vector residuals;
+  Vector squares = Vector::Zero(fit.variables());
+  if (!fit.Evaluate(fit.Variables(setup.rest), workspace, residuals, &jacobian)) return squares;
+  for (const SparseJacobian::Piece& piece : jacobian.pieces) {
+    for (std::size_t k = 0; k < piece.variables.size(); ++k)
+      squares[piece.variables[k]] += piece.values.col(static_cast<Eigen::Index>(k)).squaredNorm();
+  }
+  return squares.cwiseSqrt();
+}
+
 std::vector<double> SetFitter::LeftOutErrors(const std::vector<int>& released, const Vector& start,
                                              double tolerance) const {
   std::vector<double> errors;
+  FitSetup all = refitter_.SetupWith(released);
+  all.rest = start;
+  const Vector norms = ColumnNorms(all);
   for (const Fold& fold : folds_) {
     const FoldView view(searched_, fold);
-    FitSetup setup = WithoutLeftOut(refitter_.SetupWith(released), fold);
-    setup.rest = start;
+    const FitSetup setup = WithTiedNuisance(WithoutLeftOut(all, fold), fold, norms, start);
     const LeastSquares fit(view, setup);
     const auto found = FitFromStarts(fit, {start}, tolerance);
     if (!found.failure.empty() || !std::isfinite(found.cost)) return {};
-    const auto residuals = LeftOutResiduals(searched_, fold, fit.Parameters(found.x), start, setup.record);
+    const auto residuals = LeftOutResiduals(searched_, fold, fit.Parameters(found.x), setup.record);
     if (!residuals) return {};
     if (residuals->size() > 0)
       errors.push_back(residuals->norm() / std::sqrt(static_cast<double>(residuals->size())));
@@ -171,7 +191,8 @@ FittedSet SetFitter::WithoutMember(const FittedSet& of, int c, std::vector<Vecto
   return {Without(of.released, c), {}, 0, 0, {}};
 }
 
-std::vector<FittedSet> SetFitter::OneLess(const FittedSet& of, const std::vector<FittedSet>& known) const {
+std::vector<FittedSet> SetFitter::OneLess(const FittedSet& of, const std::vector<FittedSet>& known,
+                                          double most_fitted) const {
   std::vector<FittedSet> smaller;
   std::vector<std::vector<Vector>> starts(of.released.size());
   for (std::size_t i = 0; i < starts.size(); ++i) {
@@ -181,7 +202,15 @@ std::vector<FittedSet> SetFitter::OneLess(const FittedSet& of, const std::vector
     }
   }
   Fit(smaller, starts, kTolerance, kContinued);
-  LeaveOut(smaller, kTolerance);
+  std::vector<FittedSet> near;
+  std::vector<std::size_t> index;
+  for (std::size_t i = 0; i < smaller.size(); ++i) {
+    if (!(smaller[i].fitted_error <= most_fitted)) continue;
+    index.push_back(i);
+    near.push_back(smaller[i]);
+  }
+  LeaveOut(near, kTolerance);
+  for (std::size_t k = 0; k < near.size(); ++k) smaller[index[k]] = std::move(near[k]);
   return smaller;
 }
 

@@ -4,6 +4,7 @@
 
 #include <atomic>
 #include <cmath>
+#include <limits>
 #include <optional>
 #include <string>
 #include <vector>
@@ -80,9 +81,11 @@ class SetFitter {
   [[nodiscard]] double Residual(const FittedSet& one) const { return one.fitted_error * std::sqrt(Rows()); }
 
   /// The sets with one member of `of` less, fitted and left out. @param known sets that were fitted before:
-  /// their points are starts, too
-  [[nodiscard]] std::vector<FittedSet> OneLess(const FittedSet& of,
-                                               const std::vector<FittedSet>& known) const;
+  /// their points are starts, too @param most_fitted sets that fit worse are not left out: their error of
+  /// left-out data is infinite
+  [[nodiscard]] std::vector<FittedSet> OneLess(
+      const FittedSet& of, const std::vector<FittedSet>& known,
+      double most_fitted = std::numeric_limits<double>::infinity()) const;
   /// The same, with one more start each: the member's values go to their null in steps while the others are
   /// fitted, so that these can take over what they are able to (continuation: Nocedal, Wright 2006, section
   /// 11.3).
@@ -109,6 +112,7 @@ class SetFitter {
 
  private:
   [[nodiscard]] double Rows() const;
+  [[nodiscard]] Vector ColumnNorms(const FitSetup& setup) const;
   [[nodiscard]] FittedSet WithoutMember(const FittedSet& of, int c, std::vector<Vector>& starts) const;
   [[nodiscard]] Vector Continued(const FittedSet& of, int c) const;
 

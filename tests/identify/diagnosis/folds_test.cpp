@@ -67,29 +67,39 @@ TEST(Folds, AViewOfAWindowLacksItsSamplesAndTheResidualsAreThoseOfThem) {
   EXPECT_EQ(rest.samples() + gone, whole.samples());
   EXPECT_EQ(rest.predictions(), whole.predictions()) << "the trajectory goes on";
   EXPECT_EQ(view.layout()[1].role, BlockRole::kPredicted) << "held-out trials are not compared";
-  const auto residuals = LeftOutResiduals(one, fold, RestPoint(one), RestPoint(one), nullptr);
+  const auto residuals = LeftOutResiduals(one, fold, RestPoint(one), nullptr);
   ASSERT_TRUE(residuals);
   EXPECT_EQ(residuals->size(), gone);
 }
 
-// A start that has died away in the rest of the trial is not determined by the rest: fits leave it anywhere.
-TEST(Folds, ErrorsOfAWindowDoNotDependOnTheStartThatTheRestOfItsTrialLeft) {
+// A start that has died away in the rest of the trial is not determined by the rest.
+TEST(Folds, TheStartOfATrialIsTiedToThatOfAllDataWhereTheRestDoesNotTellIt) {
   LinearLaws::Truth truth;
   truth.starts = true;
   const LinearLaws one(truth, 1, 1, 0);
-  const Fold first = FoldsOf(one)[0];
-  const Vector fitted = RestPoint(one);
-  Vector parameters = fitted;
-  for (std::size_t i = 0; i < one.parameters().size(); ++i) {
-    if (one.parameters()[i].kind == ParameterKind::kNuisance)
-      parameters[static_cast<Eigen::Index>(i)] = one.parameters()[i].upper;
+  const FitSetup setup = *MakeFitSetup(one, {});
+  Vector fitted = RestPoint(one);
+  int start = -1;
+  for (const int index : setup.free) {
+    if (setup.parameters[static_cast<std::size_t>(index)].kind == ParameterKind::kNuisance) start = index;
   }
-  ASSERT_NE(parameters, fitted);
-  const auto expected = LeftOutResiduals(one, first, fitted, fitted, nullptr);
-  const auto residuals = LeftOutResiduals(one, first, parameters, fitted, nullptr);
-  ASSERT_TRUE(expected);
-  ASSERT_TRUE(residuals);
-  EXPECT_EQ(*residuals, *expected);
+  ASSERT_GE(start, 0);
+  fitted[start] = 0.7;
+  const Vector norms = Vector::Constant(static_cast<Eigen::Index>(setup.free.size()), 20);
+  const Fold first = FoldsOf(one)[0];
+  const FitSetup tied = WithTiedNuisance(setup, first, norms, fitted);
+  for (const int index : setup.free) {
+    const Parameter& p = tied.parameters[static_cast<std::size_t>(index)];
+    ASSERT_EQ(p.prior.has_value(), index == start) << p.name;
+    if (!p.prior) continue;
+    EXPECT_EQ(p.prior->mean, 0.7);
+    // A hundredth of 20 squared, per range squared.
+    EXPECT_NEAR(p.prior->standard_deviation, (p.upper - p.lower) / 2, 1e-12);
+  }
+  Fold whole = first;
+  whole.window.reset();
+  EXPECT_FALSE(
+      WithTiedNuisance(setup, whole, norms, fitted).parameters[static_cast<std::size_t>(start)].prior);
 }
 
 TEST(Folds, AViewOfATrialHoldsItOutWithItsParameters) {
