@@ -57,12 +57,13 @@ class Builder : public ParameterListBuilder {
 void AddBase(const DriveTraits& is, const DriveScales& s, const DriveStarts& start, const Units& unit,
              Builder& add) {
   // Of logarithmic ranges, both ways. Beside a known load the joint's own inertia is hard to guess; in a
-  // closed loop the guess takes a lag for inertia, and dry friction can make it ten times too small.
+  // closed loop the guess takes a lag for inertia.
+  const double factor = is.load_known || is.controller != DriveControllerKind::kNone ? 30 : 10;
   constexpr double kFactor = 30;
   const double inertia = start[kInertia];
   const double viscous = std::max(start[kViscousFriction], s.torque / s.speed);
-  add.Base(kInertia, "inertia", unit.inertia, "moving inertia at the joint", inertia / kFactor,
-           inertia * kFactor, inertia, Scale::kLog, is.fixed[kInertia]);
+  add.Base(kInertia, "inertia", unit.inertia, "moving inertia at the joint", inertia / factor,
+           inertia * factor, inertia, Scale::kLog, is.fixed[kInertia]);
   add.Base(kViscousFriction, "viscous_friction", unit.viscous, "friction per speed", 0, 10 * viscous,
            start[kViscousFriction], Scale::kLinear, is.fixed[kViscousFriction]);
   const bool hangs = is.rotary && !is.load_known;
