@@ -93,13 +93,9 @@ class DesignMaker {
     SparseJacobian jacobian = fit_.NewJacobian();
     SINEW_TRY(fit_.Evaluate(x, workspace, design.residual, &jacobian));
     design.base = jacobian.Dense(fit_.residuals(), fit_.variables());
-    // A parameter held at its bound is not a base column: it cannot compensate anything. The bounds of a
-    // logarithmic range are no physical limits: what the parameter could do beyond them is no effect, as the
-    // gain of an input where an inertia ends at the end of its range.
+    // A parameter held at its bound is not a base column: it cannot compensate anything.
     const Vector gradient = design.base.transpose() * design.residual;
     for (Eigen::Index v = 0; v < x.size(); ++v) {
-      const int index = fit_.setup().free[static_cast<std::size_t>(v)];
-      if (parameter(index).scale == Scale::kLog) continue;
       if ((x[v] <= 0 && gradient[v] >= 0) || (x[v] >= 1 && gradient[v] <= 0)) design.base.col(v).setZero();
     }
     SINEW_TRY(rows_.Predict(point_, nullptr));

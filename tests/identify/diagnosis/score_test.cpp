@@ -18,7 +18,8 @@ struct Scored {
   ScoreTable table;
 };
 
-Scored ScoresOf(const LinearLaws& problem, const FitSetup& setup) {
+Scored ScoresOf(const LinearLaws& problem) {
+  const FitSetup setup = MakeFitSetup(problem, {}).value();
   Scored scored{ListCandidates(problem, setup), {}};
   const Refit base = Refitter(problem, setup, scored.candidates).Fit({}, {setup.rest});
   EXPECT_EQ(base.failure, "");
@@ -32,17 +33,6 @@ Scored ScoresOf(const LinearLaws& problem, const FitSetup& setup) {
   EXPECT_TRUE(design) << design.error().message;
   if (design) scored.table = MakeScores(fit, *design, scored.candidates, &whitening);
   return scored;
-}
-
-Scored ScoresOf(const LinearLaws& problem) {
-  return ScoresOf(problem, MakeFitSetup(problem, {}).value());
-}
-
-std::optional<double> StatisticOf(const Scored& scored, const std::string& name) {
-  for (const Score& score : scored.table.scores) {
-    if (scored.candidates[static_cast<std::size_t>(score.candidate)].effect == name) return score.statistic;
-  }
-  return {};
 }
 
 /// The strongest score of the curve y(u) as a whole (nothing searched), or of a window of it.
@@ -95,27 +85,17 @@ TEST(Drift, IsScoredOfAHeldParameterThatTheBaseCompensates) {
   truth.scale = true;
   const LinearLaws problem(truth, 5);
   const Scored scored = ScoresOf(problem);
-  EXPECT_FALSE(StatisticOf(scored, "scale"));
-  EXPECT_TRUE(StatisticOf(scored, "scale_size(time)"));
-  EXPECT_TRUE(StatisticOf(scored, "gain(time)"));
-  EXPECT_TRUE(StatisticOf(scored, "step"));
-  EXPECT_FALSE(StatisticOf(scored, "step_size(time)")) << "it is no part of the model";
-}
-
-// The end of a logarithmic range is no limit of physics: what the parameter could do beyond it is no finding.
-TEST(Score, AParameterAtTheEndOfALogarithmicRangeStillCompensates) {
-  LinearLaws::Truth truth;
-  truth.scale = true;
-  const LinearLaws problem(truth, 5);
-  FitSetup setup = MakeFitSetup(problem, {}).value();
-  Parameter& gain = setup.parameters.front();
-  ASSERT_EQ(gain.name, "gain");
-  gain.lower = 0.1;
-  gain.upper = 0.5 * truth.gain;
-  setup.rest[0] = gain.start = 0.9;
-  EXPECT_TRUE(StatisticOf(ScoresOf(problem, setup), "scale")) << "a limit";
-  gain.scale = Scale::kLog;
-  EXPECT_FALSE(StatisticOf(ScoresOf(problem, setup), "scale"));
+  const auto statistic = [&](const std::string& name) -> std::optional<double> {
+    for (const Score& score : scored.table.scores) {
+      if (scored.candidates[static_cast<std::size_t>(score.candidate)].effect == name) return score.statistic;
+    }
+    return {};
+  };
+  EXPECT_FALSE(statistic("scale"));
+  EXPECT_TRUE(statistic("scale_size(time)"));
+  EXPECT_TRUE(statistic("gain(time)"));
+  EXPECT_TRUE(statistic("step"));
+  EXPECT_FALSE(statistic("step_size(time)")) << "it is no part of the model";
 }
 
 }  // namespace
