@@ -90,7 +90,7 @@ class MeasuredGait(ProgramTest):
         self.assertIn("tilted_floor", [c["effect"] for c in found["causes"]])
         self.assertIn("right_force_y.saturation", [w["effect"] for w in found["withdrawn"]])
         self.assertAlmostEqual(found["gain"]["validate_rmse_before"], 113, delta=1)
-        self.assertAlmostEqual(found["gain"]["validate_rmse_after"], 94.6, delta=2)
+        self.assertAlmostEqual(found["gain"]["validate_rmse_after"], 97.2, delta=2)
         self.assertEqual(len(found["left_out"]), 6, "windows of the one fitted stance")
         self.assertIn("noise_absorbs_misfit", [warning["kind"] for warning in found["warning_facts"]])
 
