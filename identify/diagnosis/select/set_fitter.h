@@ -91,8 +91,9 @@ class SetFitter {
   /// 11.3).
   [[nodiscard]] std::vector<FittedSet> OneLessByContinuation(const FittedSet& of) const;
 
-  /// The set without the members that change nothing where it is fitted, as an effect at its null: the same
-  /// model, at the same point but for their values. The same set if there are none. @pre the set is fitted
+  /// The set without the members that change nothing where it is fitted, as an effect at its null (less than
+  /// 1e-4 of the fitted error): the same model, at the same point but for their values. The same set if there
+  /// are none. @pre the set is fitted
   [[nodiscard]] FittedSet WithoutIdle(const FittedSet& of) const;
 
   /// Scores beside a fitted set, on the searched data; nothing if the fit failed. Errors: those of
