@@ -98,19 +98,31 @@ enum DriveSlot : int {
   kInputDrift,
   kInputTimeOffset,
   kInputLowPass,
-  // Unknown terms of the port, a slot per knot: of position, velocity, command, time.
+  // Unknown terms, a slot per knot.
   kFirstTerm,
   // State at the begin.
-  kInitialPosition = kFirstTerm + 48,
+  kInitialPosition = kFirstTerm + 80,
   kInitialSpeed,
   kInitialIntegral,  // of a sampled controller
   kDriveSlots
 };
-inline constexpr int kTerms = 4;
+/// Unknown terms: curves of one signal that add to the torque on the joint, to its dry friction, which is a
+/// level >= 0 that opposes the motion, or to its viscous friction.
+enum DriveTerm : int {
+  kTorqueOfPosition,
+  kTorqueOfVelocity,
+  kTorqueOfCommand,
+  kTorqueOfTime,
+  kFrictionOfPosition,
+  kFrictionOfTime,
+  kDampingOfTime,
+  kTerms
+};
 /// Knots of each. A place that binds may be narrow against the range of motion.
-inline constexpr std::array<int, kTerms> kTermKnots{24, 8, 8, 8};
-inline constexpr std::array<int, kTerms + 1> kTermSlots{kFirstTerm, kFirstTerm + 24, kFirstTerm + 32,
-                                                        kFirstTerm + 40, kInitialPosition};
+inline constexpr std::array<int, kTerms> kTermKnots{24, 8, 8, 8, 16, 8, 8};
+inline constexpr std::array<int, kTerms + 1> kTermSlots{kFirstTerm,      kFirstTerm + 24, kFirstTerm + 32,
+                                                        kFirstTerm + 40, kFirstTerm + 48, kFirstTerm + 64,
+                                                        kFirstTerm + 72, kInitialPosition};
 
 /// What the command is.
 enum class DriveInput { kTorque, kVoltage, kDuty, kReference };

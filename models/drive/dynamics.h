@@ -40,6 +40,7 @@ struct DriveUses {
   bool input_sensor = false;
 
   [[nodiscard]] bool operator[](int s) const { return slot[static_cast<std::size_t>(s)]; }
+  [[nodiscard]] bool unknown_friction() const { return term[kFrictionOfPosition] || term[kFrictionOfTime]; }
 };
 
 /// The joint with numbers for everything; T is double or Dual<N>.
@@ -69,9 +70,10 @@ class DriveDynamics {
 
   /// Torques that act on the joint, dry friction aside.
   struct Loads {
-    T drive;    ///< tau
-    T gravity;  ///< gravity(q)
-    T applied;  ///< sum of all of them
+    T drive;             ///< tau
+    T gravity;           ///< gravity(q)
+    T applied;           ///< sum of all of them
+    T unknown_friction;  ///< dry friction of the unknown terms, >= 0; set only if one is in use
   };
 
   /// Current [A] of an electric drive under a voltage. @param t since the trial's begin [s]
@@ -146,10 +148,20 @@ class DriveDynamics {
     if (uses_[kImbalance]) sum -= numbers_[kImbalance] * Cos(q);
     if (uses_[kSpring]) sum -= numbers_[kSpring] * q;
     if (uses_[kOffsetTorque]) sum += numbers_[kOffsetTorque];
-    if (uses_.term[0]) AddTerm(0, q, sum);
-    if (uses_.term[1]) AddTerm(1, v, sum);
-    if (uses_.term[2]) AddTerm(2, signal, sum);
-    if (uses_.term[3]) AddTerm(3, t, sum);
+    if (uses_.term[kTorqueOfPosition]) AddTerm(kTorqueOfPosition, q, sum);
+    if (uses_.term[kTorqueOfVelocity]) AddTerm(kTorqueOfVelocity, v, sum);
+    if (uses_.term[kTorqueOfCommand]) AddTerm(kTorqueOfCommand, signal, sum);
+    if (uses_.term[kTorqueOfTime]) AddTerm(kTorqueOfTime, t, sum);
+    if (uses_.term[kDampingOfTime]) {
+      T damping(0);
+      AddTerm(kDampingOfTime, t, damping);
+      sum -= damping * v;
+    }
+    if (uses_.unknown_friction()) {
+      loads.unknown_friction = T(0);
+      if (uses_.term[kFrictionOfPosition]) AddTerm(kFrictionOfPosition, q, loads.unknown_friction);
+      if (uses_.term[kFrictionOfTime]) AddTerm(kFrictionOfTime, t, loads.unknown_friction);
+    }
     return loads;
   }
 
@@ -169,6 +181,7 @@ class DriveDynamics {
     }
     if (uses_[kMotorLoadFriction]) level += numbers_[kMotorLoadFriction] * Abs(loads.drive);
     if (uses_[kExternalLoadFriction]) level += numbers_[kExternalLoadFriction] * Abs(loads.gravity);
+    if (uses_.unknown_friction()) level += loads.unknown_friction;
     return level;
   }
 

@@ -11,6 +11,17 @@ constexpr std::array<int, 9> kFrictionLevels{kCoulombTorque,        kForwardFric
                                              kStribeckTorque,       kLoadFriction,    kMotorLoadFriction,
                                              kExternalLoadFriction, kStribeckLoad,    kQuadraticLoad};
 
+// Of an unknown term's curve [per unit of its signal]; 0 if there is no such term.
+double SteepestSlope(DriveTerm term, const DriveNumbers& p, const DriveJoint& joint) {
+  const auto& knots = joint.knots[term];
+  double most = 0;
+  for (std::size_t k = 0; k + 1 < knots.size(); ++k) {
+    const auto slot = static_cast<std::size_t>(kTermSlots[term]) + k;
+    most = std::max(most, std::abs(p[slot + 1] - p[slot]) / (knots[k + 1] - knots[k]));
+  }
+  return most;
+}
+
 }  // namespace
 
 DriveUses UsesOf(const DriveNumbers& numbers, const std::array<bool, kDriveSlots>& differentiated,
@@ -27,15 +38,19 @@ DriveUses UsesOf(const DriveNumbers& numbers, const std::array<bool, kDriveSlots
     uses.term[t] = std::any_of(uses.slot.data() + kTermSlots[t], uses.slot.data() + kTermSlots[t + 1],
                                [](bool b) { return b; });
   }
-  uses.dry_friction =
-      std::any_of(kFrictionLevels.begin(), kFrictionLevels.end(), [&](int slot) { return uses[slot]; });
+  uses.dry_friction = uses.unknown_friction() || std::any_of(kFrictionLevels.begin(), kFrictionLevels.end(),
+                                                             [&](int slot) { return uses[slot]; });
   uses.input_sensor = uses[kInputOffset] || uses[kInputGain] || uses[kInputDrift] || uses[kInputLowPass];
   return uses;
 }
 
 bool AnyFrictionAboveZero(const DriveNumbers& numbers) {
-  return std::any_of(kFrictionLevels.begin(), kFrictionLevels.end(),
-                     [&](int slot) { return numbers[static_cast<std::size_t>(slot)] > 0; });
+  const auto is_above_zero = [&](int slot) { return numbers[static_cast<std::size_t>(slot)] > 0; };
+  if (std::any_of(kFrictionLevels.begin(), kFrictionLevels.end(), is_above_zero)) return true;
+  for (int slot = kTermSlots[kFrictionOfPosition]; slot < kTermSlots[kFrictionOfTime + 1]; ++slot) {
+    if (is_above_zero(slot)) return true;
+  }
+  return false;
 }
 
 double FastestRate(const DriveNumbers& p, const DriveJoint& joint, const DriveCommand& command,
@@ -71,15 +86,12 @@ double FastestRate(const DriveNumbers& p, const DriveJoint& joint, const DriveCo
   if (p[kStribeckLoad] > 0) damping += p[kStribeckLoad] * load / p[kStribeckLoadVelocity];
   damping += 2 * p[kDrag] * joint.largest_speed;
   damping += joint.largest_torque * p[kInverseSpeedLimit] / DriveDynamics<double>::kSpeedFade;
-  for (std::size_t term = 0; term < 2; ++term) {
-    const auto& knots = joint.knots[term];
-    for (std::size_t k = 0; k + 1 < knots.size(); ++k) {
-      const auto slot = static_cast<std::size_t>(kTermSlots[term]) + k;
-      const double slope = std::abs(p[slot + 1] - p[slot]) / (knots[k + 1] - knots[k]);
-      if (term == 0) stiffness = std::max(stiffness, slope);
-      if (term == 1) damping = std::max(damping, slope);
-    }
-  }
+  stiffness = std::max(
+      {stiffness, SteepestSlope(kTorqueOfPosition, p, joint), SteepestSlope(kFrictionOfPosition, p, joint)});
+  double most = 0;
+  for (int slot = kTermSlots[kDampingOfTime]; slot < kTermSlots[kDampingOfTime + 1]; ++slot)
+    most = std::max(most, p[static_cast<std::size_t>(slot)]);
+  damping = std::max(damping + most, SteepestSlope(kTorqueOfVelocity, p, joint));
   return damping / mass + std::sqrt(stiffness / mass);
 }
 

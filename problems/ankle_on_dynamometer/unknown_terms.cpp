@@ -50,7 +50,7 @@ void AddMomentPort(const UnknownTermKnots& knots, bool muscles, int first_slot, 
   add.BeginPort("ankle_moment", "N*m", "an unknown moment acts on the ankle");
   for (std::size_t i = 0; i < kMomentSignals; ++i) {
     if (!muscles && i == static_cast<std::size_t>(MomentSignal::kActivation)) continue;
-    add.Term(kOfMoment[i].name, kOfMoment[i].unit, knots.moment[i], kMomentReach,
+    add.Term(kOfMoment[i].name, kOfMoment[i].unit, knots.moment[i], -kMomentReach, kMomentReach,
              "unknown moment at the ankle", first_slot + static_cast<int>(i * kMomentKnots));
   }
 }
@@ -59,7 +59,7 @@ void AddActivationPort(const ActivationKnots& knots, const std::string& muscle, 
                        ParameterListBuilder& add) {
   add.BeginPort("activation." + muscle, "1", "an unknown share is added to the activation of " + muscle);
   for (std::size_t i = 0; i < kActivationSignals; ++i)
-    add.Term(kOfActivation[i].name, kOfActivation[i].unit, knots[i], kShareReach,
+    add.Term(kOfActivation[i].name, kOfActivation[i].unit, knots[i], -kShareReach, kShareReach,
              "unknown share of the activation of " + muscle,
              first_slot + static_cast<int>(i * kActivationKnots));
 }

@@ -41,12 +41,12 @@ class Builder : public ParameterListBuilder {
     Add(std::move(p), slot);
   }
 
-  void Term(int term, const std::string& signal, const std::string& unit, double from, double to,
-            double reach) {
+  void Term(DriveTerm term, const std::string& signal, const std::string& unit, double from, double to,
+            double lower, double upper) {
     std::vector<double> knots;
     const int count = kTermKnots[static_cast<std::size_t>(term)];
     for (int k = 0; k < count; ++k) knots.push_back(from + (to - from) * k / (count - 1));
-    ParameterListBuilder::Term(signal, unit, knots, reach, "unknown " + list_.ports.back().name,
+    ParameterListBuilder::Term(signal, unit, knots, lower, upper, "unknown " + list_.ports.back().name,
                                kTermSlots[static_cast<std::size_t>(term)]);
   }
 
@@ -323,10 +323,17 @@ DriveParameterList ListDriveParameters(const DriveTraits& is, const DriveScales&
   AddInputSensor(is, s, add);
   const std::string push = is.rotary ? "torque" : "force";
   add.BeginPort(push, unit.torque, "an unknown " + push + " acts on the joint");
-  add.Term(0, "position", unit.position, s.lowest, s.highest, s.torque);
-  add.Term(1, "velocity", unit.speed, -s.speed, s.speed, s.torque);
-  add.Term(2, "command", is.input_unit, s.lowest_command, s.highest_command, s.torque);
-  add.Term(3, "time", "s", 0, s.duration, s.torque);
+  add.Term(kTorqueOfPosition, "position", unit.position, s.lowest, s.highest, -s.torque, s.torque);
+  add.Term(kTorqueOfVelocity, "velocity", unit.speed, -s.speed, s.speed, -s.torque, s.torque);
+  add.Term(kTorqueOfCommand, "command", is.input_unit, s.lowest_command, s.highest_command, -s.torque,
+           s.torque);
+  add.Term(kTorqueOfTime, "time", "s", 0, s.duration, -s.torque, s.torque);
+  // A curve of one signal is no product of two: friction that changes opposes motion both ways.
+  add.BeginPort("friction", unit.torque, "unknown dry friction acts on the joint");
+  add.Term(kFrictionOfPosition, "position", unit.position, s.lowest, s.highest, 0, s.torque);
+  add.Term(kFrictionOfTime, "time", "s", 0, s.duration, 0, s.torque);
+  add.BeginPort("damping", unit.viscous, "the viscous friction changes");
+  add.Term(kDampingOfTime, "time", "s", 0, s.duration, -s.torque / s.speed, s.torque / s.speed);
   // Numbers that must not be zero where their effect does not exist.
   list.resting[kInputGain] = 1;
   list.resting[kCoggingPeriod] = 1;

@@ -27,8 +27,10 @@ DriveProblem::DriveProblem(DriveData data) : data_(std::move(data)) {
 void DriveProblem::ListParameters() {
   list_ = ListDriveParameters(data_.traits, data_.scales, data_.starts);
   shared_ = list_.parameters.size();
-  for (std::size_t term = 0; term < list_.ports.front().terms.size(); ++term)
-    data_.joint.knots[term] = list_.ports.front().terms[term].knots;
+  std::size_t number = 0;
+  for (const DiscrepancyPort& port : list_.ports) {
+    for (const DiscrepancyTerm& term : port.terms) data_.joint.knots[number++] = term.knots;
+  }
   const DriveScales& s = data_.scales;
   states_ = data_.traits.integral_is_fitted ? 3 : 2;
   first_segment_.assign(data_.runs.size() + 1, segments_.size());

@@ -139,9 +139,9 @@ ParameterList ListFreeBodyParameters(const FreeBody& body, double speed) {
   AddWorld(body, add);
   AddCamera(body, add);
   add.BeginPort("friction_coefficient", "1", "unknown friction coefficient");
-  add.Term("slip_speed", "m/s", body.knots[0], 2, "unknown friction coefficient", kSlipTerm);
+  add.Term("slip_speed", "m/s", body.knots[0], -2, 2, "unknown friction coefficient", kSlipTerm);
   add.BeginPort("contact_force", "1", "unknown share of the normal force");
-  add.Term("approach_speed", "m/s", body.knots[1], 5, "unknown share of the normal force", kApproachTerm);
+  add.Term("approach_speed", "m/s", body.knots[1], -5, 5, "unknown share of the normal force", kApproachTerm);
   return list;
 }
 

@@ -105,14 +105,14 @@ int ParameterListBuilder::AddKnot(Parameter p, int slot) {
 }
 
 void ParameterListBuilder::Term(const std::string& signal, const std::string& signal_unit,
-                                const std::vector<double>& knots, double reach, const std::string& meaning,
-                                int first_slot) {
+                                const std::vector<double>& knots, double lower, double upper,
+                                const std::string& meaning, int first_slot) {
   BeginTerm(signal, signal_unit, knots);
   const std::string unit = list_.ports.back().unit;
   const std::string name = list_.ports.back().terms.back().name;
   for (std::size_t k = 0; k < knots.size(); ++k) {
     AddKnot(BaseParameter(fmt::format("{}[{}]", name, k), unit,
-                          fmt::format("{} where {} is knot {}", meaning, signal, k), -reach, reach, 0),
+                          fmt::format("{} where {} is knot {}", meaning, signal, k), lower, upper, 0),
             first_slot + static_cast<int>(k));
   }
 }

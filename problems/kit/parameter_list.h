@@ -70,10 +70,11 @@ class ParameterListBuilder {
   void BeginTerm(const std::string& signal, const std::string& signal_unit, std::vector<double> knots);
   /// The weight at the next knot of that term; it rests at its start. @return its index
   int AddKnot(Parameter p, int slot = kNoSlot);
-  /// A term with all its knots, PORT(SIGNAL)[0], ... . @param meaning of a weight, before "where SIGNAL is
-  /// knot K". @param first_slot of the first; the others follow.
+  /// A term with all its knots, PORT(SIGNAL)[0], ... . @param lower, upper of a weight; its null is 0.
+  /// @param meaning of a weight, before "where SIGNAL is knot K". @param first_slot of the first; the others
+  /// follow.
   void Term(const std::string& signal, const std::string& signal_unit, const std::vector<double>& knots,
-            double reach, const std::string& meaning, int first_slot);
+            double lower, double upper, const std::string& meaning, int first_slot);
 
  private:
   ParameterList& list_;

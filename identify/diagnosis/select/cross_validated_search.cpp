@@ -35,7 +35,6 @@ constexpr std::size_t kMostCauses = 8;   // of the answer
 constexpr std::size_t kMaxChoices = 8;   // of a set, each after further fits around it; mostly 2 to 4
 constexpr double kStillGains = 0.97;     // error over the best one before, for the search to go on
 constexpr std::size_t kShrunk = 3;       // size from which causes are taken out again
-constexpr double kSubstitute = 1.05;     // error of a substitute over that of the answer, at most
 constexpr double kFarOff = 1.25;  // fitted error over the least one, from which left-out data need no look
 
 }  // namespace
@@ -193,27 +192,6 @@ Result<std::vector<FittedSet>> CrossValidatedSearch::Exchanged(const FittedSet& 
   return sets;
 }
 
-// Of the sets that were judged, those that differ from the answer by one cause and predict nearly as well.
-std::vector<CrossValidatedSearch::Substitute> CrossValidatedSearch::Substitutes(const FittedSet& of) const {
-  std::vector<Substitute> found;
-  for (const FittedSet& one : judged_) {
-    const double share = one.left_out_error / of.left_out_error;
-    if (one.released.size() != of.released.size() || !(share <= kSubstitute)) continue;
-    Set gone;
-    Set come;
-    std::set_difference(of.released.begin(), of.released.end(), one.released.begin(), one.released.end(),
-                        std::back_inserter(gone));
-    std::set_difference(one.released.begin(), one.released.end(), of.released.begin(), of.released.end(),
-                        std::back_inserter(come));
-    if (gone.size() != 1) continue;
-    Refit refit = refitter_.FitOrdinary(one.released, {one.point}, kFineTolerance);
-    if (refit.usable()) found.push_back({gone.front(), come.front(), share, std::move(refit)});
-  }
-  std::stable_sort(found.begin(), found.end(),
-                   [](const Substitute& a, const Substitute& b) { return a.error < b.error; });
-  return found;
-}
-
 // Rounds of random starts around the best solution so far (basin hopping: Wales, Doye 1997, J. Phys. Chem. A
 // 101:5111-5116), so that the answer does not depend on where the search came from.
 FittedSet CrossValidatedSearch::Polished(FittedSet one) const {
@@ -336,46 +314,10 @@ Result<CrossValidatedSearch::Outcome> CrossValidatedSearch::Conclude() {
   if (!outcome.model.usable()) return Fail("{}", outcome.model.failure);
   outcome.misfit_left = !scale_.Resembles(outcome.model.noise);
   if (outcome.misfit_left) {
-    outcome.substitutes = Substitutes(best);
+    outcome.substitutes = FindSubstitutes(judged_, best, refitter_, kFineTolerance);
     SINEW_TRY(AddUnknownTerms(best, outcome));
   }
   return outcome;
-}
-
-// Those of `before` whose cause is left, judged again beside the terms.
-// @param fitter, refitter of models with terms
-std::vector<CrossValidatedSearch::Substitute> CrossValidatedSearch::SubstitutesBeside(
-    const BesideUnknown& terms, const SetFitter& fitter, const Refitter& refitter,
-    std::vector<Substitute> before) const {
-  const auto is_cause = [&](int c) {
-    return std::find(terms.causes.begin(), terms.causes.end(), c) != terms.causes.end();
-  };
-  before.erase(std::remove_if(before.begin(), before.end(),
-                              [&](const Substitute& other) {
-                                return !is_cause(other.cause) || is_cause(other.candidate);
-                              }),
-               before.end());
-  std::vector<FittedSet> sets;
-  std::vector<std::vector<Vector>> starts;
-  for (const Substitute& other : before) {
-    Vector start = terms.set.point;
-    for (const int c : {other.cause, other.candidate}) {
-      for (const int index : candidates_[static_cast<std::size_t>(c)].parameters)
-        start[index] = other.refit.point[index];
-    }
-    sets.push_back({With(Without(terms.set.released, other.cause), other.candidate), {}, 0, 0, {}});
-    starts.push_back({std::move(start)});
-  }
-  fitter.Fit(sets, starts, kTolerance, kContinued);
-  fitter.LeaveOut(sets, kTolerance);
-  std::vector<Substitute> found;
-  for (std::size_t i = 0; i < sets.size(); ++i) {
-    const double share = sets[i].left_out_error / terms.set.left_out_error;
-    if (!(share <= kSubstitute)) continue;
-    Refit refit = refitter.FitOrdinary(sets[i].released, {sets[i].point}, kFineTolerance);
-    if (refit.usable()) found.push_back({before[i].cause, before[i].candidate, share, std::move(refit)});
-  }
-  return found;
 }
 
 // Where a term is needed, sets without it are no longer among those that could be chosen, and substitutes are
@@ -397,7 +339,8 @@ Status CrossValidatedSearch::AddUnknownTerms(const FittedSet& best, Outcome& out
   outcome.left_out_shares.clear();
   for (std::size_t i = 0; i < found->causes.size(); ++i)
     outcome.left_out_shares.emplace_back(found->causes[i], found->cause_shares[i]);
-  outcome.substitutes = SubstitutesBeside(*found, fitter, *shrinking, std::move(outcome.substitutes));
+  outcome.substitutes = SubstitutesBeside(*found, candidates_, fitter, *shrinking,
+                                          std::move(outcome.substitutes), kFineTolerance);
   outcome.beside = std::move(found);
   outcome.refitter = shrinking;
   return {};

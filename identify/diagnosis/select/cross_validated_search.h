@@ -20,6 +20,7 @@
 #include "identify/diagnosis/select/choice_of_sets.h"
 #include "identify/diagnosis/select/misfit_scale.h"
 #include "identify/diagnosis/select/set_fitter.h"
+#include "identify/diagnosis/select/substitutes.h"
 #include "identify/diagnosis/select/unknown_terms.h"
 
 namespace sinew::diagnosis {
@@ -41,13 +42,6 @@ class CrossValidatedSearch {
   struct Step {
     Set released;
     double error = 0;
-  };
-  /// A set with another candidate in place of a cause that predicts left-out data nearly as well.
-  struct Substitute {
-    int cause = 0;
-    int candidate = 0;
-    double error = 0;  ///< of left-out data, as a share of that of the answer
-    Refit refit;       ///< ordinary least squares
   };
   /// A set that could have been chosen.
   struct Resampled {
@@ -101,12 +95,8 @@ class CrossValidatedSearch {
   [[nodiscard]] Result<std::vector<FittedSet>> Exchanged(const FittedSet& of) const;
   [[nodiscard]] Result<FittedSet> Choose(Shares& shares);
   void Resample(Outcome& outcome) const;
-  [[nodiscard]] std::vector<Substitute> Substitutes(const FittedSet& of) const;
   [[nodiscard]] Result<Outcome> Conclude();
   Status AddUnknownTerms(const FittedSet& best, Outcome& outcome) const;
-  [[nodiscard]] std::vector<Substitute> SubstitutesBeside(const BesideUnknown& terms, const SetFitter& fitter,
-                                                          const Refitter& refitter,
-                                                          std::vector<Substitute> before) const;
   void Tell(const FittedSet& best) const;
 
   const Problem& problem_;

@@ -29,7 +29,7 @@ void TakeOver(const CrossValidatedSearch& search, CrossValidatedSearch::Outcome 
   std::stable_sort(selection.causes.begin(), selection.causes.end(),
                    [](const ChosenCause& a, const ChosenCause& b) { return a.left_out < b.left_out; });
   selection.rivals.clear();
-  for (CrossValidatedSearch::Substitute& other : found.substitutes) {
+  for (Substitute& other : found.substitutes) {
     const Score* first = base.BestOf(other.candidate);
     const Score* second = base.BestOf(other.cause);
     const double correlation =

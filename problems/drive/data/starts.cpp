@@ -22,12 +22,14 @@ struct Row {
   double command = 0;
   double acceleration = 0;
   double speed = 0;
-  double gravity = 0;  // sin q
+  double gravity = 0;    // sin q
+  double direction = 0;  // of motion, from -1 to 1
   double one = 0;
 };
 
-Row Window(const DriveMotion& motion, const std::vector<double>& command, std::size_t first,
-           std::size_t last) {
+// @param slow speed [rad/s] below which the direction is uncertain
+Row Window(const DriveMotion& motion, const std::vector<double>& command, std::size_t first, std::size_t last,
+           double slow) {
   const double middle = 0.5 * (motion.time[first] + motion.time[last]);
   const double half = 0.5 * (motion.time[last] - motion.time[first]);
   Row row;
@@ -42,6 +44,7 @@ Row Window(const DriveMotion& motion, const std::vector<double>& command, std::s
     const double bend = (-10 * c + 80 * s * s) * c * c * c / (half * half);
     row.command += dt * window * command[i];
     row.gravity += dt * window * std::sin(motion.position[i]);
+    row.direction += dt * window * std::tanh(motion.speed[i] / slow);
     row.one += dt * window;
     if (motion.speed_measured) {
       row.speed += dt * window * motion.speed[i];
@@ -63,7 +66,8 @@ bool IsOn(const DriveMotion& motion, std::size_t first, std::size_t last) {
 }
 
 // @param electric damping by the motor is part of the equation: only where it is on
-std::vector<Row> Rows(const DriveCommand& command, bool electric, const std::vector<DriveMotion>& motions) {
+std::vector<Row> Rows(const DriveCommand& command, bool electric, const std::vector<DriveMotion>& motions,
+                      double slow) {
   constexpr double kWindow = 0.4;  // [s] long against sampling and noise, short against the motion
   constexpr std::size_t kMinimum = 12;
   std::vector<Row> rows;
@@ -76,7 +80,7 @@ std::vector<Row> Rows(const DriveCommand& command, bool electric, const std::vec
         ++last;
       }
       if (last >= motion.time.size()) break;
-      if (!electric || IsOn(motion, first, last)) rows.push_back(Window(motion, torque, first, last));
+      if (!electric || IsOn(motion, first, last)) rows.push_back(Window(motion, torque, first, last, slow));
       first += std::max<std::size_t>((last - first) / 4, 1);
     }
   }
@@ -84,7 +88,9 @@ std::vector<Row> Rows(const DriveCommand& command, bool electric, const std::vec
 }
 
 // Least squares of sum_k x_k column_k = right; nothing if the columns are rank deficient.
-std::optional<Vector> Solve(const Matrix& columns, const Vector& right) {
+std::optional<Vector> Solve(const std::vector<Vector>& of, const Vector& right) {
+  Matrix columns(right.size(), static_cast<Eigen::Index>(of.size()));
+  for (std::size_t k = 0; k < of.size(); ++k) columns.col(static_cast<Eigen::Index>(k)) = of[k];
   if (columns.rows() < 2 * columns.cols()) return {};
   const Vector scale = columns.colwise().norm();
   if (!(scale.minCoeff() > 0)) return {};
@@ -190,7 +196,8 @@ DriveStarts EstimateDriveStarts(const DriveJoint& joint, const DriveCommand& com
   starts[kViscousFriction] = 0.1 * torque / most_speed;
   starts[kGravityTorque] = 0;
 
-  const std::vector<Row> rows = Rows(command, joint.electric, motions);
+  constexpr double kSlow = 0.05;  // of the highest speed
+  const std::vector<Row> rows = Rows(command, joint.electric, motions, kSlow * most_speed);
   const auto n = static_cast<Eigen::Index>(rows.size());
   const bool hangs = joint.rotary && !joint.load_known;
   // Unknowns: with a known load the scale is that of the load; without, that of the command.
@@ -206,6 +213,7 @@ DriveStarts EstimateDriveStarts(const DriveJoint& joint, const DriveCommand& com
   const Vector gravity = column([](const Row& row) { return row.gravity; });
   const Vector u = column([](const Row& row) { return row.command; });
   const Vector one = column([](const Row& row) { return row.one; });
+  const Vector direction = column([](const Row& row) { return row.direction; });
   if (joint.load_known) {
     // gain u - damping v - inertia a = load inertia a + load gravity
     columns = {acceleration, speed, -u};
@@ -216,11 +224,9 @@ DriveStarts EstimateDriveStarts(const DriveJoint& joint, const DriveCommand& com
     if (hangs) columns.push_back(gravity);
     right = u - joint.incline_force * one;
   }
-  Matrix matrix(n, static_cast<Eigen::Index>(columns.size()));
-  for (std::size_t k = 0; k < columns.size(); ++k) matrix.col(static_cast<Eigen::Index>(k)) = columns[k];
-  const auto solution = Solve(matrix, right);
+  const auto solution = Solve(columns, right);
   if (!solution) return starts;
-  const Vector& x = *solution;
+  Vector x = *solution;
 
   if (joint.load_known) {
     const double gain = x[2];  // torque per command
@@ -244,6 +250,12 @@ DriveStarts EstimateDriveStarts(const DriveJoint& joint, const DriveCommand& com
     starts[kViscousFriction] = per_speed;
     return starts;
   }
+  // Where dry friction takes most of the torque, the inertia without it is wrong by a factor of ten; what the
+  // other parameters are without it is what a model without it needs.
+  columns.push_back(direction);
+  columns.push_back(one);
+  if (const auto beside_friction = Solve(columns, right); beside_friction && (*beside_friction)[0] > 0)
+    x[0] = (*beside_friction)[0];
   if (!(x[0] > 0)) return starts;
   if (!joint.electric) {
     starts[kInertia] = x[0];

@@ -29,7 +29,8 @@ struct DriveMotion {
 [[nodiscard]] std::vector<double> ReplayCommand(const DriveCommand& command, const DriveMotion& motion);
 
 /// Weak form: the equation of motion times smooth windows, integrated by parts until nothing measured is
-/// differentiated, is linear in the parameters. Dry friction is ignored; these are starts.
+/// differentiated, is linear in the parameters. The inertia is that beside dry friction and an offset; for the
+/// others both are ignored, because the base model has neither. These are starts.
 /// Source: Preisig & Rippin, Theory and application of the modulating function method, Comput. Chem. Eng. 17
 /// (1993).
 /// @return all base parameters; where the data do not determine them, an order of magnitude.

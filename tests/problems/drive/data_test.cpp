@@ -277,14 +277,15 @@ TEST(DriveData, TheInputMayBeLongerAndSampledOtherwise) {
   for (int i = 0; i <= 400; ++i) EXPECT_EQ(a[i], b[(*wide)->layout()[0].sample[static_cast<std::size_t>(i)]]);
 }
 
-// Trapezoidal integrals over each window: exact enough on a regular clock, a start on a jittery bus.
-void ExpectStarts(const Bench& bench, double tolerance) {
-  const std::map<std::string, double> truth{
-      {"inertia", 0.043}, {"viscous_friction", 0.07}, {"gravity_torque", 0.55}};
+using Values = std::map<std::string, double>;
+
+// Starts for a joint that has these effects too.
+void ExpectStarts(const Bench& bench, const Values& truth, const Values& effects, double tolerance) {
   Dataset data = BenchData(bench);
   const auto maker = BindDriveData(data);
   ASSERT_TRUE(maker);
   auto values = truth;
+  values.insert(effects.begin(), effects.end());
   values["initial_position@swing"] = 0.3;
   const Vector motion = PredictDrive(**maker, DrivePoint(**maker, values)).Values("position");
   Joint(data).channels["position"].values.assign(motion.data(), motion.data() + motion.size());
@@ -297,11 +298,25 @@ void ExpectStarts(const Bench& bench, double tolerance) {
   }
 }
 
+// Trapezoidal integrals over each window: exact enough on a regular clock, a start on a jittery bus.
 TEST(DriveData, StartsComeFromARegression) {
-  ExpectStarts(Swing(), 0.01);
+  const Values truth{{"inertia", 0.043}, {"viscous_friction", 0.07}, {"gravity_torque", 0.55}};
+  ExpectStarts(Swing(), truth, {}, 0.01);
   Bench jitter = Swing();
   for (int i = 0; i <= 300; ++i) jitter.times.push_back(0.02 * i + 0.004 * std::sin(i));
-  ExpectStarts(jitter, 0.3);
+  ExpectStarts(jitter, truth, {}, 0.3);
+}
+
+// A regression without the two gives half of it.
+TEST(DriveData, TheInertiaStartsRightBesideDryFrictionAndAnOffset) {
+  Bench slow;
+  slow.command = [](double t) { return 0.4 * std::sin(1.3 * t); };
+  ExpectStarts(slow, {{"inertia", 0.043}},
+               {{"viscous_friction", 0.02},
+                {"gravity_torque", 0.6},
+                {"coulomb_torque", 0.05},
+                {"offset_torque", 0.15}},
+               0.1);
 }
 
 TEST(DriveData, SignalsAreAtTheSamples) {

@@ -245,10 +245,32 @@ TEST(DriveProblem, EffectsThatMeanTheSameAgree) {
   const auto held_problem = BindBench(held);
   expect_same(with(*problem, {{"hold_fraction", 1}}).Values("position"),
               with(*held_problem, {}).Values("position"));
-  std::map<std::string, double> constant;
-  for (int k = 0; k < 8; ++k) constant["torque(velocity)[" + std::to_string(k) + "]"] = 0.1;
-  expect_same(with(*problem, constant).Values("position"),
-              with(*problem, {{"offset_torque", 0.1}}).Values("position"));
+}
+
+// An unknown term that is constant is the effect of that name; one that is not is read at its signal.
+TEST(DriveProblem, UnknownTermsActWhereTheyAreNamed) {
+  Bench bench;
+  bench.command = MultiSine;
+  const auto problem = BindBench(bench);
+  const auto position = [&](std::map<std::string, double> values) {
+    values.insert({{"inertia", 0.05}, {"gravity_torque", 0.6}});
+    values.insert({"viscous_friction", 0.1});
+    return PredictDrive(*problem, DrivePoint(*problem, values)).Values("position");
+  };
+  const auto constant = [](const std::string& term, int knots, double value) {
+    std::map<std::string, double> values;
+    for (int k = 0; k < knots; ++k) values[term + "[" + std::to_string(k) + "]"] = value;
+    return values;
+  };
+  const auto expect_same = [](const Vector& a, const Vector& b) { EXPECT_LT((a - b).norm(), 1e-11); };
+  expect_same(position(constant("torque(velocity)", 8, 0.1)), position({{"offset_torque", 0.1}}));
+  expect_same(position(constant("friction(position)", 16, 0.04)), position({{"coulomb_torque", 0.04}}));
+  expect_same(position(constant("friction(time)", 8, 0.04)), position({{"coulomb_torque", 0.04}}));
+  expect_same(position(constant("damping(time)", 8, -0.06)), position({{"viscous_friction", 0.04}}));
+  // The last of eight knots over the trial's 2 s reaches back to its neighbour, at 12/7 s.
+  const Vector before = position({{"damping(time)[7]", 0.1}}) - position({});
+  EXPECT_EQ(before.head(341).norm(), 0);
+  EXPECT_GT(before.tail(20).norm(), 1e-4);
 }
 
 TEST(DriveProblem, ADelayShiftsTheAnswerToASharpCommand) {

@@ -97,6 +97,9 @@ std::map<std::string, double> EveryEffect() {
           {"torque(velocity)[4]", 0.04},
           {"torque(command)[2]", 0.03},
           {"torque(time)[5]", 0.02},
+          {"friction(position)[7]", 0.03},
+          {"friction(time)[3]", 0.02},
+          {"damping(time)[4]", 0.02},
           {"initial_position@swing", 0.2},
           {"initial_speed@swing", 0.5}};
 }

@@ -76,7 +76,7 @@ TEST(ParameterListBuilder, ATermHasAParameterPerKnot) {
   ParameterList list;
   ParameterListBuilder add(list, kSlots);
   add.BeginPort("force", "N", "an unknown force acts");
-  add.Term("speed", "m/s", {-1, 1}, 7, "unknown force", kDrag);
+  add.Term("speed", "m/s", {-1, 1}, -7, 7, "unknown force", kDrag);
   EXPECT_EQ(ErrorOf(list), "");
   const DiscrepancyTerm& term = list.ports.at(0).terms.at(0);
   EXPECT_EQ(term.name, "force(speed)");
