@@ -87,8 +87,11 @@ std::vector<Row> Rows(const DriveCommand& command, bool electric, const std::vec
   return rows;
 }
 
-// Least squares of sum_k x_k column_k = right; nothing if the columns are rank deficient.
+// Least squares of sum_k x_k column_k = right; nothing if the columns are rank deficient or explain nearly
+// nothing: where they are all noise, the coefficients are far too small (attenuation: Fuller 1987,
+// Measurement error models).
 std::optional<Vector> Solve(const std::vector<Vector>& of, const Vector& right) {
+  constexpr double kLeastExplained = 0.1;
   Matrix columns(right.size(), static_cast<Eigen::Index>(of.size()));
   for (std::size_t k = 0; k < of.size(); ++k) columns.col(static_cast<Eigen::Index>(k)) = of[k];
   if (columns.rows() < 2 * columns.cols()) return {};
@@ -99,6 +102,7 @@ std::optional<Vector> Solve(const std::vector<Vector>& of, const Vector& right) 
   if (qr.rank() < columns.cols()) return {};
   const Vector x = qr.solve(right).cwiseQuotient(scale);
   if (!x.allFinite()) return {};
+  if ((right - columns * x).squaredNorm() > (1 - kLeastExplained) * right.squaredNorm()) return {};
   return x;
 }
 

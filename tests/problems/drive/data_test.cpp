@@ -4,6 +4,7 @@
 #include <algorithm>
 
 #include "base/constants.h"
+#include "base/random.h"
 #include "identify/fit_setup.h"
 #include "identify/least_squares.h"
 #include "tests/problems/support/drive_bench.h"
@@ -317,6 +318,21 @@ TEST(DriveData, TheInertiaStartsRightBesideDryFrictionAndAnOffset) {
                 {"coulomb_torque", 0.05},
                 {"offset_torque", 0.15}},
                0.1);
+}
+
+// A regression on noise gives an inertia that is far too small, with which a simulation takes a thousand
+// times as many steps: orders of magnitude are used then. Theirs are 0.2 s and 0.1 of torque over speed.
+TEST(DriveData, StartsFromNoiseAreOrdersOfMagnitude) {
+  Dataset data = BenchData(Swing());
+  Random random(1);
+  for (double& position : Joint(data).channels["position"].values) position = random.Normal();
+  const auto problem = BindDriveData(data);
+  ASSERT_TRUE(problem);
+  const auto start = [&](const std::string& name) {
+    const int index = FindParameter((*problem)->parameters(), name).value();
+    return (*problem)->parameters()[static_cast<std::size_t>(index)].start;
+  };
+  EXPECT_NEAR(start("inertia") / start("viscous_friction"), 2, 1e-9);
 }
 
 TEST(DriveData, SignalsAreAtTheSamples) {
