@@ -45,6 +45,9 @@ struct DiscrepancyTerm {
   std::string signal_unit;
   std::vector<double> knots;    ///< [K, increasing, unit of the signal]
   std::vector<int> parameters;  ///< [K] indices into Problem::parameters(): the weights [unit of the port]
+  /// Only fitted beside causes that cross-validation has chosen, where these leave more than noise. It takes
+  /// part in no test, so that tests for the other candidates do not lose power.
+  bool beside_causes = false;
 };
 
 /// A place where a discrepancy term can be added (a joint torque, the output itself), with one term per

@@ -113,7 +113,7 @@ class Tables {
       const Candidate& candidate = state_.candidates[c];
       const Score* best = state_.base.BestOf(static_cast<int>(c));
       // A drift is scored only if its parameter is in the model.
-      if (best == nullptr && candidate.drifting >= 0) continue;
+      if (best == nullptr && (candidate.drifting >= 0 || candidate.beside_causes)) continue;
       EffectScore score;
       score.effect = candidate.effect;
       score.level = candidate.level;

@@ -328,12 +328,16 @@ DriveParameterList ListDriveParameters(const DriveTraits& is, const DriveScales&
   add.Term(kTorqueOfCommand, "command", is.input_unit, s.lowest_command, s.highest_command, -s.torque,
            s.torque);
   add.Term(kTorqueOfTime, "time", "s", 0, s.duration, -s.torque, s.torque);
-  // A curve of one signal is no product of two: friction that changes opposes motion both ways.
+  // A curve of one signal is no product of two: friction that changes opposes motion both ways. Small ones
+  // show as a drift of viscous_friction or as other curves.
   add.BeginPort("friction", unit.torque, "unknown dry friction acts on the joint");
   add.Term(kFrictionOfPosition, "position", unit.position, s.lowest, s.highest, 0, s.torque);
   add.Term(kFrictionOfTime, "time", "s", 0, s.duration, 0, s.torque);
   add.BeginPort("damping", unit.viscous, "the viscous friction changes");
   add.Term(kDampingOfTime, "time", "s", 0, s.duration, -s.torque / s.speed, s.torque / s.speed);
+  for (std::size_t port = 1; port < list.ports.size(); ++port) {
+    for (DiscrepancyTerm& term : list.ports[port].terms) term.beside_causes = true;
+  }
   // Numbers that must not be zero where their effect does not exist.
   list.resting[kInputGain] = 1;
   list.resting[kCoggingPeriod] = 1;

@@ -53,6 +53,7 @@ std::vector<Candidate> ListCandidates(const Problem& problem, const FitSetup& ba
       if (AnyFree(base, term.parameters) || !whole) continue;
       candidates.push_back(
           {term.name, Level::kRobot, false, "", "", Occurrence::kOccasional, "", term.parameters, {{}}});
+      candidates.back().beside_causes = term.beside_causes;
     }
   }
   // Drifts: of parameters that are free, or would be free with a candidate effect.

@@ -30,6 +30,7 @@ struct Candidate {
   /// the parameter's derivative times TimeInTrial, and only if the parameter is free, or if the free ones
   /// compensate a constant change of it.
   int drifting = -1;
+  bool beside_causes = false;  ///< DiscrepancyTerm::beside_causes
 
   /// True for known effects that all trials share: the part of the library that is tried first.
   [[nodiscard]] bool primary() const { return known && trial.empty(); }

@@ -83,8 +83,13 @@ double WhitenedNorm(const LeastSquares& fit, const noise::Whitening& whitening, 
 class DesignMaker {
  public:
   DesignMaker(const LeastSquares& fit, const Vector& x, const std::vector<Candidate>& candidates,
-              const noise::Whitening& whitening)
-      : fit_(fit), candidates_(candidates), whitening_(whitening), rows_(fit), point_(fit.Parameters(x)) {}
+              const noise::Whitening& whitening, ScoredCandidates which)
+      : fit_(fit),
+        candidates_(candidates),
+        whitening_(whitening),
+        which_(which),
+        rows_(fit),
+        point_(fit.Parameters(x)) {}
 
   Result<Design> Make(const Vector& x) {
     Design design;
@@ -157,6 +162,7 @@ class DesignMaker {
       const Candidate& candidate = candidates_[c];
       if (probe >= candidate.probes.size() || IsScoredBySecant(candidate, probe)) continue;
       if (IsReleased(candidate)) continue;
+      if (candidate.beside_causes && which_ == ScoredCandidates::kTested) continue;
       for (const auto& [index, value] : candidate.probes[probe].at) point[index] = value;
       for (const int index : ScoredParameters(candidate, probe)) {
         if (parameter(index).null_step > 0) continue;
@@ -309,6 +315,7 @@ class DesignMaker {
   const LeastSquares& fit_;
   const std::vector<Candidate>& candidates_;
   const noise::Whitening& whitening_;
+  ScoredCandidates which_;
   Rows rows_;
   Vector point_;
   Vector at_null_;
@@ -347,8 +354,8 @@ Result<NoiseRows> NoiseRowsAt(const LeastSquares& fit, const Vector& x) {
 }
 
 Result<Design> MakeDesign(const LeastSquares& fit, const Vector& x, const std::vector<Candidate>& candidates,
-                          const noise::Whitening& whitening) {
-  return DesignMaker(fit, x, candidates, whitening).Make(x);
+                          const noise::Whitening& whitening, ScoredCandidates which) {
+  return DesignMaker(fit, x, candidates, whitening, which).Make(x);
 }
 
 }  // namespace sinew::diagnosis

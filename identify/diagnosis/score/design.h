@@ -41,11 +41,15 @@ struct NoiseRows {
 /// Errors: those of Problem::Predict at x.
 Result<NoiseRows> NoiseRowsAt(const LeastSquares& fit, const Vector& x);
 
+/// Which candidates get columns: those that take part in tests, or also terms that are only fitted beside
+/// causes (Candidate::beside_causes).
+enum class ScoredCandidates { kTested, kAll };
+
 /// Linearises the fit at x. Candidates that the fit has released already get no columns, nor do those whose
 /// prediction fails.
 /// @param whitening decides the length of secants: their trace is about as long as the shortest one that a
 /// test detects. Errors: those of Problem::Predict at x.
 Result<Design> MakeDesign(const LeastSquares& fit, const Vector& x, const std::vector<Candidate>& candidates,
-                          const noise::Whitening& whitening);
+                          const noise::Whitening& whitening, ScoredCandidates which = ScoredCandidates::kAll);
 
 }  // namespace sinew::diagnosis

@@ -112,12 +112,12 @@ const Score* ScoredModel::BestOf(int candidate, const ScoreTable& table) const {
 }
 
 Result<ScoredModel> ScoreModel(const Problem& problem, const std::vector<Candidate>& candidates, Refit refit,
-                               double level, std::uint64_t seed) {
+                               double level, std::uint64_t seed, ScoredCandidates which) {
   ScoredModel scored;
   scored.refit = std::move(refit);
   const LeastSquares fit(problem, *scored.refit.setup);
   const noise::Whitening whitening(scored.refit.noise, TrainStretches(fit));
-  SINEW_ASSIGN(scored.design, MakeDesign(fit, scored.refit.x, candidates, whitening));
+  SINEW_ASSIGN(scored.design, MakeDesign(fit, scored.refit.x, candidates, whitening, which));
   const bool coloured = scored.refit.noise.IsColoured();
   Status status;
   const auto score_whitened = [&]() -> Status {

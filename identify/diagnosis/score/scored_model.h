@@ -26,10 +26,11 @@ struct ScoredModel {
   [[nodiscard]] const Score* BestOf(int candidate) const { return BestOf(candidate, whitened); }
 };
 
-/// Scores all candidates at the point of a refit. Errors: those of Problem::Predict there. @pre
+/// Scores candidates at the point of a refit. Errors: those of Problem::Predict there. @pre
 /// refit.usable()
 Result<ScoredModel> ScoreModel(const Problem& problem, const std::vector<Candidate>& candidates, Refit refit,
-                               double level, std::uint64_t seed);
+                               double level, std::uint64_t seed,
+                               ScoredCandidates which = ScoredCandidates::kTested);
 
 /// Start points for a refit with `candidate` released: its linear estimate at the probe with the largest
 /// statistic, whitened and not; if the statistic is large, at all probes and several sizes, because a local

@@ -326,7 +326,7 @@ Status CrossValidatedSearch::AddUnknownTerms(const FittedSet& best, Outcome& out
   const auto shrinking = std::make_shared<Refitter>(
       problem_, WithShrunkTerms(refitter_.base(), candidates_, fitter_.Residual(best)), candidates_,
       options_.interrupt);
-  const SetFitter fitter(problem_, *shrinking, candidates_, options_);
+  const SetFitter fitter(problem_, *shrinking, candidates_, options_, ScoredCandidates::kAll);
   SINEW_ASSIGN(std::optional<BesideUnknown> found, FindUnknownTerms(fitter, candidates_, best, kMostCauses));
   if (!found) return {};
   Refit model = shrinking->FitOrdinary(found->set.released, {found->set.point}, kFineTolerance);

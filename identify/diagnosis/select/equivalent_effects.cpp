@@ -30,7 +30,8 @@ class Exchange {
         whitening_(state.selection.model.noise, TrainStretches(fit_)) {}
 
   Status Linearise() {
-    SINEW_ASSIGN(design_, MakeDesign(fit_, state_.selection.model.x, state_.candidates, whitening_));
+    SINEW_ASSIGN(design_, MakeDesign(fit_, state_.selection.model.x, state_.candidates, whitening_,
+                                     ScoredCandidates::kTested));
     base_ = Whitened(design_.base);
     columns_ = Whitened(design_.candidates);
     return {};

@@ -98,13 +98,15 @@ int MemberBeyond(const std::vector<int>& smaller, const std::vector<int>& set) {
 }
 
 SetFitter::SetFitter(const Problem& problem, const Refitter& refitter,
-                     const std::vector<Candidate>& candidates, const DiagnosisOptions& options)
+                     const std::vector<Candidate>& candidates, const DiagnosisOptions& options,
+                     ScoredCandidates scored)
     : refitter_(refitter),
       candidates_(candidates),
       options_(options),
       searched_(Searched(problem)),
       searched_refitter_(searched_, refitter.base(), candidates, options.interrupt),
-      folds_(FoldsOf(searched_)) {
+      folds_(FoldsOf(searched_)),
+      scored_(scored) {
   const auto trials = static_cast<double>(TrainingTrials(searched_).size());
   draws_ = static_cast<int>(kDraws * std::min(1.0, std::pow(kFewTrials / trials, 2)));
 }
@@ -264,8 +266,8 @@ std::vector<FittedSet> SetFitter::OneLessByContinuation(const FittedSet& of) con
 Result<std::optional<ScoredModel>> SetFitter::Score(const FittedSet& one) const {
   Refit refit = searched_refitter_.FitOrdinary(one.released, {one.point}, kTolerance);
   if (!refit.usable()) return std::optional<ScoredModel>();
-  SINEW_ASSIGN(ScoredModel scored,
-               ScoreModel(searched_, candidates_, std::move(refit), options_.alarm_level, options_.seed));
+  SINEW_ASSIGN(ScoredModel scored, ScoreModel(searched_, candidates_, std::move(refit), options_.alarm_level,
+                                              options_.seed, scored_));
   return std::optional<ScoredModel>(std::move(scored));
 }
 

@@ -46,7 +46,7 @@ class SetFitter {
 
   /// The arguments must outlive it.
   SetFitter(const Problem& problem, const Refitter& refitter, const std::vector<Candidate>& candidates,
-            const DiagnosisOptions& options);
+            const DiagnosisOptions& options, ScoredCandidates scored = ScoredCandidates::kTested);
   SetFitter(const SetFitter&) = delete;
   SetFitter& operator=(const SetFitter&) = delete;
 
@@ -123,6 +123,7 @@ class SetFitter {
   EditedView searched_;
   Refitter searched_refitter_;
   std::vector<Fold> folds_;
+  ScoredCandidates scored_;
   int draws_ = 0;
 };
 

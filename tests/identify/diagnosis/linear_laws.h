@@ -45,6 +45,7 @@ class LinearLaws final : public Problem {
     std::vector<std::pair<std::string, Level>> levels;  ///< of effects that are not of the robot
     double held_out_share = 1;                          ///< of the effects, in held-out trials
     int knots = 8;                                      ///< of y(u) and y(time)
+    bool beside_causes = false;                         ///< both are DiscrepancyTerm::beside_causes
     bool free_offset = false;  ///< the offset of all trials is a base parameter, no effect
     /// Held-out trials: standard deviation of the gain of every 25 samples about the law; where it is > 0,
     /// their blocks have groups (Block::group).
@@ -172,6 +173,7 @@ class LinearLaws final : public Problem {
     ports_.push_back({"y", "1", "something adds to y", {}});
     AddTerm("u", -2.5, 2.5, truth.knots);
     AddTerm("time", 0, duration, truth.knots);
+    for (DiscrepancyTerm& term : ports_.back().terms) term.beside_causes = truth.beside_causes;
   }
   void AddStarts(int trials) {
     for (int t = 0; t < trials; ++t) {

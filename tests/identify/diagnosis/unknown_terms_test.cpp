@@ -59,6 +59,19 @@ TEST(UnknownTerms, OnlyTheCauseIsNamedAndTheRestIsDescribed) {
   }
 }
 
+// A term that takes part in no test is found beside the causes all the same.
+TEST(UnknownTerms, OneThatIsOnlyFittedBesideCauses) {
+  LinearLaws::Truth truth = OutsideTheLibrary();
+  truth.beside_causes = true;
+  const auto d = DiagnosisOf(LinearLaws(truth, 1, 6, 2, 200));
+  ASSERT_TRUE(d) << d.error().message;
+  EXPECT_EQ(Names(d->causes), std::vector<std::string>{"drift"});
+  ASSERT_EQ(d->unknown_terms.size(), 1U);
+  EXPECT_EQ(d->unknown_terms.front().name, "y(u)");
+  const auto is_term = [](const EffectScore& score) { return score.effect.rfind("y(", 0) == 0; };
+  EXPECT_TRUE(std::none_of(d->scores.begin(), d->scores.end(), is_term));
+}
+
 TEST(UnknownTerms, NoneWhereTheCausesExplainAll) {
   LinearLaws::Truth truth = OutsideTheLibrary();
   truth.unknown = 0;
