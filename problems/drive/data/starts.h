@@ -29,10 +29,9 @@ struct DriveMotion {
 [[nodiscard]] std::vector<double> ReplayCommand(const DriveCommand& command, const DriveMotion& motion);
 
 /// Weak form: the equation of motion times smooth windows, integrated by parts until nothing measured is
-/// differentiated, is linear in the parameters. The inertia is that beside dry friction and an offset; for the
-/// others both are ignored, because the base model has neither. These are starts.
-/// Source: Preisig & Rippin, Theory and application of the modulating function method, Comput. Chem. Eng. 17
-/// (1993).
+/// differentiated, is linear in the parameters. The inertia is that beside dry friction and an offset; for
+/// the others both are ignored, because the base model has neither. These are starts. Source: Preisig &
+/// Rippin, Theory and application of the modulating function method, Comput. Chem. Eng. 17 (1993).
 /// @return all base parameters; where the data do not determine them, an order of magnitude.
 [[nodiscard]] DriveStarts EstimateDriveStarts(const DriveJoint& joint, const DriveCommand& command,
                                               const std::vector<DriveMotion>& motions,
