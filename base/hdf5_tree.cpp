@@ -11,6 +11,7 @@
 
 #include "base/forked_trial.h"
 #include "base/hdf5_other_files.h"
+#include "base/printable.h"
 #include "base/replace_file.h"
 #include "base/text.h"
 #include "base/value_limits.h"
@@ -397,6 +398,26 @@ bool MakeImage(const Hdf5Node& root, Image& image) {
   return true;
 }
 
+// HDF5 stores names and texts up to their first null byte. @return what is longer than that, or null
+const std::string* FindCutOff(const Hdf5Node& node) {
+  const auto cut = [](const std::string& text) { return text.find('\0') != std::string::npos; };
+  for (const auto& [name, value] : node.attributes) {
+    if (cut(name)) return &name;
+    const auto* text = std::get_if<std::string>(&value);
+    if (text != nullptr && cut(*text)) return text;
+  }
+  if (node.text() != nullptr && cut(*node.text())) return node.text();
+  if (node.texts() != nullptr) {
+    const auto found = std::find_if(node.texts()->begin(), node.texts()->end(), cut);
+    if (found != node.texts()->end()) return &*found;
+  }
+  for (const auto& [name, child] : node.children) {
+    if (cut(name)) return &name;
+    if (const std::string* found = FindCutOff(child)) return found;
+  }
+  return nullptr;
+}
+
 }  // namespace
 
 Hdf5Node& Hdf5Node::At(std::string_view path) {
@@ -469,6 +490,9 @@ Result<Hdf5Node> ReadHdf5(const std::string& path) {
 }
 
 Status WriteHdf5(const std::string& path, const Hdf5Node& root) {
+  if (const std::string* cut = FindCutOff(root))
+    return Fail("{}: cannot be made: '{}' contains a null byte, after which HDF5 stores nothing", path,
+                PrintableLine(*cut));
   Image image;
   {
     const std::lock_guard lock(Hdf5Mutex());

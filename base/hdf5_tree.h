@@ -62,7 +62,8 @@ struct Hdf5Node {
 /// datasets whose numbers are in other files (external storage, virtual datasets), which are not opened.
 Result<Hdf5Node> ReadHdf5(const std::string& path);
 
-/// Made in memory, then written by ReplaceFile. Errors: those of ReplaceFile; the old file is then unchanged.
+/// Made in memory, then written by ReplaceFile. Errors: a name or a text with a null byte, and those of
+/// ReplaceFile; the old file is then unchanged.
 Status WriteHdf5(const std::string& path, const Hdf5Node& root);
 
 }  // namespace sinew

@@ -123,6 +123,26 @@ TEST_F(Hdf5Tree, AFailedWriteLeavesTheOldFileAndNothingElse) {
   EXPECT_EQ(std::distance(std::filesystem::directory_iterator(folder_), {}), 1);
 }
 
+TEST_F(Hdf5Tree, WhatHdf5WouldCutOffIsNotWritten) {
+  using std::string_literals::operator""s;
+  Hdf5Node text;
+  text.children["notes"].data = "a\0b"s;
+  Hdf5Node texts;
+  texts.children["notes"].data = std::vector<std::string>{"a", "a\0b"s};
+  Hdf5Node attribute;
+  attribute.attributes["unit"] = "a\0b"s;
+  Hdf5Node named;
+  named.attributes["a\0b"s] = 1.0;
+  Hdf5Node child;
+  child.At("trials").children["a\0b"s].SetScalar(1);
+  for (const Hdf5Node& root : {text, texts, attribute, named, child}) {
+    const Status status = WriteHdf5(Path("a.h5"), root);
+    ASSERT_FALSE(status);
+    EXPECT_THAT(status.error().message, HasSubstr("a\\x00b' contains a null byte"));
+  }
+  EXPECT_TRUE(std::filesystem::is_empty(folder_));
+}
+
 TEST_F(Hdf5Tree, TheSameTreeGivesTheSameBytes) {
   ASSERT_TRUE(WriteHdf5(Path("a.h5"), Example()));
   ASSERT_TRUE(WriteHdf5(Path("b.h5"), Example()));

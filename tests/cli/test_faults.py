@@ -86,7 +86,8 @@ class Faults(ProgramTest):
         mark = self.home / "mark"
         mark.unlink(missing_ok=True)
         faults = {"LD_PRELOAD": FAULTS, "SINEW_FAULT_CALL": call, "SINEW_FAULT_AT": str(first), "SINEW_FAULT_LAST": str(last),
-                  "SINEW_FAULT_ERRNO": str(number), "SINEW_FAULT_FOLDER": str(self.folder), "SINEW_FAULT_MARK": str(mark)}
+                  "SINEW_FAULT_ERRNO": str(number), "SINEW_FAULT_FOLDER": str(self.folder), "SINEW_FAULT_MARK": str(mark),
+                  "ASAN_OPTIONS": "verify_asan_link_order=0"}  # a build with the address sanitizer
         done = subprocess.run([PROGRAM, *words], cwd=self.folder, env={**os.environ, **faults}, capture_output=True, text=True,
                               timeout=LONGEST, check=False)
         return done, mark.exists()

@@ -9,10 +9,7 @@ from pathlib import Path
 
 import h5py
 
-import program
 from program import ROOT, ProgramTest
-
-program.LONGEST = 240  # [s] profile intervals of tosses take a minute of a busy machine
 
 SHARED = Path(os.environ.get("SINEW_SHARED_DATA", ROOT.parent / "shared" / "data")) / "cube_tosses"
 BENCHMARK = ROOT / "benchmarks" / "cube_tosses"

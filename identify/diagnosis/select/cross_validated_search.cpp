@@ -49,24 +49,6 @@ CrossValidatedSearch::CrossValidatedSearch(const Problem& problem, const Refitte
       options_(options),
       fitter_(problem, refitter, candidates, options) {}
 
-void CrossValidatedSearch::Grow(const FittedSet& from, const ScoredModel& scored,
-                                std::vector<FittedSet>& made) {
-  std::vector<FittedSet> trials;
-  std::vector<std::vector<Vector>> starts;
-  for (const int c : fitter_.Promising(scored, from.released)) {
-    Set next = With(from.released, c);
-    if (!seen_.insert(next).second) continue;
-    trials.push_back({std::move(next), {}, 0, 0, {}});
-    starts.push_back(RefitStarts(scored, candidates_, c));
-    // The linear prediction may start in the wrong basin: backlash beside a delay that has taken its place.
-    fitter_.AddDraws(c, kGrownDraws, from.point, starts.back());
-  }
-  fitter_.Fit(trials, starts, kRoughTolerance, 1);
-  for (FittedSet& trial : trials) {
-    if (std::isfinite(trial.fitted_error)) made.push_back(std::move(trial));
-  }
-}
-
 // Local searches end in local minima: every set is fitted again from the values that the other sets found for
 // the parameters they share, and those that fit best also from random points around their own solution.
 // @pre the sets are sorted by fitted error
@@ -173,13 +155,15 @@ void CrossValidatedSearch::Resample(Outcome& outcome) const {
 Result<std::vector<FittedSet>> CrossValidatedSearch::Exchanged(const FittedSet& of) const {
   std::vector<FittedSet> sets;
   std::vector<std::vector<Vector>> starts;
-  for (const FittedSet& less : judged_) {
-    if (!IsOneLess(less.released, of.released)) continue;
-    SINEW_ASSIGN(const auto scored, fitter_.Score(less));
-    if (!scored) continue;
-    for (const int c : fitter_.Promising(*scored, of.released)) {
-      sets.push_back({With(less.released, c), {}, 0, 0, {}});
-      starts.push_back(RefitStarts(*scored, candidates_, c));
+  std::vector<FittedSet> smaller;
+  std::copy_if(judged_.begin(), judged_.end(), std::back_inserter(smaller),
+               [&](const FittedSet& one) { return IsOneLess(one.released, of.released); });
+  SINEW_ASSIGN(const auto scores, fitter_.Score(smaller));
+  for (std::size_t i = 0; i < smaller.size(); ++i) {
+    if (!scores[i]) continue;
+    for (const int c : fitter_.Promising(*scores[i], of.released)) {
+      sets.push_back({With(smaller[i].released, c), {}, 0, 0, {}});
+      starts.push_back(RefitStarts(*scores[i], candidates_, c));
     }
   }
   fitter_.Fit(sets, starts, kRoughTolerance, 1);
@@ -262,6 +246,13 @@ Result<FittedSet> CrossValidatedSearch::Choose(Shares& shares) {
     const bool again = completed.count(chosen.released) > 0;
     const bool done = again && (exchanged.count(chosen.released) > 0 || !LeavesMisfit(chosen));
     if (done || completed.size() >= kMaxChoices || fitter_.Interrupted()) {
+      if (!again && !fitter_.Interrupted()) {
+        const FittedSet acting = fitter_.WithoutIdle(chosen);
+        if (acting.released != chosen.released) {
+          Replace(chosen.released, acting);
+          continue;
+        }
+      }
       shares.clear();
       for (const FittedSet& less : judged_) {
         if (IsOneLess(less.released, chosen.released))
@@ -382,15 +373,33 @@ std::optional<FittedSet> CrossValidatedSearch::Shrunk(FittedSet from) {
 // The next sets, from every one of these; by fitted error.
 Result<std::vector<FittedSet>> CrossValidatedSearch::GrownFrom(const std::vector<FittedSet>& beam,
                                                                const ScoredModel& base) {
-  std::vector<FittedSet> made;
+  std::vector<FittedSet> larger;
+  std::copy_if(beam.begin(), beam.end(), std::back_inserter(larger),
+               [](const FittedSet& one) { return !one.released.empty(); });
+  SINEW_ASSIGN(const auto scores, fitter_.Score(larger));
+  std::vector<FittedSet> trials;
+  std::vector<std::vector<Vector>> starts;
+  auto next_score = scores.begin();
   for (const FittedSet& from : beam) {
-    if (from.released.empty()) {
-      Grow(from, base, made);
-      continue;
+    const ScoredModel* scored = &base;
+    if (!from.released.empty()) {
+      scored = *next_score ? &**next_score : nullptr;
+      ++next_score;
     }
-    SINEW_ASSIGN(const auto scored, fitter_.Score(from));
-    if (scored) Grow(from, *scored, made);
+    if (scored == nullptr) continue;
+    for (const int c : fitter_.Promising(*scored, from.released)) {
+      Set next = With(from.released, c);
+      if (!seen_.insert(next).second) continue;
+      trials.push_back({std::move(next), {}, 0, 0, {}});
+      starts.push_back(RefitStarts(*scored, candidates_, c));
+      // The linear prediction may start in the wrong basin: backlash beside a delay that has taken its place.
+      fitter_.AddDraws(c, kGrownDraws, from.point, starts.back());
+    }
   }
+  fitter_.Fit(trials, starts, kRoughTolerance, 1);
+  std::vector<FittedSet> made;
+  std::copy_if(trials.begin(), trials.end(), std::back_inserter(made),
+               [](const FittedSet& one) { return std::isfinite(one.fitted_error); });
   std::stable_sort(made.begin(), made.end(), FitsBetter);
   return made;
 }

@@ -80,7 +80,6 @@ class CrossValidatedSearch {
   using Shares = std::vector<std::pair<int, double>>;
   [[nodiscard]] Result<std::vector<FittedSet>> GrownFrom(const std::vector<FittedSet>& beam,
                                                          const ScoredModel& base);
-  void Grow(const FittedSet& from, const ScoredModel& scored, std::vector<FittedSet>& made);
   void Shorten(std::vector<FittedSet>& made) const;
   void Polish(std::vector<FittedSet>& sets) const;
   [[nodiscard]] std::optional<FittedSet> Shrunk(FittedSet from);
@@ -105,7 +104,7 @@ class CrossValidatedSearch {
   const MisfitScale& scale_;
   const DiagnosisOptions& options_;
   SetFitter fitter_;
-  std::set<Set> seen_;             // made by Grow
+  std::set<Set> seen_;             // made by GrownFrom
   std::vector<FittedSet> judged_;  // every set whose error of left-out data is known
   std::set<Set> barred_;           // with a member that does nothing
 };

@@ -9,6 +9,7 @@
 #include "base/random.h"
 #include "identify/diagnosis/select/choice_of_sets.h"
 #include "identify/diagnosis/select/many_starts.h"
+#include "identify/execution/executor.h"
 #include "identify/execution/shared_loop.h"
 #include "identify/keep_samples.h"
 
@@ -269,6 +270,17 @@ Result<std::optional<ScoredModel>> SetFitter::Score(const FittedSet& one) const 
   SINEW_ASSIGN(ScoredModel scored, ScoreModel(searched_, candidates_, std::move(refit), options_.alarm_level,
                                               options_.seed, scored_));
   return std::optional<ScoredModel>(std::move(scored));
+}
+
+Result<std::vector<std::optional<ScoredModel>>> SetFitter::Score(const std::vector<FittedSet>& sets) const {
+  std::vector<Result<std::optional<ScoredModel>>> each(sets.size());
+  CurrentExecutor().ForEach(sets.size(), [&](std::size_t i, std::size_t) { each[i] = Score(sets[i]); });
+  std::vector<std::optional<ScoredModel>> scored;
+  for (Result<std::optional<ScoredModel>>& one : each) {
+    SINEW_TRY(one);
+    scored.push_back(std::move(*one));
+  }
+  return scored;
 }
 
 std::vector<int> SetFitter::Promising(const ScoredModel& scored, const std::vector<int>& have) const {

@@ -99,6 +99,9 @@ class SetFitter {
   /// Scores beside a fitted set, on the searched data; nothing if the fit failed. Errors: those of
   /// Problem::Predict.
   [[nodiscard]] Result<std::optional<ScoredModel>> Score(const FittedSet& one) const;
+  /// The same of several sets, in their order.
+  [[nodiscard]] Result<std::vector<std::optional<ScoredModel>>> Score(
+      const std::vector<FittedSet>& sets) const;
   /// Known effects that all trials share, not in `have`, the best ten by the linear prediction.
   [[nodiscard]] std::vector<int> Promising(const ScoredModel& scored, const std::vector<int>& have) const;
   /// Unknown terms that a fit can release, not in `have`, the best four.
