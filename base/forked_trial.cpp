@@ -14,9 +14,10 @@
 namespace sinew {
 namespace {
 
-// Time limit of a reading [s], with one more second for every kBytesPerSecond of the file (an intact one is
-// read a hundred times as fast).
-constexpr rlim_t kProcessorSeconds = 2;
+// Time limit of a reading [s], with one more second for every kBytesPerSecond of the file. An intact file of
+// a megabyte is read in 0.01 s, by libmatio one of many small arrays in a second; a busy machine takes
+// longer.
+constexpr rlim_t kProcessorSeconds = 10;
 constexpr unsigned kSeconds = 30;  // with waiting for a disk and for other processes
 constexpr std::uintmax_t kBytesPerSecond = 1U << 20;
 constexpr std::size_t kPiece = std::size_t{1} << 16U;  // [bytes] taken from the pipe at once

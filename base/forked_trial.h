@@ -19,7 +19,7 @@ std::mutex& Hdf5Mutex();
 ///
 /// Libraries do not check all sizes and offsets in a file: damaged ones crash them, put them into an endless
 /// loop, or make them ask for all memory. Errors: those of `work`; "is damaged" where the process crashed,
-/// took more than 2 s of processor time and 1 s for every MiB of the file, or more memory than is allowed.
+/// took more than 10 s of processor time and 1 s for every MiB of the file, or more memory than is allowed.
 ///
 /// Whoever reads the file again in this process behaves equally only if this process is where the other one
 /// was: not if `work` called the library for something else before. Bytes are the safer way to bring the

@@ -130,7 +130,7 @@ class CeinmsRt(ProgramTest):
     def test_lengths_are_those_of_data_muscles(self):
         self.imports(WALKING / "Calibration.xml", "--out", "w.h5")
         self.succeeds("data", "import", WALKING / "walk36" / "ik.sto", WALKING / "gait2392.osim", "--trial", "all", "--out", "all.h5")
-        self.succeeds("data", "muscles", "all.h5", "--muscles", ",".join(ANKLE), "--joints", "ankle_angle_r")
+        self.succeeds("data", "muscles", "all.h5", "--muscles", ",".join(ANKLE), "--joints", "ankle_angle_r", "--quiet")
         with h5py.File(self.path("w.h5")) as made, h5py.File(self.path("all.h5")) as whole:
             first = round(made["trials/walk36/lengths/time"][0] * 100)
             for grid in ("lengths", "moment_arms.ankle_angle_r"):
