@@ -12,10 +12,13 @@ namespace sinew {
 /// Without blanks, tabs, carriage returns and newlines at both ends.
 [[nodiscard]] std::string_view Trim(std::string_view text);
 
+/// The words with single spaces between them: a message of a library on several lines as one sentence.
+[[nodiscard]] std::string OneLine(std::string_view text);
+
 /// Pieces between single separators; empty pieces are kept. "a,,b" -> {"a", "", "b"}; "" -> {""}.
 [[nodiscard]] std::vector<std::string_view> Split(std::string_view text, char separator);
 
-/// Words between runs of blanks and tabs; no empty pieces.
+/// Words between runs of blanks, tabs, carriage returns and newlines; no empty pieces.
 [[nodiscard]] std::vector<std::string_view> SplitBlanks(std::string_view text);
 
 // The pieces are views into the text: a temporary string would be gone before they are read.

@@ -42,7 +42,7 @@ Result<YamlReader> YamlReader::Parse(const std::string& text, const std::string&
   } catch (const YAML::Exception& exception) {
     return FailAt(file, exception.mark.line + 1, "is not YAML: {}", PrintableLine(exception.msg));
   } catch (const std::exception& exception) {
-    return FailAt(file, 1, "is not YAML: {}", exception.what());
+    return FailAt(file, 1, "is not YAML: {}", OneLine(exception.what()));
   }
 }
 

@@ -1,5 +1,6 @@
 #include "datasets/units.h"
 
+#include <algorithm>
 #include <array>
 #include <cctype>
 #include <cmath>
@@ -112,6 +113,12 @@ class UnitParser {
 
  private:
   static constexpr int kDeepest = 8;
+  static constexpr int kLargestPower = 9;  // one digit: what Format writes can be read again
+
+  static bool HasSmallPowers(const Dimension& dimension) {
+    return std::all_of(dimension.powers.begin(), dimension.powers.end(),
+                       [](int power) { return std::abs(power) <= kLargestPower; });
+  }
 
   void SkipBlanks() {
     while (!rest_.empty() && (rest_.front() == ' ' || rest_.front() == '\t')) rest_.remove_prefix(1);
@@ -126,6 +133,7 @@ class UnitParser {
       if (!factor) return std::nullopt;
       product.factor *= sign > 0 ? factor->factor : 1 / factor->factor;
       for (int i = 0; i < kSymbolCount; ++i) product.powers[i] += sign * factor->powers[i];
+      if (!HasSmallPowers(product)) return std::nullopt;
 
       const bool blank = !rest_.empty() && (rest_.front() == ' ' || rest_.front() == '\t');
       SkipBlanks();
@@ -146,6 +154,7 @@ class UnitParser {
     if (!power) return std::nullopt;
     base->factor = std::pow(base->factor, *power);
     for (int& symbol_power : base->powers) symbol_power *= *power;
+    if (!HasSmallPowers(*base)) return std::nullopt;
     return base;
   }
 

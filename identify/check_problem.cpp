@@ -5,6 +5,7 @@
 #include <exception>
 #include <limits>
 
+#include "base/text.h"
 #include "identify/derivative_comparison.h"
 #include "identify/distinct_effects.h"
 #include "identify/guarded.h"
@@ -95,7 +96,7 @@ Status CheckAt(const Problem& problem, const DerivativeQuery& query, bool refuse
   try {
     status = problem.Predict({query.point, query.blocks, true, &query.parameters}, *workspace, prediction);
   } catch (const std::exception& exception) {
-    return Fail("the model threw at the start values: {}", exception.what());
+    return Fail("the model threw at the start values: {}", OneLine(exception.what()));
   }
   if (!status) {
     if (!refused_is_error) return {};

@@ -6,6 +6,8 @@
 #include <cmath>
 #include <exception>
 
+#include "base/text.h"
+
 namespace sinew {
 namespace {
 
@@ -122,7 +124,7 @@ Status DifferencedProblem::Predict(const Query& query, Workspace& workspace, Pre
     try {
       lane.status = differentiate(wanted[i]);
     } catch (const std::exception& exception) {
-      lane.status = Fail("the model threw: {}", exception.what());
+      lane.status = Fail("the model threw: {}", OneLine(exception.what()));
     }
   });
   for (const std::size_t p : wanted) {

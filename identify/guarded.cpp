@@ -2,6 +2,8 @@
 
 #include <exception>
 
+#include "base/text.h"
+
 namespace sinew {
 
 Status PredictGuarded(const Problem& problem, const Query& query, Problem::Workspace& workspace,
@@ -9,7 +11,7 @@ Status PredictGuarded(const Problem& problem, const Query& query, Problem::Works
   try {
     return problem.Predict(query, workspace, prediction);
   } catch (const std::exception& exception) {
-    return Fail("the model threw: {}", exception.what());
+    return Fail("the model threw: {}", OneLine(exception.what()));
   }
 }
 

@@ -8,6 +8,7 @@
 #include <utility>
 
 #include "base/error.h"
+#include "base/text.h"
 #include "base/yaml_reader.h"
 #include "datasets/dataset.h"
 #include "identify/check_problem.h"
@@ -42,7 +43,7 @@ Result<std::unique_ptr<Problem>> BindModel(const Dataset& data, bool with_sensor
       SINEW_ASSIGN(model, P::Make(data));
     }
   } catch (const std::exception& exception) {
-    return Fail("the model cannot be made from these data: {}", exception.what());
+    return Fail("the model cannot be made from these data: {}", OneLine(exception.what()));
   }
   if constexpr (std::is_base_of_v<DeclaredProblem, P>) {
     SINEW_TRY(model->CheckDeclaration());

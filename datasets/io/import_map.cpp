@@ -230,7 +230,7 @@ Result<ImportMap> ParseImportMap(std::string_view text, const std::string& file)
   } catch (const YAML::Exception& exception) {  // yaml-cpp reports everything so
     return FailAt(file, exception.mark.line + 1, "not valid YAML: {}", PrintableLine(exception.msg));
   } catch (const std::exception& exception) {
-    return Fail("{}: not valid YAML: {}", file, exception.what());
+    return Fail("{}: not valid YAML: {}", file, OneLine(exception.what()));
   }
 }
 

@@ -5,6 +5,7 @@
 #include <exception>
 
 #include "base/assert.h"
+#include "base/text.h"
 #include "models/multibody/simbody_model.h"
 
 namespace sinew {
@@ -93,7 +94,7 @@ Result<std::vector<ContactWrench>> SimbodyContact::WrenchesAt(const std::vector<
     }
     return wrenches;
   } catch (const std::exception& exception) {
-    return Fail("Simbody could not compute the contact force: {}", exception.what());
+    return Fail("Simbody could not compute the contact force: {}", OneLine(exception.what()));
   }
 }
 

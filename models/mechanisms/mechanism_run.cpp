@@ -101,13 +101,6 @@ class Integration {
   std::unique_ptr<SimTK::Integrator> integrator_;
 };
 
-// The last sentence of a Simbody message of several lines.
-std::string Sentence(const std::exception& exception) {
-  std::string text = exception.what();
-  std::replace(text.begin(), text.end(), '\n', ' ');
-  return std::string(Trim(text));
-}
-
 }  // namespace
 
 SimTK::MassProperties SlenderRod(double mass, const SimTK::Vec3& end) {
@@ -150,7 +143,7 @@ Result<MechanismRun> SimulateMechanism(const Mechanism& mechanism, const Mechani
     if (!run) return failed(run.error().message);
     return run;
   } catch (const std::exception& exception) {
-    return failed(Sentence(exception));
+    return failed(OneLine(exception.what()));
   }
 }
 

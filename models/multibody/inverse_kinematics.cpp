@@ -4,6 +4,7 @@
 #include <cmath>
 #include <limits>
 
+#include "base/text.h"
 #include "models/multibody/frame_passes.h"
 #include "models/multibody/name_lists.h"
 
@@ -138,7 +139,7 @@ Result<IkResult> SolveInverseKinematics(const MultibodyModel& model, const Marke
     result.coordinate_names = model.coordinate_names();
     Store(fit, model, markers, SolveFrames(fit, model, markers, options), result);
   } catch (const std::exception& problem) {
-    return Fail("inverse kinematics of model '{}' failed: {}", model.name(), problem.what());
+    return Fail("inverse kinematics of model '{}' failed: {}", model.name(), OneLine(problem.what()));
   }
   return result;
 }

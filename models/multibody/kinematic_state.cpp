@@ -1,5 +1,7 @@
 #include "models/multibody/kinematic_state.h"
 
+#include "base/text.h"
+
 namespace sinew {
 
 Status CheckCoordinateVector(const Vector& vector, std::size_t size, const char* what) {
@@ -47,7 +49,7 @@ Status KinematicState::Place(const Vector& values) {
   try {
     SetValues(values);
   } catch (const std::exception& problem) {
-    return Fail("kinematics of model '{}' failed: {}", model_.name, problem.what());
+    return Fail("kinematics of model '{}' failed: {}", model_.name, OneLine(problem.what()));
   }
   return {};
 }
@@ -136,7 +138,7 @@ Result<std::vector<BodyMotion>> KinematicState::Motions(CoordinateState coordina
     }
     return motions;
   } catch (const std::exception& problem) {
-    return Fail("kinematics of model '{}' failed: {}", model_.name, problem.what());
+    return Fail("kinematics of model '{}' failed: {}", model_.name, OneLine(problem.what()));
   }
 }
 
@@ -148,7 +150,7 @@ Result<std::vector<Vec3>> KinematicState::MarkerPositions(Vector values) {
     for (std::size_t i = 0; i < model_.markers.size(); ++i) positions.push_back(MarkerPosition(i));
     return positions;
   } catch (const std::exception& problem) {
-    return Fail("kinematics of model '{}' failed: {}", model_.name, problem.what());
+    return Fail("kinematics of model '{}' failed: {}", model_.name, OneLine(problem.what()));
   }
 }
 

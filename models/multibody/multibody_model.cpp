@@ -47,7 +47,7 @@ Result<MultibodyModel> MultibodyModel::Build(const OsimModel& model) {
   try {
     impl->simbody->system.realizeTopology();
   } catch (const std::exception& problem) {
-    return Fail("model '{}' cannot be built: {}", model.name, problem.what());
+    return Fail("model '{}' cannot be built: {}", model.name, OneLine(problem.what()));
   }
   return MultibodyModel(std::move(impl));
 }

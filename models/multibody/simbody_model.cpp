@@ -289,7 +289,7 @@ Result<std::unique_ptr<SimbodyModel>> BuildSimbodyModel(const OsimModel& model) 
   try {
     return Builder(model).Build();
   } catch (const std::exception& problem) {
-    return Fail("model '{}' cannot be built: {}", model.name, problem.what());
+    return Fail("model '{}' cannot be built: {}", model.name, OneLine(problem.what()));
   }
 }
 

@@ -323,7 +323,7 @@ Status DeclaredProblem::Guarded(const Query& query, const DeclaredTrial& trial,
     const Status status = run();
     if (!status) return tl::unexpected(Failure(query, trial, status.error().message));
   } catch (const std::exception& exception) {
-    return tl::unexpected(Failure(query, trial, std::string("the model threw: ") + exception.what()));
+    return tl::unexpected(Failure(query, trial, "the model threw: " + OneLine(exception.what())));
   }
   return {};
 }

@@ -59,7 +59,7 @@ class OdeWindows final : public shooting::Model {
     try {
       return ShootUnguarded(window, parameters, state, free, derivatives, shot);
     } catch (const std::exception& exception) {
-      return Fail("the model threw: {}", exception.what());
+      return Fail("the model threw: {}", OneLine(exception.what()));
     }
   }
 

@@ -13,6 +13,11 @@ TEST(Text, SplitKeepsEmptyPieces) {
   EXPECT_TRUE(SplitBlanks(" \t").empty());
 }
 
+TEST(Text, LinesBecomeOne) {
+  EXPECT_EQ(OneLine("\n an exception:\r\n\n  it\twas thrown. \n"), "an exception: it was thrown.");
+  EXPECT_EQ(OneLine(" \n"), "");
+}
+
 TEST(Text, NumbersMustFillTheWholeText) {
   EXPECT_EQ(ParseNumber(" +1.5e3 "), 1500.0);
   EXPECT_EQ(ParseNumber("-0.25"), -0.25);

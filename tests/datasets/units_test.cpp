@@ -62,8 +62,9 @@ TEST(Units, KnownUnitsBecomeSi) {
 }
 
 TEST(Units, SiUnitsConvertToThemselves) {
-  for (const char* unit : {"m", "s", "rad", "N", "N*m", "N/m3", "m/s", "rad/s", "rad/s2", "V", "A", "kg", "1",
-                           "N*m*s/rad", "kg*m2", "N/(m*s)", "Hz", "ohm", "s/m"}) {
+  for (const char* unit :
+       {"m", "s",  "rad", "N",         "N*m",   "N/m3",    "m/s", "rad/s", "rad/s2", "V",
+        "A", "kg", "1",   "N*m*s/rad", "kg*m2", "N/(m*s)", "Hz",  "ohm",   "s/m",    "N*m2/s9"}) {
     const auto conversion = ToSi(unit);
     ASSERT_TRUE(conversion) << unit;
     EXPECT_EQ(conversion->si_unit, unit);
@@ -92,7 +93,7 @@ TEST(Units, UnknownUnitsAreErrorsThatListTheKnown) {
   EXPECT_THAT(ErrorOf(ToSi("degs")), testing::HasSubstr("did you mean 'deg'?"));
   EXPECT_THAT(ErrorOf(ToSi("  ")), testing::HasSubstr("empty"));
   for (const char* unit : {"N*", "/s", "m^", "m^x", "(m", "m)", "m//s", "m2s", "m^12", "2", "N**m", "m^-",
-                           "((((((((((m))))))))))"}) {
+                           "((((((((((m))))))))))", "m9*m", "((((((((m9)9)9)9)9)9)9)9)9*m9", "1/(s5*s5)"}) {
     EXPECT_FALSE(ToSi(unit)) << unit;
   }
   EXPECT_FALSE(ToSi(std::string(1000, 'm')));
