@@ -68,8 +68,7 @@ Status Analysis::FindMinimum(const Vector& x) {
 
   double signal = 0;  // sum of squares
   for (const Linearization::Rows& rows : at_.blocks) signal += rows.count * rows.signal * rows.signal;
-  if (cost - cost_ >
-      std::max(kNotedGain * cost_ / problem_.residuals(), kNoDependence * kNoDependence * signal)) {
+  if (cost - cost_ > std::max(kNotedGain * cost_ / problem_.residuals(), kNoChange * kNoChange * signal)) {
     answer_.notes.push_back({WarningKind::kNotAMinimum, {}, {cost, cost_}, {}});
     answer_.better_point = outcome.x;
   }

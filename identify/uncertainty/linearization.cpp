@@ -12,7 +12,7 @@ namespace {
 bool ChangesAnything(const Linearization& at, const Vector& change) {
   return std::any_of(at.blocks.begin(), at.blocks.end(), [&](const Linearization::Rows& rows) {
     const double scale = rows.signal * std::sqrt(static_cast<double>(rows.count));
-    return change.segment(rows.first, rows.count).norm() > kNoDependence * scale;
+    return change.segment(rows.first, rows.count).norm() > kNoChange * scale;
   });
 }
 

@@ -40,7 +40,7 @@ inline constexpr double kWeakShare = 0.5;
 inline constexpr double kBoundTolerance = 1e-6;
 /// A block does not depend on a variable if the slope over its whole range is below this share of the block's
 /// values: about sqrt(eps), which is the noise of derivatives by differences.
-inline constexpr double kNoDependence = 1e-8;
+inline constexpr double kNoChange = 1e-8;
 /// Singular values of the Jacobian with columns of unit length, over the largest: below, the rank is lost to
 /// rounding whatever the noise.
 inline constexpr double kRankTolerance = 1e-7;
