@@ -12,8 +12,8 @@ import numpy as np
 
 ROOT = Path(__file__).resolve().parents[2]
 PROGRAM = os.environ.get("SINEW_PROGRAM", str(ROOT / "build" / "release" / "sinew"))
-# [s] of one command: a diagnosis where the misfit is large takes a minute on a busy machine, several with a sanitizer.
-LONGEST = 240 * int(os.environ.get("SINEW_TIMES_AS_LONG", "1"))
+# [s] of one command: a diagnosis where the misfit is large takes minutes on a busy machine, more with a sanitizer.
+LONGEST = 600 * int(os.environ.get("SINEW_TIMES_AS_LONG", "1"))
 
 
 @functools.lru_cache(maxsize=None)
