@@ -232,7 +232,7 @@ Result<UnitConversion> ToSi(std::string_view unit) {
     known.emplace_back(kCelsius);
     const auto closest = ClosestName(ascii, known);
     const std::string lead = closest ? "; did you mean '" + *closest + "'? Known are" : "; known are";
-    return Fail("unknown unit '{}'{} {} and their products and quotients (N*m, m/s2)",
+    return Fail("unknown unit '{}'{} {} and their products and quotients with powers up to 9 (N*m, m/s2)",
                 trimmed.substr(0, kLongest), lead, Join(known, ", "));
   }
   return UnitConversion{Format(*dimension), dimension->factor, 0};
