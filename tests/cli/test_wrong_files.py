@@ -16,7 +16,7 @@ FORCE = "trials/train_1/forces/channels/right_force_y"
 FORCE_TIME = "trials/train_1/forces/time"
 KNOWN_UNITS = ("1, %, m, km, cm, mm, um, s, ms, us, min, h, rad, mrad, deg, rev, rpm, Hz, kHz, K, kg, N, mN, kN, Nm, Ncm, "
                "Nmm, mNm, kNm, J, W, kW, Pa, kPa, MPa, V, mV, uV, A, mA, ohm, H, mH, F, uF, degC and their products and "
-               "quotients (N*m, m/s2)")
+               "quotients with powers up to 9 (N*m, m/s2)")
 
 
 class MotionFile(ProgramTest):
