@@ -1,7 +1,10 @@
 #!/usr/bin/python3
 """How much faster are two threads and two processes than one, and do they find the same?
 
-usage: run.py --sinew build/release/sinew [--repeats 3] [--subjects 40] [--only identify,diagnose,large,tosses,cohort] [--ranks 1,2,4]
+usage: run.py --sinew build/release/sinew [--repeats 3] [--subjects 40] [--ranks 1,2,4] [--data DIR] [--only
+    identify,starts,diagnose,large,tosses,cohort,servo,cube]
+
+`servo` and `cube` read measured data (--data): the pendulum on an XL330, and every sixth toss of the cube.
 
 Wall-clock seconds on an otherwise quiet machine, the median of the repeats, started in turn. Results are compared to the last bit,
 other than times. README.md has the figures.
@@ -17,16 +20,21 @@ from pathlib import Path
 
 import h5py
 
-sys.path.insert(0, str(Path(__file__).resolve().parents[2] / "tests" / "cli"))
+ROOT = Path(__file__).resolve().parents[2]
+sys.path[:0] = [str(ROOT / "tests" / "cli"), str(ROOT / "benchmarks" / "data_check")]
+import real_sets  # pylint: disable=wrong-import-position
+
 LAUNCH = ("mpirun", "--allow-run-as-root", "--oversubscribe", "-n")
 
 
 def cases(subjects):
-    """Name: words that make the data, words that are timed (without --threads and --out)."""
+    """Name: words that make the data or a function that does, words that are timed (without --threads and --out), pipeline."""
     cohort = ", ".join(f"s{n:02}: {{seed: {n}}}" for n in range(1, subjects + 1))
     return {
         "identify": ([["data", "synthesize", "nms", "--seed", "2", "--out", "nms.h5"]],
                      ["identify", "nms", "--data", "nms.h5", "--solver", "multistart"], None),
+        "starts": ([["data", "synthesize", "nms", "--seed", "2", "--out", "nms.h5"]],
+                   ["identify", "nms", "--data", "nms.h5", "--solver", "multistart", "--starts", "200", "--max-evaluations", "1000000"], None),
         "diagnose": ([["data", "synthesize", "drive", "--seed", "7", "--effect",
                        "asymmetric_friction:forward_friction=0.16,backward_friction=0.08", "--out", "drive.h5"]],
                      ["diagnose", "drive", "--data", "drive.h5"], None),
@@ -36,6 +44,10 @@ def cases(subjects):
                   ["diagnose", "drive", "--data", "misfit.h5"], None),
         "tosses": ([["data", "synthesize", "free_body", "--seed", "3", "--effect", "lengths:value=0.003", "--out", "tosses.h5"]],
                    ["diagnose", "free_body", "--data", "tosses.h5"], None),
+        "servo": (lambda program, data, folder: real_sets.servo_xl330(program, data, folder / "servo.h5"),
+                  ["diagnose", "drive", "--data", "servo.h5"], None),
+        "cube": (lambda program, data, folder: real_sets.cube_tosses(program, data, folder / "cube.h5", 6),
+                 ["diagnose", "free_body", "--data", "cube.h5"], None),
         "cohort": ([], ["run", "cohort.yaml"], f"""subjects: {{{cohort}}}
 out: results
 steps:
@@ -52,6 +64,7 @@ def main():
     parser.add_argument("--repeats", type=int, default=3)
     parser.add_argument("--subjects", type=int, default=40)
     parser.add_argument("--only", default="identify,diagnose,large,tosses,cohort")
+    parser.add_argument("--data", type=Path, default=real_sets.DATA, help="measured data")
     parser.add_argument("--ranks", default="1,2", help="numbers of processes, with one thread each")
     words = parser.parse_args()
     program = words.sinew.resolve()
@@ -63,8 +76,11 @@ def main():
         data, timed, pipeline = every[name]
         with tempfile.TemporaryDirectory(prefix="ranks_") as folder:
             folder = Path(folder)
-            for one in data:
-                subprocess.run([program, *one], cwd=folder, check=True, capture_output=True)
+            if callable(data):
+                data(program, words.data, folder)
+            else:
+                for one in data:
+                    subprocess.run([program, *one], cwd=folder, check=True, capture_output=True)
             ways = {"1 thread": ([], 1), "2 threads": ([], 2)}
             ways.update({f"{n} ranks": ([*LAUNCH, n], 1) for n in words.ranks.split(",") if n != "1"})
             seconds = {way: [] for way in ways}

@@ -15,6 +15,11 @@ namespace {
 constexpr long kFirstSpatialTransform = 10901;  // older files hold a TransformAxisSet (OpenSim before 2.0)
 constexpr long kFirstJointSet = 30500;          // since then joints stand beside the bodies, not inside
 
+// Beyond these, which no part of a person or machine has, moments of inertia about the mass center are lost
+// in the rounding of those about the origin, and Simbody refuses the body without saying which.
+constexpr double kLargestMass = 1e6;      // [kg]
+constexpr double kLargestDistance = 1e3;  // [m]
+
 Result<Mat3> ReadInertia(const OsimXml& xml, const pugi::xml_node& body) {
   std::vector<double> six;  // xx yy zz xy xz yz
   if (body.child("inertia")) {
@@ -41,11 +46,16 @@ Result<OsimBody> ReadBody(const OsimXml& xml, const pugi::xml_node& element) {
   body.name = NameOf(element);
   if (body.name.empty()) return xml.FailAt(element, "a {} has no name", element.name());
   SINEW_ASSIGN(body.mass_kg, xml.Number(element, "mass", 0));
-  if (!(body.mass_kg >= 0 && body.mass_kg < std::numeric_limits<double>::infinity())) {
-    return xml.FailAt(element.child("mass"), "mass of body '{}' is {} kg, expected a finite number >= 0",
-                      body.name, body.mass_kg);
+  if (!(body.mass_kg >= 0 && body.mass_kg <= kLargestMass)) {
+    return xml.FailAt(element.child("mass"), "mass of body '{}' is {} kg, expected a number from 0 to {}",
+                      body.name, body.mass_kg, kLargestMass);
   }
   SINEW_ASSIGN(body.mass_center, xml.Vector3(element, "mass_center", Vec3::Zero()));
+  if (!(body.mass_center.norm() <= kLargestDistance)) {
+    return xml.FailAt(element.child("mass_center"),
+                      "mass_center of body '{}' is {} m from its origin, expected at most {}", body.name,
+                      body.mass_center.norm(), kLargestDistance);
+  }
   SINEW_ASSIGN(body.inertia, ReadInertia(xml, element));
   return body;
 }

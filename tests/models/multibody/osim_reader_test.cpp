@@ -181,7 +181,12 @@ TEST(ReadOsim, RejectsBadNumbers) {
   const std::string text = PendulumText4();
   EXPECT_THAT(MessageOf(Replaced(text, "<mass>2<", "<mass>two<")),
               HasSubstr("mass is 'two', expected a number"));
-  EXPECT_THAT(MessageOf(Replaced(text, "<mass>2<", "<mass>-2<")), HasSubstr("is -2 kg, expected a finite"));
+  EXPECT_THAT(MessageOf(Replaced(text, "<mass>2<", "<mass>-2<")),
+              HasSubstr("is -2 kg, expected a number from"));
+  EXPECT_THAT(MessageOf(Replaced(text, "<mass>2<", "<mass>2e80<")),
+              HasSubstr("mass of body 'upper' is 2e+80 kg, expected a number from 0 to 1000000"));
+  EXPECT_THAT(MessageOf(Replaced(text, "<mass_center>0 -0.25 0<", "<mass_center>0 -2500 0<")),
+              HasSubstr("mass_center of body 'upper' is 2500 m from its origin, expected at most 1000"));
   EXPECT_THAT(MessageOf(Replaced(text, "<inertia>0.05 0.001 0.05 0 0 0<", "<inertia>0.05 0.001<")),
               HasSubstr("inertia has 2 value(s), expected six"));
   EXPECT_THAT(MessageOf(Replaced(text, "<translation>0 1 0<", "<translation>0 1<")),
