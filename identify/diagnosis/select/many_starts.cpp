@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <utility>
 
 namespace sinew::diagnosis {
 namespace {
@@ -19,23 +20,45 @@ double AnywhereOf(const Parameter& p, Random& random) {
   return p.null_value + share * ((up ? p.upper : p.lower) - p.null_value);
 }
 
+bool LowerCost(const solvers::LocalFit::Outcome& a, const solvers::LocalFit::Outcome& b) {
+  return a.cost < b.cost;
+}
+
 }  // namespace
 
-solvers::LocalFit::Outcome FitFromManyStarts(const LeastSquares& fit, const std::vector<Vector>& starts,
-                                             double tolerance, std::size_t continued) {
-  solvers::LocalFit search(fit);
-  const auto lower_cost = [](const auto& a, const auto& b) { return a.cost < b.cost; };
-  std::vector<solvers::LocalFit::Outcome> scouts;
-  for (const Vector& start : starts)
-    scouts.push_back(search.Minimize(fit.Variables(start), -1, {0, tolerance}, kScoutEvaluations));
-  std::stable_sort(scouts.begin(), scouts.end(), lower_cost);
-  scouts.resize(std::min(scouts.size(), continued));
-  for (auto& scout : scouts) {
-    if (!std::isfinite(scout.cost) || scout.converged) continue;
-    auto further = search.Minimize(scout.x, -1, {0, tolerance}, kFitEvaluations);
-    if (further.failure.empty() && further.cost <= scout.cost) scout = std::move(further);
+ManyStarts::ManyStarts(const LeastSquares& fit, const std::vector<Vector>& starts, double tolerance,
+                       std::size_t continued)
+    : fit_(fit), tolerance_(tolerance), continued_(continued) {
+  for (const Vector& start : starts) {
+    found_.emplace_back();
+    found_.back().x = fit.Variables(start);
   }
-  return *std::min_element(scouts.begin(), scouts.end(), lower_cost);
+  solvers::LocalFit probe(fit);
+  for (std::size_t i = 0; fit.constraints() > 0 && penalty_ == 0 && i < found_.size(); ++i) {
+    if (probe.ModelAt(found_[i].x)) penalty_ = probe.penalty();
+  }
+}
+
+void ManyStarts::Search(std::size_t start) {
+  solvers::LocalFit search(fit_, penalty_);
+  found_[start] = search.Minimize(found_[start].x, -1, {0, tolerance_}, kScoutEvaluations);
+}
+
+void ManyStarts::Shorten() {
+  std::stable_sort(found_.begin(), found_.end(), LowerCost);
+  found_.resize(std::min(found_.size(), continued_));
+}
+
+void ManyStarts::Continue(std::size_t one) {
+  solvers::LocalFit::Outcome& found = found_[one];
+  if (!std::isfinite(found.cost) || found.converged) return;
+  solvers::LocalFit search(fit_, penalty_);
+  auto further = search.Minimize(found.x, -1, {0, tolerance_}, kFitEvaluations);
+  if (further.failure.empty() && further.cost <= found.cost) found = std::move(further);
+}
+
+const solvers::LocalFit::Outcome& ManyStarts::Best() const {
+  return *std::min_element(found_.begin(), found_.end(), LowerCost);
 }
 
 Vector DrawStart(const FitSetup& setup, const Vector& point, int turn, Random& random) {

@@ -70,6 +70,19 @@ std::vector<int> BestScored(const ScoredModel& scored, const std::vector<Candida
 
 }  // namespace
 
+// All parts of all sets in one loop, so that threads and ranks have work until the end. After an interruption
+// the rest is left out.
+void SetFitter::ForEachPart(std::size_t sets, const std::function<std::size_t(std::size_t)>& parts,
+                            const std::function<void(std::size_t, std::size_t)>& work) const {
+  std::vector<std::pair<std::size_t, std::size_t>> all;
+  for (std::size_t i = 0; i < sets; ++i) {
+    for (std::size_t part = 0; part < parts(i); ++part) all.emplace_back(i, part);
+  }
+  ForEachShared(options_.record, options_.threads, all.size(), [&](std::size_t k, std::size_t) {
+    if (!Interrupted()) work(all[k].first, all[k].second);
+  });
+}
+
 bool PredictsBetter(const FittedSet& a, const FittedSet& b) {
   if (a.left_out_error != b.left_out_error) return a.left_out_error < b.left_out_error;
   return a.released.size() < b.released.size();
@@ -136,53 +149,87 @@ Vector SetFitter::ColumnNorms(const FitSetup& setup) const {
   return squares.cwiseSqrt();
 }
 
-std::vector<double> SetFitter::LeftOutErrors(const std::vector<int>& released, const Vector& start,
-                                             double tolerance) const {
-  std::vector<double> errors;
-  FitSetup all = refitter_.SetupWith(released);
-  all.rest = start;
-  const Vector norms = ColumnNorms(all);
-  for (const Fold& fold : folds_) {
-    const FoldView view(searched_, fold);
-    const FitSetup setup = WithTiedNuisance(WithoutLeftOut(all, fold), fold, norms, start);
-    const LeastSquares fit(view, setup);
-    const auto found = FitFromStarts(fit, {start}, tolerance);
-    if (!found.failure.empty() || !std::isfinite(found.cost)) return {};
-    const auto residuals = LeftOutResiduals(searched_, fold, fit.Parameters(found.x), setup.record);
-    if (!residuals) return {};
-    if (residuals->size() > 0)
-      errors.push_back(residuals->norm() / std::sqrt(static_cast<double>(residuals->size())));
-  }
-  return errors;
-}
-
-double SetFitter::LeftOutError(const std::vector<int>& released, const Vector& start) const {
-  return GeometricMean(LeftOutErrors(released, start, kTolerance));
+// The error of what one fold leaves out of the fit, or nothing if that has no samples.
+// @param all as released, at the point from which the fit starts @param norms ColumnNorms of it
+Result<std::optional<double>> SetFitter::LeftOutError(const FitSetup& all, const Vector& norms,
+                                                      const Fold& fold, double tolerance) const {
+  const FoldView view(searched_, fold);
+  const FitSetup setup = WithTiedNuisance(WithoutLeftOut(all, fold), fold, norms, all.rest);
+  const LeastSquares fit(view, setup);
+  const auto found = FitFromStarts(fit, {all.rest}, tolerance);
+  if (!found.failure.empty()) return Fail("{}", found.failure);
+  if (!std::isfinite(found.cost)) return Fail("the fit has no cost");
+  SINEW_ASSIGN(const Vector residuals,
+               LeftOutResiduals(searched_, fold, fit.Parameters(found.x), setup.record));
+  if (residuals.size() == 0) return std::optional<double>();
+  return std::optional<double>(residuals.norm() / std::sqrt(static_cast<double>(residuals.size())));
 }
 
 void SetFitter::Fit(std::vector<FittedSet>& sets, const std::vector<std::vector<Vector>>& starts,
                     double tolerance, std::size_t continued) const {
-  ForEachShared(options_.record, options_.threads, sets.size(), [&](std::size_t i, std::size_t) {
-    FittedSet& one = sets[i];
-    one.fitted_error = std::numeric_limits<double>::infinity();
-    one.left_out_error = one.fitted_error;
-    if (Interrupted()) return;
-    FitSetup setup = refitter_.SetupWith(one.released);
-    setup.rest = starts[i].front();
-    const LeastSquares fit(searched_, setup);
-    const auto found = FitFromManyStarts(fit, starts[i], tolerance, continued);
-    if (!found.failure.empty() || !std::isfinite(found.cost)) return;
-    one.point = fit.Parameters(found.x);
-    one.fitted_error = std::sqrt(2 * found.cost / Rows());
-  });
+  struct Search {
+    FitSetup setup;
+    std::optional<LeastSquares> fit;
+    std::optional<ManyStarts> from;
+  };
+  std::vector<Search> searches(sets.size());
+  for (std::size_t i = 0; i < sets.size(); ++i) {
+    sets[i].fitted_error = std::numeric_limits<double>::infinity();
+    sets[i].left_out_error = sets[i].fitted_error;
+    Search& search = searches[i];
+    search.setup = refitter_.SetupWith(sets[i].released);
+    search.setup.rest = starts[i].front();
+    search.fit.emplace(searched_, search.setup);
+    search.from.emplace(*search.fit, starts[i], tolerance, continued);
+  }
+  ForEachPart(
+      sets.size(), [&](std::size_t i) { return searches[i].from->starts(); },
+      [&](std::size_t i, std::size_t start) { searches[i].from->Search(start); });
+  if (Interrupted()) return;
+  for (Search& search : searches) search.from->Shorten();
+  ForEachPart(
+      sets.size(), [&](std::size_t i) { return searches[i].from->left(); },
+      [&](std::size_t i, std::size_t one) { searches[i].from->Continue(one); });
+  if (Interrupted()) return;
+  for (std::size_t i = 0; i < sets.size(); ++i) {
+    const auto& found = searches[i].from->Best();
+    if (!found.failure.empty() || !std::isfinite(found.cost)) continue;
+    sets[i].point = searches[i].fit->Parameters(found.x);
+    sets[i].fitted_error = std::sqrt(2 * found.cost / Rows());
+  }
 }
 
 void SetFitter::LeaveOut(std::vector<FittedSet>& sets, double tolerance) const {
-  ForEachShared(options_.record, options_.threads, sets.size(), [&](std::size_t i, std::size_t) {
-    if (!std::isfinite(sets[i].fitted_error) || Interrupted()) return;
-    sets[i].fold_errors = LeftOutErrors(sets[i].released, sets[i].point, tolerance);
-    sets[i].left_out_error = GeometricMean(sets[i].fold_errors);
+  std::vector<std::size_t> fitted;
+  std::vector<FitSetup> setups;
+  for (std::size_t i = 0; i < sets.size(); ++i) {
+    if (!std::isfinite(sets[i].fitted_error)) continue;
+    fitted.push_back(i);
+    setups.push_back(refitter_.SetupWith(sets[i].released));
+    setups.back().rest = sets[i].point;
+  }
+  std::vector<Vector> norms(fitted.size());
+  MakeExecutor(options_.threads)->ForEach(fitted.size(), [&](std::size_t k, std::size_t) {
+    norms[k] = ColumnNorms(setups[k]);
   });
+  std::vector<std::vector<Result<std::optional<double>>>> errors(
+      fitted.size(), std::vector<Result<std::optional<double>>>(folds_.size()));
+  ForEachPart(
+      fitted.size(), [&](std::size_t) { return folds_.size(); },
+      [&](std::size_t k, std::size_t f) {
+        errors[k][f] = LeftOutError(setups[k], norms[k], folds_[f], tolerance);
+      });
+  if (Interrupted()) return;
+  for (std::size_t k = 0; k < fitted.size(); ++k) {
+    FittedSet& one = sets[fitted[k]];
+    one.fold_errors.clear();
+    const bool predicted =
+        std::all_of(errors[k].begin(), errors[k].end(), [](const auto& error) { return error.has_value(); });
+    for (const auto& error : errors[k]) {
+      if (predicted && *error) one.fold_errors.push_back(**error);
+    }
+    one.left_out_error = GeometricMean(one.fold_errors);
+  }
 }
 
 // @param starts the point with the member at its null is added

@@ -4,6 +4,7 @@
 
 #include <atomic>
 #include <cmath>
+#include <functional>
 #include <limits>
 #include <optional>
 #include <string>
@@ -23,7 +24,7 @@ struct FittedSet {
   Vector point;               ///< [P]
   double fitted_error = 0;    ///< root mean square of the weighted residuals; infinite if the fit failed
   double left_out_error = 0;  ///< geometric mean of ...
-  std::vector<double> fold_errors;  ///< ... these, see SetFitter::LeftOutErrors
+  std::vector<double> fold_errors;  ///< ... these, see SetFitter::LeaveOut
 };
 
 /// By the error of left-out data; sets of the same error, as of an effect that changes nothing, by size.
@@ -63,19 +64,13 @@ class SetFitter {
   [[nodiscard]] const FitSetup& base() const { return refitter_.base(); }
 
   /// Fits every set to the searched data. @param starts [sets] points [P], not empty
-  /// @param continued see FitFromManyStarts
+  /// @param continued see ManyStarts
   void Fit(std::vector<FittedSet>& sets, const std::vector<std::vector<Vector>>& starts, double tolerance,
            std::size_t continued) const;
-  /// Fills the errors of left-out data, of sets that are fitted.
+  /// Fills the errors of left-out data, of sets that are fitted: the root mean square of the weighted
+  /// residuals of each fold, left out of a fit that starts at the set's point (none if a fit failed), and
+  /// their geometric mean (infinite if a fit failed). @param tolerance relative, of the cost
   void LeaveOut(std::vector<FittedSet>& sets, double tolerance) const;
-
-  /// Root mean square of the weighted residuals of each fold, left out of the fit; empty if a fit failed.
-  /// @param start [P] from which every fit starts @param tolerance relative, of the cost
-  [[nodiscard]] std::vector<double> LeftOutErrors(const std::vector<int>& released, const Vector& start,
-                                                  double tolerance) const;
-
-  /// Their geometric mean; infinite if a fit failed.
-  [[nodiscard]] double LeftOutError(const std::vector<int>& released, const Vector& start) const;
 
   /// Norm of the weighted residuals of the searched data. @pre the set is fitted
   [[nodiscard]] double Residual(const FittedSet& one) const { return one.fitted_error * std::sqrt(Rows()); }
@@ -115,6 +110,10 @@ class SetFitter {
   }
 
  private:
+  void ForEachPart(std::size_t sets, const std::function<std::size_t(std::size_t)>& parts,
+                   const std::function<void(std::size_t, std::size_t)>& work) const;
+  [[nodiscard]] Result<std::optional<double>> LeftOutError(const FitSetup& all, const Vector& norms,
+                                                           const Fold& fold, double tolerance) const;
   [[nodiscard]] double Rows() const;
   [[nodiscard]] Vector ColumnNorms(const FitSetup& setup) const;
   [[nodiscard]] FittedSet WithoutMember(const FittedSet& of, int c, std::vector<Vector>& starts) const;

@@ -26,6 +26,11 @@ struct Case {
   [[nodiscard]] Result<ScoredModel> ScoredBase() const {
     return ScoreModel(problem, candidates, Base(), 0.05, 1);
   }
+  [[nodiscard]] FittedSet LeftOut(const std::vector<int>& released, const Vector& start) const {
+    std::vector<FittedSet> sets{{released, start, 0, 0, {}}};
+    search->fitter().LeaveOut(sets, SetFitter::kTolerance);
+    return sets.front();
+  }
   [[nodiscard]] std::vector<int> SetOf(const std::vector<std::string>& effects) const {
     std::vector<int> set;
     for (std::size_t c = 0; c < candidates.size(); ++c) {
@@ -100,7 +105,7 @@ TEST(CrossValidatedSearch, LeftOutErrorMatchesAHandCalculation) {
   }
   const double by_hand = std::exp(logarithms / 6);
   // The fits end within 1e-4 of the least cost, steps of a linear problem much nearer.
-  EXPECT_NEAR(one.search->fitter().LeftOutError({}, one.setup.rest), by_hand, 1e-4 * by_hand);
+  EXPECT_NEAR(one.LeftOut({}, one.setup.rest).left_out_error, by_hand, 1e-4 * by_hand);
 }
 
 TEST(CrossValidatedSearch, NuisanceOfLeftOutTrialsIsFitted) {
@@ -110,7 +115,7 @@ TEST(CrossValidatedSearch, NuisanceOfLeftOutTrialsIsFitted) {
   const Case one(problem);
   // Decaying initial values are fitted in left-out trials too: the noise remains, less one value per trial;
   // three standard deviations of a root mean square of 1000.
-  EXPECT_NEAR(one.search->fitter().LeftOutError({}, one.setup.rest), truth.noise,
+  EXPECT_NEAR(one.LeftOut({}, one.setup.rest).left_out_error, truth.noise,
               3 * truth.noise / std::sqrt(2000.0));
 }
 
@@ -125,8 +130,7 @@ TEST(CrossValidatedSearch, TheFirstWindowIsPredictedAsWellAsTheOthers) {
     const Case one(problem);
     const Refit base = one.Base();
     ASSERT_TRUE(base.usable());
-    const std::vector<double> errors =
-        one.search->fitter().LeftOutErrors({}, base.point, SetFitter::kTolerance);
+    const std::vector<double> errors = one.LeftOut({}, base.point).fold_errors;
     ASSERT_EQ(errors.size(), 6U);
     largest = std::max(largest, errors.front());
   }
@@ -148,12 +152,11 @@ TEST(CrossValidatedSearch, FindsACauseThatImprovesOnlyTogetherWithAnother) {
     right += one.NamesOf(found->released) == std::vector<std::string>{"drift", "offset"} ? 1 : 0;
     // The second effect improves nothing alone, but does together with the first.
     EXPECT_LT(found->error, 0.6 * found->base_error) << seed;
-    EXPECT_GT(one.search->fitter().LeftOutError(one.SetOf({"offset"}), base->refit.point),
-              0.97 * found->base_error)
+    EXPECT_GT(one.LeftOut(one.SetOf({"offset"}), base->refit.point).left_out_error, 0.97 * found->base_error)
         << seed;
-    EXPECT_GT(one.search->fitter().LeftOutError(one.SetOf({"drift"}), base->refit.point), found->error / 0.97)
+    EXPECT_GT(one.LeftOut(one.SetOf({"drift"}), base->refit.point).left_out_error, found->error / 0.97)
         << seed;
-    EXPECT_NEAR(found->base_error, one.search->fitter().LeftOutError({}, base->refit.point),
+    EXPECT_NEAR(found->base_error, one.LeftOut({}, base->refit.point).left_out_error,
                 1e-4 * found->base_error);
     EXPECT_EQ(found->left_out_shares.size(), found->released.size());
     for (const auto& [c, share] : found->left_out_shares) EXPECT_LT(share, 0.85) << seed;
