@@ -2,9 +2,9 @@
 """How much faster are two threads and two processes than one, and do they find the same?
 
 usage: run.py --sinew build/release/sinew [--repeats 3] [--subjects 40] [--ranks 1,2,4] [--data DIR] [--only
-    identify,starts,diagnose,large,tosses,cohort,servo,cube]
+    identify,starts,diagnose,large,tosses,cohort,servo,servo_sts3250,cube]
 
-`servo` and `cube` read measured data (--data): the pendulum on an XL330, and every sixth toss of the cube.
+`servo`, `servo_sts3250` and `cube` read measured data (--data): pendulums on an XL330 and an STS3250, every sixth toss of the cube.
 
 Wall-clock seconds on an otherwise quiet machine, the median of the repeats, started in turn. Results are compared to the last bit,
 other than times. README.md has the figures.
@@ -46,6 +46,8 @@ def cases(subjects):
                    ["diagnose", "free_body", "--data", "tosses.h5"], None),
         "servo": (lambda program, data, folder: real_sets.servo_xl330(program, data, folder / "servo.h5"),
                   ["diagnose", "drive", "--data", "servo.h5"], None),
+        "servo_sts3250": (lambda program, data, folder: real_sets.servo_sts3250(program, data, folder / "servo.h5"),
+                          ["diagnose", "drive", "--data", "servo.h5"], None),
         "cube": (lambda program, data, folder: real_sets.cube_tosses(program, data, folder / "cube.h5", 6),
                  ["diagnose", "free_body", "--data", "cube.h5"], None),
         "cohort": ([], ["run", "cohort.yaml"], f"""subjects: {{{cohort}}}
