@@ -11,27 +11,9 @@
 #include "identify/diagnosis/fit/folds.h"
 #include "identify/diagnosis/score/scored_model.h"
 #include "identify/diagnosis/select/free_terms.h"
-#include "identify/diagnosis/select/refit_cache.h"
+#include "identify/diagnosis/select/rivals.h"
 
 namespace sinew::diagnosis {
-
-/// An alternative to a chosen cause that fits nearly as well in its place.
-struct Rival {
-  int candidate = 0;
-  int instead_of = 0;      ///< a chosen candidate
-  Refit refit;             ///< of the chosen set with this candidate in place of the cause
-  double delta_lr = 0;     ///< likelihood ratio in favour of the chosen set
-  double correlation = 0;  ///< of the two signatures, projected off the base columns
-  /// If Selection::cross_validated: error of left-out data over that of the chosen set; delta_lr is NaN then.
-  double left_out = 0;
-};
-
-/// Likelihood ratio that each step from common to rare counts between a cause and its rival: far below
-/// SetWidth.
-constexpr double kByOccurrence = 0.5;
-
-/// Largest penalised likelihood ratio at which a rival still counts as not distinguishable from this model.
-[[nodiscard]] double SetWidth(const Refit& model);
 
 struct ChosenCause {
   int candidate = 0;
