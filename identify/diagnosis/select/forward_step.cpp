@@ -6,7 +6,7 @@
 #include <map>
 #include <utility>
 
-#include "identify/diagnosis/select/set_fitter.h"
+#include "identify/diagnosis/select/candidate_sets.h"
 
 namespace sinew::diagnosis {
 namespace {
@@ -57,8 +57,7 @@ void AddPairs(const LikelihoodComparison& compare, Wanted& wanted) {
 const Refit* FitExtensions(LikelihoodComparison& compare, const Set& chosen, const ScoredModel& scored,
                            Wanted& wanted) {
   for (const int c : compare.Singles(scored)) {
-    if (std::find(chosen.begin(), chosen.end(), c) == chosen.end())
-      wanted[With(chosen, c)] = RefitStarts(scored, compare.candidates(), c);
+    if (!Contains(chosen, c)) wanted[With(chosen, c)] = RefitStarts(scored, compare.candidates(), c);
   }
   if (chosen.size() == 1) AddPairs(compare, wanted);
   compare.refits().Fit(wanted);
@@ -107,7 +106,7 @@ std::vector<int> ForwardStep(LikelihoodComparison& compare, const std::vector<in
   Set more;
   const std::size_t extra = best->released.size() - chosen.size();
   for (const int c : best->released) {
-    if (std::find(chosen.begin(), chosen.end(), c) == chosen.end()) more.push_back(c);
+    if (!Contains(chosen, c)) more.push_back(c);
   }
   if (more.size() > extra) more.resize(std::max<std::size_t>(extra, 1));
   const double level = chosen.empty() ? compare.options().alarm_level : kFurtherLevel;

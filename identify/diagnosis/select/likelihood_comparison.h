@@ -51,7 +51,7 @@ class LikelihoodComparison {
   [[nodiscard]] Result<ScoredModel> ScoresOf(const Set& released) const;
 
   /// The causes were found by a search over sets: deviances are compared as after a search
-  /// (DevianceDifference), and sets must differ by kLeastGainPerSample.
+  /// (DevianceDifference), and further causes must gain enough (GainsTooLittle).
   void CompareAsAfterSearch();
   [[nodiscard]] bool found_by_search() const { return found_by_search_; }
   /// Refits contradict the scores: from now on all candidates are refitted, and to their end.

@@ -2,7 +2,7 @@
 
 #include <utility>
 
-#include "identify/diagnosis/select/set_fitter.h"
+#include "identify/diagnosis/select/candidate_sets.h"
 #include "identify/execution/shared_loop.h"
 
 namespace sinew::diagnosis {

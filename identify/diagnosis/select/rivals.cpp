@@ -4,14 +4,10 @@
 #include <map>
 #include <optional>
 
-#include "identify/diagnosis/select/set_fitter.h"
+#include "identify/diagnosis/select/candidate_sets.h"
 
 namespace sinew::diagnosis {
 namespace {
-
-bool Has(const std::vector<int>& set, int c) {
-  return std::find(set.begin(), set.end(), c) != set.end();
-}
 
 // The refit of this set if it is one that the data do not distinguish from the model, else nullptr.
 const Refit* AsGood(const LikelihoodComparison& compare, const std::vector<int>& released,
@@ -26,7 +22,7 @@ void AddRival(const LikelihoodComparison& compare, const std::vector<int>& chose
   const Refit* refit = AsGood(compare, released, model);
   if (refit == nullptr) return;
   for (const int c : released) {
-    if (!Has(chosen, c))
+    if (!Contains(chosen, c))
       rivals.push_back({c, cause, *refit, compare.Difference(*refit, model), compare.Correlation(c, cause)});
   }
 }
@@ -69,14 +65,16 @@ Result<std::vector<Rival>> FindRivals(LikelihoodComparison& compare, const std::
     const ScoredModel& scored = made ? *made : compare.base();
     std::map<std::vector<int>, std::vector<Vector>> wanted;
     for (const int other : compare.Singles(scored)) {
-      if (!Has(chosen, other)) wanted[With(rest, other)] = RefitStarts(scored, compare.candidates(), other);
+      if (!Contains(chosen, other))
+        wanted[With(rest, other)] = RefitStarts(scored, compare.candidates(), other);
     }
     compare.refits().Fit(wanted);
     for (const auto& [released, starts] : wanted) AddRival(compare, chosen, c, released, rivals);
   }
   if (chosen.size() == 2) {
     for (const auto& [released, refit] : compare.refits().all()) {
-      const bool disjoint = released.size() == 2 && !Has(chosen, released[0]) && !Has(chosen, released[1]);
+      const bool disjoint =
+          released.size() == 2 && !Contains(chosen, released[0]) && !Contains(chosen, released[1]);
       if (disjoint) AddRivalPair(compare, chosen, released, rivals);
     }
   }

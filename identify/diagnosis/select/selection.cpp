@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <iterator>
 #include <map>
 #include <utility>
 
@@ -22,31 +23,25 @@ class Selector {
  public:
   Selector(const Problem& problem, const Refitter& refitter, const std::vector<Candidate>& candidates,
            const ScoredModel& base, const DiagnosisOptions& options)
-      : problem_(problem),
-        refitter_(refitter),
-        candidates_(candidates),
-        base_(base),
-        options_(options),
-        scale_(problem),
-        compare_(problem, refitter, candidates, base, options) {}
+      : scale_(problem), compare_(problem, refitter, candidates, base, options) {}
 
   Result<Selection> Run() {
     Selection selection;
-    selection.family_p_value = base_.AlarmPValue();
-    selection.alarm = selection.family_p_value <= options_.alarm_level;
-    selection.model = base_.refit;
+    selection.family_p_value = compare_.base().AlarmPValue();
+    selection.alarm = selection.family_p_value <= compare_.options().alarm_level;
+    selection.model = compare_.base().refit;
     if (!selection.alarm && !NoiseMayAbsorbEffect()) return selection;
 
     std::vector<int> chosen;
-    ScoredModel scored = base_;
-    if (base_.refit.noise_absorbs_misfit || scale_.Dominates(base_.refit.noise)) {
+    ScoredModel scored = compare_.base();
+    if (compare_.base().refit.noise_absorbs_misfit || scale_.Dominates(compare_.base().refit.noise)) {
       SINEW_TRY(SearchByCrossValidation(selection, chosen));
       if (selection.cross_validated) return selection;
       selection.found_by_search = !chosen.empty();
       if (selection.found_by_search) {
         compare_.CompareAsAfterSearch();
         selection.alarm = true;
-        selection.family_p_value = std::min(selection.family_p_value, options_.alarm_level);
+        selection.family_p_value = std::min(selection.family_p_value, compare_.options().alarm_level);
         SINEW_ASSIGN(scored, compare_.ScoresOf(chosen));
       }
     }
@@ -56,7 +51,7 @@ class Selector {
       if (next.empty()) break;
       if (!selection.alarm) {
         selection.alarm = true;
-        selection.family_p_value = options_.alarm_level;
+        selection.family_p_value = compare_.options().alarm_level;
       }
       chosen = next;
       SINEW_ASSIGN(scored, compare_.ScoresOf(chosen));
@@ -97,9 +92,10 @@ class Selector {
   // If what one known cause leaves may be noise, the steps by likelihood are more powerful. If it takes
   // several, these steps continue from them; if a misfit is left, cross-validation decides.
   Status SearchByCrossValidation(Selection& selection, Set& chosen) {
-    CrossValidatedSearch search(problem_, refitter_, candidates_, scale_, options_);
+    CrossValidatedSearch search(compare_.problem(), compare_.refitter(), compare_.candidates(), scale_,
+                                compare_.options());
     if (!search.possible()) return {};
-    SINEW_ASSIGN(auto found, search.Run(base_));
+    SINEW_ASSIGN(auto found, search.Run(compare_.base()));
     if (!found.misfit_left && found.released.size() > 1) {
       chosen = found.released;
       std::sort(chosen.begin(), chosen.end());
@@ -109,16 +105,16 @@ class Selector {
     if (!found.misfit_left || (found.released.empty() && !found.beside)) return {};
     selection.alarm = true;
     selection.cross_validated = true;
-    selection.family_p_value = std::min(selection.family_p_value, options_.alarm_level);
+    selection.family_p_value = std::min(selection.family_p_value, compare_.options().alarm_level);
     selection.structure_left = true;
-    TakeOver(search, std::move(found), candidates_, base_, selection);
+    TakeOver(search, std::move(found), compare_.candidates(), compare_.base(), selection);
     return {};
   }
 
   // Coloured noise with a root near one, or a process deviation far above that of its innovations, may be an
   // effect that the noise model has absorbed.
   [[nodiscard]] bool NoiseMayAbsorbEffect() const {
-    const auto& channels = base_.refit.noise.channels;
+    const auto& channels = compare_.base().refit.noise.channels;
     return std::any_of(channels.begin(), channels.end(), [](const noise::ChannelNoiseModel& channel) {
       return channel.LargestRoot() > kNearUnitRoot;
     });
@@ -134,20 +130,21 @@ class Selector {
   // of which no term leaves less; the noise of the base model, whose likelihood the scores are, has absorbed
   // that misfit.
   [[nodiscard]] Result<bool> UnknownTermFitsBetter(const Set& chosen) const {
-    if (chosen.empty() || base_.refit.noise_absorbs_misfit || compare_.found_by_search()) return false;
+    if (chosen.empty() || compare_.base().refit.noise_absorbs_misfit || compare_.found_by_search())
+      return false;
     std::vector<const Score*> known;
     for (const int c : chosen) {
-      const Score* score = base_.BestOf(c);
+      const Score* score = compare_.base().BestOf(c);
       if (score != nullptr) known.push_back(score);
     }
-    const double linear = JointStatistic(base_.whitened, known);
+    const double linear = JointStatistic(compare_.base().whitened, known);
     const double refitted = -compare_.Difference(compare_.at(chosen), compare_.at({}));
     const double explained = std::max(linear, refitted) - compare_.Price(chosen);
     const double neglected = kCurvature * std::pow(std::max(linear, 0.0), 1.5);
-    for (const Score& score : base_.whitened.scores) {
-      if (candidates_[static_cast<std::size_t>(score.candidate)].known) continue;
+    for (const Score& score : compare_.base().whitened.scores) {
+      if (compare_.candidate(score.candidate).known) continue;
       const double price = kPerParameter * (static_cast<double>(score.directions.size()) + score.searched);
-      if (score.statistic - price <= explained + neglected + SetWidth(base_.refit)) continue;
+      if (score.statistic - price <= explained + neglected + SetWidth(compare_.base().refit)) continue;
       if (std::abs(linear - refitted) <= kContradictingShare * std::max(linear, refitted)) return true;
       SINEW_ASSIGN(const ScoredModel left, compare_.ScoresOf(chosen));
       return left.AlarmPValue() <= kFurtherLevel;
@@ -164,8 +161,8 @@ class Selector {
       const Vector& point = compare_.at(chosen).point;
       for (const int c : chosen) {
         Vector start = point;
-        for (const int index : candidates_[static_cast<std::size_t>(c)].parameters)
-          start[index] = base_.refit.point[index];
+        for (const int index : compare_.candidate(c).parameters)
+          start[index] = compare_.base().refit.point[index];
         wanted[Without(chosen, c)] = {start};
       }
       compare_.refits().Fit(wanted);
@@ -177,13 +174,12 @@ class Selector {
       }
       if (best == nullptr) return;
       Set gone;
-      for (const int c : chosen) {
-        if (std::find(best->begin(), best->end(), c) == best->end()) gone.push_back(c);
-      }
+      std::copy_if(chosen.begin(), chosen.end(), std::back_inserter(gone),
+                   [&](int c) { return !Contains(*best, c); });
       const Refit& smaller = compare_.at(*best);
       const Refit& model = compare_.at(chosen);
       if (compare_.found_by_search() && !compare_.GainsTooLittle(model, smaller)) return;
-      if (compare_.PValue(smaller.deviance - model.deviance, gone) <= options_.alarm_level) return;
+      if (compare_.PValue(smaller.deviance - model.deviance, gone) <= compare_.options().alarm_level) return;
       chosen = *best;
       again = chosen.size() > 1;
     }
@@ -198,9 +194,9 @@ class Selector {
       if (without != nullptr) cause.delta_lr = compare_.Difference(*without, model);
       cause.p_value = compare_.PValue(cause.delta_lr, {c});
       if (chosen.size() == 1) {
-        for (std::size_t i = 0; i < base_.whitened.scores.size(); ++i) {
-          if (base_.whitened.scores[i].candidate == c)
-            cause.p_value = std::min(cause.p_value, base_.family.score_p_value[i]);
+        for (std::size_t i = 0; i < compare_.base().whitened.scores.size(); ++i) {
+          if (compare_.base().whitened.scores[i].candidate == c)
+            cause.p_value = std::min(cause.p_value, compare_.base().family.score_p_value[i]);
         }
       }
       selection.causes.push_back(cause);
@@ -219,9 +215,10 @@ class Selector {
   }
 
   Status CompareWithFree(const Set& chosen, const ScoredModel& scored, Selection& selection) const {
-    if (chosen.empty() || base_.refit.noise_absorbs_misfit) return {};
-    SINEW_ASSIGN(const FreeTermComparison found,
-                 CompareWithFreeTerms(problem_, candidates_, base_, scored, chosen));
+    if (chosen.empty() || compare_.base().refit.noise_absorbs_misfit) return {};
+    SINEW_ASSIGN(
+        const FreeTermComparison found,
+        CompareWithFreeTerms(compare_.problem(), compare_.candidates(), compare_.base(), scored, chosen));
     if (found.FreeTermIsBetter()) selection.better_term = found;
     return {};
   }
@@ -233,7 +230,7 @@ class Selector {
       const int c = scored.whitened.scores[i].candidate;
       const double p = scored.family.score_p_value[i];
       smallest = std::min(smallest, p);
-      if (!candidates_[static_cast<std::size_t>(c)].known) unknown.emplace_back(p, c);
+      if (!compare_.candidate(c).known) unknown.emplace_back(p, c);
     }
     std::stable_sort(unknown.begin(), unknown.end(), [&](const auto& a, const auto& b) {
       if (a.first != b.first) return a.first < b.first;
@@ -243,18 +240,14 @@ class Selector {
     selection.structure_left =
         nothing_chosen || smallest <= kFurtherLevel || selection.line_left || selection.better_term;
     for (const auto& [p, c] : unknown) {
-      if (!selection.structure_left || (p > options_.alarm_level && !selection.unknown.empty())) break;
+      if (!selection.structure_left || (p > compare_.options().alarm_level && !selection.unknown.empty()))
+        break;
       if (std::count(selection.unknown.begin(), selection.unknown.end(), c) > 0) continue;
       selection.unknown.push_back(c);
       selection.unknown_p_value.push_back(p);
     }
   }
 
-  const Problem& problem_;
-  const Refitter& refitter_;
-  const std::vector<Candidate>& candidates_;
-  const ScoredModel& base_;
-  const DiagnosisOptions& options_;
   MisfitScale scale_;
   LikelihoodComparison compare_;
 };

@@ -92,25 +92,6 @@ bool FitsBetter(const FittedSet& a, const FittedSet& b) {
   return a.fitted_error < b.fitted_error;
 }
 
-std::vector<int> With(std::vector<int> set, int c) {
-  set.insert(std::lower_bound(set.begin(), set.end(), c), c);
-  return set;
-}
-
-std::vector<int> Without(std::vector<int> set, int c) {
-  set.erase(std::remove(set.begin(), set.end(), c), set.end());
-  return set;
-}
-
-bool IsOneLess(const std::vector<int>& smaller, const std::vector<int>& set) {
-  return smaller.size() + 1 == set.size() &&
-         std::includes(set.begin(), set.end(), smaller.begin(), smaller.end());
-}
-
-int MemberBeyond(const std::vector<int>& smaller, const std::vector<int>& set) {
-  return *std::mismatch(smaller.begin(), smaller.end(), set.begin()).second;
-}
-
 SetFitter::SetFitter(const Problem& problem, const Refitter& refitter,
                      const std::vector<Candidate>& candidates, const DiagnosisOptions& options,
                      ScoredCandidates scored)
@@ -204,6 +185,8 @@ void SetFitter::LeaveOut(std::vector<FittedSet>& sets, double tolerance) const {
   std::vector<FitSetup> setups;
   for (std::size_t i = 0; i < sets.size(); ++i) {
     if (!std::isfinite(sets[i].fitted_error)) continue;
+    sets[i].fold_errors.clear();
+    sets[i].left_out_error = std::numeric_limits<double>::infinity();
     fitted.push_back(i);
     setups.push_back(refitter_.SetupWith(sets[i].released));
     setups.back().rest = sets[i].point;
@@ -222,7 +205,6 @@ void SetFitter::LeaveOut(std::vector<FittedSet>& sets, double tolerance) const {
   if (Interrupted()) return;
   for (std::size_t k = 0; k < fitted.size(); ++k) {
     FittedSet& one = sets[fitted[k]];
-    one.fold_errors.clear();
     const bool predicted =
         std::all_of(errors[k].begin(), errors[k].end(), [](const auto& error) { return error.has_value(); });
     for (const auto& error : errors[k]) {

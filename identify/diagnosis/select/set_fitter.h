@@ -14,6 +14,7 @@
 #include "identify/diagnosis/fit/folds.h"
 #include "identify/diagnosis/fit/refit.h"
 #include "identify/diagnosis/score/scored_model.h"
+#include "identify/diagnosis/select/candidate_sets.h"
 #include "identify/problem_view.h"
 
 namespace sinew::diagnosis {
@@ -30,14 +31,6 @@ struct FittedSet {
 /// By the error of left-out data; sets of the same error, as of an effect that changes nothing, by size.
 [[nodiscard]] bool PredictsBetter(const FittedSet& a, const FittedSet& b);
 [[nodiscard]] bool FitsBetter(const FittedSet& a, const FittedSet& b);
-
-/// `set` with `c`; without `c`.
-[[nodiscard]] std::vector<int> With(std::vector<int> set, int c);
-[[nodiscard]] std::vector<int> Without(std::vector<int> set, int c);
-/// True if `smaller` is `set` without one of its members.
-[[nodiscard]] bool IsOneLess(const std::vector<int>& smaller, const std::vector<int>& set);
-/// That member. @pre IsOneLess
-[[nodiscard]] int MemberBeyond(const std::vector<int>& smaller, const std::vector<int>& set);
 
 class SetFitter {
  public:
@@ -69,7 +62,8 @@ class SetFitter {
            std::size_t continued) const;
   /// Fills the errors of left-out data, of sets that are fitted: the root mean square of the weighted
   /// residuals of each fold, left out of a fit that starts at the set's point (none if a fit failed), and
-  /// their geometric mean (infinite if a fit failed). @param tolerance relative, of the cost
+  /// their geometric mean (infinite if a fit failed, or after an interruption). @param tolerance relative, of
+  /// the cost
   void LeaveOut(std::vector<FittedSet>& sets, double tolerance) const;
 
   /// Norm of the weighted residuals of the searched data. @pre the set is fitted

@@ -6,6 +6,7 @@
 #include <algorithm>
 #include <atomic>
 #include <cmath>
+#include <limits>
 #include <memory>
 #include <string>
 
@@ -106,6 +107,16 @@ TEST(CrossValidatedSearch, LeftOutErrorMatchesAHandCalculation) {
   const double by_hand = std::exp(logarithms / 6);
   // The fits end within 1e-4 of the least cost, steps of a linear problem much nearer.
   EXPECT_NEAR(one.LeftOut({}, one.setup.rest).left_out_error, by_hand, 1e-4 * by_hand);
+}
+
+TEST(CrossValidatedSearch, AnInterruptionLeavesNoErrorOfLeftOutData) {
+  const LinearLaws problem({}, 2, 4, 0);
+  Case one(problem);
+  const std::atomic<bool> stop = true;
+  one.options.interrupt = &stop;
+  // Zero, as of a perfect set, would make it the answer.
+  EXPECT_EQ(one.LeftOut({}, one.setup.rest).left_out_error, std::numeric_limits<double>::infinity());
+  EXPECT_TRUE(one.LeftOut({}, one.setup.rest).fold_errors.empty());
 }
 
 TEST(CrossValidatedSearch, NuisanceOfLeftOutTrialsIsFitted) {

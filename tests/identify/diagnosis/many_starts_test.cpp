@@ -4,6 +4,7 @@
 #include <gtest/gtest.h>
 
 #include <cmath>
+#include <vector>
 
 #include "tests/identify/diagnosis/linear_laws.h"
 
@@ -57,6 +58,39 @@ TEST(ManyStarts, EffectsAreDrawnOverTwoDecadesOfTheirRange) {
   }
   // Uniform in the logarithm: half of the draws in each decade, five standard deviations.
   EXPECT_NEAR(near, far, 100);
+}
+
+// The order in which threads make the searches is chance.
+TEST(ManyStarts, TheBestOneDoesNotDependOnTheOrderOfTheSearches) {
+  LinearLaws::Truth truth;
+  truth.effects = {{"stretch_size", 1.5}};
+  const LinearLaws problem(truth, 1, 4, 0, 50);
+  const FitSetup setup = SetupWith(problem, "stretch");
+  const LeastSquares fit(problem, setup);
+  Random random(3);
+  std::vector<Vector> starts;
+  for (int turn = 0; turn < 6; ++turn) starts.push_back(DrawStart(setup, setup.rest, turn, random));
+  ManyStarts forward(fit, starts, 1e-6, 3);
+  ManyStarts backward(fit, starts, 1e-6, 3);
+  ASSERT_EQ(forward.starts(), 6U);
+  for (std::size_t i = 0; i < 6; ++i) {
+    forward.Search(i);
+    backward.Search(5 - i);
+  }
+  forward.Shorten();
+  backward.Shorten();
+  ASSERT_EQ(forward.left(), 3U);
+  for (std::size_t i = 0; i < 3; ++i) {
+    forward.Continue(i);
+    backward.Continue(2 - i);
+  }
+  EXPECT_EQ(forward.Best().cost, backward.Best().cost);
+  EXPECT_EQ(forward.Best().x, backward.Best().x);
+  // Lower than, or as low as, every one of the searches alone.
+  for (const Vector& start : starts) {
+    solvers::LocalFit alone(fit);
+    EXPECT_LE(forward.Best().cost, alone.Minimize(fit.Variables(start), -1, {0, 1e-6}, 8).cost);
+  }
 }
 
 }  // namespace
