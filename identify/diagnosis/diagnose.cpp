@@ -225,6 +225,7 @@ class DiagnosisRun {
     const LeastSquares fit(problem_, *state_.base.refit.setup);
     SINEW_ASSIGN(const auto rows, NoiseRowsAt(fit, state_.base.refit.x));
     out_.tests = TestResiduals(rows.blocks);
+    more_than_noise_ = MoreThanNoise(rows.blocks);
     SINEW_ASSIGN(out_.structure, FindStructure(problem_, state_.base.refit.point));
     out_.threshold = state_.base.family.threshold;
     out_.family_p_value = state_.base.family.p_value;
@@ -316,7 +317,7 @@ class DiagnosisRun {
   void Conclude() {
     const Selection& selection = state_.selection;
     out_.strongly_autocorrelated =
-        !selection.alarm && MisfitScale(problem_).Dominates(state_.base.refit.noise);
+        !selection.alarm && (more_than_noise_ || MisfitScale(problem_).Dominates(state_.base.refit.noise));
     if (out_.strongly_autocorrelated) {
       out_.verdict = DiagnosisVerdict::kUnexplained;
     } else if (!selection.alarm) {
@@ -373,6 +374,7 @@ class DiagnosisRun {
   const DiagnosisOptions& options_;
   DiagnosisState state_;
   Diagnosis out_;
+  bool more_than_noise_ = false;  // MoreThanNoise of the base model's residual
   std::optional<LeastSquares> base_fit_;
   std::optional<Evaluator> base_search_;  // until the end: a checkpoint holds its evaluations
 };
