@@ -14,7 +14,7 @@ import numpy as np
 from program import LONGEST, ProgramTest, differences
 
 BOTH = {signal.SIGINT: 130, signal.SIGTERM: 143}
-SOON = 10  # [s] of a machine that does much other work as well; alone it takes less than one (stop_signals_test.cpp)
+SOON = LONGEST / 60  # [s] 10 of a machine that does much other work as well; alone it takes less than one (stop_signals_test.cpp)
 
 
 class Stopped(ProgramTest):
