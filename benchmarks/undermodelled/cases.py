@@ -66,7 +66,7 @@ def _joint(case, draw):
              "swaying": u(0.02, 0.1)}
     size = lacks.get(case.lacks, 0.0)
     phase, wave = u(0, 2 * math.pi), u(0.2, 1.5)
-    if case.lacks == "pushed":  # somebody pushes slowly: no signal of the file shows it
+    if case.lacks == "pushed":  # a slow torque from outside that was not measured
         other = size * gravity * _multisine(draw, time, 0.05, u(0.2, 1.0))
     load = 0.5 * inertia
     stiffness = load * (2 * math.pi * size) ** 2  # flexible: the second mass, at `size` Hz
