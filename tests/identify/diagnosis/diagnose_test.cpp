@@ -318,6 +318,20 @@ TEST(Diagnose, AStronglyAutocorrelatedResidualIsNotAdequate) {
   EXPECT_GT(strongly_autocorrelated, 0);
 }
 
+// Three and a half times the noise: a tenth of what MisfitScale calls a large misfit, or less.
+TEST(Diagnose, ASmoothErrorAboveVisibleNoiseIsNotAdequate) {
+  int without_alarm = 0;
+  for (std::uint64_t seed = 1; seed <= 20; ++seed) {
+    LinearLaws::Truth truth;
+    truth.noise = 0.02;
+    truth.slow_error = 0.1;
+    const Diagnosis d = Examine(LinearLaws(truth, seed));
+    EXPECT_NE(d.verdict, DiagnosisVerdict::kAdequate) << seed;
+    without_alarm += d.strongly_autocorrelated ? 1 : 0;
+  }
+  EXPECT_GT(without_alarm, 0) << "tests alone would not have seen it";
+}
+
 // A problem that sets the interrupt during its n-th prediction.
 class Impatient final : public Problem {
  public:
