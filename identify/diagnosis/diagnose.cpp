@@ -3,7 +3,9 @@
 #include <chrono>
 #include <cmath>
 #include <limits>
+#include <map>
 #include <optional>
+#include <string>
 #include <utility>
 #include <vector>
 
@@ -17,6 +19,7 @@
 #include "identify/diagnosis/score/quantised_channels.h"
 #include "identify/diagnosis/select/cross_validated_search.h"
 #include "identify/diagnosis/select/equivalent_effects.h"
+#include "identify/diagnosis/select/visible_noise.h"
 #include "identify/diagnosis/tabulation.h"
 #include "identify/equal_noise_view.h"
 #include "identify/error_concentration.h"
@@ -176,6 +179,7 @@ class DiagnosisRun {
       SINEW_TRY(DiscoverUnknown(state_, out_));
     }
     SINEW_TRY(Continue());
+    SINEW_TRY(CompareWithVisibleNoise());
     SINEW_TRY(MeasureGain(state_.selection.model.noise));
     Conclude();
     return {};
@@ -225,10 +229,17 @@ class DiagnosisRun {
     const LeastSquares fit(problem_, *state_.base.refit.setup);
     SINEW_ASSIGN(const auto rows, NoiseRowsAt(fit, state_.base.refit.x));
     out_.tests = TestResiduals(rows.blocks);
-    more_than_noise_ = MoreThanNoise(rows.blocks);
     SINEW_ASSIGN(out_.structure, FindStructure(problem_, state_.base.refit.point));
     out_.threshold = state_.base.family.threshold;
     out_.family_p_value = state_.base.family.p_value;
+    return {};
+  }
+
+  // What is left of the chosen model; unknown terms that are not fitted with the causes are not in it.
+  Status CompareWithVisibleNoise() {
+    const Refit& model = state_.selection.model;
+    SINEW_ASSIGN(const auto rows, NoiseRowsAt(LeastSquares(problem_, *model.setup), model.x));
+    noise_below_misfit_ = NoiseBelowMisfit(rows.blocks);
     return {};
   }
 
@@ -262,7 +273,7 @@ class DiagnosisRun {
       }
       out_.traces.push_back(std::move(trace));
     }
-    const noise::NoiseModel floor = MisfitScale(problem_).Floor(noise);
+    const noise::NoiseModel floor = WithVisibleNoise(MisfitScale(problem_).Floor(noise), noise_below_misfit_);
     ReportNoise(noise, floor);
     if (!state_.held_out.exists()) return {};
     std::vector<Vector> before;
@@ -304,9 +315,10 @@ class DiagnosisRun {
         floor.unit = block.unit;
         floor.sigma = NoiseFloorOf(block, noise, problem_.layout()) / block.weight;
         const bool is_residual = model.deviation == residual.channels[c].deviation;
-        floor.basis = block.sigma   ? NoiseBasis::kStatedByData
-                      : is_residual ? NoiseBasis::kExtendedModel
-                                    : NoiseBasis::kDifferences;
+        floor.basis = block.sigma                                    ? NoiseBasis::kStatedByData
+                      : noise_below_misfit_.count(model.channel) > 0 ? NoiseBasis::kHighFrequencies
+                      : is_residual                                  ? NoiseBasis::kExtendedModel
+                                                                     : NoiseBasis::kDifferences;
         break;
       }
       floor.rmse = count > 0 ? std::sqrt(squares / count) : 0;
@@ -316,14 +328,14 @@ class DiagnosisRun {
 
   void Conclude() {
     const Selection& selection = state_.selection;
-    out_.strongly_autocorrelated =
-        !selection.alarm && (more_than_noise_ || MisfitScale(problem_).Dominates(state_.base.refit.noise));
+    const bool more_than_noise =
+        !noise_below_misfit_.empty() || MisfitScale(problem_).Dominates(selection.model.noise);
+    out_.strongly_autocorrelated = !selection.alarm && more_than_noise;
     if (out_.strongly_autocorrelated) {
       out_.verdict = DiagnosisVerdict::kUnexplained;
     } else if (!selection.alarm) {
       out_.verdict = DiagnosisVerdict::kAdequate;
-    } else if (out_.causes.empty() || selection.structure_left ||
-               MisfitScale(problem_).Dominates(selection.model.noise)) {
+    } else if (out_.causes.empty() || selection.structure_left || more_than_noise) {
       out_.verdict = DiagnosisVerdict::kUnexplained;
     } else {
       const bool alone = std::all_of(out_.alternatives.begin(), out_.alternatives.end(),
@@ -374,7 +386,7 @@ class DiagnosisRun {
   const DiagnosisOptions& options_;
   DiagnosisState state_;
   Diagnosis out_;
-  bool more_than_noise_ = false;  // MoreThanNoise of the base model's residual
+  std::map<std::string, double> noise_below_misfit_;  // of the chosen model
   std::optional<LeastSquares> base_fit_;
   std::optional<Evaluator> base_search_;  // until the end: a checkpoint holds its evaluations
 };
@@ -448,6 +460,8 @@ const char* ToString(NoiseBasis basis) {
       return "extended_model";
     case NoiseBasis::kDifferences:
       return "differences";
+    case NoiseBasis::kHighFrequencies:
+      return "high_frequencies";
   }
   return "?";
 }

@@ -236,9 +236,10 @@ struct ResidualTest {
 };
 
 /// What a noise floor rests on.
-enum class NoiseBasis { kStatedByData, kExtendedModel, kDifferences };
+enum class NoiseBasis { kStatedByData, kExtendedModel, kDifferences, kHighFrequencies };
 
-/// "stated_by_data", "extended_model", "differences" (of the measured signal: DifferenceNoise).
+/// "stated_by_data", "extended_model", "differences" (of the measured signal: DifferenceNoise),
+/// "high_frequencies" (of the extended model's residual, if it is more: noise::FindLowFrequencyExcess).
 [[nodiscard]] const char* ToString(NoiseBasis basis);
 
 struct NoiseFloor {

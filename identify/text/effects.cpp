@@ -58,6 +58,8 @@ std::string BasisText(NoiseBasis basis) {
       return "stated by the data";
     case NoiseBasis::kDifferences:
       return "differences of neighbouring samples of the measured signal";
+    case NoiseBasis::kHighFrequencies:
+      return "high frequencies of the residual of the extended model";
     case NoiseBasis::kExtendedModel:
       return "residual of the extended model";
   }

@@ -33,7 +33,7 @@ COMMANDS = {
     "simulate": (("simulate", "drive", "--data", "drive.h5", "--out", "out.sto"), SIMULATED),
     "identify": (("identify", "drive", "--data", "drive.h5", "--solver", "lm", "--intervals", "linear", "--out", "out.h5",
                   "--json", "out.json"), ("out.h5", "out.json")),
-    "diagnose": (("diagnose", "drive", "--data", "drive.h5", "--out", "out.h5"), ("out.h5",)),
+    "diagnose": (("diagnose", "drive", "--data", "short.h5", "--out", "out.h5", "--quiet"), ("out.h5",)),
     "compare": (("compare", "drive", "--data", "drive.h5", "--solvers", "lm", "--repeats", "2", "--out", "out.h5"), ("out.h5",)),
     "mbs": (("mbs", "A01", "--json", "out.json"), ("out.json",)),
     "list": (("list", "solvers", "--json", "out.json"), ("out.json",)),
@@ -64,6 +64,9 @@ class Faults(ProgramTest):
 
     def inputs_of_data_commands(self):
         self.stances()
+        # Short: a slow build with a sanitizer, too, shall end before its first checkpoint, which is another write.
+        self.succeeds("data", "synthesize", "drive", "--out", "short.h5", "--seed", 3, "--set", "train=2", "--set", "validate=1",
+                      "--set", "duration=0.5", "--set", "rate=100")
         self.succeeds("data", "synthesize", "drive", "--out", "spoilt.h5", "--seed", 4)
         with h5py.File(self.path("spoilt.h5"), "r+") as file:
             values = next(iter(file["trials/train_1"].values()))["channels/position"]

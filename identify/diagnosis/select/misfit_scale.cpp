@@ -6,7 +6,6 @@
 #include <optional>
 
 #include "identify/noise/difference_noise.h"
-#include "identify/noise/low_frequency_excess.h"
 
 namespace sinew::diagnosis {
 namespace {
@@ -18,7 +17,6 @@ constexpr double kNoMore = 1.5;       // ... of one that is hardly more than noi
 constexpr double kOnlyNoise = 1.1;    // ... of noise alone
 constexpr double kLeastShare = 1e-3;  // noise that is not visible, as a share of the signal's deviation
 constexpr double kStronglyAutocorrelated = 0.97;  // root of the noise ...
-constexpr double kMoreThanNoise = 2;              // deviation of a residual over that of its visible noise
 constexpr double kProcessOverInnovation = 5;      // ... and deviation over that of its innovations
 
 double Deviation(const Block& block) {
@@ -87,23 +85,6 @@ const char* ToString(NoiseUnknown why) {
 bool StronglyAutocorrelated(const noise::ChannelNoiseModel& channel) {
   return channel.LargestRoot() > kStronglyAutocorrelated &&
          channel.ProcessDeviation() > kProcessOverInnovation * channel.deviation;
-}
-
-bool MoreThanNoise(const std::vector<noise::NoiseBlock>& blocks) {
-  std::map<std::string, std::vector<Vector>> stretches;
-  for (const noise::NoiseBlock& block : blocks) {
-    if (block.largest_root < 1) continue;
-    for (std::size_t s = 0; s < block.stretches.size(); ++s) {
-      const auto begin = static_cast<Eigen::Index>(block.stretches[s]);
-      const auto end = s + 1 < block.stretches.size() ? static_cast<Eigen::Index>(block.stretches[s + 1])
-                                                      : block.residual.size();
-      stretches[block.channel].emplace_back(block.residual.segment(begin, end - begin));
-    }
-  }
-  return std::any_of(stretches.begin(), stretches.end(), [](const auto& channel) {
-    const auto excess = noise::FindLowFrequencyExcess(channel.second);
-    return excess && excess->ratio() > kMoreThanNoise;
-  });
 }
 
 const MisfitScale::Channel* MisfitScale::Find(const std::string& channel) const {

@@ -77,12 +77,4 @@ class MisfitScale {
 /// The second of these conditions alone.
 [[nodiscard]] bool StronglyAutocorrelated(const noise::ChannelNoiseModel& channel);
 
-/// True if the residual of some channel is more than twice the noise that is visible at high frequencies in
-/// that residual (noise::FindLowFrequencyExcess): an error as smooth as the motion, under white noise. It is
-/// too small for the conditions above, and a noise model absorbs it all the same, so that the tests of a
-/// short recording may see nothing. (Noise of which half of the variance has a memory of many samples is 1.4
-/// times what is visible.) Channels with a noise memory (Block::noise_memory) are left out.
-/// @param blocks residuals of the training blocks
-[[nodiscard]] bool MoreThanNoise(const std::vector<noise::NoiseBlock>& blocks);
-
 }  // namespace sinew::diagnosis

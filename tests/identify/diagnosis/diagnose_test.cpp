@@ -328,8 +328,26 @@ TEST(Diagnose, ASmoothErrorAboveVisibleNoiseIsNotAdequate) {
     const Diagnosis d = Examine(LinearLaws(truth, seed));
     EXPECT_NE(d.verdict, DiagnosisVerdict::kAdequate) << seed;
     without_alarm += d.strongly_autocorrelated ? 1 : 0;
+    if (!d.strongly_autocorrelated) continue;
+    ASSERT_EQ(d.noise.size(), 1U);
+    EXPECT_EQ(d.noise[0].basis, NoiseBasis::kHighFrequencies) << seed;
+    EXPECT_LT(d.noise[0].sigma, 0.5 * d.noise[0].rmse) << "the residual is no noise floor";
   }
   EXPECT_GT(without_alarm, 0) << "tests alone would not have seen it";
+}
+
+TEST(Diagnose, CausesThatLeaveASmoothErrorDoNotExplainAll) {
+  int named = 0;
+  for (std::uint64_t seed = 1; seed <= 10; ++seed) {
+    LinearLaws::Truth truth;
+    truth.effects = {{"quadratic_size", 2}};
+    truth.noise = 0.02;
+    truth.slow_error = 0.1;
+    const Diagnosis d = Examine(LinearLaws(truth, seed));
+    EXPECT_EQ(d.verdict, DiagnosisVerdict::kUnexplained) << seed;
+    named += d.causes.empty() ? 0 : 1;
+  }
+  EXPECT_GT(named, 5) << "what is known is named all the same";
 }
 
 // A problem that sets the interrupt during its n-th prediction.

@@ -133,24 +133,5 @@ TEST(MisfitScale, StrongAutocorrelationWithSmallInnovationsIsNoNoise) {
   EXPECT_TRUE(StronglyAutocorrelated(channel));
 }
 
-noise::NoiseBlock Residual(double structure, double largest_root = 1) {
-  noise::NoiseBlock block;
-  block.channel = "force";
-  block.largest_root = largest_root;
-  block.stretches = {0, 300};
-  block.residual = Vector(600);
-  Random random(3);
-  for (int i = 0; i < 600; ++i) block.residual[i] = structure * std::sin(0.1 * i) + random.Normal();
-  return block;
-}
-
-TEST(MisfitScale, AResidualAboveItsHighFrequenciesIsMoreThanNoise) {
-  EXPECT_FALSE(MoreThanNoise({Residual(0)}));
-  EXPECT_FALSE(MoreThanNoise({Residual(1)}));
-  EXPECT_TRUE(MoreThanNoise({Residual(6)}));
-  EXPECT_FALSE(MoreThanNoise({Residual(6, 0.9)})) << "its noise is known to be correlated";
-  EXPECT_FALSE(MoreThanNoise({}));
-}
-
 }  // namespace
 }  // namespace sinew::diagnosis

@@ -148,7 +148,7 @@ TEST(CeinmsSubjectTest, NoBytesBreakIt) {
       if (k % 2 == 0) {
         text.erase(at, length);
       } else {
-        text.insert(at, std::string(length % 4 + 1, static_cast<char>(random.Uniform(0, 256))));
+        text.insert(at, std::string(length % 4 + 1, static_cast<char>(random.Index(256))));
       }
     }
     const auto read = ReadCeinmsSubject(text, "s.xml");
