@@ -325,7 +325,7 @@ struct Diagnosis {
   double threshold = 0;              ///< on |t| of a single known effect, at the family-wise level
   double family_p_value = 1;         ///< of the strongest alarm
   /// No alarm, but the residual is autocorrelated more strongly than the noise of instruments usually is, or
-  /// more than twice the noise that is visible at its high frequencies.
+  /// more than 1.75 times the noise that is visible at its high frequencies.
   bool strongly_autocorrelated = false;
 
   /// What was left out of the fit in turn, if causes had to be chosen by what they predict there, since the

@@ -3,15 +3,15 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
-#include <limits>
+#include <iterator>
 
 #include "base/constants.h"
 
 namespace sinew::noise {
 namespace {
 
-constexpr int kLongest = 1024;      // samples of one transform, whose cost is their square
-constexpr double kLowerEnd = 0.25;  // of the upper band, as a share of half the sampling rate
+constexpr int kLongest = 1024;                  // samples of one transform, whose cost is their square
+constexpr double kLowerEnds[] = {0.125, 0.25};  // of the upper band, as shares of half the sampling rate
 constexpr double kLeastCorrelation = -0.5;
 constexpr double kStep = 0.01;        // of the correlation of neighbours
 constexpr double kInRegion = 5.4138;  // half of the 99.9 % quantile of chi-squared with one degree of freedom
@@ -32,7 +32,7 @@ void AppendTransform(const Eigen::Ref<const Vector>& samples, std::vector<Line>&
   const int n = static_cast<int>(x.size());
   std::vector<double> table(static_cast<std::size_t>(4 * n));
   for (int i = 0; i < 4 * n; ++i) table[static_cast<std::size_t>(i)] = std::cos(kPi * i / (2 * n));
-  for (int k = static_cast<int>(std::ceil(kLowerEnd * n)); k < n; ++k) {
+  for (int k = static_cast<int>(std::ceil(kLowerEnds[0] * n)); k < n; ++k) {
     double sum = 0;
     int at = k;  // (2 i + 1) k, modulo the period
     for (int i = 0; i < n; ++i) {
@@ -45,8 +45,12 @@ void AppendTransform(const Eigen::Ref<const Vector>& samples, std::vector<Line>&
   }
 }
 
-// Largest deviation of AR(1) noise with the spectrum of these lines; nothing if they are no such spectrum.
-std::optional<double> LargestDeviation(const std::vector<Line>& band) {
+// Largest deviation of AR(1) noise with the spectrum of these lines from a lower end on; nothing if they are
+// no such spectrum.
+std::optional<double> LargestDeviation(const std::vector<Line>& lines, double lower_end) {
+  std::vector<Line> band;
+  std::copy_if(lines.begin(), lines.end(), std::back_inserter(band),
+               [&](const Line& line) { return line.share >= lower_end; });
   struct Fit {
     double correlation;
     double innovation;  // variance
@@ -71,7 +75,7 @@ std::optional<double> LargestDeviation(const std::vector<Line>& band) {
   std::array<int, kParts> counts{};
   for (const Line& line : band) {
     const double inverse = 1 + best.correlation * (best.correlation - 2 * line.cosine);
-    const double along = (line.share - kLowerEnd) / (1 - kLowerEnd);
+    const double along = (line.share - lower_end) / (1 - lower_end);
     const auto part = static_cast<std::size_t>(std::min(static_cast<int>(along * kParts), kParts - 1));
     means[part] += line.power * inverse / best.innovation;
     ++counts[part];
@@ -108,7 +112,11 @@ std::optional<LowFrequencyExcess> FindLowFrequencyExcess(const std::vector<Vecto
     }
   }
   if (lines.empty()) return {};
-  const std::optional<double> noise = LargestDeviation(lines);
+  std::optional<double> noise;
+  for (const double lower_end : kLowerEnds) {
+    const auto largest = LargestDeviation(lines, lower_end);
+    if (largest && (!noise || *largest < *noise)) noise = largest;
+  }
   if (!noise) return {};
   return LowFrequencyExcess{std::sqrt(squares / samples), *noise};
 }

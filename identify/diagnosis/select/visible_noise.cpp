@@ -5,7 +5,7 @@
 namespace sinew::diagnosis {
 namespace {
 
-constexpr double kMoreThanNoise = 2;  // deviation of a residual over that of its visible noise
+constexpr double kMoreThanNoise = 1.75;  // deviation of a residual over that of its visible noise
 
 }  // namespace
 

@@ -11,8 +11,8 @@
 
 namespace sinew::diagnosis {
 
-/// Channels whose residual is more than twice its visible noise (noise::FindLowFrequencyExcess), and that
-/// noise: its standard deviation [unit of the weighted residual]. Empty: no residual is more than noise.
+/// Channels whose residual is more than 1.75 times its visible noise (noise::FindLowFrequencyExcess), and
+/// that noise: its standard deviation [unit of the weighted residual]. Empty: no residual is more than noise.
 /// (Noise of which half of the variance has a memory of many samples is 1.4 times what is visible.) Channels
 /// with a noise memory (Block::noise_memory) are left out.
 /// @param blocks residuals of the training blocks
