@@ -31,7 +31,7 @@ COMMANDS = {
     "data import": (("data", "import", "walk.mot", "--out", "walk.h5", "--append", "--trial", "again"), ("walk.h5",)),
     "data cut": (("data", "cut", "drive.h5", "--trial", "train_1", "--window", "0.1:0.3", "--as", "new"), ("drive.h5",)),
     "simulate": (("simulate", "drive", "--data", "drive.h5", "--out", "out.sto"), SIMULATED),
-    "identify": (("identify", "drive", "--data", "drive.h5", "--solver", "lm", "--intervals", "linear", "--out", "out.h5",
+    "identify": (("identify", "drive", "--data", "short.h5", "--solver", "lm", "--intervals", "linear", "--out", "out.h5",
                   "--json", "out.json"), ("out.h5", "out.json")),
     "diagnose": (("diagnose", "drive", "--data", "short.h5", "--out", "out.h5", "--quiet"), ("out.h5",)),
     "compare": (("compare", "drive", "--data", "short.h5", "--solvers", "lm", "--repeats", "2", "--out", "out.h5"), ("out.h5",)),
