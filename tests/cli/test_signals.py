@@ -52,11 +52,12 @@ class Stopped(ProgramTest):
         self.succeeds(*words)
         return time.monotonic() - began
 
-    def stop_midway(self, stop, seconds, *words):
-        """Stops a command that takes so many seconds when it has something to keep; a busy machine takes longer."""
+    def stop_midway(self, stop, seconds, *words, midway=lambda: True):
+        """Stops a command that takes so many seconds when it has something to keep, and what it kept is of the middle; a busy machine
+        takes longer or shorter."""
         for share in (0.6, 0.7, 0.5, 0.8, 0.4, 0.9, 0.3, 1.5, 3, 5):
             said = self.stop(stop, share * seconds, *words)
-            if said is not None and "; parts.h5 holds " in said:
+            if said is not None and "; parts.h5 holds " in said and midway():
                 return said
             self.path("parts.h5").unlink(missing_ok=True)
         self.fail("never stopped in the middle")
@@ -94,13 +95,14 @@ class Stopped(ProgramTest):
         words = ("identify", "nms", "--data", "nms.h5", "--solver", "multistart", "--intervals", "linear", "--quiet", "--threads", 1,
                  "--out")
         seconds = self.timed(*words, "whole.h5")
-        self.stop_midway(signal.SIGTERM, seconds, *words, "parts.h5")
-        with h5py.File(self.path("parts.h5")) as run, h5py.File(self.path("whole.h5")) as whole:
-            ended, all_searches = len(run["searches/cost"]), len(whole["searches/cost"])
-            self.assertLess(ended, all_searches)
-            kept = run["searches/evaluations"][:].sum()
-        self.assertGreater(ended, 0)
-        self.assertGreater(kept, 0)
+
+        def ended(name):
+            with h5py.File(self.path(name)) as run:
+                return len(run["searches/cost"]) if "searches/cost" in run else 0
+
+        self.stop_midway(signal.SIGTERM, seconds, *words, "parts.h5", midway=lambda: 0 < ended("parts.h5") < ended("whole.h5"))
+        with h5py.File(self.path("parts.h5")) as run:
+            self.assertGreater(run["searches/evaluations"][:].sum(), 0)
         self.succeeds(*words, "parts.h5", "--resume")
         self.same("whole.h5", "parts.h5")
 
