@@ -53,14 +53,27 @@ class Stopped(ProgramTest):
         return time.monotonic() - began
 
     def stop_midway(self, stop, seconds, *words, midway=lambda: True):
-        """Stops a command that takes so many seconds when it has something to keep, and what it kept is of the middle; a busy machine
-        takes longer or shorter."""
-        for share in (0.6, 0.7, 0.5, 0.8, 0.4, 0.9, 0.3, 1.5, 3, 5):
-            said = self.stop(stop, share * seconds, *words)
-            if said is not None and "; parts.h5 holds " in said and midway():
+        """Stops a command that takes about so many seconds when it has something to keep that is of the middle. The moment is found by
+        bisection, again from a wider range where the speed of a busy machine has changed."""
+        early, late, moment = 0, None, 0.6 * seconds
+        for _ in range(40):
+            said = self.stop(stop, moment, *words)
+            keeps = said is not None and "; parts.h5 holds " in said
+            if keeps and midway():
                 return said
             self.path("parts.h5").unlink(missing_ok=True)
+            if said is None or keeps and 2 * moment > seconds:
+                late = moment
+            else:
+                early = moment
+            if late is not None and late - early < 0.02:
+                early, late = 0.5 * early, 2 * late
+            moment = 1.5 * moment if late is None else (early + late) / 2
         self.fail("never stopped in the middle")
+
+    def length(self, name, place):
+        with h5py.File(self.path(name)) as run:
+            return len(run[place]) if place in run else 0
 
     def same(self, one, two, but=()):
         with h5py.File(self.path(one)) as first, h5py.File(self.path(two)) as second:
@@ -95,12 +108,9 @@ class Stopped(ProgramTest):
         words = ("identify", "nms", "--data", "nms.h5", "--solver", "multistart", "--intervals", "linear", "--quiet", "--threads", 1,
                  "--out")
         seconds = self.timed(*words, "whole.h5")
-
-        def ended(name):
-            with h5py.File(self.path(name)) as run:
-                return len(run["searches/cost"]) if "searches/cost" in run else 0
-
-        self.stop_midway(signal.SIGTERM, seconds, *words, "parts.h5", midway=lambda: 0 < ended("parts.h5") < ended("whole.h5"))
+        searches = self.length("whole.h5", "searches/cost")
+        self.stop_midway(signal.SIGTERM, seconds, *words, "parts.h5",
+                         midway=lambda: 0 < self.length("parts.h5", "searches/cost") < searches)
         with h5py.File(self.path("parts.h5")) as run:
             self.assertGreater(run["searches/evaluations"][:].sum(), 0)
         self.succeeds(*words, "parts.h5", "--resume")
@@ -113,9 +123,8 @@ class Stopped(ProgramTest):
             words = ("identify", "nms", "--data", "nms.h5", "--solver", solver, "--quiet", "--threads", 1, "--out")
             seconds = self.timed(*words, "whole.h5")
             with self.subTest(solver=solver):
-                self.stop_midway(signal.SIGTERM, seconds, *words, "parts.h5")
-                with h5py.File(self.path("parts.h5")) as run:
-                    self.assertGreater(len(run["resume/residuals/evaluation"]), 0)
+                self.stop_midway(signal.SIGTERM, seconds, *words, "parts.h5",
+                                 midway=lambda: self.length("parts.h5", "resume/residuals/evaluation") > 0)
                 self.succeeds(*words, "parts.h5", "--resume")
                 self.same("whole.h5", "parts.h5")
                 self.path("parts.h5").unlink()
@@ -126,7 +135,7 @@ class Stopped(ProgramTest):
         seconds = self.timed(*words, "whole.h5")
         for stop in BOTH:
             with self.subTest(stop=stop.name):
-                said = self.stop_midway(stop, seconds, *words, "parts.h5")
+                said = self.stop_midway(stop, seconds, *words, "parts.h5", midway=lambda: self.length("parts.h5", "resume/fits/question") > 0)
                 self.assertRegex(said, r"; parts.h5 holds \d+ evaluations? and \d+ fits?: the same command with --resume goes on\n$")
                 with h5py.File(self.path("parts.h5")) as run:
                     self.assertEqual(run["run"].attrs["finished"], 0)
