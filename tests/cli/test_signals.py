@@ -62,6 +62,7 @@ class Stopped(ProgramTest):
             if keeps and midway():
                 return said
             self.path("parts.h5").unlink(missing_ok=True)
+            # What was kept is of the end, or of the begin: by the time only.
             if said is None or keeps and 2 * moment > seconds:
                 late = moment
             else:
