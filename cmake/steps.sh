@@ -95,11 +95,31 @@ run_preset() {
   cmake --build --preset "$1"
 }
 
+# run_tests PRESET: all its tests. Of each that failed the end of its output comes once more, after those of all others.
+run_tests() {
+  local status=0
+  ctest --preset "$1" -j "$(nproc)" --output-on-failure || status=$?
+  ((status == 0)) || print_failed_tests "build/$1/Testing/Temporary"
+  return "$status"
+}
+
+# print_failed_tests FOLDER: from the logs that ctest leaves in FOLDER.
+print_failed_tests() {
+  local name
+  while IFS=: read -r _ name; do
+    echo "--- $name"
+    awk -v name="$name" '
+      index($0, " Test: ") && substr($0, index($0, ": ") + 2) == name { inside = 1; next }
+      $0 == "<end of output>" { inside = 0 }
+      inside' "$1/LastTest.log" | tail -n 40
+  done <"$1/LastTestsFailed.log"
+}
+
 # The tests in which several threads work: those of the executor and of what is given to it, and commands with --threads 2.
 run_thread_sanitizer() {
   configure tsan
   cmake --build --preset tsan
-  ctest --preset tsan -j "$(nproc)" --output-on-failure
+  run_tests tsan
 }
 
 # A few seconds for every reader: what a change has broken at once. tests/fuzz/README.md has the long runs.

@@ -91,7 +91,9 @@ async def execute(notebook, folder):
         environment["IPYTHONDIR"] = scratch
         manager = AsyncKernelManager(kernel_name="python3", kernel_spec_manager=_ThisPython(),
                                      connection_file=os.path.join(scratch, "kernel.json"), **_transport(scratch))
+        # Outputs that come late, on a machine that stands still for seconds, are waited for: by default they are left out.
         client = NotebookClient(notebook, km=manager, timeout=CELL_SECONDS, startup_timeout=STARTUP_SECONDS,
+                                iopub_timeout=CELL_SECONDS, raise_on_iopub_timeout=True,
                                 record_timing=False, resources={"metadata": {"path": folder}})
         try:
             await client.async_execute(env=environment)

@@ -1,6 +1,7 @@
 """What the report needs to find in a run, diagnosis or study file, checked before anything is drawn (docs/run_file.md)."""
 import multiprocessing
 import os
+import pickle
 from dataclasses import dataclass
 
 import h5py
@@ -84,7 +85,7 @@ def _look(path):
             _refuse_other_files(path, file)
             return _check(path, file)
     except BadInput as error:
-        return str(error)
+        return _one_line(error)
     except Exception as error:  # whatever damaged bytes make the library raise
         return f"{path}: cannot be read as HDF5: {_one_line(error)}"
 
@@ -115,7 +116,7 @@ def _in_own_process(function, argument):
     sender.close()
     try:
         return receiver.recv() if receiver.poll(CHECK_SECONDS) else None
-    except EOFError:
+    except (EOFError, pickle.UnpicklingError):  # it died, before its answer or within it
         return None
     finally:
         process.kill()

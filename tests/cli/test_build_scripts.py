@@ -86,5 +86,15 @@ class Warnings(unittest.TestCase):
             self.assertEqual(compile_it("int f( {}\n")[0], 1)
 
 
+class FailedTests(unittest.TestCase):
+    def test_are_told_again_at_the_end_without_those_that_passed(self):
+        with tempfile.TemporaryDirectory() as folder:
+            Path(folder, "LastTestsFailed.log").write_text("2:cli.report\n")
+            Path(folder, "LastTest.log").write_text("".join(
+                f"{number}/3 Testing: {name}\n{number}/3 Test: {name}\nOutput:\n{said}\n<end of output>\nTest time = 1 s\n"
+                for number, name, said in ((1, "cli.reports", "well"), (2, "cli.report", "the reason"), (3, "report", "well"))))
+            self.assertEqual(bash(f"print_failed_tests {folder}"), "--- cli.report\nOutput:\nthe reason\n")
+
+
 if __name__ == "__main__":
     unittest.main()
