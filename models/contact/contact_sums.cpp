@@ -38,54 +38,50 @@ std::array<double, 3> FrictionLaw(double slip, double transition_velocity) {
 ContactSums::ContactSums(const std::vector<const ContactKinematics*>& regions, double transition_velocity) {
   SINEW_ASSERT(!regions.empty(), "a group without a contact region");
   const int instants = regions.front()->instants;
-  struct Face {
-    double area_depth = 0;
-    double rate = 0;
-    std::array<double, kColumns> columns{};
-  };
-  std::vector<Face> touching;
+  // Counted before anything is kept: of a fine mesh there are millions.
   first_.push_back(0);
   for (int t = 0; t < instants; ++t) {
+    Eigen::Index touching = 0;
     for (const ContactKinematics* region : regions) {
       SINEW_ASSERT(region->instants == instants, "regions of one group with different instants");
+      const auto faces = static_cast<std::size_t>(region->faces);
+      const double* depth = region->depth.data() + static_cast<std::size_t>(t) * faces;
+      touching += std::count_if(depth, depth + faces, [](double one) { return one > 0; });
+    }
+    first_.push_back(first_.back() + touching);
+    most_touching_ = std::max(most_touching_, static_cast<int>(touching));
+  }
+
+  area_depth_.resize(first_.back());
+  rate_.resize(first_.back());
+  columns_.setZero(first_.back(), kColumns);
+  Eigen::Index row = 0;
+  for (int t = 0; t < instants; ++t) {
+    for (const ContactKinematics* region : regions) {
       for (int f = 0; f < region->faces; ++f) {
         const auto i = static_cast<std::size_t>(t) * static_cast<std::size_t>(region->faces) +
                        static_cast<std::size_t>(f);
         if (!(region->depth[i] > 0)) continue;
-        Face face;
-        face.area_depth = region->area[static_cast<std::size_t>(f)] * region->depth[i];
-        face.rate = region->rate[i];
-        face.columns[kPointX] = region->point_x[i];
-        face.columns[kPointZ] = region->point_z[i];
+        area_depth_[row] = region->area[static_cast<std::size_t>(f)] * region->depth[i];
+        rate_[row] = region->rate[i];
+        columns_(row, kPointX) = region->point_x[i];
+        columns_(row, kPointZ) = region->point_z[i];
         const double slip = std::hypot(region->slip_x[i], region->slip_z[i]);
         if (slip > 0) {
           const auto law = FrictionLaw(slip, transition_velocity);
           const double along_x = -region->slip_x[i] / slip;
           const double along_z = -region->slip_z[i] / slip;
-          for (std::size_t j = 0; j < 3; ++j) {
-            face.columns[kAlongX + j] = law[j] * along_x;
-            face.columns[kAlongZ + j] = law[j] * along_z;
-            face.columns[kAboutY + j] =
-                law[j] * (region->point_z[i] * along_x - region->point_x[i] * along_z);
+          for (int j = 0; j < 3; ++j) {
+            const double friction = law[static_cast<std::size_t>(j)];
+            columns_(row, kAlongX + j) = friction * along_x;
+            columns_(row, kAlongZ + j) = friction * along_z;
+            columns_(row, kAboutY + j) =
+                friction * (region->point_z[i] * along_x - region->point_x[i] * along_z);
           }
         }
-        touching.push_back(face);
+        ++row;
       }
     }
-    first_.push_back(static_cast<Eigen::Index>(touching.size()));
-    most_touching_ =
-        std::max(most_touching_, static_cast<int>(first_[first_.size() - 1] - first_[first_.size() - 2]));
-  }
-
-  const auto count = static_cast<Eigen::Index>(touching.size());
-  area_depth_.resize(count);
-  rate_.resize(count);
-  columns_.resize(count, kColumns);
-  for (Eigen::Index i = 0; i < count; ++i) {
-    const Face& face = touching[static_cast<std::size_t>(i)];
-    area_depth_[i] = face.area_depth;
-    rate_[i] = face.rate;
-    for (int j = 0; j < kColumns; ++j) columns_(i, j) = face.columns[static_cast<std::size_t>(j)];
   }
 }
 

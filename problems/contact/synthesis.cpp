@@ -119,6 +119,7 @@ Result<Motion> Move(const Step& step, const MultibodyModel& model, double rate,
 
 // The floor's slope leaves its height alone between the feet, in the middle of their length.
 constexpr std::array<double, 2> kTiltPivot{0.02, 0};
+constexpr std::size_t kInstantsAtOnce = 32;
 constexpr double kEdgeShare = 0.2;  // of the sole's length that a strip beyond its end has
 
 EffectRegion Prepare(const ContactRegion& region, const std::vector<BodyMotion>& motion) {
@@ -151,11 +152,16 @@ Result<std::vector<ContactLoad>> TrueLoads(const Laboratory& lab, const Coordina
   std::vector<ContactLoad> loads(times.size(), ContactLoad::Zero());
   const ContactEffectValues effects = lab.hidden.EffectsOn(right);
   if (std::all_of(effects.begin(), effects.end(), [](double value) { return value == 0; })) {
-    const ContactKinematics kinematics = ComputeContactKinematics(region, of_foot, {});
-    const ContactSums sums({&kinematics}, kTransitionVelocity);
-    auto workspace = sums.NewWorkspace();
-    for (std::size_t i = 0; i < times.size(); ++i)
-      sums.Add(static_cast<int>(i), truth, WrenchParts::kAll, workspace, loads[i], nullptr);
+    // A few instants at a time: all of a fine mesh would take hundreds of megabytes.
+    for (std::size_t first = 0; first < times.size(); first += kInstantsAtOnce) {
+      const std::size_t end = std::min(first + kInstantsAtOnce, times.size());
+      const auto at = [&](std::size_t i) { return of_foot.begin() + static_cast<std::ptrdiff_t>(i); };
+      const ContactKinematics kinematics = ComputeContactKinematics(region, {at(first), at(end)}, {});
+      const ContactSums sums({&kinematics}, kTransitionVelocity);
+      auto workspace = sums.NewWorkspace();
+      for (std::size_t i = first; i < end; ++i)
+        sums.Add(static_cast<int>(i - first), truth, WrenchParts::kAll, workspace, loads[i], nullptr);
+    }
     return loads;
   }
 

@@ -25,12 +25,12 @@ FULL = {"open": (errno.ENOSPC, errno.EDQUOT, errno.EROFS, errno.ENAMETOOLONG, er
         "fsync": (errno.ENOSPC, errno.EDQUOT), "rename": (errno.ENOSPC, errno.EDQUOT, errno.EROFS)}
 SPORADIC = (errno.EIO,)  # once only, as a broken sector
 FOREVER = 10**9
-SIMULATED = tuple(f"out_{trial}.sto" for trial in ("train_1", "train_2", "train_3", "train_4", "validate_1", "validate_2"))
+SIMULATED = tuple(f"out_{trial}.sto" for trial in ("train_1", "train_2", "validate_1"))
 COMMANDS = {
     "data synthesize": (("data", "synthesize", "drive", "--out", "out.h5", "--json", "out.json"), ("out.h5", "out.json")),
     "data import": (("data", "import", "walk.mot", "--out", "walk.h5", "--append", "--trial", "again"), ("walk.h5",)),
     "data cut": (("data", "cut", "drive.h5", "--trial", "train_1", "--window", "0.1:0.3", "--as", "new"), ("drive.h5",)),
-    "simulate": (("simulate", "drive", "--data", "drive.h5", "--out", "out.sto"), SIMULATED),
+    "simulate": (("simulate", "drive", "--data", "short.h5", "--out", "out.sto"), SIMULATED),
     "identify": (("identify", "drive", "--data", "short.h5", "--solver", "lm", "--intervals", "linear", "--out", "out.h5",
                   "--json", "out.json"), ("out.h5", "out.json")),
     "diagnose": (("diagnose", "drive", "--data", "short.h5", "--out", "out.h5", "--quiet"), ("out.h5",)),
@@ -205,8 +205,8 @@ class Faults(ProgramTest):
         self.write("page/index.html", "old")
         self.write("page/index.ipynb", "old")
         before = contents(self.folder)
-        for call, number in (("open", errno.EDQUOT), ("open", errno.EROFS), ("write", errno.ENOSPC), ("write", errno.EIO),
-                             ("fsync", errno.EIO), ("fsync", errno.EDQUOT), ("rename", errno.EROFS), ("rename", errno.ENAMETOOLONG)):
+        # One error of each call: a report takes seconds, and other errors differ in their words only.
+        for call, number in (("open", errno.EROFS), ("write", errno.ENOSPC), ("fsync", errno.EIO), ("rename", errno.ENAMETOOLONG)):
             done, failed = self.run_failing(("report", "run.h5", "--out-dir", "page"), call, 1, FOREVER, number)
             self.assertTrue(failed)
             self.assertEqual((done.returncode, done.stdout), (1, ""))
