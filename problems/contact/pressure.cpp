@@ -1,6 +1,5 @@
 #include "problems/contact/pressure.h"
 
-#include <algorithm>
 #include <cmath>
 
 #include "problems/contact/effects.h"
@@ -8,24 +7,26 @@
 namespace sinew {
 namespace {
 
-// Compression z of the bed: z + give (z / x0)^(1 + n) = depth, give = C k x0 (1 + c v) [m]. The left side
-// grows with z, is convex for n > 0 and concave for n < 0, so Newton's steps from a point on the right side
-// of the root stay there: above it for n > 0, below it for n < 0.
-double Compression(double depth, double give, double exponent) {
-  if (give == 0) return depth;
-  if (exponent == 0) return depth / (1 + give / kReferenceDepth);
-  const double power = 1 + exponent;
-  const double share = exponent > 0 ? 1 : 0.5;
-  double z = std::min(share * depth, kReferenceDepth * std::pow(share * depth / give, 1 / power));
-  // Quadratic convergence: after a step of 1e-8 what is left is its square, and smaller steps are rounding,
-  // which would play on to the bound.
+// With the compression z of the bed and q = C p / z, what the floor yields per unit of it, z (1 + q) = x. Of
+// y = log q the equation of the bed is
+//
+//   y + n log(1 + e^y) = c,  c = log(C k (1 + c v)) + n log(x / x0),
+//
+// with a slope between 1 and 1 + n > 0. It starts at the nearer of its two straight asymptotes, at most |n|
+// log 2 off; Halley's steps converge with the third power.
+double LogYield(double right_side, double exponent) {
+  double y = right_side > 0 ? right_side / (1 + exponent) : right_side;
   for (int i = 0; i < 60; ++i) {
-    const double floor = give * std::pow(z / kReferenceDepth, power);
-    const double step = (z + floor - depth) / (1 + power * floor / z);
-    z -= step;
-    if (std::abs(step) <= 1e-8 * z) break;
+    const double yield = std::exp(y);
+    const double share = yield / (1 + yield);
+    const double excess = y + exponent * std::log1p(yield) - right_side;
+    const double slope = 1 + exponent * share;
+    const double curvature = exponent * share * (1 - share);
+    const double step = excess / (slope - 0.5 * excess * curvature / slope);
+    y -= step;
+    if (std::abs(step) <= 1e-6) break;  // what is left is its third power: rounding
   }
-  return z;
+  return y;
 }
 
 }  // namespace
@@ -34,21 +35,31 @@ Pressure PressureAt(const ElasticFoundation& bed, const BedEffects& effects, dou
   Pressure p;
   const double damping = 1 + bed.dissipation * rate;
   if (!(depth > 0) || !(damping > 0)) return p;
-  const double give = effects.compliance * bed.stiffness * kReferenceDepth * damping;
-  const double z = Compression(depth, give, effects.exponent);
-  const double power = 1 + effects.exponent;
-  const double bend = effects.exponent == 0 ? 1 : std::pow(z / kReferenceDepth, effects.exponent);
-  p.value = bed.stiffness * z * bend * damping;
+  const double log_depth = std::log(depth / kReferenceDepth);
+  double yield = effects.compliance * bed.stiffness * damping;
+  double bend = 1;  // (z / x0)^n
+  if (effects.exponent != 0) {
+    if (yield == 0) {
+      bend = std::exp(effects.exponent * log_depth);
+    } else {
+      const double of_straight_bed = yield;
+      yield = std::exp(LogYield(std::log(yield) + effects.exponent * log_depth, effects.exponent));
+      bend = yield / of_straight_bed;
+    }
+  }
+  const double z = depth / (1 + yield);
+  const double elastic = z * bend;
+  p.value = bed.stiffness * elastic * damping;
 
   // dp = P_z dz + P_q dq with dz = -d(C p): whatever moves the bed alone moves p by `felt` of it.
-  const double by_compression = power * p.value / z;
+  const double by_compression = (1 + effects.exponent) * bed.stiffness * bend * damping;
   const double felt = 1 / (1 + effects.compliance * by_compression);
   p.by_depth = by_compression * felt;
-  p.by_rate = bed.dissipation * p.value / damping * felt;
-  p.by_stiffness = p.value / bed.stiffness * felt;
-  p.by_dissipation = rate * p.value / damping * felt;
-  p.by_exponent = p.value * std::log(z / kReferenceDepth) * felt;
-  p.by_compliance = -by_compression * p.value * felt;
+  p.by_rate = bed.dissipation * bed.stiffness * elastic * felt;
+  p.by_stiffness = elastic * damping * felt;
+  p.by_dissipation = rate * bed.stiffness * elastic * felt;
+  p.by_exponent = p.value * (log_depth - std::log1p(yield)) * felt;
+  p.by_compliance = -p.by_depth * p.value;
   return p;
 }
 
