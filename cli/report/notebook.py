@@ -15,6 +15,8 @@ from jupyter_client.kernelspec import KernelSpec, KernelSpecManager
 from nbclient import NotebookClient
 from nbclient.exceptions import CellExecutionError, CellTimeoutError, DeadKernelError
 
+import font_list
+
 CELLS = os.path.join(os.path.dirname(os.path.realpath(__file__)), "cells")
 CELL_SECONDS = 300     # a cell that takes longer has gone wrong: the whole notebook takes seconds
 STARTUP_SECONDS = 120  # a cold, busy machine
@@ -89,6 +91,8 @@ async def execute(notebook, folder):
         # Neither start-up files nor the backend of the user may change what the cells do.
         environment = {key: value for key, value in os.environ.items() if key not in ("MPLBACKEND", "MATPLOTLIBRC")}
         environment["IPYTHONDIR"] = scratch
+        fonts = os.path.join(scratch, "matplotlib")
+        environment.update(font_list.lend(fonts))
         manager = AsyncKernelManager(kernel_name="python3", kernel_spec_manager=_ThisPython(),
                                      connection_file=os.path.join(scratch, "kernel.json"), **_transport(scratch))
         # Outputs that come late, on a machine that stands still for seconds, are waited for: by default they are left out.
@@ -97,6 +101,7 @@ async def execute(notebook, folder):
                                 record_timing=False, resources={"metadata": {"path": folder}})
         try:
             await client.async_execute(env=environment)
+            font_list.keep(fonts)
         except CellExecutionError as error:
             raise NotebookFailed(f"{error.ename}: {' '.join(error.evalue.split())}") from error
         except CellTimeoutError as error:

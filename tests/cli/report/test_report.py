@@ -133,6 +133,21 @@ class OneRun(WithFolder):
         for name in ("index.ipynb", "index.html"):
             self.assertEqual((self.out / name).read_bytes(), (other / name).read_bytes())
 
+    def test_lock_that_a_killed_program_left_on_the_list_of_fonts_stops_nothing(self):
+        fabricated_files.write_run(self.run_path, contact=())
+        home = self.folder / "home"
+        cache = home / ".cache" / "matplotlib"
+        changes = {"HOME": str(home), "XDG_CACHE_HOME": "", "MPLCONFIGDIR": ""}
+        self.assertEqual(report(self.run_path, "--out-dir", self.out, **changes)[::2], (0, ""))
+        fonts, = os.listdir(cache)  # kept for the next report
+        self.assertRegex(fonts, r"^fontlist-v\d+\.json$")
+
+        (cache / fonts).unlink()
+        lock = cache / f"{fonts}.matplotlib-lock"
+        lock.touch()
+        self.assertEqual(report(self.run_path, "--out-dir", self.out, **changes)[::2], (0, ""))
+        self.assertEqual(sorted(os.listdir(cache)), [fonts, lock.name])
+
     def test_failure_to_draw_is_status_1_and_leaves_the_old_report(self):
         fabricated_files.write_run(self.run_path)
         with h5py.File(self.run_path, "a") as file:
