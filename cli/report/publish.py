@@ -29,20 +29,13 @@ class ReportFailed(Exception):
     """The input is fine, yet the report could not be made."""
 
 
-def publish(paths, out_dir, threads=os.cpu_count() or 1):
-    """Writes the report and returns the path of the page to open first.
+def publish(files, out_dir, threads=os.cpu_count() or 1):
+    """Writes the report of files that run_file has read, and returns the path of the page to open first.
 
     One file: index.ipynb and index.html. Several: a pair per file, named like it, and an index that compares them.
     Raises run_file.BadInput before anything is written, ReportFailed and interrupt.Interrupted after undoing what was
     written.
     """
-    files = [run_file.read(path) for path in paths]
-    seen = set()
-    for file in files:
-        if os.path.realpath(file.path) in seen:
-            raise run_file.BadInput(f"{file.path}: is given twice")
-        seen.add(os.path.realpath(file.path))
-
     folder = os.path.realpath(out_dir)
     made = _make_folder(out_dir, folder)
     try:

@@ -59,6 +59,17 @@ class ReportFile:
     has: frozenset     # of the parts in publish.RUN_PARTS or publish.DIAGNOSIS_PARTS
 
 
+def read_all(paths):
+    """Checks files of which each is given once. Raises BadInput as `read` does, and for a file that is given twice."""
+    files = [read(path) for path in paths]
+    seen = set()
+    for file in files:
+        if os.path.realpath(file.path) in seen:
+            raise BadInput(f"{file.path}: is given twice")
+        seen.add(os.path.realpath(file.path))
+    return files
+
+
 def read(path):
     """Checks a file.
 

@@ -44,19 +44,27 @@ def parse(arguments):
     return options
 
 
+def refuse(error):
+    print(f"sinew: error: {printable(error)}", file=sys.stderr)
+    return BAD_INPUT
+
+
 def make(options):
     try:
-        import publish
-        from run_file import BadInput
+        import run_file
+        try:
+            files = run_file.read_all(options.files)
+        except run_file.BadInput as error:
+            return refuse(error)
+        import publish  # only now: what it needs takes half a second to load
     except ImportError as error:
         print(f"sinew: the report could not be made: Python package missing: {error.name} "
               "(the list is in packages.txt)", file=sys.stderr)
         return FAILED
     try:
-        entry = publish.publish(options.files, options.out_dir, options.threads)
-    except BadInput as error:
-        print(f"sinew: error: {printable(error)}", file=sys.stderr)
-        return BAD_INPUT
+        entry = publish.publish(files, options.out_dir, options.threads)
+    except run_file.BadInput as error:
+        return refuse(error)
     except publish.ReportFailed as error:
         print(f"sinew: the report could not be made: {printable(error)}", file=sys.stderr)
         return FAILED

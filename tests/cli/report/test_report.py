@@ -211,7 +211,7 @@ class OneRun(WithFolder):
         try:
             with mock.patch.object(publish, "_execute_all", press_at_the_end):
                 with self.assertRaises(interrupt.Interrupted):
-                    publish.publish([self.run_path], str(self.out))
+                    publish.publish(run_file.read_all([self.run_path]), str(self.out))
         finally:
             signal.sigtimedwait({signal.SIGINT}, 0)
             signal.pthread_sigmask(signal.SIG_SETMASK, held)
