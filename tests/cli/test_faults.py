@@ -108,36 +108,35 @@ class Faults(ProgramTest):
         else:
             self.assertIn("endheader", self.path(name).read_text())
 
-    def check(self, done, outputs, before, number):
+    def check(self, done, outputs, changed, number):
         """What a failed command may leave: old files, and files that were whole before the failure."""
         self.assertIn(done.returncode, (1, 2), done.stderr)
         self.assertEqual(done.stderr.count("\n"), 1, done.stderr)
         self.assertIn("cannot be written", done.stderr.replace("is written, but", "cannot be written"))
         said = os.strerror(number).lower()
         self.assertTrue(said in done.stderr.lower() or number == errno.EACCES and "permission" in done.stderr, done.stderr)
-        after = contents(self.folder)
-        for path, data in after.items():
-            if before.get(path) != data:
-                self.assertIn(str(path), outputs, "a file of no result is left")
-                self.is_whole(str(path))
-        for path in before:
-            self.assertIn(path, after)
+        for path in changed:
+            self.assertTrue(self.path(path).exists(), f"{path} is lost")
+            self.assertIn(str(path), outputs, "a file of no result is left")
+            self.is_whole(str(path))
 
     def places(self, words, outputs, call, number, once, tried=None):
         """Fails the command at its 1st, 2nd, ... such call, until it makes fewer, or at those tried. Returns how many there were."""
         old = contents(self.folder)
         for place in tried or range(1, 100):
             done, failed = self.run_failing(words, call, place, place if once else FOREVER, number)
+            left = contents(self.folder)
+            changed = [path for path in {**old, **left} if left.get(path) != old.get(path)]
             with self.subTest(f"{' '.join(words)}: {call} {place} fails with {errno.errorcode[number]}"):
                 if not failed:
                     self.assertEqual((done.returncode, done.stderr), (0, ""))
                 else:
-                    self.check(done, outputs, old, number)
-            for path in contents(self.folder):
-                if path not in old:
+                    self.check(done, outputs, changed, number)
+            for path in changed:
+                if path in old:
+                    self.write(path, old[path])
+                else:
                     self.path(path).unlink()
-            for path, data in old.items():
-                self.write(path, data)
             if not failed:
                 return place - 1
         self.assertIsNotNone(tried, "no end")
