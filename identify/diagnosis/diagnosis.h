@@ -149,6 +149,8 @@ struct Cause {
   double delta_bic = 0;
   double size = 0;      ///< relative to the size that a test of this effect alone detects (95 % power at 5 %)
   double left_out = 0;  ///< if Diagnosis::left_out: error of left-out data with it / without it; else 0
+  /// No 95 % interval of the parameters that are its size excludes their values without the effect.
+  bool interval_contains_null = false;
 };
 
 /// How a level stands against the others.

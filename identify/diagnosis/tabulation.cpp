@@ -75,6 +75,9 @@ class Tables {
     cause.delta_lr = chosen.delta_lr;
     cause.delta_bic = chosen.delta_lr - static_cast<double>(candidate.parameters.size()) * log_rows_;
     cause.size = SizeOf(chosen.delta_lr);
+    // Where and how fast a law acts is none of its size.
+    cause.interval_contains_null = NoneExcludesNull(
+        ValuesOf(state_, state_.selection.model, covariance, ScoredParameters(candidate, 0)));
     out_.causes.push_back(std::move(cause));
   }
 
@@ -238,6 +241,13 @@ std::vector<DiagnosedParameter> ValuesOf(const DiagnosisState& state, const Refi
     values.push_back(std::move(one));
   }
   return values;
+}
+
+bool NoneExcludesNull(const std::vector<DiagnosedParameter>& sizes) {
+  return !sizes.empty() && std::all_of(sizes.begin(), sizes.end(), [](const DiagnosedParameter& size) {
+    if (!size.at_bound.empty()) return size.value == size.before;
+    return !IsDetermined(size) || (size.ci95[0] <= size.before && size.before <= size.ci95[1]);
+  });
 }
 
 void Insert(EffectScore score, std::vector<EffectScore>& scores) {

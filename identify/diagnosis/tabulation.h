@@ -13,6 +13,11 @@ namespace sinew::diagnosis {
                                                        const Matrix& covariance,
                                                        const std::vector<int>& which);
 
+/// Whether no interval of an effect's sizes excludes the value before, which is that without the effect. One
+/// at a bound that is not this value excludes it; one that is not determined does not. False if there are
+/// none.
+[[nodiscard]] bool NoneExcludesNull(const std::vector<DiagnosedParameter>& sizes);
+
 /// Fills in parameters before and after, causes, alternatives and scores. A quantised channel is added here:
 /// it is recognised without a test, and it is a cause if its share of the residual exceeds the size that a
 /// test of this effect alone detects. Errors: those of Problem::Predict.

@@ -82,6 +82,7 @@ Json FromCause(const Cause& c) {
           {"delta_lr", Finite(c.delta_lr)},
           {"delta_bic", Finite(c.delta_bic)},
           {"size", Finite(c.size)},
+          {"interval_contains_null", c.interval_contains_null},
           {"left_out", Finite(c.left_out)}};
 }
 

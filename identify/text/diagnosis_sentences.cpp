@@ -136,6 +136,8 @@ Sentence CauseSentence(const Cause& cause) {
   if (cause.left_out > 0)
     text += fmt::format("; the error of data left out of the fit is {} lower with it",
                         Percent(1 - cause.left_out));
+  if (cause.interval_contains_null)
+    text += "; its interval contains the value without this effect, so these data do not determine its size";
   return {SentenceKind::kCause, text + ".", {cause.effect}};
 }
 

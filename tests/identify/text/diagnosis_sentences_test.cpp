@@ -50,6 +50,20 @@ TEST(DiagnosisSentences, ParametersThatACurveCannotBeSeparatedFromAreNamed) {
   EXPECT_THAT(text({}), Not(testing::HasSubstr("the same as")));
 }
 
+TEST(DiagnosisSentences, ACauseWhoseIntervalContainsItsNullSaysSo) {
+  const auto text = [](bool contains) {
+    const toy::ToyProblem problem = toy::JointProblem();
+    Diagnosis d = toy::JointDiagnosis(problem);
+    d.causes[0].interval_contains_null = contains;
+    for (const Sentence& sentence : Sentences(d)) {
+      if (sentence.kind == SentenceKind::kCause) return sentence.text;
+    }
+    return std::string();
+  };
+  EXPECT_THAT(text(true), testing::HasSubstr("; its interval contains the value without this effect"));
+  EXPECT_THAT(text(false), Not(testing::HasSubstr("its interval contains")));
+}
+
 TEST(DiagnosisSentences, ALawThatContainsTheCauseIsNoAlternative) {
   EXPECT_THAT(Facts([](Diagnosis& d) { d.alternatives[0].contains_cause = true; }),
               Contains("more_general_law y.delay friction"));
