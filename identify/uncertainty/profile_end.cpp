@@ -31,6 +31,9 @@ constexpr double kLargestDamping = 1e4;
 // when kPatience points have moved the end by less than kWorthwhile of its distance.
 constexpr double kWorthwhile = 0.005;
 constexpr int kPatience = 8;
+// If they lie nearer to the minimum than this share of the linear interval, the models were wrong, not the
+// steps too many: a minimum at a kink, or none.
+constexpr double kNear = 0.5;
 // Share of the way from the minimum to the end at which a search goes on that was too high to go on.
 constexpr double kRetreat = 0.95;
 
@@ -126,8 +129,10 @@ std::optional<ProfileEnd> FindEnd(solvers::LocalFit& fit, const EndQuestion& que
     }
     double after = kInfinity;
     if (const Result<double> found = fit.ModelAt(next); found) after = *found;
-    if (farthest > 0 && ++idle > kPatience)
+    if (farthest > 0 && ++idle > kPatience) {
+      if (farthest < kNear * std::min(question.request.step, search.room())) return std::nullopt;
       return ProfileEnd{search.At(farthest), false, ProfileFailure::kNone};
+    }
     if (!(after <= question.cost + kLargestRise * rise)) {
       damping = std::max(10 * damping, kFirstDamping);
       if (damping > kShorteningDamping) share *= 0.5;

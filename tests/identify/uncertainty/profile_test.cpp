@@ -1,3 +1,5 @@
+#include "identify/uncertainty/profile.h"
+
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
@@ -173,6 +175,34 @@ TEST(Profile, RegionWithoutPredictionIsNoEnd) {
   ASSERT_TRUE(answer);
   EXPECT_EQ(answer->parameters[1].interval, IntervalKind::kLinear);
   EXPECT_EQ(answer->parameters[1].reason.no_profile, ProfileFailure::kNoPrediction);
+}
+
+// The best value of the other variable is at the edge of a jump of the cost, to which its slope leads: models
+// of points beyond the edge say nothing of the way to the end.
+TEST(Profile, OfAMinimumAtAJumpIsNotNarrow) {
+  constexpr double kRise = 0.5;  // at a distance of 1 if the other one stays at 0
+  const ToyProblem problem({MakeParameter("value", -5, 5, 0), MakeParameter("other", -5, 5, 0)},
+                           {MakeBlock("one", "y", 3, 2)},
+                           [](const Block&, double t, const Vector& p, Vector* gradient) -> Result<double> {
+                             if (gradient != nullptr)
+                               *gradient = Values({t == 0 ? 1.0 : 0.0, t == 1 ? 1.0 : 0.0});
+                             if (t == 0) return p[0];
+                             if (t == 1) return p[1] - 0.5;
+                             return p[1] > 0 ? 1.19 : 0.0;
+                           });
+  const ToyFit fit(problem);
+  const Vector minimum = fit.view.Variables(Values({0, 0}));
+  auto workspace = fit.view.NewWorkspace();
+  const Result<double> cost = fit.view.Cost(minimum, workspace);
+  ASSERT_TRUE(cost);
+  long evaluations = 0;
+  const auto profiles = uncertainty::ProfileIntervals(fit.view, minimum, *cost,
+                                                      {{0, kRise, 0.1, Vector::Unit(2, 0)}}, {}, evaluations);
+  for (const auto& end : {profiles[0].lower, profiles[0].upper}) {
+    if (end.failure == ProfileFailure::kNone) {
+      EXPECT_NEAR(std::abs(end.x - minimum[0]), 0.1, 0.002);
+    }
+  }
 }
 
 }  // namespace
