@@ -20,6 +20,14 @@ constexpr std::size_t kMaxMinima = 8;
 // Share of an interval by which the linear model of another minimum has to go beyond it for a profile there.
 constexpr double kWorthAnEnd = 0.02;
 
+// The interval, with what a profile knows to be inside.
+// @param x [n] point that gives all other values
+Interval Widened(const LeastSquares& problem, const Vector& x, const Finding& finding,
+                 const Profile& profile) {
+  return MakeInterval(problem, x, finding.variable, std::min(finding.interval.lower_x, profile.lower.x),
+                      std::max(finding.interval.upper_x, profile.upper.x));
+}
+
 }  // namespace
 
 Vector Analysis::Tangent(const Matrix& normal, int variable) const {
@@ -151,11 +159,7 @@ void Analysis::ExtendTo(const LocalMinimum& other) {
                        answer_.evaluations);
   for (std::size_t i = 0; i < profiles.size(); ++i) {
     Finding& finding = *finding_of[i];
-    const double at = other.x[finding.variable];
-    const auto x = [&](const ProfileEnd& end) { return end.failure == ProfileFailure::kNone ? end.x : at; };
-    finding.interval = MakeInterval(problem_, at_.x, finding.variable,
-                                    std::min(finding.interval.lower_x, x(profiles[i].lower)),
-                                    std::max(finding.interval.upper_x, x(profiles[i].upper)));
+    finding.interval = Widened(problem_, at_.x, finding, profiles[i]);
   }
 }
 
@@ -193,7 +197,10 @@ void Analysis::Profiles() {
     better = better || cost_ - profile.lowest.cost > kBetterGain * unit;
     finding.no_profile =
         profile.lower.failure == ProfileFailure::kNone ? profile.upper.failure : profile.lower.failure;
-    if (finding.no_profile != ProfileFailure::kNone) continue;
+    if (finding.no_profile != ProfileFailure::kNone) {
+      finding.interval = Widened(problem_, at_.x, finding, profile);
+      continue;
+    }
     finding.kind = IntervalKind::kProfile;
     finding.interval = MakeInterval(problem_, at_.x, finding.variable, profile.lower.x, profile.upper.x);
   }

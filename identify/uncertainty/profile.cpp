@@ -63,7 +63,7 @@ class EndSearch {
       if (fit_.evaluations() >= last_) return Failure(ProfileFailure::kBudgetSpent);
       Point point = Evaluate(distance);
       if (std::abs(point.height - 1) <= end_tolerance_ || (point.height < 1 && distance >= room)) {
-        if (!point.converged) return Failure(ProfileFailure::kRefitNotConverged);
+        if (!point.converged) return {At(distance), false, ProfileFailure::kRefitNotConverged};
         return {At(distance), point.height < 1 && distance >= room};
       }
       Narrow(std::move(point));
@@ -82,7 +82,7 @@ class EndSearch {
   [[nodiscard]] double At(double distance) const {
     return std::clamp(minimum_[request_.variable] + sign_ * distance, 0.0, 1.0);
   }
-  static ProfileEnd Failure(ProfileFailure why) { return {0, false, why}; }
+  [[nodiscard]] ProfileEnd Failure(ProfileFailure why) const { return {At(inner_.distance), false, why}; }
 
   /// Refits all others with this variable at a distance. They start from the straight line through the
   /// minimum and the point that is known next to it; from the tangent if there is none.

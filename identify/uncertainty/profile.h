@@ -25,7 +25,7 @@ enum class ProfileFailure {
 
 /// One end of an interval.
 struct ProfileEnd {
-  double x = 0;       ///< unit box
+  double x = 0;  ///< unit box; of an end that was not found, the farthest value that is known to be inside
   bool open = false;  ///< the bound was reached before the cost rose enough
   ProfileFailure failure = ProfileFailure::kNone;
 };

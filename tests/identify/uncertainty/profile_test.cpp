@@ -160,21 +160,33 @@ TEST(Profile, SurvivesClampedContact) {
   }
 }
 
+// The simulation fails above a rate that is inside the interval, but beyond the linear one: what was reached
+// is in the interval.
 TEST(Profile, RegionWithoutPredictionIsNoEnd) {
-  // The simulation fails above a rate that is inside the interval.
-  ToyProblem problem({MakeParameter("amplitude", 0, 50, 3), MakeParameter("rate", 0, 20, 1)},
-                     {MakeBlock("one", "height", 25, 2)},
-                     [](const Block& block, double t, const Vector& p, Vector* gradient) -> Result<double> {
-                       if (p[1] > 1.5) return Fail("step under the minimum at t = {}", t);
-                       return Decay(block, t, p, gradient);
-                     });
-  Random random(11);
-  problem.Measure(Values({3, 1.2}), [&](const Block&, int) { return 0.8 * random.Normal(); });
-  const ToyFit fit(problem);
-  const Result<Uncertainty> answer = AnalyseUncertainty(fit.view, fit.view.Start(), {});
-  ASSERT_TRUE(answer);
-  EXPECT_EQ(answer->parameters[1].interval, IntervalKind::kLinear);
-  EXPECT_EQ(answer->parameters[1].reason.no_profile, ProfileFailure::kNoPrediction);
+  const auto rate_of = [](double most, bool profile) {
+    ToyProblem problem(
+        {MakeParameter("amplitude", 0, 50, 3), MakeParameter("rate", 0, 20, 1)},
+        {MakeBlock("one", "height", 25, 2)},
+        [most](const Block& block, double t, const Vector& p, Vector* gradient) -> Result<double> {
+          if (p[1] > most) return Fail("step under the minimum at t = {}", t);
+          return Decay(block, t, p, gradient);
+        });
+    Random random(11);
+    problem.Measure(Values({3, 1.2}), [&](const Block&, int) { return 1.6 * random.Normal(); });
+    const ToyFit fit(problem);
+    UncertaintyOptions options;
+    options.profile = profile;
+    return AnalyseUncertainty(fit.view, fit.view.Start(), options)->parameters[1];
+  };
+  const ParameterVerdict linear = rate_of(100, false);
+  const ParameterVerdict whole = rate_of(100, true);
+  ASSERT_LT(1.05 * linear.ci95_upper, whole.ci95_upper);
+  const double most = 0.5 * (linear.ci95_upper + whole.ci95_upper);
+  const ParameterVerdict found = rate_of(most, true);
+  EXPECT_EQ(found.interval, IntervalKind::kLinear);
+  EXPECT_EQ(found.reason.no_profile, ProfileFailure::kNoPrediction);
+  EXPECT_NEAR(found.ci95_upper, most, 0.01 * most);
+  EXPECT_NEAR(found.ci95_lower, std::min(linear.ci95_lower, whole.ci95_lower), 1e-9);
 }
 
 // The best value of the other variable is at the edge of a jump of the cost, to which its slope leads: models
