@@ -25,8 +25,9 @@ namespace sinew {
 /// How a 95 % interval was found.
 enum class IntervalKind {
   kProfile,  ///< profile likelihood
-  kLinear,   ///< estimate +- quantile times error, in the parameter's scale, and what an unfinished profile
-            ///< knows to be inside; Reason::no_profile is why
+  /// estimate +- quantile times error, in the parameter's scale, and what an unfinished profile knows to be
+  /// inside; Reason::no_profile is why
+  kLinear,
   kNone  ///< the data determine nothing: the interval is the whole range
 };
 
