@@ -31,9 +31,11 @@ constexpr double kLargestDamping = 1e4;
 // when kPatience points have moved the end by less than kWorthwhile of its distance.
 constexpr double kWorthwhile = 0.005;
 constexpr int kPatience = 8;
-// If they lie nearer to the minimum than this share of the linear interval, the models were wrong, not the
-// steps too many: a minimum at a kink, or none.
-constexpr double kNear = 0.5;
+// Then there must be one with about the allowed rise, nearly as far away as the farthest. Where the cost
+// jumps beside the minimum, all points are too high, and their heights tell no distance.
+constexpr double kLeastHeight = 0.9;
+constexpr double kLargestHeight = 1.05;
+constexpr double kNearlyAsFar = 0.9;
 // Share of the way from the minimum to the end at which a search goes on that was too high to go on.
 constexpr double kRetreat = 0.95;
 
@@ -113,6 +115,7 @@ std::optional<ProfileEnd> FindEnd(solvers::LocalFit& fit, const EndQuestion& que
   solvers::BoxQuadraticModel kept;
   double damping = 0;
   double farthest = 0;
+  double farthest_at_rise = 0;
   double share = 1;  // of the model's step
   int idle = 0;
   while (fit.evaluations() < last) {
@@ -130,7 +133,7 @@ std::optional<ProfileEnd> FindEnd(solvers::LocalFit& fit, const EndQuestion& que
     double after = kInfinity;
     if (const Result<double> found = fit.ModelAt(next); found) after = *found;
     if (farthest > 0 && ++idle > kPatience) {
-      if (farthest < kNear * std::min(question.request.step, search.room())) return std::nullopt;
+      if (farthest_at_rise < kNearlyAsFar * farthest) return std::nullopt;
       return ProfileEnd{search.At(farthest), false, ProfileFailure::kNone};
     }
     if (!(after <= question.cost + kLargestRise * rise)) {
@@ -144,6 +147,8 @@ std::optional<ProfileEnd> FindEnd(solvers::LocalFit& fit, const EndQuestion& que
       farthest = search.DistanceOf(next) / std::max(root, 1.0);
       idle = 0;
     }
+    if (root >= kLeastHeight && root <= kLargestHeight)
+      farthest_at_rise = std::max(farthest_at_rise, search.DistanceOf(next));
     if (after < lowest.cost) lowest = {after, next};
     damping =
         after <= question.cost + kGoodRise * rise ? (damping > kSmallestDamping ? damping / 10 : 0) : damping;
