@@ -14,6 +14,7 @@
 #include "datasets/io/storage_file.h"
 #include "identify/files/recorded_cost.h"
 #include "identify/text/warnings.h"
+#include "identify/unmeasured_estimate.h"
 
 namespace sinew {
 namespace {
@@ -67,7 +68,9 @@ Result<Vector> Parameters(const SimulateWords& words, const Problem& problem, in
 }
 
 // Blocks of one trial that share their times become one grid.
-std::map<std::string, Trial> ToTrials(const Binding& binding, const FullPrediction& prediction) {
+// @param unmeasured whose bands become channels NAME_band95; may be null
+std::map<std::string, Trial> ToTrials(const Binding& binding, const FullPrediction& prediction,
+                                      const UnmeasuredEstimate* unmeasured) {
   std::map<std::string, Trial> trials;
   const Layout& layout = binding.problem().layout();
   for (std::size_t b = 0; b < layout.size(); ++b) {
@@ -83,6 +86,11 @@ std::map<std::string, Trial> ToTrials(const Binding& binding, const FullPredicti
     const Vector& values = prediction.values[b];
     grid.channels[block.channel] = {block.unit, ChannelKind::kMeasured, std::nullopt,
                                     std::vector<double>(values.data(), values.data() + values.size())};
+    if (unmeasured == nullptr || unmeasured->half_width[b].size() == 0) continue;
+    const Vector& half_width = unmeasured->half_width[b];
+    grid.channels[block.channel + "_band95"] = {
+        block.unit, ChannelKind::kMeasured, std::nullopt,
+        std::vector<double>(half_width.data(), half_width.data() + half_width.size())};
   }
   return trials;
 }
@@ -221,7 +229,7 @@ Result<int> RunSimulate(SimulateWords& words) {
   std::unique_ptr<ExcitationMode> mode;
   SINEW_ASSIGN(const Binding binding, BindFor(words, mode));
   int left_out = 0;
-  SINEW_ASSIGN(const Vector parameters, Parameters(words, binding.problem(), &left_out));
+  SINEW_ASSIGN(Vector parameters, Parameters(words, binding.problem(), &left_out));
   if (mode != nullptr) {
     line.Show("finding excitations");
     const Status found = mode->Find(parameters);
@@ -234,12 +242,15 @@ Result<int> RunSimulate(SimulateWords& words) {
                                                  binding.ToProvenance(words.binding).data_hash));
   }
   line.Show("predicting");
+  std::optional<UnmeasuredEstimate> unmeasured;
+  if (!words.from.empty()) unmeasured = binding.problem().EstimateUnmeasured(parameters);
+  if (unmeasured) parameters = unmeasured->parameters;
   const auto prediction = PredictAll(binding.problem(), parameters);
   line.Clear();
   if (!prediction) {
     return ReportNotUsable(*words.binding.program, prediction.error().message);
   }
-  auto trials = ToTrials(binding, *prediction);
+  auto trials = ToTrials(binding, *prediction, unmeasured ? &*unmeasured : nullptr);
   if (mode != nullptr) SINEW_TRY(mode->AddTo(trials, parameters));
   SINEW_ASSIGN(const std::vector<std::string> files, WritePrediction(words, binding, trials, doubts));
   if (!words.json.empty())

@@ -1,6 +1,7 @@
 #include "identify/problem.h"
 
 #include "identify/alternative_prediction.h"
+#include "identify/unmeasured_estimate.h"
 
 namespace sinew {
 
@@ -65,6 +66,10 @@ std::vector<DerivedQuantity> Problem::DerivedQuantities() const {
 }
 
 std::vector<AlternativePrediction> Problem::Alternatives(const Vector& /*parameters*/) const {
+  return {};
+}
+
+std::optional<UnmeasuredEstimate> Problem::EstimateUnmeasured(const Vector& /*parameters*/) const {
   return {};
 }
 

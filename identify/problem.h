@@ -36,6 +36,7 @@ struct Query {
 };
 
 struct AlternativePrediction;
+struct UnmeasuredEstimate;
 
 /// A model with all its known effects, bound to the data of some trials. Immutable after construction: every
 /// const member may be called from several threads.
@@ -163,6 +164,11 @@ class Problem {
   /// Other predictions of the same blocks, whose errors are reported beside the answer's. @param parameters
   /// [P] of the answer. Default: none.
   [[nodiscard]] virtual std::vector<AlternativePrediction> Alternatives(const Vector& parameters) const;
+
+  /// The nuisance values of trials in which no fitted channel was measured, as far as something else tells of
+  /// them. @param parameters [P] of the answer; those of these trials are not read. Nothing: there is no such
+  /// trial, or nothing tells. Default: nothing.
+  [[nodiscard]] virtual std::optional<UnmeasuredEstimate> EstimateUnmeasured(const Vector& parameters) const;
 
   /// A signal that the residual of a block may depend on, besides time: a measured channel or an input of its
   /// trial, at the block's samples.

@@ -7,6 +7,7 @@
 
 #include "identify/alternative_prediction.h"
 #include "identify/problem.h"
+#include "identify/unmeasured_estimate.h"
 
 namespace sinew {
 
@@ -36,6 +37,10 @@ class ProblemView : public Problem {
   }
   [[nodiscard]] std::vector<AlternativePrediction> Alternatives(const Vector& parameters) const override {
     return inner_.Alternatives(parameters);
+  }
+  [[nodiscard]] std::optional<UnmeasuredEstimate> EstimateUnmeasured(
+      const Vector& parameters) const override {
+    return inner_.EstimateUnmeasured(parameters);
   }
   [[nodiscard]] std::vector<Signal> ResidualCovariates(int block) const override {
     return inner_.ResidualCovariates(block);

@@ -22,6 +22,7 @@ void AddDataCommand(Command app, const RunAction& run) {
   AddDropCommand(data, run);
   AddKinematicsCommand(data, run);
   AddDynamicsCommand(data, run);
+  AddStepsCommand(data, run);
   AddEnvelopeCommand(data, run);
   AddCeinmsCommand(data, run);
   AddSubjectCommand(data, run);

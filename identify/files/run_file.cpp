@@ -114,6 +114,16 @@ void WriteAlternatives(const Identification& identification, Hdf5Node& root) {
   node.At("band95_half_width").SetVector(std::move(half_width));
 }
 
+// Beside the prediction of each channel.
+void WriteUnmeasured(const Identification& identification, Hdf5Node& root) {
+  for (const UnmeasuredChannel& channel : identification.unmeasured) {
+    Hdf5Node& node = root.At("prediction/" + channel.trial + "/" + channel.channel);
+    node.attributes["from"] = channel.from;
+    node.At("band95_half_width")
+        .SetVector({channel.half_width.data(), channel.half_width.data() + channel.half_width.size()});
+  }
+}
+
 void WriteDerived(const Identification& identification, Hdf5Node& root) {
   if (!identification.figures.empty()) {
     Hdf5Node& node = root.At("figures");
@@ -224,6 +234,7 @@ Result<Hdf5Node> RunTree(const Problem& problem, const Identification& identific
   WriteUncertainty(identification.setup, identification.uncertainty, root.At("uncertainty"));
   WriteDerived(identification, root);
   WriteAlternatives(identification, root);
+  WriteUnmeasured(identification, root);
   SINEW_TRY(problem.WriteDetails(identification.parameters, root.At("details")));
   return root;
 }

@@ -103,6 +103,16 @@ Json FromRun(const Problem& problem, const Identification& identification, const
     }
     json["alternatives"].push_back({{"prediction", alternative.name}, {"fit", std::move(fit)}});
   }
+  json["unmeasured"] = Json::array();
+  for (const UnmeasuredChannel& channel : identification.unmeasured) {
+    json["unmeasured"].push_back({{"trial", channel.trial},
+                                  {"channel", channel.channel},
+                                  {"unit", channel.unit},
+                                  {"from", channel.from},
+                                  {"lowest", Finite(channel.lowest)},
+                                  {"highest", Finite(channel.highest)},
+                                  {"band95_half_width", Finite(channel.mean_half_width)}});
+  }
   json["open_directions"] = Json::array();
   for (const OpenDirection& direction : identification.uncertainty.directions)
     json["open_directions"].push_back(FromDirection(direction));

@@ -93,12 +93,15 @@ Result<Identification> Identify(const Problem& problem, FitSetup setup, Identifi
 
   SINEW_ASSIGN(out.parameters, solvers::FitHeldOutNuisance(problem, least_squares.Parameters(out.result.x),
                                                            out.setup.record));
+  const auto unmeasured = problem.EstimateUnmeasured(out.parameters);
+  if (unmeasured) out.parameters = unmeasured->parameters;
   if (out.failures > 0) {
     out.warnings.push_back(FailuresOf(evaluator));
   }
   if (!out.result.stop.converged())
     out.warnings.push_back({WarningKind::kNotConverged, {}, {}, out.result.stop.test});
   SINEW_ASSIGN(out.prediction, PredictAll(problem, out.parameters));
+  if (unmeasured) out.unmeasured = Describe(problem.layout(), *unmeasured, out.prediction.values);
   for (const Warning& note : out.uncertainty.notes) out.warnings.push_back(note);
   for (const Concentration& found : FindConcentrations(problem.layout(), out.prediction.values))
     out.warnings.push_back(ToWarning(found));

@@ -14,6 +14,7 @@
 #include "identify/identification/derived.h"
 #include "identify/solvers/solver.h"
 #include "identify/uncertainty/uncertainty.h"
+#include "identify/unmeasured_estimate.h"
 #include "identify/warning.h"
 
 namespace sinew {
@@ -57,6 +58,7 @@ struct Identification {
   std::vector<FitQuality> pooled_fit;  ///< per role and quantity, of what the fit, or the last step, compares
   std::vector<DerivedResult> derived;
   std::vector<AlternativeQuality> alternatives;  ///< errors of other predictions, see Problem::Alternatives
+  std::vector<UnmeasuredChannel> unmeasured;     ///< of trials without a measurement, with their bands
   std::vector<FigureOfMerit> figures;            ///< empty if the answer is not usable
   std::vector<Warning> warnings;
   std::vector<FinishedStep> steps;  ///< the earlier steps of a stepwise fit

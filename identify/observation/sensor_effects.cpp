@@ -6,6 +6,7 @@
 #include <utility>
 
 #include "identify/observation/low_pass.h"
+#include "identify/unmeasured_estimate.h"
 
 namespace sinew {
 
@@ -338,6 +339,15 @@ std::vector<AlternativePrediction> SensorEffects::Alternatives(const Vector& par
     alternative.parameters = std::move(all);
   }
   return alternatives;
+}
+
+std::optional<UnmeasuredEstimate> SensorEffects::EstimateUnmeasured(const Vector& parameters) const {
+  auto estimate = inner_->EstimateUnmeasured(parameters.head(inner_parameters_));
+  if (!estimate) return {};
+  Vector all = parameters;
+  all.head(inner_parameters_) = estimate->parameters;
+  estimate->parameters = std::move(all);
+  return estimate;
 }
 
 Status SensorEffects::WriteDetails(const Vector& parameters, Hdf5Node& details) const {

@@ -251,6 +251,27 @@ std::vector<Sentence> Alternatives(const Identification& identification) {
   return sentences;
 }
 
+// "walk_left_2, not measured, from the motion of the whole body: vertical force 3 to 812 N (95 % band +-37
+// N); ..." One sentence for each trial and origin.
+std::vector<Sentence> Unmeasured(const Identification& identification) {
+  std::vector<Sentence> sentences;
+  const UnmeasuredChannel* before = nullptr;
+  for (const UnmeasuredChannel& channel : identification.unmeasured) {
+    if (before == nullptr || before->trial != channel.trial || before->from != channel.from)
+      sentences.push_back({SentenceKind::kPrediction,
+                           fmt::format("{}, not measured, from {}", channel.trial, channel.from),
+                           {channel.trial}});
+    sentences.back().text +=
+        fmt::format("{} {} {} to {} (95 % band +-{})", sentences.back().about.size() == 1 ? ":" : ";",
+                    channel.quantity, Readable(channel.lowest, 2), WithUnit(channel.highest, channel.unit, 2),
+                    WithUnit(channel.mean_half_width, channel.unit, 2));
+    sentences.back().about.push_back(channel.channel);
+    before = &channel;
+  }
+  for (Sentence& sentence : sentences) sentence.text += ".";
+  return sentences;
+}
+
 }  // namespace
 
 std::vector<Sentence> Findings(const Identification& identification) {
@@ -260,6 +281,7 @@ std::vector<Sentence> Findings(const Identification& identification) {
   Add(identification.setup, identification.uncertainty, identification.derived, identification.pooled_fit,
       identification.prediction.quality, "", findings);
   for (Sentence& sentence : Alternatives(identification)) findings.push_back(std::move(sentence));
+  for (Sentence& sentence : Unmeasured(identification)) findings.push_back(std::move(sentence));
   return findings;
 }
 

@@ -9,13 +9,14 @@
 #include "problems/contact/body_rows.h"
 #include "problems/contact/plate_channels.h"
 #include "problems/contact/problem.h"
-#include "problems/contact/shared_deviation.h"
-#include "problems/contact/step_estimate.h"
+#include "problems/contact/step_predictor.h"
 
 namespace sinew {
 namespace {
 
 constexpr int kPhases = 101;
+constexpr const char* kByMotion = "the motion alone";
+constexpr const char* kByBody = "the motion of the whole body";
 
 // Of a stance, at equal parts of the time between its first and last fitted or compared sample.
 using Curve = std::vector<double>;
@@ -48,13 +49,11 @@ std::optional<Curve> MeasuredCurve(const Block& block, const std::array<double, 
   return curve;
 }
 
-constexpr double kInside95 = 1.96;  // standard deviations on both sides
-
 // Values of the blocks of held-out stances; nothing for all others.
 struct HeldOut {
   AlternativePrediction prediction;
-  HeldOut(const char* name, std::size_t blocks) {
-    prediction.name = name;
+  HeldOut(const char* from, std::size_t blocks) {
+    prediction.name = std::string("from ") + from;
     prediction.values.resize(blocks);
     prediction.half_width.resize(blocks);
   }
@@ -62,48 +61,10 @@ struct HeldOut {
     for (std::size_t c = 0; c < ContactProblem::kChannels; ++c) {
       const auto b = static_cast<std::size_t>(stance.blocks[c]);
       prediction.values[b] = estimate.value[c];
-      // What the model does not follow even where it is fitted.
-      const double accuracy = layout[b].sigma.value_or(0);
-      prediction.half_width[b] =
-          kInside95 * (estimate.deviation[c].array().square() + accuracy * accuracy).sqrt().matrix();
+      prediction.half_width[b] = HalfWidthOf(estimate, c, layout[b]);
     }
   }
 };
-
-// What every step obeys: it carries as much on average as others do, and begins and ends with next to
-// nothing.
-std::vector<LoadRow> RowsOfAStep(const Stance& stance, double mean_force, double greatest_force) {
-  constexpr double kMeanDiffers = 0.05;  // between the feet, and between steps
-  constexpr double kLight = 0.02;        // of the greatest force, where a stance begins and ends
-  LoadRow mean;
-  std::vector<std::size_t> loaded;
-  for (std::size_t t = 0; t < stance.time.size(); ++t) {
-    if (stance.time[t] >= stance.loaded[0] && stance.time[t] <= stance.loaded[1]) loaded.push_back(t);
-  }
-  if (loaded.empty()) return {};
-  ContactLoad vertical = ContactLoad::Zero();
-  vertical[kForceY] = 1;
-  for (const std::size_t t : loaded)
-    mean.terms.push_back({static_cast<int>(t), vertical / static_cast<double>(loaded.size())});
-  mean.measured = mean_force;
-  mean.deviation = kMeanDiffers * mean_force;
-  std::vector<LoadRow> rows{mean};
-  for (const std::size_t t : {loaded.front(), loaded.back()})
-    rows.push_back({{{static_cast<int>(t), vertical}}, kLight * greatest_force, kLight * greatest_force});
-  return rows;
-}
-
-double MeanLoadedForce(const Stance& stance, const Block& vertical) {
-  double sum = 0;
-  double count = 0;
-  for (std::size_t i = 0; i < vertical.sample.size(); ++i) {
-    const double t = stance.time[static_cast<std::size_t>(vertical.sample[i])];
-    if (t < stance.loaded[0] || t > stance.loaded[1]) continue;
-    sum += vertical.measured[i];
-    count += 1;
-  }
-  return count > 0 ? sum / count : 0;
-}
 
 // The same prediction, compared in single support alone.
 AlternativePrediction InSingleSupport(AlternativePrediction prediction, const std::vector<Stance>& stances,
@@ -152,38 +113,47 @@ std::optional<BodyLoadErrors> ContactProblem::ErrorsOfBodyLoads(const Vector& pa
   return BodyLoadErrors(fitted, loads);
 }
 
+std::optional<UnmeasuredEstimate> ContactProblem::EstimateUnmeasured(const Vector& parameters) const {
+  const std::vector<const Stance*> fitted = StancesOf(BlockRole::kTrain);
+  const bool any = std::any_of(data_.stances.begin(), data_.stances.end(),
+                               [](const Stance& stance) { return !stance.measured; });
+  if (!settings_.motion_errors || !any || fitted.empty()) return {};
+  const StepPredictor steps(*this, fitted, parameters, ErrorsOfBodyLoads(parameters));
+  UnmeasuredEstimate all{parameters, std::vector<Vector>(data_.layout.size()),
+                         std::vector<std::string>(data_.layout.size())};
+  for (const Stance& stance : data_.stances) {
+    if (stance.measured) continue;
+    auto estimate = steps.ByBody(stance);
+    const bool by_body = estimate.has_value();
+    if (!by_body) estimate = steps.ByMotion(stance);
+    if (!estimate) continue;
+    const auto [from, to] = stance.motion_errors.OwnRange();
+    all.parameters.segment(from, to - from) = estimate->parameters.segment(from, to - from);
+    for (std::size_t c = 0; c < kChannels; ++c) {
+      const auto b = static_cast<std::size_t>(stance.blocks[c]);
+      all.half_width[b] = HalfWidthOf(*estimate, c, data_.layout[b]);
+      all.from[b] = by_body ? kByBody : kByMotion;
+    }
+  }
+  return all;
+}
+
 std::vector<AlternativePrediction> ContactProblem::Alternatives(const Vector& parameters) const {
   std::vector<AlternativePrediction> alternatives;
   if (!settings_.motion_errors) return alternatives;
 
   const std::vector<const Stance*> fitted = StancesOf(BlockRole::kTrain);
   const std::vector<const Stance*> held_out = StancesOf(BlockRole::kValidate);
-  HeldOut by_motion("from the motion alone", data_.layout.size());
-  HeldOut by_body("from the motion of the whole body", data_.layout.size());
+  HeldOut by_motion(kByMotion, data_.layout.size());
+  HeldOut by_body(kByBody, data_.layout.size());
   bool any_body = false;
   if (!fitted.empty() && !held_out.empty()) {
-    const double spread = SpreadOfSteps(*this, fitted, parameters);
-    double mean_force = 0;
-    double greatest_force = 0;
-    for (const Stance* stance : fitted) {
-      const auto vertical = static_cast<std::size_t>(stance->blocks[kFy]);
-      mean_force += MeanLoadedForce(*stance, data_.layout[vertical]) / static_cast<double>(fitted.size());
-      greatest_force += stance->greatest_force / static_cast<double>(fitted.size());
-    }
-    const std::optional<BodyLoadErrors> errors = ErrorsOfBodyLoads(parameters);
+    const StepPredictor steps(*this, fitted, parameters, ErrorsOfBodyLoads(parameters));
     for (const Stance* stance : held_out) {
-      Vector expected = parameters;
-      SetMeanDeviation(fitted, *stance, expected);
-      std::vector<LoadRow> rows;
-      if (mean_force > 0) rows = RowsOfAStep(*stance, mean_force, greatest_force);
-      const auto alone = EstimateStep(*this, *stance, expected, spread, rows);
+      const auto alone = steps.ByMotion(*stance);
       if (!alone) continue;
       by_motion.Add(*stance, data_.layout, *alone);
-      if (!errors) continue;
-      const std::vector<LoadRow> of_body = errors->RowsFor(*stance);
-      if (of_body.empty()) continue;
-      rows.insert(rows.end(), of_body.begin(), of_body.end());
-      const auto moved = EstimateStep(*this, *stance, expected, spread, rows);
+      const auto moved = steps.ByBody(*stance);
       if (!moved) continue;
       by_body.Add(*stance, data_.layout, *moved);
       any_body = true;

@@ -10,8 +10,9 @@
 #include "base/text.h"
 #include "models/multibody/coordinate_trajectory.h"
 #include "models/multibody/multibody_model.h"
-#include "models/multibody/osim_reader.h"
+#include "problems/contact/contact_model.h"
 #include "problems/contact/level_feet.h"
+#include "problems/contact/loaded_span.h"
 #include "problems/contact/marker_pose.h"
 #include "problems/contact/motion_priors.h"
 #include "problems/contact/plate_samples.h"
@@ -39,32 +40,6 @@ std::string QuantityOf(const std::string& channel) {
 std::string UnitOf(const std::string& channel) {
   if (channel == "moment_y") return "N*m";
   return channel.rfind("cop", 0) == 0 ? "m" : "N";
-}
-
-struct Model {
-  OsimModel osim;
-  MultibodyModel multibody;
-  std::vector<int> bodies;  // of each region
-};
-
-Result<Model> LoadModel(const Dataset& data, const ContactSettings& settings) {
-  const auto file = data.files.find(settings.model);
-  if (file == data.files.end()) {
-    std::vector<std::string> names;
-    for (const auto& [name, text] : data.files) names.push_back(name);
-    return Fail(
-        "the data set holds no file '{}' (its files: {}); import the .osim that the motion belongs to",
-        settings.model, names.empty() ? "none" : Join(names, ", "));
-  }
-  SINEW_ASSIGN(const OsimModel osim, ReadOsim(file->second, settings.model));
-  SINEW_ASSIGN(MultibodyModel multibody, MultibodyModel::Build(osim));
-  std::vector<int> bodies;
-  for (const ContactRegionSettings& region : settings.regions) {
-    const auto index = multibody.BodyIndex(region.body);
-    if (!index) return Fail("contact region '{}': {}", region.region.name, index.error().message);
-    bodies.push_back(*index);
-  }
-  return Model{osim, std::move(multibody), std::move(bodies)};
 }
 
 // Frames of the motion while the plate records, continued by `margin` on both sides as far as there are any.
@@ -191,7 +166,8 @@ Status AddBlocks(const Trial& trial, const ContactSettings& settings, Stance& st
     block.prediction_time = stance.time;
     block.columns = FeelsFriction(kind) ? all_columns : normal_columns;
     block.columns.insert(block.columns.end(), shared_columns.begin(), shared_columns.end());
-    block.role = !fitted                      ? BlockRole::kPredicted
+    const bool compared = fitted && stance.measured;
+    block.role = !compared                    ? BlockRole::kPredicted
                  : trial.role == Role::kTrain ? BlockRole::kTrain
                                               : BlockRole::kValidate;
     const auto found = trial.Find(block.channel);
@@ -202,8 +178,10 @@ Status AddBlocks(const Trial& trial, const ContactSettings& settings, Stance& st
       SetAccuracy(settings, stance, block);
       // The deviations follow the plate: what they leave is smaller than the noise, and correlated.
       block.white = settings.motion_errors && block.sigma;
+    } else if (!stance.measured) {
+      SetAccuracy(settings, stance, block);
     }
-    if (fitted) {
+    if (compared) {
       if (block.measured.empty()) {
         return Fail("channel '{}' is to be fitted but {}", block.channel,
                     found ? "has no usable sample" : "is not measured");
@@ -224,32 +202,32 @@ Status AddBlocks(const Trial& trial, const ContactSettings& settings, Stance& st
 }
 
 // The greatest vertical force, and from when to when the plate is loaded.
-Status FindLoad(const Grid& grid, const Channel& force, const ContactSettings& settings, Stance& stance) {
-  constexpr double kLoaded = 0.02;  // of the greatest force
-  bool measured = false;
+Status FindLoad(const Trial& trial, const ContactSettings& settings, Stance& stance) {
+  const auto [grid_of_plate, channel] = trial.Find(stance.plate + "_force_y");
+  const Grid& grid = *grid_of_plate;
+  const Channel& force = *channel;
+  stance.measured = false;
   for (const double f : force.values) {
     if (!std::isfinite(f)) continue;
-    measured = true;
+    stance.measured = true;
     stance.greatest_force = std::max(stance.greatest_force, f);
   }
-  // The accuracy of every channel is a share of this force.
-  if (settings.motion_errors && measured && !(stance.greatest_force > 0))
-    return Fail("plate '{}' never carries an upward force: is it upside down?", stance.plate);
-  bool any = false;
-  for (std::size_t i = 0; i < grid.time.size(); ++i) {
-    const double t = grid.time[i];
-    if (!(force.values[i] > kLoaded * stance.greatest_force) || t < stance.time.front() ||
-        t > stance.time.back())
-      continue;
-    if (!any) stance.loaded[0] = t;
-    stance.loaded[1] = t;
-    any = true;
+  if (!stance.measured) {
+    if (trial.role == Role::kTrain)
+      return Fail("{}_force_y has no value: a step without a plate can only be predicted (role validate)",
+                  stance.plate);
+    stance.loaded = WindowOf(trial).value_or(std::array<double, 2>{stance.time.front(), stance.time.back()});
+    return {};
   }
-  if (!(stance.loaded[1] > stance.loaded[0])) stance.loaded = {stance.time.front(), stance.time.back()};
+  // The accuracy of every channel is a share of this force.
+  if (settings.motion_errors && !(stance.greatest_force > 0))
+    return Fail("plate '{}' never carries an upward force: is it upside down?", stance.plate);
+  const auto loaded = LoadedSpan(grid.time, force.values, stance.time.front(), stance.time.back());
+  stance.loaded = loaded.value_or(std::array<double, 2>{stance.time.front(), stance.time.back()});
   return {};
 }
 
-Status AddTrial(const std::string& name, const Trial& trial, const Model& model,
+Status AddTrial(const std::string& name, const Trial& trial, const ContactModel& model,
                 const ContactSettings& settings, double margin, ContactData& out) {
   std::vector<std::string> plates;
   for (const std::string& plate : settings.Plates()) {
@@ -268,7 +246,7 @@ Status AddTrial(const std::string& name, const Trial& trial, const Model& model,
                                                    : PredictionTimes(*vertical.grid, motion, margin));
     SINEW_ASSIGN(Stance stance,
                  MakeStance(name, plate, std::move(time), motion, model.multibody, model.bodies, settings));
-    SINEW_TRY(FindLoad(*vertical.grid, *vertical.channel, settings, stance));
+    SINEW_TRY(FindLoad(trial, settings, stance));
     if (settings.motion_errors) {
       stance.markers = MeasuredMarkers(trial, model.osim, model.multibody, stance.foot, stance.time);
       const MarkerPose by_markers = MoveToMarkers(stance.time, stance.foot, stance.markers);
@@ -288,12 +266,26 @@ Status AddTrial(const std::string& name, const Trial& trial, const Model& model,
   return {};
 }
 
+// Where no plate measured it: the mean of the stances whose plates did.
+void SetGreatestForceOfUnmeasured(std::vector<Stance>& stances) {
+  double sum = 0;
+  double count = 0;
+  for (const Stance& stance : stances) {
+    if (!stance.measured) continue;
+    sum += stance.greatest_force;
+    count += 1;
+  }
+  for (Stance& stance : stances) {
+    if (!stance.measured && count > 0) stance.greatest_force = sum / count;
+  }
+}
+
 constexpr double kWorthSaying = 5e-4;  // [m]
 
 }  // namespace
 
 Result<ContactData> PrepareContactData(const Dataset& data, const ContactSettings& settings, double margin) {
-  SINEW_ASSIGN(const Model model, LoadModel(data, settings));
+  SINEW_ASSIGN(const ContactModel model, LoadContactModel(data, settings));
   ContactData out;
   const int per_group = kContactParametersPerGroup + static_cast<int>(settings.SolePlaces().size());
   out.effects = ContactEffectList(static_cast<int>(settings.Groups().size()) * per_group, settings.Plates());
@@ -302,10 +294,13 @@ Result<ContactData> PrepareContactData(const Dataset& data, const ContactSetting
     const Status status = AddTrial(name, trial, model, settings, margin, out);
     if (!status) return Fail("trial '{}': {}", name, status.error().message);
   }
-  if (out.stances.empty()) {
+  const bool any_measured = std::any_of(out.stances.begin(), out.stances.end(),
+                                        [](const Stance& stance) { return stance.measured; });
+  if (!any_measured) {
     return Fail("no trial has a vertical force of the plates {}: expected a channel such as {}_force_y",
                 Join(settings.Plates(), ", "), settings.Plates().front());
   }
+  SetGreatestForceOfUnmeasured(out.stances);
   if (settings.motion_errors) {
     std::vector<bool> fitted;
     for (const Stance& stance : out.stances)
@@ -329,10 +324,14 @@ Result<ContactData> PrepareContactData(const Dataset& data, const ContactSetting
   // One floor under all stances turns about one point, in their midst, so that a slope is no height.
   std::array<double, 2> middle{};
   for (const std::size_t axis : {0U, 1U}) {
-    const auto [low, high] = std::minmax_element(
-        out.stances.begin(), out.stances.end(),
-        [axis](const Stance& a, const Stance& b) { return a.middle[axis] < b.middle[axis]; });
-    middle[axis] = 0.5 * (low->middle[axis] + high->middle[axis]);
+    double low = kInfinity;
+    double high = -kInfinity;
+    for (const Stance& stance : out.stances) {
+      if (!stance.measured) continue;
+      low = std::min(low, stance.middle[axis]);
+      high = std::max(high, stance.middle[axis]);
+    }
+    middle[axis] = 0.5 * (low + high);
   }
   for (Stance& stance : out.stances) stance.kinematics.tilt_reference = middle;
   return out;

@@ -24,6 +24,7 @@ MarkerAccuracy PooledAccuracy(const std::vector<Stance>& stances) {
   MarkerAccuracy pooled;
   double with_markers = 0;
   for (const Stance& stance : stances) {
+    if (!stance.measured) continue;
     const MarkerAccuracy one = AccuracyOf(stance.markers, stance.foot);
     if (!(one.position > 0)) continue;
     with_markers += 1;
@@ -52,9 +53,13 @@ void AddMotionErrors(const MotionErrorSettings& settings, std::vector<Stance>& s
   // The variance is divided between what stances have in common and what each has of its own.
   const double common_share = 1 / std::hypot(1.0, settings.between_steps);
   const double own_share = settings.between_steps * common_share;
+  // Steps without a plate leave the fit of the others as it is.
+  const auto measured =
+      std::count_if(stances.begin(), stances.end(), [](const Stance& stance) { return stance.measured; });
   double duration = 0;
-  for (const Stance& stance : stances)
-    duration += (stance.loaded[1] - stance.loaded[0]) / static_cast<double>(stances.size());
+  for (const Stance& stance : stances) {
+    if (stance.measured) duration += (stance.loaded[1] - stance.loaded[0]) / static_cast<double>(measured);
+  }
 
   std::vector<int> components;
   for (int c = 0; c < (has_joint ? kPoseComponents : kJointAngle); ++c) components.push_back(c);

@@ -11,6 +11,7 @@
 #include "datasets/dataset.h"
 #include "identify/alternative_prediction.h"
 #include "identify/problem.h"
+#include "identify/unmeasured_estimate.h"
 #include "problems/contact/data.h"
 #include "problems/contact/effects.h"
 #include "problems/contact/settings.h"
@@ -57,6 +58,9 @@ class ContactProblem final : public Problem {
   /// curve of the fitted stances over the duration of a stance, mirrored for the other foot. Known of a
   /// held-out stance are its begin and its end.
   [[nodiscard]] std::vector<AlternativePrediction> Alternatives(const Vector& parameters) const override;
+  /// With motion errors, of stances whose plate measured nothing: by the dynamics of the whole body where the
+  /// trial holds them, else by the mean deviation of the fitted stances.
+  [[nodiscard]] std::optional<UnmeasuredEstimate> EstimateUnmeasured(const Vector& parameters) const override;
   /// The plate's measured vertical force, and depth and slip speed of the deepest spring.
   [[nodiscard]] std::vector<Signal> ResidualCovariates(int block) const override;
 
