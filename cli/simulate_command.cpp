@@ -245,11 +245,12 @@ Result<int> RunSimulate(SimulateWords& words) {
   std::optional<UnmeasuredEstimate> unmeasured;
   if (!words.from.empty()) unmeasured = binding.problem().EstimateUnmeasured(parameters);
   if (unmeasured) parameters = unmeasured->parameters;
-  const auto prediction = PredictAll(binding.problem(), parameters);
+  auto prediction = PredictAll(binding.problem(), parameters);
   line.Clear();
   if (!prediction) {
     return ReportNotUsable(*words.binding.program, prediction.error().message);
   }
+  if (unmeasured) TakeOver(*unmeasured, prediction->values);
   auto trials = ToTrials(binding, *prediction, unmeasured ? &*unmeasured : nullptr);
   if (mode != nullptr) SINEW_TRY(mode->AddTo(trials, parameters));
   SINEW_ASSIGN(const std::vector<std::string> files, WritePrediction(words, binding, trials, doubts));

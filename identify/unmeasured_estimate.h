@@ -13,9 +13,13 @@ namespace sinew {
 /// motion of the whole body.
 struct UnmeasuredEstimate {
   Vector parameters;               ///< [P] with the nuisance values of these trials
-  std::vector<Vector> half_width;  ///< [layout size][predictions] of the 95 % band [unit]; empty: none
-  std::vector<std::string> from;   ///< [layout size] "the motion alone"; empty where there is no band
+  std::vector<Vector> values;      ///< [layout size][predictions] of these trials; empty for all others
+  std::vector<Vector> half_width;  ///< as `values`: of the 95 % band [unit]
+  std::vector<std::string> from;   ///< [layout size] "the motion alone"; empty for all others
 };
+
+/// Takes the values over into a prediction. @param values [layout size][predictions]
+void TakeOver(const UnmeasuredEstimate& estimate, std::vector<Vector>& values);
 
 /// One channel of such a trial.
 struct UnmeasuredChannel {
@@ -30,9 +34,8 @@ struct UnmeasuredChannel {
   double mean_half_width = 0;  ///< its root mean square [unit]
 };
 
-/// The channels that have a band. @param values [layout size][predictions]
+/// The channels that have values.
 [[nodiscard]] std::vector<UnmeasuredChannel> Describe(const Layout& layout,
-                                                      const UnmeasuredEstimate& estimate,
-                                                      const std::vector<Vector>& values);
+                                                      const UnmeasuredEstimate& estimate);
 
 }  // namespace sinew

@@ -101,7 +101,10 @@ Result<Identification> Identify(const Problem& problem, FitSetup setup, Identifi
   if (!out.result.stop.converged())
     out.warnings.push_back({WarningKind::kNotConverged, {}, {}, out.result.stop.test});
   SINEW_ASSIGN(out.prediction, PredictAll(problem, out.parameters));
-  if (unmeasured) out.unmeasured = Describe(problem.layout(), *unmeasured, out.prediction.values);
+  if (unmeasured) {
+    TakeOver(*unmeasured, out.prediction.values);
+    out.unmeasured = Describe(problem.layout(), *unmeasured);
+  }
   for (const Warning& note : out.uncertainty.notes) out.warnings.push_back(note);
   for (const Concentration& found : FindConcentrations(problem.layout(), out.prediction.values))
     out.warnings.push_back(ToWarning(found));

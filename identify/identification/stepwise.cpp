@@ -110,6 +110,8 @@ Result<Identification> IdentifyStepwise(const Problem& problem, const FitRequest
     if (!usable && !last) fit.result.stop.test = step.name + ": " + fit.result.stop.test;
     if (usable) {
       SINEW_ASSIGN(fit.prediction, PredictAll(problem, fit.parameters));
+      if (const auto unmeasured = problem.EstimateUnmeasured(fit.parameters))
+        TakeOver(*unmeasured, fit.prediction.values);
       fit.figures = problem.FiguresOfMerit(fit.parameters, fit.prediction.values);
       fit.alternatives = CompareAlternatives(problem, fit.parameters);
     }

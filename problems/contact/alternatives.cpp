@@ -95,7 +95,8 @@ std::vector<const Stance*> ContactProblem::StancesOf(BlockRole role) const {
   return stances;
 }
 
-std::optional<BodyLoadErrors> ContactProblem::ErrorsOfBodyLoads(const Vector& parameters) const {
+std::optional<std::vector<std::vector<ContactLoad>>> ContactProblem::FittedLoads(
+    const Vector& parameters) const {
   const auto predicted = PredictAll(*this, parameters);
   if (!predicted) return {};
   const std::vector<const Stance*> fitted = StancesOf(BlockRole::kTrain);
@@ -110,7 +111,7 @@ std::optional<BodyLoadErrors> ContactProblem::ErrorsOfBodyLoads(const Vector& pa
       of_stance.push_back(LoadOf(channels));
     }
   }
-  return BodyLoadErrors(fitted, loads);
+  return loads;
 }
 
 std::optional<UnmeasuredEstimate> ContactProblem::EstimateUnmeasured(const Vector& parameters) const {
@@ -118,8 +119,11 @@ std::optional<UnmeasuredEstimate> ContactProblem::EstimateUnmeasured(const Vecto
   const bool any = std::any_of(data_.stances.begin(), data_.stances.end(),
                                [](const Stance& stance) { return !stance.measured; });
   if (!settings_.motion_errors || !any || fitted.empty()) return {};
-  const StepPredictor steps(*this, fitted, parameters, ErrorsOfBodyLoads(parameters));
+  const auto loads = FittedLoads(parameters);
+  if (!loads) return {};
+  const StepPredictor steps(*this, fitted, *loads, parameters);
   UnmeasuredEstimate all{parameters, std::vector<Vector>(data_.layout.size()),
+                         std::vector<Vector>(data_.layout.size()),
                          std::vector<std::string>(data_.layout.size())};
   for (const Stance& stance : data_.stances) {
     if (stance.measured) continue;
@@ -131,6 +135,7 @@ std::optional<UnmeasuredEstimate> ContactProblem::EstimateUnmeasured(const Vecto
     all.parameters.segment(from, to - from) = estimate->parameters.segment(from, to - from);
     for (std::size_t c = 0; c < kChannels; ++c) {
       const auto b = static_cast<std::size_t>(stance.blocks[c]);
+      all.values[b] = estimate->value[c];
       all.half_width[b] = HalfWidthOf(*estimate, c, data_.layout[b]);
       all.from[b] = by_body ? kByBody : kByMotion;
     }
@@ -147,8 +152,9 @@ std::vector<AlternativePrediction> ContactProblem::Alternatives(const Vector& pa
   HeldOut by_motion(kByMotion, data_.layout.size());
   HeldOut by_body(kByBody, data_.layout.size());
   bool any_body = false;
-  if (!fitted.empty() && !held_out.empty()) {
-    const StepPredictor steps(*this, fitted, parameters, ErrorsOfBodyLoads(parameters));
+  const auto loads = FittedLoads(parameters);
+  if (!fitted.empty() && !held_out.empty() && loads) {
+    const StepPredictor steps(*this, fitted, *loads, parameters);
     for (const Stance* stance : held_out) {
       const auto alone = steps.ByMotion(*stance);
       if (!alone) continue;

@@ -7,35 +7,6 @@
 namespace sinew {
 namespace {
 
-using Wrench = Eigen::Matrix<double, 6, 1>;
-using WrenchOfLoad = Eigen::Matrix<double, 6, 6>;
-
-// Turns a wrench in ground axes into the frame of a foot, mirrored for a left one.
-WrenchOfLoad IntoFoot(const Stance& stance) {
-  const auto directions = FootDirections(stance.forward, stance.side);
-  WrenchOfLoad into = WrenchOfLoad::Zero();
-  for (std::size_t axis = 0; axis < kAxes; ++axis) {
-    const auto row = static_cast<Eigen::Index>(axis);
-    into.block<1, 3>(row, 0) = directions[kShiftX + axis].segment<3>(kShiftX).transpose();
-    into.block<1, 3>(row + 3, 3) = directions[kTurnX + axis].segment<3>(kTurnX).transpose();
-  }
-  return into;
-}
-
-// Force, and moment about a place on the floor, of a foot's load.
-WrenchOfLoad About(const Vec3& place) {
-  WrenchOfLoad wrench = WrenchOfLoad::Zero();
-  wrench(0, kForceX) = wrench(1, kForceY) = wrench(2, kForceZ) = 1;
-  wrench(3, kFirstMomentZ) = -1;
-  wrench(3, kForceY) = place.z();
-  wrench(4, kMomentY) = 1;
-  wrench(4, kForceX) = -place.z();
-  wrench(4, kForceZ) = place.x();
-  wrench(5, kFirstMomentX) = 1;
-  wrench(5, kForceY) = -place.x();
-  return wrench;
-}
-
 Wrench OfBody(const BodyLoad& body, std::size_t instant) {
   Wrench wrench;
   wrench << body.force[instant], body.moment[instant];
@@ -66,10 +37,6 @@ std::pair<double, double> SpreadOf(const std::vector<std::vector<Wrench>>& error
   return {std::sqrt(squares / count), repeated};
 }
 
-bool IsLoaded(const Stance& stance, std::size_t instant) {
-  return stance.time[instant] >= stance.loaded[0] && stance.time[instant] <= stance.loaded[1];
-}
-
 }  // namespace
 
 BodyLoadErrors::BodyLoadErrors(const std::vector<const Stance*>& fitted,
@@ -89,7 +56,7 @@ BodyLoadErrors::BodyLoadErrors(const std::vector<const Stance*>& fitted,
     for (std::size_t t = 0; t < stance.time.size(); ++t) {
       if (!IsLoaded(stance, t)) continue;
       const SupportPhase phase = body.phase[t];
-      const Wrench error = OfBody(body, t) - About(body.about[t]) * loads[s][t];
+      const Wrench error = OfBody(body, t) - WrenchAbout(body.about[t]) * loads[s][t];
       curves[static_cast<std::size_t>(phase)].share.push_back(body.ShareAt(stance.time[t], phase));
       curves[static_cast<std::size_t>(phase)].error.emplace_back(into_foot * error);
       if (phase != kSingle) continue;
@@ -125,6 +92,7 @@ BodyLoadErrors::BodyLoadErrors(const std::vector<const Stance*>& fitted,
     for (Eigen::Index c = 0; c < 6; ++c) {
       const auto [deviation, repeated] = SpreadOf(left, c);
       deviation_[phase][c] = std::max(least, deviation * std::sqrt((1 + 1 / steps) * repeated));
+      if (phase == kSingle) scatter_[c] = std::max(least, deviation * std::sqrt(1 + 1 / steps));
     }
   }
 }
@@ -146,6 +114,13 @@ Wrench BodyLoadErrors::MeanError(SupportPhase phase, double share) const {
   return count > 0 ? Wrench(sum / count) : sum;
 }
 
+Wrench BodyLoadErrors::CorrectedLoad(const Stance& stance, std::size_t instant) const {
+  const BodyLoad& body = *stance.body;
+  const SupportPhase phase = body.phase[instant];
+  return IntoFoot(stance) * OfBody(body, instant) -
+         MeanError(phase, body.ShareAt(stance.time[instant], phase));
+}
+
 std::vector<LoadRow> BodyLoadErrors::RowsFor(const Stance& stance) const {
   std::vector<LoadRow> rows;
   if (!stance.body || !usable_) return rows;
@@ -154,9 +129,8 @@ std::vector<LoadRow> BodyLoadErrors::RowsFor(const Stance& stance) const {
   for (std::size_t t = 0; t < stance.time.size(); ++t) {
     if (!IsLoaded(stance, t)) continue;
     const SupportPhase phase = body.phase[t];
-    const Wrench measured =
-        into_foot * OfBody(body, t) - MeanError(phase, body.ShareAt(stance.time[t], phase));
-    const WrenchOfLoad of_load = into_foot * About(body.about[t]);
+    const Wrench measured = CorrectedLoad(stance, t);
+    const WrenchOfLoad of_load = into_foot * WrenchAbout(body.about[t]);
     for (Eigen::Index c = phase == kSingle ? 0 : 3; c < 6; ++c) {
       const double deviation = deviation_[static_cast<std::size_t>(phase)][c];
       if (!(deviation > 0)) continue;

@@ -5,12 +5,10 @@
 #include <array>
 #include <vector>
 
+#include "problems/contact/foot_wrench.h"
 #include "problems/contact/step_estimate.h"
 
 namespace sinew {
-
-/// Forward, up and to the outside of the foot.
-constexpr std::size_t kAxes = 3;
 
 /// Errors of the whole body's load in stances whose forces are known: of its mass distribution, of its
 /// low-pass filter, of the place where the other foot stands. They come back in every step, and are mirrored
@@ -32,16 +30,21 @@ class BodyLoadErrors {
   /// about this one in single support, at every loaded instant. Their errors are correlated in time: each row
   /// counts for the share of it that is new.
   [[nodiscard]] std::vector<LoadRow> RowsFor(const Stance& stance) const;
+  /// The whole body's load of a stance that has one, without these errors, in the frame of the foot.
+  [[nodiscard]] Wrench CorrectedLoad(const Stance& stance, std::size_t instant) const;
+  /// Standard deviation of what is left of the errors at one instant of a new step's single support.
+  [[nodiscard]] const Wrench& scatter() const { return scatter_; }
 
  private:
   struct Curve {
-    std::vector<double> share;                       // of the phase that has passed
-    std::vector<Eigen::Matrix<double, 6, 1>> error;  // force and moment, in the frame of the foot
+    std::vector<double> share;  // of the phase that has passed
+    std::vector<Wrench> error;  // force and moment, in the frame of the foot
   };
-  [[nodiscard]] Eigen::Matrix<double, 6, 1> MeanError(SupportPhase phase, double share) const;
+  [[nodiscard]] Wrench MeanError(SupportPhase phase, double share) const;
 
-  std::vector<std::array<Curve, kSupportPhases>> curves_;              // [fitted]
-  std::array<Eigen::Matrix<double, 6, 1>, kSupportPhases> deviation_;  // of a row
+  std::vector<std::array<Curve, kSupportPhases>> curves_;  // [fitted]
+  std::array<Wrench, kSupportPhases> deviation_;           // of a row
+  Wrench scatter_ = Wrench::Zero();
   bool usable_ = false;
   double vertical_ = 0;
 };

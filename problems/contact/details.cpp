@@ -172,15 +172,17 @@ std::vector<FigureOfMerit> ContactProblem::FiguresOfMerit(const Vector& paramete
   }
   const auto has_body = [](const Stance& stance) { return stance.body.has_value(); };
   if (std::none_of(data_.stances.begin(), data_.stances.end(), has_body)) return figures;
-  const std::optional<BodyLoadErrors> errors = ErrorsOfBodyLoads(parameters);
-  if (errors && errors->vertical() > 0)
+  const auto loads = FittedLoads(parameters);
+  if (!loads) return figures;
+  const BodyLoadErrors errors(StancesOf(BlockRole::kTrain), *loads);
+  if (errors.vertical() > 0)
     figures.push_back({"error of the whole body's vertical force",
                        fmt::format("N, root mean square difference to the contact in single support of the "
                                    "fitted stances{}",
-                                   errors->usable() ? ""
-                                                    : ": no steps are predicted by it, since their means "
-                                                      "differ by more than a quarter"),
-                       errors->vertical()});
+                                   errors.usable() ? ""
+                                                   : ": no steps are predicted by it, since their means "
+                                                     "differ by more than a quarter"),
+                       errors.vertical()});
   return figures;
 }
 

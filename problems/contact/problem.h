@@ -18,7 +18,6 @@
 
 namespace sinew {
 
-class BodyLoadErrors;
 struct PlateChannels;
 
 /// Parameters per group of regions: stiffness, dissipation, static_friction, dynamic_friction,
@@ -92,8 +91,9 @@ class ContactProblem final : public Problem {
   }
   /// Those with a block of a role.
   [[nodiscard]] std::vector<const Stance*> StancesOf(BlockRole role) const;
-  /// Of the fitted stances at these parameters; nothing where they cannot be predicted.
-  [[nodiscard]] std::optional<BodyLoadErrors> ErrorsOfBodyLoads(const Vector& parameters) const;
+  /// Of the feet in the fitted stances [stances][T]; nothing where they cannot be predicted.
+  [[nodiscard]] std::optional<std::vector<std::vector<ContactLoad>>> FittedLoads(
+      const Vector& parameters) const;
   [[nodiscard]] ContactEffectValues EffectsOn(const std::string& plate, const Vector& parameters) const;
 
   ContactSettings settings_;

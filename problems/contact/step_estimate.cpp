@@ -148,7 +148,9 @@ ContactLoad LoadOf(const std::array<double, kChannels>& v) {
 Result<StepEstimate> EstimateStep(const ContactProblem& problem, const Stance& stance,
                                   const Vector& parameters, double spread, const std::vector<LoadRow>& rows) {
   constexpr std::array<double, 6> kShares{1.0 / 32, 1.0 / 16, 1.0 / 8, 1.0 / 4, 1.0 / 2, 1};
-  constexpr int kSteps = 30;          // of each share
+  constexpr int kSteps = 60;  // of each share
+  constexpr double kLeastDamping = 1e-6;
+  constexpr double kGreatestDamping = 1e8;
   constexpr double kSettled = 1e-6;   // relative change of the cost
   constexpr double kOnTheWay = 1e-3;  // the same before the last share
   const auto [from, to] = stance.motion_errors.OwnRange();
@@ -172,7 +174,7 @@ Result<StepEstimate> EstimateStep(const ContactProblem& problem, const Stance& s
           -share * share * linear.jacobian.transpose() * linear.residual - moved / (spread * spread);
       bool lower = false;
       bool settled = false;
-      for (int attempt = 0; attempt < 8 && !lower; ++attempt) {
+      while (!lower && damping < kGreatestDamping) {
         const Vector change = (normal + damping / (spread * spread) * identity).llt().solve(pull);
         Vector there = at;
         for (int i = 0; i < count; ++i) {
@@ -189,7 +191,7 @@ Result<StepEstimate> EstimateStep(const ContactProblem& problem, const Stance& s
             std::swap(model.values, trial.values);
           }
         }
-        damping = lower ? std::max(damping / 5, 1e-9) : 8 * damping;
+        damping = lower ? std::max(damping / 5, kLeastDamping) : 8 * damping;
       }
       if (lower) SINEW_TRY(model.Predict(at));
       if (!lower || settled) break;

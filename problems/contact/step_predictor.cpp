@@ -1,8 +1,10 @@
 #include "problems/contact/step_predictor.h"
 
+#include <algorithm>
 #include <cmath>
 #include <utility>
 
+#include "problems/contact/load_estimate.h"
 #include "problems/contact/plate_channels.h"
 #include "problems/contact/shared_deviation.h"
 
@@ -21,14 +23,45 @@ double MeanLoadedForce(const Stance& stance, const Block& vertical) {
   return count > 0 ? sum / count : 0;
 }
 
+// Those of the vertical force and its place.
+std::vector<LoadRow> WithoutFriction(std::vector<LoadRow> rows) {
+  const auto feels_friction = [](const LoadRow& row) {
+    return std::any_of(row.terms.begin(), row.terms.end(), [](const LoadRow::Term& term) {
+      return term.factors[kForceX] != 0 || term.factors[kForceZ] != 0 || term.factors[kMomentY] != 0;
+    });
+  };
+  rows.erase(std::remove_if(rows.begin(), rows.end(), feels_friction), rows.end());
+  return rows;
+}
+
+// The horizontal force and the free moment about the centre of pressure, in place of those of friction.
+void TakeHorizontalLoad(const LoadEstimate& known, StepEstimate& estimate) {
+  for (std::size_t i = 0; i < known.load.size(); ++i) {
+    const auto t = static_cast<Eigen::Index>(i);
+    const ContactLoad& load = known.load[i];
+    ContactLoad free_moment = ContactLoad::Zero();
+    free_moment[kMomentY] = 1;
+    free_moment[kForceX] = -estimate.value[kCopZ][t];
+    free_moment[kForceZ] = estimate.value[kCopX][t];
+    const auto take = [&](std::size_t channel, const ContactLoad& factors) {
+      estimate.value[channel][t] = factors.dot(load);
+      estimate.deviation[channel][t] = std::sqrt(factors.dot(known.covariance[i] * factors));
+    };
+    take(kFx, ContactLoad::Unit(kForceX));
+    take(kFz, ContactLoad::Unit(kForceZ));
+    take(kFreeMoment, free_moment);
+  }
+}
+
 }  // namespace
 
 StepPredictor::StepPredictor(const ContactProblem& problem, std::vector<const Stance*> fitted,
-                             const Vector& parameters, std::optional<BodyLoadErrors> errors)
+                             const std::vector<std::vector<ContactLoad>>& loads, const Vector& parameters)
     : problem_(problem),
       fitted_(std::move(fitted)),
       parameters_(parameters),
-      errors_(std::move(errors)),
+      errors_(fitted_, loads),
+      mean_(fitted_, loads, problem.settings().floor.height),
       spread_(SpreadOfSteps(problem, fitted_, parameters)) {
   const auto steps = static_cast<double>(fitted_.size());
   for (const Stance* stance : fitted_) {
@@ -73,13 +106,28 @@ std::optional<StepEstimate> StepPredictor::ByMotion(const Stance& stance) const 
   return Estimate(stance, RowsOfAStep(stance));
 }
 
+Wrench StepPredictor::Unusual(const Stance& stance) const {
+  Wrench squares = Wrench::Zero();
+  double count = 0;
+  for (std::size_t t = 0; t < stance.time.size(); ++t) {
+    if (!IsLoaded(stance, t) || stance.body->phase[t] != kSingle) continue;
+    squares += (errors_.CorrectedLoad(stance, t) - mean_.At(PhaseOf(stance, t))).array().square().matrix();
+    count += 1;
+  }
+  if (count == 0) return Wrench::Ones();
+  const Wrench expected = mean_.scatter().array().square() + errors_.scatter().array().square();
+  return (squares / count).cwiseQuotient(expected).array().sqrt().max(1.0);
+}
+
 std::optional<StepEstimate> StepPredictor::ByBody(const Stance& stance) const {
-  if (!errors_) return {};
-  const std::vector<LoadRow> of_body = errors_->RowsFor(stance);
+  const std::vector<LoadRow> of_body = errors_.RowsFor(stance);
   if (of_body.empty()) return {};
-  std::vector<LoadRow> rows = RowsOfAStep(stance);
-  rows.insert(rows.end(), of_body.begin(), of_body.end());
-  return Estimate(stance, rows);
+  std::vector<LoadRow> rows = mean_.RowsFor(stance, Unusual(stance));
+  for (const std::vector<LoadRow>& more : {RowsOfAStep(stance), of_body})
+    rows.insert(rows.end(), more.begin(), more.end());
+  auto estimate = Estimate(stance, WithoutFriction(rows));
+  if (estimate) TakeHorizontalLoad(EstimateLoad(rows, stance.time.size()), *estimate);
+  return estimate;
 }
 
 Vector HalfWidthOf(const StepEstimate& estimate, std::size_t channel, const Block& block) {
