@@ -6,6 +6,7 @@
 #include "models/dynamometer/smooth_angle.h"
 #include "models/multibody/multibody_model.h"
 #include "models/multibody/whole_body_load.h"
+#include "problems/contact/loaded_span.h"
 #include "problems/contact/trial_motion.h"
 
 namespace sinew {
@@ -143,6 +144,13 @@ Result<std::vector<WholeBodyDynamics>> AddWholeBodyDynamics(const OsimModel& osi
   std::vector<WholeBodyDynamics> all;
   for (auto& [name, trial] : data.trials) {
     if (!HoldsCoordinates(trial, model)) continue;
+    if (WindowOf(trial) && trial.grids.count(kDynamicsGrid) > 0) {
+      WholeBodyDynamics before;
+      before.trial = name;
+      before.kept = true;
+      all.push_back(std::move(before));
+      continue;
+    }
     auto done = AddTo(trial, model, osim.gravity, cutoff);
     if (!done) return Fail("trial '{}': {}", name, done.error().message);
     done->trial = name;

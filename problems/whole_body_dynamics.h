@@ -22,6 +22,7 @@ struct WholeBodyDynamics {
   std::size_t frames = 0;
   double mass = 0;                ///< of the model [kg]
   double weight_share = 0;        ///< mean vertical force over the model's weight
+  bool kept = false;              ///< a part of a recording that has them already: nothing was done
   std::vector<std::string> held;  ///< coordinates without data that move little mass: at the model's default
 };
 
@@ -30,7 +31,8 @@ struct WholeBodyDynamics {
 /// takes them for motion.
 inline constexpr double kWalkingCutoff = 6;  ///< [Hz]
 
-/// Adds (or replaces) the grid `dynamics` of every trial that holds coordinates of the model. Coordinates are
+/// Adds (or replaces) the grid `dynamics` of every trial that holds coordinates of the model; one that was
+/// cut from a recording and has it keeps it, since the recording's has no ends there. Coordinates are
 /// low-passed without lag (second order, forwards and backwards), then differentiated twice as splines: a
 /// quarter of a second at both ends of a recording is not to be trusted.
 /// @param cutoff [Hz] of all coordinates; 0: none

@@ -23,6 +23,7 @@ struct DynamicsWords {
 };
 
 std::string Describe(const WholeBodyDynamics& done) {
+  if (done.kept) return fmt::format("{}: kept as it was cut from its recording\n", done.trial);
   std::string text =
       fmt::format("{}: {} frames, {:.1f} kg; the ground carries {:.3f} times the weight on average\n",
                   done.trial, done.frames, done.mass, done.weight_share);
@@ -34,6 +35,10 @@ nlohmann::ordered_json ToJson(const Dataset& data, const std::vector<WholeBodyDy
   nlohmann::ordered_json json = DatasetJson(data);
   json["whole_body"] = nlohmann::ordered_json::array();
   for (const WholeBodyDynamics& done : all) {
+    if (done.kept) {
+      json["whole_body"].push_back({{"trial", done.trial}, {"kept", true}});
+      continue;
+    }
     json["whole_body"].push_back({{"trial", done.trial},
                                   {"frames", done.frames},
                                   {"mass_kg", done.mass},

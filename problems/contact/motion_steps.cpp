@@ -116,7 +116,7 @@ double Refined(const std::vector<double>& time, const std::vector<double>& value
 std::vector<double> Extremes(const std::vector<double>& time, const std::vector<double>& values,
                              double sign) {
   constexpr double kFalls = 1.0 / 3;
-  constexpr double kLeastRange = 0.1;  // [m]: smaller motion of a foot is no step
+  constexpr double kLeastRange = 0.03;  // [m]: smaller motion of a foot is no step, of a small robot either
   const auto [low, high] = std::minmax_element(values.begin(), values.end());
   const double range = *high - *low;
   std::vector<double> found;

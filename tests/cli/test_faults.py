@@ -19,6 +19,7 @@ from laboratory_files import ceinms_project, mot
 from program import LONGEST, PROGRAM, ROOT, ProgramTest, contents
 from test_envelope import burst, raw_emg
 from test_muscles import MODEL, motion
+from test_steps import add_walk
 
 FAULTS = os.environ.get("SINEW_FAULTS", "")
 FULL = {"open": (errno.ENOSPC, errno.EDQUOT, errno.EROFS, errno.ENAMETOOLONG, errno.EACCES), "write": (errno.ENOSPC, errno.EDQUOT),
@@ -41,6 +42,7 @@ COMMANDS = {
     "data check": (("data", "check", "spoilt.h5", "--mask", "auto", "--out", "out.h5"), ("out.h5",)),
     "data stances": (("data", "stances", "stances.h5", "--out", "out.h5"), ("out.h5",)),
     "data dynamics": (("data", "dynamics", "stances.h5"), ("stances.h5",)),
+    "data steps": (("data", "steps", "walks.h5", "--config", "soles.yaml", "--trial", "walk"), ("walks.h5",)),
     "data soles": (("data", "soles", "stances.h5", "--out", "out.yaml"), ("out.yaml",)),
     "data muscles": (("data", "muscles", "finger.h5", "--joints", "first"), ("finger.h5",)),
     "data envelope": (("data", "envelope", "emg.h5", "--out", "out.h5"), ("out.h5",)),
@@ -67,6 +69,9 @@ class Faults(ProgramTest):
         # Short: a slow build with a sanitizer, too, shall end before its first checkpoint, which is another write.
         self.succeeds("data", "synthesize", "drive", "--out", "short.h5", "--seed", 3, "--set", "train=2", "--set", "validate=1",
                       "--set", "duration=0.5", "--set", "rate=100")
+        with h5py.File(self.path(self.stances("walks.h5")), "r+") as file:
+            add_walk(file)
+        self.settings(name="soles.yaml")
         self.succeeds("data", "synthesize", "drive", "--out", "spoilt.h5", "--seed", 4)
         with h5py.File(self.path("spoilt.h5"), "r+") as file:
             values = next(iter(file["trials/train_1"].values()))["channels/position"]

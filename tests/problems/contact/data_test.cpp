@@ -150,7 +150,8 @@ TEST(ContactData, AFittedChannelMustBeMeasured) {
               auto& values = data.trials[kTrial].grids["forces"].channels["right_force_y"].values;
               std::fill(values.begin(), values.end(), std::nan(""));
             }),
-            "trial 'train_1': channel 'right_force_y' is to be fitted but has no usable sample");
+            "trial 'train_1': right_force_y has no value: a step without a plate can only be predicted (role "
+            "validate)");
 }
 
 TEST(ContactData, SomeTrialMustHaveAForce) {

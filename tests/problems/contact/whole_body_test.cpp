@@ -19,16 +19,6 @@ using testing::HasSubstr;
 const char* const kByMotion = "from the motion alone";
 const char* const kByBody = "from the motion of the whole body";
 
-// The robot's contact.yaml with motion that may deviate.
-std::string Moving(const Dataset& data) {
-  std::string text = SettingsText(
-      data, kFitsVertical,
-      std::string(kFitsForce) + "\n  motion_errors: {position: 0.001, rotation: 0.005, cutoff: 8}");
-  const std::string objective = "objective: thesis";
-  return text.replace(text.find(objective), objective.size(),
-                      "objective: likelihood\n  accuracy: {force: 1}");
-}
-
 // One fitted stance, and one held out, whose recorded motion sinks in and rises by half a millimetre.
 Dataset TwoStances() {
   Dataset data = SteppingData({{"fine", 0}, {"train", 1}, {"validate", 1}, {"moments", 1}}, 0);
@@ -103,7 +93,7 @@ TEST(WholeBody, ItsDynamicsSayHowAStepWithoutAPlateDeviates) {
   for (const double constant : {0.0, 4.0}) {
     Dataset data = TwoStances();
     AddBodyLoad(constant, 0.2, data);
-    const auto problem = MakeContact(data, Moving(data)).value();
+    const auto problem = MakeContact(data, MovingSettings(data)).value();
     const Vector truth = TrueParameters(*problem);
     const auto compared = CompareAlternatives(*problem, truth);
     const double by_motion = Error(compared, kByMotion, "vertical force");
@@ -117,13 +107,13 @@ TEST(WholeBody, ItsDynamicsSayHowAStepWithoutAPlateDeviates) {
 TEST(WholeBody, ThePlateOfAHeldOutStepIsNotUsed) {
   Dataset data = TwoStances();
   AddBodyLoad(0, 0.2, data);
-  const auto with = MakeContact(data, Moving(data)).value();
+  const auto with = MakeContact(data, MovingSettings(data)).value();
   for (auto& [name, trial] : data.trials) {
     if (trial.role == Role::kTrain) continue;
     for (auto& [channel, of] : trial.grids.at("forces").channels)
       for (double& value : of.values) value *= 1.5;  // begins and ends when it did
   }
-  const auto without = MakeContact(data, Moving(data)).value();
+  const auto without = MakeContact(data, MovingSettings(data)).value();
   const auto expected = with->Alternatives(TrueParameters(*with));
   const auto found = without->Alternatives(TrueParameters(*without));
   ASSERT_EQ(expected.size(), found.size());
@@ -133,7 +123,7 @@ TEST(WholeBody, ThePlateOfAHeldOutStepIsNotUsed) {
 
 TEST(WholeBody, WithoutItsLoadThereIsNoSuchPrediction) {
   const Dataset data = TwoStances();
-  const auto problem = MakeContact(data, Moving(data)).value();
+  const auto problem = MakeContact(data, MovingSettings(data)).value();
   const auto compared = CompareAlternatives(*problem, TrueParameters(*problem));
   ASSERT_EQ(compared.size(), 2U);
   EXPECT_EQ(compared[0].name, kByMotion);
@@ -146,7 +136,7 @@ TEST(WholeBody, WithoutItsLoadThereIsNoSuchPrediction) {
 TEST(WholeBody, NoiseIsFoundFromFittedSteps) {
   Dataset data = TwoStances();
   AddBodyLoad(0, 2, data);
-  const auto problem = MakeContact(data, Moving(data)).value();
+  const auto problem = MakeContact(data, MovingSettings(data)).value();
   const auto figures = problem->FiguresOfMerit(TrueParameters(*problem), {});
   const auto noise = std::find_if(figures.begin(), figures.end(), [](const FigureOfMerit& figure) {
     return figure.name == "error of the whole body's vertical force";
@@ -158,7 +148,7 @@ TEST(WholeBody, NoiseIsFoundFromFittedSteps) {
 TEST(WholeBody, AnotherBodysLoadIsNotUsed) {
   Dataset data = TwoStances();
   AddBodyLoad(200, 0.2, data);
-  const auto problem = MakeContact(data, Moving(data)).value();
+  const auto problem = MakeContact(data, MovingSettings(data)).value();
   EXPECT_EQ(CompareAlternatives(*problem, TrueParameters(*problem)).size(), 2U);
 }
 
@@ -170,7 +160,7 @@ TEST(WholeBody, SharedErrorsOfTheMotionAreLearnt) {
     Dataset data = SteppingData(
         {{"train", 2}, {"validate", 2}, {"moments", 1}, {"motion_error", 0.001}, {"shared_error", share}});
     for (auto& [name, trial] : data.trials) trial.grids.erase("markers");
-    const auto problem = MakeContact(data, Moving(data)).value();
+    const auto problem = MakeContact(data, MovingSettings(data)).value();
     // The deviations of the fitted stances, by their plates.
     std::vector<bool> fitted;
     std::vector<int> free;
@@ -193,7 +183,7 @@ TEST(WholeBody, SharedErrorsOfTheMotionAreLearnt) {
 
 TEST(StepEstimate, TheSpreadOfStepsIsFoundFromSeveralOfThem) {
   const Dataset data = SteppingData({{"fine", 0}, {"train", 6}, {"validate", 0}}, 0);
-  const auto problem = MakeContact(data, Moving(data)).value();
+  const auto problem = MakeContact(data, MovingSettings(data)).value();
   std::vector<const Stance*> stances;
   for (const Stance& stance : problem->data().stances) stances.push_back(&stance);
   EXPECT_DOUBLE_EQ(SpreadOfSteps(*problem, {stances[0]}, TrueParameters(*problem)), std::sqrt(2));

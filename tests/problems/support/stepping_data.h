@@ -122,4 +122,14 @@ inline CoordinateTrajectory RecordedMotion(const MultibodyModel& model, const Gr
   return CoordinateTrajectory::Fit(model, recorded.time, names, values).value();
 }
 
+/// The robot's contact.yaml with motion that may deviate, all channels fitted to 1 N.
+inline std::string MovingSettings(const Dataset& data) {
+  std::string text = SettingsText(
+      data, kFitsVertical,
+      std::string(kFitsForce) + "\n  motion_errors: {position: 0.001, rotation: 0.005, cutoff: 8}");
+  const std::string objective = "objective: thesis";
+  return text.replace(text.find(objective), objective.size(),
+                      "objective: likelihood\n  accuracy: {force: 1}");
+}
+
 }  // namespace sinew
