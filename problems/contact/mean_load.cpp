@@ -19,7 +19,7 @@ WrenchOfLoad AboutFoot(const Stance& stance, std::size_t instant, double floor_h
 // What is expected before any step is seen, for a greatest vertical force [N] and a sole's length [m].
 Wrench ExpectedScatter(double force, double length) {
   Wrench share;
-  share << 0.02, 0.04, 0.015, 0.02 * length, 0.01 * length, 0.03 * length;
+  share << 0.02, 0.04, 0.015, 0.06 * length, 0.01 * length, 0.1 * length;
   return force * share;
 }
 

@@ -11,10 +11,10 @@ namespace sinew {
 
 /// Force and moment about the foot's middle on the floor, in the frame of the foot and mirrored for the other
 /// one. A new step differs from the mean by a process of a tenth of a second's memory (Ornstein-Uhlenbeck)
-/// whose size is expected beforehand, as of three steps, and learnt from how the fitted ones differ: 2 %
-/// of the greatest vertical force forward, 4 % upward and 1.5 % outward, and moments as if the centre of
-/// pressure moved by 3 % of the sole's length forward and 2 % outward; twice what two recordings of walking
-/// show.
+/// whose size is expected beforehand, as of three steps, and learnt from how the fitted ones differ: 2 % of
+/// the greatest vertical force forward, 4 % upward and 1.5 % outward, twice what two recordings of walking
+/// show, and moments as if the centre of pressure moved by 10 % of the sole's length forward and 6 % outward:
+/// a model's feet lie differently in their shoes by so much.
 class MeanLoad {
  public:
   /// @param fitted not empty @param loads [fitted][T] of the foot @param floor_height [m]

@@ -42,6 +42,12 @@ class Sources(unittest.TestCase):
                  for line in path.read_text().splitlines() if reading.search(line)]
         self.assertEqual(found, [])
 
+    def test_every_module_of_tests_is_run(self):
+        listed = set(re.findall(r"\w+", (ROOT / "tests/cli/CMakeLists.txt").read_text()))
+        modules = [path.stem for path in sorted((ROOT / "tests/cli").rglob("test_*.py"))]
+        self.assertGreater(len(modules), 40)
+        self.assertEqual([name for name in modules if name not in listed and name[5:] not in listed], [])
+
 
 if __name__ == "__main__":
     unittest.main()

@@ -19,6 +19,7 @@ for trial in children("/prediction"):
                      "unit": pretty(node.attrs["unit"]), "role": node.attrs["role"],
                      "n": node.attrs["n"], "rmse": node.attrs["rmse"], "r2": node.attrs["r2"],
                      "time": node["time"][:], "simulated": node["simulated"][:], "measured": node["measured"][:],
+                     "band": node["band95_half_width"][:] if "band95_half_width" in node else None,
                      "residual_time": residual["time"][:] if residual else np.array([]),
                      "residual": residual["residual"][:] if residual else np.array([])})
 
