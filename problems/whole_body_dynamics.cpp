@@ -14,21 +14,6 @@ namespace {
 
 constexpr double kLittleMass = 0.05;  // share of the body's that a missing coordinate may move
 
-// Samples per second of a grid whose frames are equally spaced.
-Result<double> RateOf(const std::vector<double>& time) {
-  constexpr std::size_t kFewest = 10;
-  constexpr double kUnequal = 0.05;
-  if (time.size() < kFewest)
-    return Fail("{} frames of the motion, expected at least {}", time.size(), kFewest);
-  const double step = (time.back() - time.front()) / static_cast<double>(time.size() - 1);
-  for (std::size_t i = 1; i < time.size(); ++i) {
-    if (std::abs(time[i] - time[i - 1] - step) > kUnequal * step)
-      return Fail("the frames of the motion are not equally spaced at t = {:.4g} s: they cannot be filtered",
-                  time[i]);
-  }
-  return 1 / step;
-}
-
 Channel NewChannel(const char* unit) {
   Channel channel;
   channel.unit = unit;
@@ -87,7 +72,7 @@ Result<WholeBodyDynamics> AddTo(Trial& trial, const MultibodyModel& model, const
       return Fail("no data for coordinate '{}', which moves {:.0f} % of the body's mass", name, 100 * share);
     done.held.push_back(name);
   }
-  SINEW_ASSIGN(const double rate, RateOf(recorded.time));
+  SINEW_ASSIGN(const double rate, FrameRate(recorded));
 
   std::vector<std::string> names;
   for (const std::string& name : model.coordinate_names()) {

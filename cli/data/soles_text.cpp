@@ -52,8 +52,25 @@ std::string SourceOf(const ProposedFoot& foot) {
                     foot.other, foot.differs_angle * kDegrees, Mm(foot.differs_height)));
     case SoleSource::kBoth:
       return fmt::format("mean of this foot ({}) and '{}' mirrored", stances, foot.other);
+    case SoleSource::kNoPlate:
+      return fmt::format("no plate measures it: '{}' ({}) mirrored; `sinew data steps` finds its steps",
+                         foot.other, stances);
     case SoleSource::kOther:
       return fmt::format("no training stance of its own: '{}' ({}) mirrored", foot.other, stances);
+  }
+  return "";
+}
+
+const char* SourceName(SoleSource source) {
+  switch (source) {
+    case SoleSource::kOwn:
+      return "own";
+    case SoleSource::kBoth:
+      return "both";
+    case SoleSource::kOther:
+      return "other";
+    case SoleSource::kNoPlate:
+      return "no_plate";
   }
   return "";
 }
@@ -128,9 +145,11 @@ std::string StandText(const FlatStand& stand) {
 
 std::string FootComment(const ProposedFoot& foot) {
   const FootEstimate& e = foot.estimate;
-  std::string text = Comment(
-      fmt::format("'{}' on {}: {}.", Join(foot.bodies, "' and '"), Join(foot.plates, ", "), SourceOf(foot)),
-      4);
+  std::string text =
+      Comment(fmt::format("'{}'{}: {}.", Join(foot.bodies, "' and '"),
+                          foot.source == SoleSource::kNoPlate ? "" : " on " + Join(foot.plates, ", "),
+                          SourceOf(foot)),
+              4);
   text +=
       Comment(fmt::format("Plane: the floor seen from '{}' while the loaded foot turns slowest ({}). It is "
                           "{:.1f} degrees off the body's own axes.",
@@ -316,9 +335,7 @@ nlohmann::ordered_json SolesJson(const SoleProposal& proposal) {
     const FootEstimate& e = foot.estimate;
     json["feet"].push_back({{"bodies", foot.bodies},
                             {"plates", foot.plates},
-                            {"source", foot.source == SoleSource::kOwn    ? "own"
-                                       : foot.source == SoleSource::kBoth ? "both"
-                                                                          : "other"},
+                            {"source", SourceName(foot.source)},
                             {"other", foot.other},
                             {"differs_rad", foot.differs_angle},
                             {"differs_m", foot.differs_height},

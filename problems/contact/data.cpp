@@ -266,6 +266,20 @@ Status AddTrial(const std::string& name, const Trial& trial, const ContactModel&
   return {};
 }
 
+// Of the settings, those that measured a force in any trial.
+std::vector<std::string> MeasuredPlates(const Dataset& data, const ContactSettings& settings) {
+  std::vector<std::string> plates;
+  for (const std::string& plate : settings.Plates()) {
+    const bool measured = std::any_of(data.trials.begin(), data.trials.end(), [&](const auto& trial) {
+      const auto vertical = trial.second.Find(plate + "_force_y");
+      return vertical && std::any_of(vertical.channel->values.begin(), vertical.channel->values.end(),
+                                     [](double value) { return std::isfinite(value); });
+    });
+    if (measured) plates.push_back(plate);
+  }
+  return plates;
+}
+
 // Where no plate measured it: the mean of the stances whose plates did.
 void SetGreatestForceOfUnmeasured(std::vector<Stance>& stances) {
   double sum = 0;
@@ -288,7 +302,8 @@ Result<ContactData> PrepareContactData(const Dataset& data, const ContactSetting
   SINEW_ASSIGN(const ContactModel model, LoadContactModel(data, settings));
   ContactData out;
   const int per_group = kContactParametersPerGroup + static_cast<int>(settings.SolePlaces().size());
-  out.effects = ContactEffectList(static_cast<int>(settings.Groups().size()) * per_group, settings.Plates());
+  out.effects = ContactEffectList(static_cast<int>(settings.Groups().size()) * per_group,
+                                  MeasuredPlates(data, settings));
   out.next_parameter = out.effects.end();
   for (const auto& [name, trial] : data.trials) {
     const Status status = AddTrial(name, trial, model, settings, margin, out);
@@ -341,6 +356,9 @@ std::string DescribeContactChannels() {
   return "measured, per plate PLATE (such as right, left), any sampling rate:\n"
          "  PLATE_force_y                   N    vertical ground reaction force; a trial takes part with "
          "every plate that has it\n"
+         "                                       (a held-out trial in which it has no value is a step "
+         "without a "
+         "plate, which is predicted)\n"
          "  PLATE_force_x, PLATE_force_z    N    tangential force (optional; identifies friction)\n"
          "  PLATE_cop_x, PLATE_cop_z        m    centre of pressure in the world (optional)\n"
          "  PLATE_moment_y                  N*m  free moment about the centre of pressure (optional)\n"

@@ -65,6 +65,7 @@ std::vector<Vec3> Ahead(const std::vector<double>& time, const std::vector<std::
 Result<Tracks> TracksOf(const Trial& trial, const ContactModel& model, const BodyTree& tree,
                         const ContactSettings& settings) {
   SINEW_ASSIGN(const TrialMotion recorded, FitTrialMotion(trial, model.multibody));
+  SINEW_ASSIGN(const double rate, FrameRate(recorded));
   Tracks tracks;
   tracks.time = recorded.time;
   const std::size_t regions = settings.regions.size();
@@ -93,10 +94,8 @@ Result<Tracks> TracksOf(const Trial& trial, const ContactModel& model, const Bod
       track.heel.push_back(heel);
       track.toe.push_back(toe);
     }
-    const double step = (recorded.time.back() - recorded.time.front()) /
-                        static_cast<double>(std::max<std::size_t>(recorded.time.size(), 2) - 1);
     for (std::vector<double>* values : {&track.heel, &track.toe}) {
-      SINEW_ASSIGN(SmoothAngle smooth, SmoothedAngle(*values, 1 / step, kWalkingCutoff));
+      SINEW_ASSIGN(SmoothAngle smooth, SmoothedAngle(*values, rate, kWalkingCutoff));
       *values = std::move(smooth.values);
     }
   }
@@ -269,7 +268,7 @@ Result<MotionSteps> FindMotionSteps(const Dataset& data, const ContactSettings& 
     all.insert(all.end(), measured.begin(), measured.end());
     if (measured.empty()) continue;
     const auto tracks = TracksOf(trial, model, tree, settings);
-    if (!tracks) return Fail("trial '{}': {}", name, tracks.error().message);
+    if (!tracks) continue;  // forces without a motion tell no delay
     for (const MotionStep& step : measured) {
       const Events events = EventsOf(*tracks, step.plate);
       const auto begin = DelayTo(step.from, events.lands);

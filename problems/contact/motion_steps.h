@@ -44,8 +44,8 @@ struct MotionSteps {
 /// Ahead is where the feet point within half a second. The distances are low-passed at 6 Hz, and events lie
 /// between frames. How much later plates measure both is known from the trials that are steps on the plates
 /// of the settings, and is added.
-/// @param trials to be searched, each with a motion of equally spaced frames
-/// Errors, with the trial: no such trial, no motion.
+/// @param trials to be searched
+/// Errors, with the trial: no such trial, no motion, frames that are not equally spaced.
 Result<MotionSteps> FindMotionSteps(const Dataset& data, const ContactSettings& settings,
                                     const std::vector<std::string>& trials);
 

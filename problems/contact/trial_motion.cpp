@@ -48,4 +48,19 @@ Result<TrialMotion> FitTrialMotion(const Trial& trial, const MultibodyModel& mod
   return TrialMotion{std::move(trajectory), time};
 }
 
+Result<double> FrameRate(const TrialMotion& motion) {
+  const std::vector<double>& time = motion.time;
+  constexpr std::size_t kFewest = 10;
+  constexpr double kUnequal = 0.05;
+  if (time.size() < kFewest)
+    return Fail("{} frames of the motion, expected at least {}", time.size(), kFewest);
+  const double step = (time.back() - time.front()) / static_cast<double>(time.size() - 1);
+  for (std::size_t i = 1; i < time.size(); ++i) {
+    if (std::abs(time[i] - time[i - 1] - step) > kUnequal * step)
+      return Fail("the frames of the motion are not equally spaced at t = {:.4g} s: they cannot be filtered",
+                  time[i]);
+  }
+  return 1 / step;
+}
+
 }  // namespace sinew

@@ -19,4 +19,8 @@ struct TrialMotion {
 /// and a trial without coordinates; the sentence goes on after the trial's name.
 Result<TrialMotion> FitTrialMotion(const Trial& trial, const MultibodyModel& model);
 
+/// Frames per second [Hz]. Errors: fewer than ten frames, or frames that are not equally spaced, which no
+/// filter takes; the sentence goes on after the trial's name.
+[[nodiscard]] Result<double> FrameRate(const TrialMotion& motion);
+
 }  // namespace sinew

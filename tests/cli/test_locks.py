@@ -38,7 +38,8 @@ class Locks(ProgramTest):
         self.addCleanup(search.communicate)
         self.addCleanup(lambda: search.poll() is None and search.kill())
         deadline = time.monotonic() + LONGEST
-        while not list(self.folder.glob(".sinew-*.lock")):
+        # Its process stands in it a moment after it is there.
+        while not any(lock.stat().st_size for lock in self.folder.glob(".sinew-*.lock")):
             self.assertLess(time.monotonic(), deadline, "no lock")
             time.sleep(0.01)
         return search

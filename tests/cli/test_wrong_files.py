@@ -252,8 +252,8 @@ class DataSet(ProgramTest):
             self.assertTrue(np.isfinite(prediction["simulated"]).all())
 
     def test_only_gaps(self):
-        self.identify_fails("trial 'train_1': channel 'right_force_y' is to be fitted but has no usable sample",
-                            lambda file: file[FORCE].__setitem__(slice(None), np.nan))
+        self.identify_fails("trial 'train_1': right_force_y has no value: a step without a plate can only be predicted (role "
+                            "validate)", lambda file: file[FORCE].__setitem__(slice(None), np.nan))
 
     def test_a_gap_of_the_motion_inside_a_stance(self):
         self.identify_fails("trial 'train_1': the motion has a gap at t = 0.1333 s; cut the trial so that it lies "

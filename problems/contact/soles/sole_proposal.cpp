@@ -242,6 +242,12 @@ class Proposer {
       }
       AddFoot(foot, estimate, source, other);
       done.insert(foot);
+      if (other > 0 && feet.count(other) == 0) {
+        FootEstimate mirrored = estimate;
+        mirrored.patches = OnOtherSide(estimate, *others);
+        mirrored.bodies = tree_.Outwards(other);
+        AddFoot(other, mirrored, SoleSource::kNoPlate, foot);
+      }
     }
   }
 
@@ -269,6 +275,7 @@ class Proposer {
       for (const Standing& s : standing_) {
         if (s.foot == foot.estimate.bodies.front()) plates.insert(s.record->plate);
       }
+      if (foot.source == SoleSource::kNoPlate) plates.insert(foot.bodies.front());
       foot.plates.assign(plates.begin(), plates.end());
       for (const std::string& plate : foot.plates) {
         for (std::size_t p = 0; p < foot.estimate.patches.size(); ++p) {

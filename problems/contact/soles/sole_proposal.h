@@ -24,9 +24,10 @@ struct PlateFinding {
 };
 
 enum class SoleSource {
-  kOwn,   ///< from stances of this foot; of two with stances if they differ (kFeetDiffer...)
-  kBoth,  ///< mean of this foot and the mirrored other one
-  kOther  ///< the other foot, mirrored
+  kOwn,     ///< from stances of this foot; of two with stances if they differ (kFeetDiffer...)
+  kBoth,    ///< mean of this foot and the mirrored other one
+  kOther,   ///< the other foot, mirrored
+  kNoPlate  ///< the same of a foot that no plate of the data measures
 };
 
 /// Two feet of a model whose planes differ by more than twice what the motion of both leaves open (2 degrees
@@ -36,7 +37,7 @@ constexpr double kFeetDifferHeight = 0.017;  // [m]
 
 struct ProposedFoot {
   std::vector<std::string> bodies;  ///< names, from the heel outwards
-  std::vector<std::string> plates;  ///< that it stands on
+  std::vector<std::string> plates;  ///< that it stands on; of kNoPlate the name of its first body
   SoleSource source = SoleSource::kOwn;
   std::string other;          ///< first body of the other foot; empty: none
   double differs_angle = 0;   ///< of its plane from the mirrored other one, where both have stances [rad]
@@ -73,7 +74,8 @@ struct SoleProposal {
 };
 
 /// Geometry is estimated from training trials; held-out ones only tell which foot stands on which plate. A
-/// foot without a training stance gets the other one's sole, mirrored; two feet that have stances get the
+/// foot without a training stance gets the other one's sole, mirrored, also one that no plate measures: its
+/// steps can be predicted, and it tells when a measured foot carries all. Two feet that have stances get the
 /// mean of both. Sizes are rounded to 0.1 mm, angles to 1e-4 rad.
 /// @param model_file name of the .osim among the files of the data set; @param floor_height [m]
 /// Errors: no .osim, one that is not understood; no trial with a plate and coordinates; two feet that share

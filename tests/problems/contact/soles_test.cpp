@@ -320,9 +320,15 @@ TEST(Soles, OneFootAloneIsEnough) {
   Dataset data = Steps();
   data.trials.erase("train_2");
   const SoleProposal proposal = Propose(data);
-  EXPECT_THAT(Bodies(proposal), ElementsAre("calcn_r", "calcn_r", "calcn_r"));
-  ASSERT_EQ(proposal.feet.size(), 1U);
+  EXPECT_THAT(Bodies(proposal),
+              ElementsAre("calcn_r", "calcn_r", "calcn_r", "calcn_l", "calcn_l", "calcn_l"));
+  ASSERT_EQ(proposal.feet.size(), 2U);
   EXPECT_EQ(proposal.feet[0].source, SoleSource::kOwn);
+  // The other one is its mirror image, under the name of its body.
+  EXPECT_EQ(proposal.feet[1].source, SoleSource::kNoPlate);
+  EXPECT_EQ(proposal.regions[3].plate, "calcn_l");
+  const Vec3& right = proposal.regions[0].position;
+  EXPECT_LT((proposal.regions[3].position - Vec3(right.x(), right.y(), -right.z())).norm(), 1e-9);
 }
 
 TEST(Soles, PlatesThatAreWrongAreNamed) {
