@@ -1,6 +1,7 @@
 """Truths and data of the coverage study: one function per problem, by seed. Nothing here is seen by the fit but the data."""
 import re
 import sys
+import threading
 from dataclasses import dataclass, field
 from pathlib import Path
 
@@ -93,6 +94,9 @@ def nms_study(name, seed, folder, sinew, options):
     return Case("nms", data, truth, [], count(data, "moments/channels/.*"))
 
 
+ONE_AT_A_TIME = threading.Lock()
+
+
 def import_ceinms(folder, tendon, sinew, options):
     """The project as a data set, and the ranges of its parameters; made once."""
     if tendon in options.projects:
@@ -116,7 +120,8 @@ def ceinms(name, seed, folder, sinew, options):
     """nms_TENDON_NOISE: the CEINMS example, 50 parameters, torques of the fitted model with white noise."""
     _, tendon, noise = name.split("_")
     tendon = {"elastic": "equilibrium"}.get(tendon, tendon)
-    project, bounds = import_ceinms(folder, tendon, sinew, options)
+    with ONE_AT_A_TIME:
+        project, bounds = import_ceinms(folder, tendon, sinew, options)
     random = np.random.default_rng([20, int(float(noise) * 1000), seed])
     simulated, case = folder / "simulated.h5", folder / "case.h5"
     for _ in range(20):  # some drawn tendons have no equilibrium
