@@ -102,13 +102,21 @@ std::optional<std::vector<std::vector<ContactLoad>>> ContactProblem::FittedLoads
   const std::vector<const Stance*> fitted = StancesOf(BlockRole::kTrain);
   std::vector<std::vector<ContactLoad>> loads;
   for (const Stance* stance : fitted) {
+    std::array<Vector, kChannels> channels;
+    for (std::size_t c = 0; c < kChannels; ++c) {
+      const auto b = static_cast<std::size_t>(stance->blocks[c]);
+      channels[c] = predicted->values[b];
+      // Nothing holds a channel that is not fitted to its measurement; free moments are left out where plates
+      // have offsets.
+      const Block& block = data_.layout[b];
+      if (block.role == BlockRole::kTrain || c == kFreeMoment) continue;
+      for (std::size_t i = 0; i < block.sample.size(); ++i) channels[c][block.sample[i]] = block.measured[i];
+    }
     auto& of_stance = loads.emplace_back();
-    for (std::size_t t = 0; t < stance->time.size(); ++t) {
-      std::array<double, kChannels> channels{};
-      for (std::size_t c = 0; c < kChannels; ++c)
-        channels[c] =
-            predicted->values[static_cast<std::size_t>(stance->blocks[c])][static_cast<Eigen::Index>(t)];
-      of_stance.push_back(LoadOf(channels));
+    for (Eigen::Index t = 0; t < channels[0].size(); ++t) {
+      std::array<double, kChannels> at{};
+      for (std::size_t c = 0; c < kChannels; ++c) at[c] = channels[c][t];
+      of_stance.push_back(LoadOf(at));
     }
   }
   return loads;

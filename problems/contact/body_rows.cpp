@@ -58,7 +58,7 @@ BodyLoadErrors::BodyLoadErrors(const std::vector<const Stance*>& fitted,
       const SupportPhase phase = body.phase[t];
       const Wrench error = OfBody(body, t) - WrenchAbout(body.about[t]) * loads[s][t];
       curves[static_cast<std::size_t>(phase)].share.push_back(body.ShareAt(stance.time[t], phase));
-      curves[static_cast<std::size_t>(phase)].error.emplace_back(into_foot * error);
+      curves[static_cast<std::size_t>(phase)].wrench.emplace_back(into_foot * error);
       if (phase != kSingle) continue;
       body_force += body.force[t].y();
       foot_force += loads[s][t][kForceY];
@@ -76,17 +76,17 @@ BodyLoadErrors::BodyLoadErrors(const std::vector<const Stance*>& fitted,
   for (std::size_t phase = 0; phase < kSupportPhases; ++phase) {
     std::vector<std::vector<Wrench>> left;  // [steps][instants]
     for (const auto& curves : curves_) {
-      const Curve& curve = curves[phase];
+      const WrenchCurve& curve = curves[phase];
       Wrench mean = Wrench::Zero();
-      for (const Wrench& error : curve.error) mean += error / static_cast<double>(curve.error.size());
+      for (const Wrench& error : curve.wrench) mean += error / static_cast<double>(curve.wrench.size());
       auto& of_step = left.emplace_back();
-      for (std::size_t i = 0; i < curve.error.size(); ++i) {
+      for (std::size_t i = 0; i < curve.wrench.size(); ++i) {
         if (curves_.size() > 1)
           of_step.emplace_back(
               std::sqrt(steps / (steps - 1)) *
-              (curve.error[i] - MeanError(static_cast<SupportPhase>(phase), curve.share[i])));
+              (curve.wrench[i] - MeanError(static_cast<SupportPhase>(phase), curve.share[i])));
         else
-          of_step.emplace_back(curve.error[i] - mean);
+          of_step.emplace_back(curve.wrench[i] - mean);
       }
     }
     for (Eigen::Index c = 0; c < 6; ++c) {
@@ -101,14 +101,9 @@ Wrench BodyLoadErrors::MeanError(SupportPhase phase, double share) const {
   Wrench sum = Wrench::Zero();
   double count = 0;
   for (const auto& curves : curves_) {
-    const Curve& curve = curves[static_cast<std::size_t>(phase)];
+    const WrenchCurve& curve = curves[static_cast<std::size_t>(phase)];
     if (curve.share.empty()) continue;
-    std::size_t after = 0;
-    while (after + 1 < curve.share.size() && curve.share[after] < share) ++after;
-    const std::size_t before = after == 0 ? 0 : after - 1;
-    const double length = curve.share[after] - curve.share[before];
-    const double part = length > 0 ? std::clamp((share - curve.share[before]) / length, 0.0, 1.0) : 1;
-    sum += (1 - part) * curve.error[before] + part * curve.error[after];
+    sum += curve.At(share);
     count += 1;
   }
   return count > 0 ? Wrench(sum / count) : sum;

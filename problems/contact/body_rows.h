@@ -36,14 +36,10 @@ class BodyLoadErrors {
   [[nodiscard]] const Wrench& scatter() const { return scatter_; }
 
  private:
-  struct Curve {
-    std::vector<double> share;  // of the phase that has passed
-    std::vector<Wrench> error;  // force and moment, in the frame of the foot
-  };
   [[nodiscard]] Wrench MeanError(SupportPhase phase, double share) const;
 
-  std::vector<std::array<Curve, kSupportPhases>> curves_;  // [fitted]
-  std::array<Wrench, kSupportPhases> deviation_;           // of a row
+  std::vector<std::array<WrenchCurve, kSupportPhases>> curves_;  // [fitted]
+  std::array<Wrench, kSupportPhases> deviation_;                 // of a row
   Wrench scatter_ = Wrench::Zero();
   bool usable_ = false;
   double vertical_ = 0;

@@ -1,5 +1,7 @@
 #include "problems/contact/foot_wrench.h"
 
+#include <algorithm>
+
 namespace sinew {
 
 WrenchOfLoad IntoFoot(const Stance& stance) {
@@ -24,6 +26,15 @@ WrenchOfLoad WrenchAbout(const Vec3& place) {
   wrench(5, kFirstMomentX) = 1;
   wrench(5, kForceY) = -place.x();
   return wrench;
+}
+
+Wrench WrenchCurve::At(double at) const {
+  std::size_t after = 0;
+  while (after + 1 < share.size() && share[after] < at) ++after;
+  const std::size_t before = after == 0 ? 0 : after - 1;
+  const double length = share[after] - share[before];
+  const double part = length > 0 ? std::clamp((at - share[before]) / length, 0.0, 1.0) : 1;
+  return (1 - part) * wrench[before] + part * wrench[after];
 }
 
 bool IsLoaded(const Stance& stance, std::size_t instant) {

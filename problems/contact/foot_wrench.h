@@ -1,6 +1,8 @@
 // The load of a foot as force and moment in the frame of the foot, so that steps can be compared.
 #pragma once
 
+#include <vector>
+
 #include "problems/contact/stance.h"
 
 namespace sinew {
@@ -17,6 +19,14 @@ using WrenchOfLoad = Eigen::Matrix<double, 6, 6>;  ///< [wrench, ContactLoad]
 
 /// Force and moment about a place, in ground axes, of a foot's load. @param place [m] on the floor
 [[nodiscard]] WrenchOfLoad WrenchAbout(const Vec3& place);
+
+/// Wrenches over the share of a stance, or of one of its phases, that has passed.
+struct WrenchCurve {
+  std::vector<double> share;  ///< [N, 0..1, increasing]
+  std::vector<Wrench> wrench;
+  /// Linear between two of them, the end values beyond. Not of an empty one.
+  [[nodiscard]] Wrench At(double at) const;
+};
 
 /// Whether the stance's foot is on the floor at an instant.
 [[nodiscard]] bool IsLoaded(const Stance& stance, std::size_t instant);

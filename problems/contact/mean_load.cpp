@@ -34,42 +34,33 @@ MeanLoad::MeanLoad(const std::vector<const Stance*>& fitted,
   double length = 0;
   for (std::size_t s = 0; s < fitted.size(); ++s) {
     const Stance& stance = *fitted[s];
-    Curve& curve = curves_.emplace_back();
+    WrenchCurve& curve = curves_.emplace_back();
     for (std::size_t t = 0; t < stance.time.size(); ++t) {
       if (!IsLoaded(stance, t)) continue;
-      curve.phase.push_back(PhaseOf(stance, t));
+      curve.share.push_back(PhaseOf(stance, t));
       curve.wrench.emplace_back(AboutFoot(stance, t, floor_height) * loads[s][t]);
     }
     force += stance.greatest_force / steps;
     length += stance.length / steps;
   }
   Wrench squares = kExpectedFrom * ExpectedScatter(force, length).array().square();
-  for (const Curve& curve : curves_) {
+  for (const WrenchCurve& curve : curves_) {
     Wrench sum = Wrench::Zero();
-    for (std::size_t i = 0; i < curve.phase.size(); ++i)
-      sum += (curve.wrench[i] - At(curve.phase[i])).array().square().matrix();
-    if (!curve.phase.empty()) squares += sum / static_cast<double>(curve.phase.size());
+    for (std::size_t i = 0; i < curve.share.size(); ++i)
+      sum += (curve.wrench[i] - At(curve.share[i])).array().square().matrix();
+    if (!curve.share.empty()) squares += sum / static_cast<double>(curve.share.size());
   }
   // One step's own degrees of freedom are those of its difference to the mean of all.
   const double known = kExpectedFrom + steps - 1;
   scatter_ = (squares / known * (1 + 1 / steps)).array().sqrt();
 }
 
-Wrench MeanLoad::Between(const Curve& curve, double phase) {
-  std::size_t after = 0;
-  while (after + 1 < curve.phase.size() && curve.phase[after] < phase) ++after;
-  const std::size_t before = after == 0 ? 0 : after - 1;
-  const double length = curve.phase[after] - curve.phase[before];
-  const double share = length > 0 ? std::clamp((phase - curve.phase[before]) / length, 0.0, 1.0) : 1;
-  return (1 - share) * curve.wrench[before] + share * curve.wrench[after];
-}
-
 Wrench MeanLoad::At(double phase) const {
   Wrench sum = Wrench::Zero();
   double count = 0;
-  for (const Curve& curve : curves_) {
-    if (curve.phase.empty()) continue;
-    sum += Between(curve, phase);
+  for (const WrenchCurve& curve : curves_) {
+    if (curve.share.empty()) continue;
+    sum += curve.At(phase);
     count += 1;
   }
   return count > 0 ? Wrench(sum / count) : sum;

@@ -29,13 +29,7 @@ class MeanLoad {
   [[nodiscard]] std::vector<LoadRow> RowsFor(const Stance& stance, const Wrench& larger) const;
 
  private:
-  struct Curve {
-    std::vector<double> phase;
-    std::vector<Wrench> wrench;
-  };
-  [[nodiscard]] static Wrench Between(const Curve& curve, double phase);
-
-  std::vector<Curve> curves_;
+  std::vector<WrenchCurve> curves_;  // [fitted] over the phase of the stance
   Wrench scatter_ = Wrench::Zero();
   double floor_height_ = 0;
 };

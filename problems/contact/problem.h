@@ -91,7 +91,8 @@ class ContactProblem final : public Problem {
   }
   /// Those with a block of a role.
   [[nodiscard]] std::vector<const Stance*> StancesOf(BlockRole role) const;
-  /// Of the feet in the fitted stances [stances][T]; nothing where they cannot be predicted.
+  /// Of the feet in the fitted stances [stances][T], forces that are measured and not fitted as measured;
+  /// nothing where they cannot be predicted.
   [[nodiscard]] std::optional<std::vector<std::vector<ContactLoad>>> FittedLoads(
       const Vector& parameters) const;
   [[nodiscard]] ContactEffectValues EffectsOn(const std::string& plate, const Vector& parameters) const;

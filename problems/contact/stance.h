@@ -39,7 +39,7 @@ struct Stance {
   Vec3 forward = Vec3::UnitX();         ///< horizontal direction of the foot in the middle of the stance
   std::array<double, 2> loaded{};       ///< from when to when the plate is loaded [s]
   bool measured = true;                 ///< false: no plate measured a vertical force
-  double greatest_force = 0;            ///< measured vertically [N]; else that of the fitted stances
+  double greatest_force = 0;            ///< measured vertically [N]; else the mean of the measured stances
   double length = 0;                    ///< of the sole, between its outermost springs along x or z [m]
   std::array<int, 6> blocks{};          ///< index into the layout of each of kContactChannels
 };

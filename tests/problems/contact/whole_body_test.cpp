@@ -145,6 +145,38 @@ TEST(WholeBody, NoiseIsFoundFromFittedSteps) {
   EXPECT_NEAR(noise->value, 2, 1);  // a dozen samples of single support
 }
 
+// Of a fit of the vertical force alone, whose friction nothing determines, horizontal forces of other steps
+// follow from the measured ones.
+TEST(WholeBody, HorizontalForcesNeedNotBeFitted) {
+  Dataset data = TwoStances();
+  AddBodyLoad(0, 0.2, data);
+  std::string text = MovingSettings(data);
+  text.replace(text.find(kFitsForce), std::string(kFitsForce).size(), kFitsVertical);
+  const auto problem = MakeContact(data, text).value();
+  Vector wrong = TrueParameters(*problem);
+  for (Eigen::Index i = 2; i < kContactParametersPerGroup; ++i) wrong[i] = 0;  // no friction at all
+  const auto full = PredictAll(*problem, wrong).value();
+  const auto alternatives = problem->Alternatives(wrong);
+  const auto by_body = std::find_if(alternatives.begin(), alternatives.end(),
+                                    [](const auto& one) { return one.name == kByBody; });
+  ASSERT_NE(by_body, alternatives.end());
+  int compared = 0;
+  for (std::size_t b = 0; b < problem->layout().size(); ++b) {
+    const Block& block = problem->layout()[b];
+    if (block.quantity != "forward force" || by_body->values[b].size() == 0) continue;
+    double error = 0;
+    double size = 0;
+    for (std::size_t i = 0; i < block.sample.size(); ++i) {
+      error += std::pow(by_body->values[b][block.sample[i]] - block.measured[i], 2);
+      size += std::pow(block.measured[i], 2);
+      EXPECT_EQ(full.values[b][block.sample[i]], 0);
+    }
+    EXPECT_LT(error, 0.05 * size);
+    ++compared;
+  }
+  EXPECT_EQ(compared, 1);
+}
+
 TEST(WholeBody, AnotherBodysLoadIsNotUsed) {
   Dataset data = TwoStances();
   AddBodyLoad(200, 0.2, data);
