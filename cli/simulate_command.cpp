@@ -76,7 +76,9 @@ std::map<std::string, Trial> ToTrials(const Binding& binding, const FullPredicti
   for (std::size_t b = 0; b < layout.size(); ++b) {
     const Block& block = layout[b];
     Trial& trial = trials[block.trial];
-    trial.role = binding.data.trials.at(block.trial).role;
+    const Trial& measured = binding.data.trials.at(block.trial);
+    trial.role = measured.role;
+    trial.cut_from = measured.cut_from;
     std::string name = "simulated";
     for (int i = 2; trial.grids.count(name) > 0 && trial.grids[name].time != block.prediction_time; ++i) {
       name = fmt::format("simulated_{}", i);

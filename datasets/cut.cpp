@@ -64,6 +64,7 @@ Status CutTrial(Dataset& dataset, const TrialWindow& window) {
   Trial part;
   part.role = window.role.value_or(whole.role);
   part.task = whole.task;
+  part.cut_from = whole.cut_from.empty() ? window.trial : whole.cut_from;
   part.conditions = whole.conditions;
   part.conditions["window_start_s"] = window.start_s;
   part.conditions["window_end_s"] = window.end_s;

@@ -21,7 +21,7 @@ struct TrialWindow {
 };
 
 /// Adds the part of a trial within [start_s, end_s] as a new trial, and writes the window to its conditions
-/// `window_start_s` and `window_end_s`.
+/// `window_start_s` and `window_end_s`, the recording's name to `cut_from`.
 ///
 /// The grids `markers`, `coordinates`, and those that hold inputs only keep margin_s more on both sides, so
 /// that splines and filters have no end effects inside the window and delayed inputs have their past. Errors:

@@ -53,7 +53,8 @@ Status CheckChannel(const std::string& where, const Channel& channel, std::size_
 Status CheckTrial(const std::string& where, const Trial& trial) {
   for (const auto& [name, value] : trial.conditions) {
     SINEW_TRY(CheckName(where, "condition", name));
-    if (name == "role" || name == "task") return Fail("{}: a condition cannot be named '{}'", where, name);
+    if (name == "role" || name == "task" || name == "cut_from")
+      return Fail("{}: a condition cannot be named '{}'", where, name);
     if (!std::isfinite(value)) return Fail("{}: condition '{}' is not a finite number", where, name);
   }
   if (trial.grids.empty()) return Fail("{}: holds no data", where);

@@ -33,6 +33,7 @@ struct Grid {
 struct Trial {
   Role role = Role::kTrain;
   std::string task;
+  std::string cut_from;  ///< name of the recording that it is a part of, with its times; empty: a recording
   std::map<std::string, double> conditions;  ///< such as speed_rad_per_s
   std::map<std::string, Grid> grids;
 

@@ -67,6 +67,7 @@ std::string DatasetHash(const Dataset& dataset) {
   hash.Add(dataset.trials, [&](const Trial& trial) {
     hash.Add(static_cast<std::uint64_t>(trial.role));
     hash.Add(trial.task);
+    if (!trial.cut_from.empty()) hash.Add("cut_from " + trial.cut_from);
     hash.Add(trial.conditions, [&](double value) { hash.Add(value); });
     hash.Add(trial.grids, add_grid);
   });

@@ -23,6 +23,7 @@ void AddDataCommand(Command app, const RunAction& run) {
   AddKinematicsCommand(data, run);
   AddDynamicsCommand(data, run);
   AddStepsCommand(data, run);
+  AddLoadsCommand(data, run);
   AddEnvelopeCommand(data, run);
   AddCeinmsCommand(data, run);
   AddSubjectCommand(data, run);

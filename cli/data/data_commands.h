@@ -16,6 +16,7 @@ void AddCheckCommand(Command data, const RunAction& run);
 void AddCutCommand(Command data, const RunAction& run);
 void AddStancesCommand(Command data, const RunAction& run);
 void AddStepsCommand(Command data, const RunAction& run);
+void AddLoadsCommand(Command data, const RunAction& run);
 void AddDropCommand(Command data, const RunAction& run);
 void AddSolesCommand(Command data, const RunAction& run);
 void AddCeinmsCommand(Command data, const RunAction& run);

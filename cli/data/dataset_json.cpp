@@ -34,6 +34,7 @@ nlohmann::ordered_json DatasetJson(const Dataset& data) {
   for (const auto& [name, trial] : data.trials) {
     Json& t = json["trials"][name];
     t = {{"role", RoleName(trial.role)}, {"task", trial.task}, {"conditions", trial.conditions}};
+    if (!trial.cut_from.empty()) t["cut_from"] = trial.cut_from;
     for (const auto& [grid_name, grid] : trial.grids) {
       const GridFacts facts = FactsOf(grid);
       Json& g = t["grids"][grid_name];

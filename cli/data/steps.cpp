@@ -1,9 +1,9 @@
 // sinew data steps: steps that no plate measured become trials, by the motion of the feet.
 #include <cmath>
 
-#include "base/read_file.h"
 #include "base/text.h"
 #include "cli/command_files.h"
+#include "cli/data/contact_settings.h"
 #include "cli/data/data_commands.h"
 #include "cli/data/dataset_json.h"
 #include "cli/terminal.h"
@@ -11,7 +11,6 @@
 #include "datasets/io/dataset_file.h"
 #include "problems/contact/loaded_span.h"
 #include "problems/contact/motion_steps.h"
-#include "problems/kit/bind.h"
 
 namespace sinew {
 namespace {
@@ -75,21 +74,6 @@ nlohmann::ordered_json StepsJson(const MotionSteps& found) {
   return json;
 }
 
-// Of a file, or contact.yaml of the data set.
-Result<ContactSettings> SettingsOf(const StepsWords& words, const Dataset& data) {
-  constexpr const char* kName = "contact";
-  if (words.config.empty()) {
-    if (data.files.count("contact.yaml") == 0)
-      return Fail("{}: holds no contact.yaml: give settings with --config (sinew data soles)", words.path);
-    SINEW_ASSIGN(const YamlReader section, SettingsSection(data, kName));
-    return ReadContactSettings(section, data.files);
-  }
-  SINEW_ASSIGN(const std::string text, ReadFile(words.config));
-  SINEW_ASSIGN(const YamlReader document, YamlReader::Parse(text, words.config));
-  SINEW_ASSIGN(const YamlReader section, SettingsSection(document, kName));
-  return ReadContactSettings(section, data.files);
-}
-
 // Those that were named, or all recordings: trials with coordinates that were not cut from others.
 std::vector<std::string> Searched(const StepsWords& words, const Dataset& data) {
   if (!words.trials.empty()) return words.trials;
@@ -106,7 +90,7 @@ Result<int> Steps(const StepsWords& words) {
                                           ? ClaimFiles({{words.path, words.config}, {}, words.json})
                                           : ClaimInPlace(words.path, words.out, {words.config}, words.json));
   SINEW_ASSIGN(Dataset data, ReadDataset(words.path));
-  SINEW_ASSIGN(const ContactSettings settings, SettingsOf(words, data));
+  SINEW_ASSIGN(const ContactSettings settings, ContactSettingsOf(words.path, data, words.config));
   const std::vector<std::string> names = Searched(words, data);
   if (names.empty())
     return Fail("{}: no trial holds coordinates and is no step already; run `sinew data kinematics` first",

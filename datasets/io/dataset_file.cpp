@@ -138,6 +138,8 @@ Result<Trial> ReadTrial(Hdf5Node& node, const std::string& where) {
     if (name == "role") continue;
     if (name == "task") {
       SINEW_ASSIGN(trial.task, TextAttribute(node, where, name));
+    } else if (name == "cut_from") {
+      SINEW_ASSIGN(trial.cut_from, TextAttribute(node, where, name));
     } else {
       SINEW_ASSIGN(trial.conditions[name], NumberAttribute(node, where, name));
     }
@@ -195,6 +197,7 @@ Hdf5Node ToTree(const Trial& trial) {
   Hdf5Node node;
   node.attributes["role"] = std::string(trial.role == Role::kTrain ? "train" : "validate");
   node.attributes["task"] = trial.task;
+  if (!trial.cut_from.empty()) node.attributes["cut_from"] = trial.cut_from;
   for (const auto& [name, value] : trial.conditions) node.attributes[name] = value;
   for (const auto& [grid_name, grid] : trial.grids) {
     Hdf5Node& grid_node = node.children[grid_name];

@@ -37,11 +37,6 @@ std::string QuantityOf(const std::string& channel) {
   return kQuantities.at(channel);
 }
 
-std::string UnitOf(const std::string& channel) {
-  if (channel == "moment_y") return "N*m";
-  return channel.rfind("cop", 0) == 0 ? "m" : "N";
-}
-
 // Frames of the motion while the plate records, continued by `margin` on both sides as far as there are any.
 Result<std::vector<double>> Frames(const Grid& forces, const std::vector<double>& motion, double margin) {
   if (forces.time.empty() || motion.empty())
@@ -162,7 +157,7 @@ Status AddBlocks(const Trial& trial, const ContactSettings& settings, Stance& st
     block.trial = stance.trial;
     block.channel = stance.plate + "_" + kind;
     block.quantity = QuantityOf(kind);
-    block.unit = UnitOf(kind);
+    block.unit = PlateChannelUnit(kind);
     block.prediction_time = stance.time;
     block.columns = FeelsFriction(kind) ? all_columns : normal_columns;
     block.columns.insert(block.columns.end(), shared_columns.begin(), shared_columns.end());

@@ -38,12 +38,9 @@ struct MotionSteps {
   std::vector<OfTrial> trials;
 };
 
-/// Finds the steps in recordings of walking that no plate measured. The heel of a foot (the hindmost spring
-/// of its regions) is farthest ahead of the first body of the model, mostly the pelvis, where the foot lands,
-/// and its toe is farthest behind where it leaves (Zeni, Richards, Higginson 2008, Gait & Posture 27:710).
-/// Ahead is where the feet point within half a second. The distances are low-passed at 6 Hz, and events lie
-/// between frames. How much later plates measure both is known from the trials that are steps on the plates
-/// of the settings, and is added.
+/// Finds the steps in recordings of walking that no plate measured, from the events of gait_events.h. How
+/// much later plates measure both is known from the trials that are steps on the plates of the settings, and
+/// is added.
 /// @param trials to be searched
 /// Errors, with the trial: no such trial, no motion, frames that are not equally spaced.
 Result<MotionSteps> FindMotionSteps(const Dataset& data, const ContactSettings& settings,

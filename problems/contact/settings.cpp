@@ -10,6 +10,11 @@ namespace sinew {
 const std::vector<std::string> kContactChannels{"force_x", "force_y", "force_z",
                                                 "cop_x",   "cop_z",   "moment_y"};
 
+std::string PlateChannelUnit(const std::string& channel) {
+  if (channel == "moment_y") return "N*m";
+  return channel.rfind("cop", 0) == 0 ? "m" : "N";
+}
+
 const std::array<const char*, kSolePlaces> kSolePlaceNames{"sole_forward", "sole_height", "sole_outward"};
 
 namespace {

@@ -83,6 +83,9 @@ constexpr int kContactParametersPerGroup = 5;
 /// The channels of a plate that this problem predicts, without the plate's prefix.
 extern const std::vector<std::string> kContactChannels;
 
+/// @param channel one of kContactChannels
+[[nodiscard]] std::string PlateChannelUnit(const std::string& channel);
+
 [[nodiscard]] const std::map<std::string, ParameterRange>& DefaultContactRanges();
 
 /// @param yaml the map under the key `contact` of a settings file; @param files texts by name (for .obj

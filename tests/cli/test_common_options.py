@@ -18,7 +18,7 @@ QUIET = (("data", "synthesize"), ("data", "kinematics"), ("data", "muscles"), ("
 THREADS = (("data", "synthesize"), ("data", "kinematics"), ("simulate",), ("identify",), ("diagnose",), ("compare",),
            ("report",))
 SEED = (("data", "synthesize"), ("identify",), ("diagnose",), ("compare",))
-JSON = (("list",), ("data", "synthesize"), ("data", "import"), ("data", "cut"), ("data", "drop"), ("data", "kinematics"),
+JSON = (("list",), ("data", "synthesize"), ("data", "import"), ("data", "cut"), ("data", "drop"), ("data", "loads"), ("data", "kinematics"),
         ("data", "envelope"), ("data", "ceinms"), ("data", "muscles"), ("simulate",), ("identify",), ("diagnose",),
         ("compare",), ("mbs",))
 

@@ -40,6 +40,7 @@ TEST(CutTrial, KeepsTheWindowAndAMarginForSplinesAndInputs) {
                 ElementsAre(8, 9, 10, 11, 12, 13, 14, 15))
         << name;
   }
+  EXPECT_EQ(stance.cut_from, "walk");
   EXPECT_EQ(stance.conditions.at("window_start_s"), 1.0);
   EXPECT_EQ(stance.conditions.at("window_end_s"), 1.3);
   EXPECT_EQ(stance.conditions.at("speed_m_per_s"), 1.2);
@@ -53,6 +54,13 @@ TEST(CutTrial, RoleIsThatOfTheSourceAndTheMarginCanBeNone) {
   ASSERT_EQ(ErrorOf(CutTrial(dataset, {"walk", 1.0, 1.1, "stance", {}, 0})), "");
   EXPECT_EQ(dataset.trials.at("stance").role, Role::kValidate);
   EXPECT_EQ(dataset.trials.at("stance").grids.at("markers").time.size(), 2U);
+}
+
+TEST(CutTrial, APartOfAPartIsOfTheRecording) {
+  Dataset dataset = Recording();
+  ASSERT_EQ(ErrorOf(CutTrial(dataset, {"walk", 1.0, 2.0, "half"})), "");
+  ASSERT_EQ(ErrorOf(CutTrial(dataset, {"half", 1.2, 1.5, "quarter"})), "");
+  EXPECT_EQ(dataset.trials.at("quarter").cut_from, "walk");
 }
 
 TEST(CutTrial, BadWindowsAreErrorsAndChangeNothing) {

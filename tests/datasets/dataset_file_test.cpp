@@ -22,6 +22,7 @@ TEST(DatasetFile, WhatIsWrittenIsRead) {
   EXPECT_TRUE(std::isnan(found.channel->values[2]));
   EXPECT_EQ(found.channel->sigma, 2.5);
   EXPECT_EQ(read->licence, "CC BY 4.0");
+  EXPECT_EQ(read->trials.at("walk").cut_from, "recording");
 }
 
 TEST(DatasetFile, AnEmptyDatasetAndEmptyTextsSurvive) {

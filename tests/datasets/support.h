@@ -61,6 +61,7 @@ inline Dataset SmallDataset() {
   Trial& trial = dataset.trials["walk"];
   trial.role = Role::kValidate;
   trial.task = "level walking";
+  trial.cut_from = "recording";
   trial.conditions["speed_m_per_s"] = 1.25;
   trial.grids["forces"].time = {0, 0.25, 0.5, 0.75, 1};
   trial.grids["forces"].channels["right_force_y"] = {
