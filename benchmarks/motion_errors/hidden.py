@@ -38,6 +38,7 @@ EFFECTS = {
     "stiffness_exponent": (-0.5, 2),
     "missing_toe_region": (0, 1),
     "unmodelled_mass": (-5, 5),
+    "foot_bend": (-0.2, 0.2),
 }
 OF_NULL_ONE = ("gain",)  # the null of these parameters is 1
 
@@ -45,6 +46,8 @@ OF_NULL_ONE = ("gain",)  # the null of these parameters is 1
 def request(name, value):
     if name == "tilted_floor":
         return f"tilted_floor:floor_slope_x={value!r},floor_slope_z=0"
+    if name == "foot_bend":
+        return f"foot_bend:foot_bend_early=0,foot_bend_middle=0,foot_bend_late={value!r}"
     parameter = {"missing_toe_region": "toe_region_weight"}.get(name, "value" if "." in name else name)
     return f"{name}:{parameter}={1 + value if name.endswith(OF_NULL_ONE) else value!r}"
 

@@ -242,6 +242,7 @@ Status AddTrial(const std::string& name, const Trial& trial, const ContactModel&
     SINEW_ASSIGN(Stance stance,
                  MakeStance(name, plate, std::move(time), motion, model.multibody, model.bodies, settings));
     SINEW_TRY(FindLoad(trial, settings, stance));
+    for (const double t : stance.time) stance.kinematics.phase.push_back(PhaseShareAt(t, stance.loaded));
     if (settings.motion_errors) {
       stance.markers = MeasuredMarkers(trial, model.osim, model.multibody, stance.foot, stance.time);
       const MarkerPose by_markers = MoveToMarkers(stance.time, stance.foot, stance.markers);

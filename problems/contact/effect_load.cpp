@@ -18,34 +18,56 @@ struct RaisedFace {
   double rate = 0;
   double slip_x = 0;
   double slip_z = 0;
-  std::array<double, 2> lever{};  // x, z from the point that slopes leave alone
+  std::array<double, 2> lever{};           // x, z from the point that slopes leave alone
+  std::array<double, kShapeModes> arms{};  // of the displacement upwards, by mode
 };
 
 class TiltedFloor {
  public:
-  TiltedFloor(const EffectKinematics& kinematics, const ContactEffectValues& effects)
+  TiltedFloor(const EffectKinematics& kinematics, const ContactEffectValues& effects, int instant)
       : kinematics_(kinematics),
         height_(effects[kHeightOffset]),
         slope_{effects[kFloorSlopeX], effects[kFloorSlopeZ]},
-        norm_(std::sqrt(1 + slope_[0] * slope_[0] + slope_[1] * slope_[1])) {}
+        norm_(std::sqrt(1 + slope_[0] * slope_[0] + slope_[1] * slope_[1])) {
+    if (kinematics.phase.empty()) return;
+    share_ = kinematics.phase[static_cast<std::size_t>(instant)];
+    for (std::size_t m = 0; m < kShapeModes; ++m) {
+      for (std::size_t j = 0; j < kShapePhases; ++j) {
+        const double value = effects[ShapeEffect(m, j)];
+        mode_[m] += value * share_.value[j];
+        mode_rate_[m] += value * share_.rate[j];
+      }
+    }
+  }
 
-  [[nodiscard]] RaisedFace At(const EffectRegion& region, int instant, std::size_t i) const {
+  // @param i of the arrays of the kinematics: of face f at this instant
+  [[nodiscard]] RaisedFace At(const EffectRegion& region, int instant, std::size_t i, std::size_t f) const {
     const ContactKinematics& k = region.kinematics;
     const auto t = static_cast<std::size_t>(instant);
     RaisedFace face;
+    double up = 0;
+    double up_rate = 0;
+    if (!region.ahead.empty()) {
+      face.arms = ShapeArms(region.ahead[f]);
+      for (std::size_t m = 0; m < kShapeModes; ++m) {
+        up += mode_[m] * face.arms[m];
+        up_rate += mode_rate_[m] * face.arms[m];
+      }
+    }
     face.lever = {k.point_x[i] - kinematics_.tilt_reference[0], k.point_z[i] - kinematics_.tilt_reference[1]};
-    const double rise = height_ + slope_[0] * face.lever[0] + slope_[1] * face.lever[1];
+    const double rise = height_ + slope_[0] * face.lever[0] + slope_[1] * face.lever[1] - up;
     face.depth = (k.depth[i] + rise) / norm_;
     face.slip_x = k.slip_x[i] - region.turning_z[t] * rise;
     face.slip_z = k.slip_z[i] + region.turning_x[t] * rise;
     face.rate = (k.rate[i] + slope_[0] * (face.slip_x + kinematics_.floor_velocity[0]) +
-                 slope_[1] * (face.slip_z + kinematics_.floor_velocity[1])) /
+                 slope_[1] * (face.slip_z + kinematics_.floor_velocity[1]) - up_rate) /
                 norm_;
     return face;
   }
 
   [[nodiscard]] double slope(std::size_t axis) const { return slope_[axis]; }
   [[nodiscard]] double norm() const { return norm_; }
+  [[nodiscard]] const PhaseShare& phase() const { return share_; }
   [[nodiscard]] double velocity(const RaisedFace& face, std::size_t axis) const {
     return (axis == 0 ? face.slip_x : face.slip_z) + kinematics_.floor_velocity[axis];
   }
@@ -55,6 +77,36 @@ class TiltedFloor {
   double height_;
   std::array<double, 2> slope_;
   double norm_;
+  PhaseShare share_;
+  std::array<double, kShapeModes> mode_{};
+  std::array<double, kShapeModes> mode_rate_{};  // per second
+};
+
+// Sums over the springs of the derivatives of their load (Sum: a number or a ContactLoad) for their
+// displacement upwards and its rate, times the arm of each mode.
+template <class Sum>
+struct ByShape {
+  std::array<Sum, kShapeModes> by_up;
+  std::array<Sum, kShapeModes> by_up_rate;
+
+  explicit ByShape(const Sum& zero) {
+    by_up.fill(zero);
+    by_up_rate.fill(zero);
+  }
+  void Add(const RaisedFace& face, const Sum& by_rise, const Sum& by_rate) {
+    for (std::size_t m = 0; m < kShapeModes; ++m) {
+      by_up[m] -= face.arms[m] * by_rise;
+      by_up_rate[m] -= face.arms[m] * by_rate;
+    }
+  }
+  // @param add (effect, derivative for it)
+  template <class Adder>
+  void ForEach(const PhaseShare& share, const Adder& add) const {
+    for (std::size_t m = 0; m < kShapeModes; ++m) {
+      for (std::size_t j = 0; j < kShapePhases; ++j)
+        add(ShapeEffect(m, j), Sum(share.value[j] * by_up[m] + share.rate[j] * by_up_rate[m]));
+    }
+  }
 };
 
 // The vertical force alone and, if `derivatives`, its derivatives: a tenth of the work. Operation by
@@ -63,15 +115,16 @@ void AddVertical(const EffectKinematics& kinematics, const EffectRegion& region,
                  const ElasticFoundation& bed, const ContactEffectValues& effects, bool derivatives,
                  ContactLoad& load, ContactLoadJacobian& by_bed, ContactEffectJacobian& by_effect) {
   const ContactKinematics& k = region.kinematics;
-  const TiltedFloor floor(kinematics, effects);
+  const TiltedFloor floor(kinematics, effects, instant);
   const BedEffects bed_effects{effects[kStiffnessExponent], effects[kFloorCompliance]};
   const double up = 1 / floor.norm();
   const auto t = static_cast<std::size_t>(instant);
   const std::array<double, 2> slip_by_rise{-region.turning_z[t], region.turning_x[t]};
   const double rate_by_rise = (floor.slope(0) * slip_by_rise[0] + floor.slope(1) * slip_by_rise[1]) * up;
+  ByShape<double> by_shape(0);
   const auto first = t * static_cast<std::size_t>(k.faces);
   for (std::size_t f = 0; f < static_cast<std::size_t>(k.faces); ++f) {
-    const RaisedFace face = floor.At(region, instant, first + f);
+    const RaisedFace face = floor.At(region, instant, first + f, f);
     if (!(face.depth > 0)) continue;
     const Pressure p = PressureAt(bed, bed_effects, face.depth, face.rate);
     if (!(p.value > 0)) continue;
@@ -85,6 +138,7 @@ void AddVertical(const EffectKinematics& kinematics, const EffectRegion& region,
     by_effect(kForceY, kFloorCompliance) += area * p.by_compliance * up;
     const double by_rise = area * (p.by_depth * up + p.by_rate * rate_by_rise) * up;
     by_effect(kForceY, kHeightOffset) += by_rise;
+    by_shape.Add(face, by_rise, (area * p.by_rate * up) * up);
     for (const std::size_t axis : {0U, 1U}) {
       const double shrink = floor.slope(axis) * up * up;  // -(dN/dslope) / N
       const double by_tilt = area * (-p.by_depth * face.depth * shrink +
@@ -93,6 +147,9 @@ void AddVertical(const EffectKinematics& kinematics, const EffectRegion& region,
           face.lever[axis] * by_rise + by_tilt * up + normal * (-shrink * up);
     }
   }
+  by_shape.ForEach(floor.phase(), [&](std::size_t effect, double slope) {
+    by_effect(kForceY, static_cast<Eigen::Index>(effect)) += slope;
+  });
 }
 
 // Adds one region's load and, if wanted, derivatives, as if its weight were 1. `by_spring` is nullptr or set.
@@ -101,17 +158,18 @@ void AddRegion(const EffectKinematics& kinematics, const EffectRegion& region, i
                ContactLoad& load, ContactLoadJacobian& by_bed, ContactEffectJacobian& by_effect,
                std::vector<SpringGradient>* by_spring) {
   const ContactKinematics& k = region.kinematics;
-  const TiltedFloor floor(kinematics, effects);
+  const TiltedFloor floor(kinematics, effects, instant);
   const BedEffects bed_effects{effects[kStiffnessExponent], effects[kFloorCompliance]};
   const double up = 1 / floor.norm();
   const std::array<double, 3> mu{bed.static_friction, bed.dynamic_friction, bed.viscous_friction};
   const auto t = static_cast<std::size_t>(instant);
   const std::array<double, 2> slip_by_rise{-region.turning_z[t], region.turning_x[t]};
   const double rate_by_rise = (floor.slope(0) * slip_by_rise[0] + floor.slope(1) * slip_by_rise[1]) * up;
+  ByShape<ContactLoad> by_shape(ContactLoad::Zero());
   const auto first = t * static_cast<std::size_t>(k.faces);
   for (std::size_t f = 0; f < static_cast<std::size_t>(k.faces); ++f) {
     if (by_spring != nullptr) (*by_spring)[f].setZero();
-    const RaisedFace face = floor.At(region, instant, first + f);
+    const RaisedFace face = floor.At(region, instant, first + f, f);
     if (!(face.depth > 0)) continue;
     const Pressure p = PressureAt(bed, bed_effects, face.depth, face.rate);
     if (!(p.value > 0)) continue;
@@ -148,6 +206,7 @@ void AddRegion(const EffectKinematics& kinematics, const EffectRegion& region, i
                  -drag * slip_by_rise[1] - drag_slope * speed_by_rise * face.slip_z);
     const ContactLoad by_rise = area * (p.by_depth * up + p.by_rate * rate_by_rise) * unit + normal * by_slip;
     by_effect.col(kHeightOffset) += by_rise;
+    by_shape.Add(face, by_rise, (area * p.by_rate * up) * unit);
     for (const std::size_t axis : {0U, 1U}) {
       const double shrink = floor.slope(axis) * up * up;  // -(dN/dslope) / N
       const double by_tilt = area * (-p.by_depth * face.depth * shrink +
@@ -183,6 +242,10 @@ void AddRegion(const EffectKinematics& kinematics, const EffectRegion& region, i
     gradient(kMomentY, kPointZ) += force_x;
     gradient(kFirstMomentZ, kPointZ) += normal * up;
   }
+  if (!derivatives) return;
+  by_shape.ForEach(floor.phase(), [&](std::size_t effect, const ContactLoad& slope) {
+    by_effect.col(static_cast<Eigen::Index>(effect)) += slope;
+  });
 }
 
 }  // namespace
@@ -243,12 +306,12 @@ void ComputeEffectLoad(const EffectKinematics& kinematics, int instant,
 void ComputeFaceLoads(const EffectKinematics& kinematics, const EffectRegion& region, int instant,
                       const ElasticFoundation& bed, const ContactEffectValues& effects,
                       std::vector<FaceLoad>& loads) {
-  const TiltedFloor floor(kinematics, effects);
+  const TiltedFloor floor(kinematics, effects, instant);
   const BedEffects bed_effects{effects[kStiffnessExponent], effects[kFloorCompliance]};
   const auto faces = static_cast<std::size_t>(region.kinematics.faces);
   loads.assign(faces, {});
   for (std::size_t f = 0; f < faces; ++f) {
-    const RaisedFace face = floor.At(region, instant, static_cast<std::size_t>(instant) * faces + f);
+    const RaisedFace face = floor.At(region, instant, static_cast<std::size_t>(instant) * faces + f, f);
     loads[f] = {PressureAt(bed, bed_effects, face.depth, face.rate).value,
                 std::hypot(face.slip_x, face.slip_z)};
   }

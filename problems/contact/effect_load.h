@@ -7,10 +7,11 @@
 //   depth of the spring      (d + e) / N
 //   its rate                 -(velocity of the sole at the floor) . (normal of the floor)
 //   force of the floor       (-slope_x, 1, -slope_z) / N times the normal force, and friction
-// where the velocity is that of the sole's material at the raised floor. Friction stays horizontal and
-// follows the horizontal slip: its share along y and the slip's change by the tilt are of the order of
-// friction times slope and slip times slope^2, and are left out. The lever arm is that of the point straight
-// below the spring.
+// where the velocity is that of the sole's material at the raised floor. A sole that is displaced upwards
+// (ShapeMode) has e less by that, and the rate less by its rate. Friction stays horizontal and follows the
+// horizontal slip: its share along y and the slip's change by the tilt are of the order of friction times
+// slope and slip times slope^2, and are left out. The lever arm is that of the point straight below the
+// spring.
 #pragma once
 
 #include <array>
@@ -28,6 +29,7 @@ struct EffectRegion {
   ContactKinematics kinematics;
   std::vector<double> turning_x;  ///< angular velocity of the body about the world's x [T, rad/s]
   std::vector<double> turning_z;
+  std::vector<double> ahead;  ///< of the sole's middle [faces, m]; empty: it keeps its shape and pose
 };
 
 /// What a stance needs besides ContactSums.
@@ -41,6 +43,7 @@ struct EffectKinematics {
                                            ///< middle of all stances' soles
   std::array<double, 2> floor_velocity{};  ///< x, z [m/s]
   double transition_velocity = 0.01;       ///< [m/s]
+  std::vector<PhaseShare> phase;           ///< [T]; empty: the foot keeps its shape and pose
 };
 
 /// Derivatives of the load of one spring for what its place and motion decide: SpringQuantity.

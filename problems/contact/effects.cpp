@@ -11,6 +11,33 @@ constexpr const char* kHeightExperiment =
 
 constexpr double kHeightReach = 0.01;  // [m]
 
+// In the order of ShapeMode.
+void DeclareShapes(ParameterListBuilder& add) {
+  const auto declare = [&](const char* name, const char* description, const char* experiment,
+                           const char* unit, const std::string& what, double reach) {
+    auto& effect = add.BeginEffect(name, Level::kHuman, description, experiment);
+    for (const auto& [phase, when] : {std::pair("early", "at a quarter of the stance"),
+                                      std::pair("middle", "in the middle of the stance"),
+                                      std::pair("late", "at three quarters of the stance")}) {
+      effect.TwoSided(ParameterListBuilder::kNoSlot, std::string(name) + "_" + phase, unit,
+                      what + ", " + when, reach);
+    }
+  };
+  declare("foot_bend", "the foot bends in its middle, by the same angle at the same phase of every stance",
+          "markers on the forefoot and on the heel, or a foot model of several segments", "rad",
+          "forefoot turned up against the heel", 0.2);
+  declare(
+      "foot_pitch",
+      "the foot is turned against the recorded one by the same angle at the same phase of every stance (skin "
+      "slides over the bones)",
+      "markers on more places of the foot, or a cluster on a rigid plate", "rad", "toes turned up", 0.1);
+  declare("foot_height",
+          "the foot is higher than the recorded one by as much at the same phase of every stance (skin "
+          "slides, the "
+          "heel pad flows)",
+          "markers on more places of the foot, or a pressure mat", "m", "foot higher than recorded", 0.01);
+}
+
 }  // namespace
 
 ContactEffectList::ContactEffectList(int first, std::vector<std::string> plates)
@@ -53,6 +80,7 @@ void ContactEffectList::Declare(ParameterListBuilder& add) const {
                   "a pressure mat, or the centre of pressure at heel strike")
       .Positive(kNone, "heel_region_weight", "1", "share of the sole's springs that a strip behind it has",
                 1);
+  DeclareShapes(add);
   for (const std::string& plate : plates_) {
     add.BeginEffect(plate + ".height_offset", Level::kHuman,
                     "the sole on plate " + plate + " has a wrong height in the kinematics", kHeightExperiment)

@@ -7,6 +7,7 @@
 #include <string>
 #include <vector>
 
+#include "problems/contact/phase_shape.h"
 #include "problems/kit/parameter_list.h"
 
 namespace sinew {
@@ -21,8 +22,15 @@ enum ContactEffect : std::size_t {
   kUnmodelledMass,     ///< that moves with the foot's body, under the springs [kg]
   kToeRegion,          ///< weight of a strip in front of the sole [1]
   kHeelRegion,         ///< behind it
-  kContactEffects      ///< how many
+  kFirstShape,         ///< the first of those of ShapeEffect: [rad], [rad], [m]
+  kLastShape = kFirstShape + kShapeModes * kShapePhases - 1,
+  kContactEffects  ///< how many
 };
+
+/// Of a mode at one of its phases.
+constexpr std::size_t ShapeEffect(std::size_t mode, std::size_t phase) {
+  return kFirstShape + mode * kShapePhases + phase;
+}
 
 /// One value per ContactEffect.
 using ContactEffectValues = std::array<double, kContactEffects>;

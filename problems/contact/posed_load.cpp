@@ -11,7 +11,7 @@ namespace {
 
 // One instant's room in the arrays of a region; the areas stay.
 EffectRegion OneInstant(const EffectRegion& recorded) {
-  EffectRegion region{recorded.part, {}, {0.0}, {0.0}};
+  EffectRegion region{recorded.part, {}, {0.0}, {0.0}, recorded.ahead};
   ContactKinematics& k = region.kinematics;
   k.instants = 1;
   k.faces = recorded.kinematics.faces;
@@ -126,6 +126,7 @@ PosedFoot::PosedFoot(const EffectKinematics& recorded) {
   }
   posed_.foot_position.resize(1);
   posed_.foot_acceleration.resize(1);
+  posed_.phase.resize(recorded.phase.empty() ? 0 : 1);
   posed_.tilt_reference = recorded.tilt_reference;
   posed_.floor_velocity = recorded.floor_velocity;
   posed_.transition_velocity = recorded.transition_velocity;
@@ -149,6 +150,7 @@ void PosedFoot::Place(const EffectKinematics& recorded, const FootMotion& foot, 
   // The mass that a plate feels besides the springs moves as recorded.
   posed_.foot_position[0] = recorded.foot_position[t];
   posed_.foot_acceleration[0] = recorded.foot_acceleration[t];
+  if (!recorded.phase.empty()) posed_.phase[0] = recorded.phase[t];
   sole_place_ = sole_place;
   side_ = side;
   floor_height_ = floor_height;

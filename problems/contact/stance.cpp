@@ -9,7 +9,7 @@ namespace {
 
 EffectRegion Prepare(const ContactRegion& region, int part, const std::vector<BodyMotion>& motion,
                      const Floor& floor) {
-  EffectRegion prepared{part, ComputeContactKinematics(region, motion, floor), {}, {}};
+  EffectRegion prepared{part, ComputeContactKinematics(region, motion, floor), {}, {}, {}};
   for (const BodyMotion& body : motion) {
     prepared.turning_x.push_back(body.angular_velocity.x());
     prepared.turning_z.push_back(body.angular_velocity.z());
@@ -41,6 +41,17 @@ Ends FindEnds(const std::vector<const ContactRegion*>& regions,
     }
   }
   return ends;
+}
+
+// How far each spring of a region is ahead of the foot's middle.
+std::vector<double> AheadOf(const ContactRegion& region, const BodyMotion& body, const Vec3& forward,
+                            const Ends& ends) {
+  std::vector<double> along;
+  for (const int face : region.SpringFaceIndices()) {
+    along.push_back(forward.dot(
+        body.position + body.rotation * (region.position + region.rotation * region.mesh.Centre(face))));
+  }
+  return AheadOfMiddle(along, ends.at[1], ends.at[0]);
 }
 
 }  // namespace
@@ -113,12 +124,16 @@ Result<Stance> MakeStance(const std::string& trial, const std::string& plate, st
   constexpr std::array<int, 2> kStrips{4, 7};  // squares of it along x and z
   const Ends ends = FindEnds(regions, motion_of, deepest_instant);
   stance.length = ends.at[0] - ends.at[1];
+  const Vec3 forward = motion_of.front()[deepest_instant].rotation * Vec3::UnitX();
+  for (std::size_t r = 0; r < regions.size(); ++r)
+    kinematics.regions[r].ahead = AheadOf(*regions[r], motion_of[r][deepest_instant], forward, ends);
   std::array<ContactRegion, 2> edges;
   for (const std::size_t end : {0U, 1U}) {
     const auto of = static_cast<std::size_t>(ends.region[end]);
     SINEW_ASSIGN(edges[end], EdgeRegion(*regions[of], end == 0, kShare * stance.length, kStrips));
     kinematics.edges[end].push_back(
         Prepare(edges[end], kinematics.regions[of].part, motion_of[of], settings.floor));
+    kinematics.edges[end].back().ahead = AheadOf(edges[end], motion_of[of][deepest_instant], forward, ends);
     foot_regions.push_back({&edges[end], foot_regions[of].body});
   }
   if (settings.moves_springs()) {
@@ -127,9 +142,9 @@ Result<Stance> MakeStance(const std::string& trial, const std::string& plate, st
                  model.BodyMotionAt(model.default_values(), Vector::Zero(model.default_values().size()),
                                     {stance.foot.indices.front()}));
     stance.side = standing.front().position.z() < 0 ? -1 : 1;
-    Vec3 forward = stance.foot.bodies.front().motion[stance.time.size() / 2].rotation * Vec3::UnitX();
-    forward.y() = 0;
-    if (forward.norm() > 0) stance.forward = forward.normalized();
+    Vec3 pointing = stance.foot.bodies.front().motion[stance.time.size() / 2].rotation * Vec3::UnitX();
+    pointing.y() = 0;
+    if (pointing.norm() > 0) stance.forward = pointing.normalized();
   }
   return stance;
 }

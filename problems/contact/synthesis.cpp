@@ -12,6 +12,7 @@
 #include "models/multibody/multibody_model.h"
 #include "models/multibody/osim_reader.h"
 #include "problems/contact/effect_load.h"
+#include "problems/contact/loaded_span.h"
 #include "problems/contact/plate_channels.h"
 #include "problems/contact/smooth_errors.h"
 #include "problems/contact/stepping_body.h"
@@ -123,12 +124,39 @@ constexpr std::size_t kInstantsAtOnce = 32;
 constexpr double kEdgeShare = 0.2;  // of the sole's length that a strip beyond its end has
 
 EffectRegion Prepare(const ContactRegion& region, const std::vector<BodyMotion>& motion) {
-  EffectRegion prepared{0, ComputeContactKinematics(region, motion, {}), {}, {}};
+  EffectRegion prepared{0, ComputeContactKinematics(region, motion, {}), {}, {}, {}};
   for (const BodyMotion& body : motion) {
     prepared.turning_x.push_back(body.angular_velocity.x());
     prepared.turning_z.push_back(body.angular_velocity.z());
   }
   return prepared;
+}
+
+// How far every spring is ahead of the middle of the sole.
+std::vector<double> AheadOf(const ContactRegion& region, const SteppingBody& body) {
+  std::vector<double> along;
+  for (const int face : region.SpringFaceIndices())
+    along.push_back((region.position + region.rotation * region.mesh.Centre(face)).x());
+  const double middle = body.sole_position.x();
+  const double half = 0.5 * body.sole_size.x();
+  return AheadOfMiddle(along, middle - half, middle + half);
+}
+
+bool HasShape(const ContactEffectValues& effects) {
+  return std::any_of(effects.begin() + kFirstShape, effects.begin() + kLastShape + 1,
+                     [](double value) { return value != 0; });
+}
+
+// From when to when the load without them is seen in the export: by it the phase is counted.
+std::array<double, 2> SpanSeen(const std::vector<ContactLoad>& loads, const std::vector<double>& times) {
+  std::vector<double> seen;
+  std::vector<double> force;
+  for (std::size_t i = 0; i < times.size(); i += kEvery) {
+    seen.push_back(times[i]);
+    force.push_back(loads[i][kForceY]);
+  }
+  return LoadedSpan(seen, force, seen.front(), seen.back())
+      .value_or(std::array<double, 2>{seen.front(), seen.back()});
 }
 
 // The true load on the plate at the given times.
@@ -172,19 +200,28 @@ Result<std::vector<ContactLoad>> TrueLoads(const Laboratory& lab, const Coordina
     SINEW_ASSIGN(const ContactRegion strip,
                  EdgeRegion(region, edge == 0, kEdgeShare * lab.body.sole_size.x(), strips));
     kinematics.edges[edge].push_back(Prepare(strip, of_foot));
+    kinematics.edges[edge].back().ahead = AheadOf(strip, lab.body);
   }
+  kinematics.regions.front().ahead = AheadOf(region, lab.body);
   for (const BodyMotion& foot : of_foot) {
     kinematics.foot_position.push_back(foot.position);
     kinematics.foot_acceleration.push_back(foot.acceleration);
   }
   kinematics.tilt_reference = kTiltPivot;
   kinematics.transition_velocity = kTransitionVelocity;
-  EffectLoad load;
-  load.by_part.resize(1);
-  for (std::size_t i = 0; i < times.size(); ++i) {
-    ComputeEffectLoad(kinematics, static_cast<int>(i), {truth}, effects, {false, false}, load);
-    loads[i] = load.load;
-  }
+  const auto compute = [&] {
+    EffectLoad load;
+    load.by_part.resize(1);
+    for (std::size_t i = 0; i < times.size(); ++i) {
+      ComputeEffectLoad(kinematics, static_cast<int>(i), {truth}, effects, {false, false}, load);
+      loads[i] = load.load;
+    }
+  };
+  compute();
+  if (!HasShape(effects)) return loads;
+  const auto loaded = SpanSeen(loads, times);
+  for (const double t : times) kinematics.phase.push_back(PhaseShareAt(t, loaded));
+  compute();
   return loads;
 }
 

@@ -2,6 +2,7 @@
 import functools
 import os
 import shutil
+import signal
 import subprocess
 import tempfile
 import unittest
@@ -66,8 +67,9 @@ class ProgramTest(unittest.TestCase):
         return name
 
     def start(self, *words):
-        return subprocess.Popen([PROGRAM, *map(str, words)], cwd=self.folder, stdout=subprocess.PIPE,
-                                stderr=subprocess.PIPE, text=True)
+        # A shell without job control starts what is in the background, such as these tests, with SIGINT ignored.
+        return subprocess.Popen([PROGRAM, *map(str, words)], cwd=self.folder, stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True,
+                                preexec_fn=lambda: signal.signal(signal.SIGINT, signal.SIG_DFL))
 
     def run_program(self, *words):
         return subprocess.run([PROGRAM, *map(str, words)], cwd=self.folder, capture_output=True, text=True,

@@ -87,10 +87,11 @@ class MeasuredGait(ProgramTest):
                                          ROOT / "docs" / "examples" / "gait_subject01.yaml", "--out", "why.h5", "--quiet",
                                          "--json", "-"))
         self.assertEqual(found["verdict"], "unexplained")
-        self.assertIn("tilted_floor", [c["effect"] for c in found["causes"]])
+        causes = [c["effect"] for c in found["causes"]]
+        self.assertTrue({"foot_bend", "foot_height"} & set(causes), causes)
         self.assertIn("right_force_y.saturation", [w["effect"] for w in found["withdrawn"]])
         self.assertAlmostEqual(found["gain"]["validate_rmse_before"], 113, delta=1)
-        self.assertAlmostEqual(found["gain"]["validate_rmse_after"], 97.2, delta=2)
+        self.assertAlmostEqual(found["gain"]["validate_rmse_after"], 54.8, delta=2)
         self.assertEqual(len(found["left_out"]), 6, "windows of the one fitted stance")
         self.assertIn("noise_absorbs_misfit", [warning["kind"] for warning in found["warning_facts"]])
 

@@ -200,7 +200,7 @@ TEST(ContactEffects, ATiltedFloorCarriesTheTurnedSole) {
 
     const auto load_of = [&](const BodyMotion& motion, double x, double z) {
       EffectKinematics kinematics;
-      kinematics.regions.push_back({0, ComputeContactKinematics(region, {motion}, {}), {0}, {0}});
+      kinematics.regions.push_back({0, ComputeContactKinematics(region, {motion}, {}), {0}, {0}, {}});
       kinematics.foot_position = {motion.position};
       kinematics.foot_acceleration = {motion.acceleration};
       kinematics.tilt_reference = reference;
@@ -239,7 +239,7 @@ TEST(ContactEffects, AFlatSoleFollowsThePowerOfItsDepth) {
     BodyMotion motion;
     motion.position = Vec3(0, -depth, 0);
     EffectKinematics kinematics;
-    kinematics.regions.push_back({0, ComputeContactKinematics(region, {motion}, {}), {0}, {0}});
+    kinematics.regions.push_back({0, ComputeContactKinematics(region, {motion}, {}), {0}, {0}, {}});
     kinematics.foot_position = {motion.position};
     kinematics.foot_acceleration = {motion.acceleration};
     ContactEffectValues effects{};

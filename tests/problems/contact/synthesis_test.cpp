@@ -308,6 +308,10 @@ TEST(ContactSynthesis, WithTheHiddenEffectTheFittedModelIsTheTruth) {
       {"unmodelled_mass", {{"unmodelled_mass", 0.5}}},
       {"missing_toe_region", {{"toe_region_weight", 0.7}}},
       {"missing_heel_region", {{"heel_region_weight", 0.7}}},
+      {"foot_bend", {{"foot_bend_early", -0.01}, {"foot_bend_middle", 0.02}, {"foot_bend_late", 0.03}}},
+      {"foot_pitch", {{"foot_pitch_early", -0.008}, {"foot_pitch_middle", 0.02}, {"foot_pitch_late", 0.01}}},
+      {"foot_height",
+       {{"foot_height_early", 1e-4}, {"foot_height_middle", -1.5e-4}, {"foot_height_late", 1e-4}}},
   };
   for (const auto& effect : hidden) {
     SynthesisRequest request;
