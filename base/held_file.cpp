@@ -31,7 +31,7 @@ constexpr std::time_t kForeign = 3600;  // [s] age of another machine's file
 
 // Leaked on purpose: threads may still work when static objects are destroyed.
 struct Held {
-  std::mutex mutex;
+  std::mutex mutex;  // also held while a file is made, so that each that exists is among the paths
   std::set<std::string> paths;
 };
 Held& AllHeld() {
@@ -135,12 +135,15 @@ int MakeTemporaryFile(const std::string& folder, HeldFile& file) {
   for (int i = 0; i < kMostTries; ++i) {
     const std::string path = fmt::format("{}/{}{:08x}-{}-{:08x}{}", folder, kStart, Machine(), getpid(),
                                          RandomNumber(), kTemporaryEnd);
+    std::unique_lock making(AllHeld().mutex);
     const int descriptor = open(path.c_str(), O_RDWR | O_CREAT | O_EXCL | O_CLOEXEC, 0666);
     if (descriptor < 0 && errno == EEXIST) continue;
     if (descriptor < 0) return errno;
     // Somebody who removes abandoned files may have come in between.
     const int locked = Lock(descriptor);
     if (locked != EWOULDBLOCK && (locked == ENOTSUP || IsThere(descriptor, path))) {
+      AllHeld().paths.insert(path);
+      making.unlock();
       file = HeldFile(path, descriptor);
       return 0;
     }
@@ -151,10 +154,13 @@ int MakeTemporaryFile(const std::string& folder, HeldFile& file) {
 
 int HoldFile(const std::string& path, HeldFile& file) {
   for (int i = 0; i < kMostTries; ++i) {
+    std::unique_lock making(AllHeld().mutex);
     const int descriptor = open(path.c_str(), O_RDWR | O_CREAT | O_NOFOLLOW | O_CLOEXEC, 0666);
     if (descriptor < 0) return errno;
     const int locked = Lock(descriptor);
     if (locked == 0 && IsThere(descriptor, path)) {
+      AllHeld().paths.insert(path);
+      making.unlock();
       file = HeldFile(path, descriptor);
       return 0;
     }
@@ -190,7 +196,8 @@ void RemoveAbandonedFiles(const std::string& folder) {
 
 void RemoveHeldFiles() {
   Held& held = AllHeld();
-  const std::lock_guard lock(held.mutex);
+  // Stays locked: no other thread shall make a file between here and the end of the process.
+  held.mutex.lock();
   for (const std::string& path : held.paths) unlink(path.c_str());
 }
 

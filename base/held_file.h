@@ -47,7 +47,8 @@ std::string LockNameOf(const std::string& file_name);
 /// machine only.
 void RemoveAbandonedFiles(const std::string& folder);
 
-/// Removes all held files of this process now, before it ends without destructors.
+/// Removes all held files of this process now, before it ends without destructors. Another thread that would
+/// hold or give back a file waits from here on.
 void RemoveHeldFiles();
 
 }  // namespace sinew

@@ -6,10 +6,12 @@
 #include <sys/wait.h>
 #include <unistd.h>
 
+#include <chrono>
 #include <csignal>
 #include <filesystem>
 #include <fstream>
 #include <string>
+#include <thread>
 #include <vector>
 
 #include "base/replace_file.h"
@@ -116,6 +118,31 @@ TEST_F(FileLocks, WhatIsAbandonedIsRemovedByTheNextThatWrites) {
   fs::last_write_time(Path(old), fs::file_time_type::clock::now() - std::chrono::hours(2));
   WriteInAnotherProcess(Path("a"));
   EXPECT_THAT(Names(), ::testing::UnorderedElementsAre("a", "a.tmp", kept, foreign));
+}
+
+TEST_F(FileLocks, NoneIsMadeAfterAllHaveBeenRemoved) {
+  for (int i = 0; i < 5; ++i) {
+    const pid_t child = fork();
+    ASSERT_GE(child, 0);
+    if (child == 0) {  // ends without destructors while another thread works on
+      std::thread([this] {
+        while (true) {
+          HeldFile lock;
+          HeldFile temporary;
+          static_cast<void>(HoldFile(Path(LockNameOf("a")), lock));
+          static_cast<void>(MakeTemporaryFile(folder_.string(), temporary));
+        }
+      }).detach();
+      std::this_thread::sleep_for(std::chrono::milliseconds(20));
+      RemoveHeldFiles();
+      std::this_thread::sleep_for(std::chrono::milliseconds(20));
+      _exit(0);
+    }
+    int status = 0;
+    ASSERT_EQ(waitpid(child, &status, 0), child);
+    EXPECT_EQ(status, 0);
+    EXPECT_THAT(Names(), ::testing::IsEmpty());
+  }
 }
 
 TEST_F(FileLocks, TemporaryNamesAreShort) {
