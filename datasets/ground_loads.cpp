@@ -43,7 +43,8 @@ bool FillFromNearest(const std::vector<double>& time, std::vector<double>& value
     while (next < known.size() && known[next] < i) ++next;
     if (next < known.size() && known[next] == i) continue;
     std::size_t nearest = next < known.size() ? known[next] : known[next - 1];
-    if (next > 0 && std::abs(time[known[next - 1]] - time[i]) <= std::abs(time[nearest] - time[i]))
+    if (next > 0 &&
+        std::abs(time[known[next - 1]] - time[i]) <= std::abs(time[nearest] - time[i]) + kSameInstant)
       nearest = known[next - 1];
     values[i] = values[nearest];
   }

@@ -35,7 +35,6 @@ COMMANDS = (
     (("data", "cut", "data.h5", "--trial", "a", "--window", "0:1", "--as", "b"), ("data.h5",), (), True),
     (("data", "drop", "data.h5", "--trial", "a"), ("data.h5",), (), True),
     (("data", "loads", "data.h5", "sim.h5", "--setup", "x.xml"), ("data.h5", "sim.h5"), ("--out",), True),
-    (("data", "loads", "data.h5", "sim.h5", "--out", "x.mot"), ("data.h5", "sim.h5"), ("--setup",), True),
     (("mbs", "A01", "--reference", "folder"), ("folder/A01_reference_x.csv",), (), True),
 )
 
