@@ -31,6 +31,10 @@ bool IsNeeded(std::size_t kind) {
   return IsForce(kind) || kind == 3 || kind == 5;
 }
 
+bool HasValues(const Channel& channel) {
+  return std::any_of(channel.values.begin(), channel.values.end(), [](double v) { return std::isfinite(v); });
+}
+
 // Values that are not known become those of the nearest sample that is; false if none is.
 bool FillFromNearest(const std::vector<double>& time, std::vector<double>& values) {
   std::vector<std::size_t> known;
@@ -81,12 +85,13 @@ struct Record {
 Result<std::optional<Record>> RecordOf(const LoadSource& source, const std::string& plate) {
   const auto vertical = source.trial->Find(plate + "_force_y");
   if (!vertical || vertical.grid->time.empty()) return std::optional<Record>();
-  const std::vector<double>& of = vertical.channel->values;
-  if (std::none_of(of.begin(), of.end(), [](double v) { return std::isfinite(v); }))
-    return std::optional<Record>();
   Record record;
   record.source = source.name;
   record.time = &vertical.grid->time;
+  if (!HasValues(*vertical.channel)) {
+    record.values[kVertical] = vertical.channel->values;
+    return std::optional<Record>(std::move(record));
+  }
   for (std::size_t k = 0; k < kKinds.size(); ++k) {
     const std::string name = plate + "_" + kKinds[k];
     const auto channel = vertical.grid->channels.find(name);
@@ -117,6 +122,22 @@ double LargestForce(const std::vector<Record>& records) {
   return largest;
 }
 
+// The first record that has a sample before and one after an instant, or there.
+const Record* Covering(const std::vector<Record>& records, double t) {
+  const auto found = std::find_if(records.begin(), records.end(), [&](const Record& record) {
+    return t >= record.time->front() - kSameInstant && t <= record.time->back() + kSameInstant;
+  });
+  return found == records.end() ? nullptr : &*found;
+}
+
+// Makes `spans` longer by an instant at which `source` counts (nullptr: none), as it did before or newly.
+void Continue(const std::string& plate, double t, const Record* source, const Record*& before,
+              std::vector<LoadSpan>& spans) {
+  if (source != nullptr && source != before) spans.push_back({plate, source->source, t, t});
+  if (source != nullptr) spans.back().to = t;
+  before = source;
+}
+
 // The record that counts at an instant, and its load.
 std::pair<const Record*, Load> Chosen(const std::vector<Record>& records, double t, double loaded) {
   std::pair<const Record*, Load> chosen{nullptr, {}};
@@ -139,11 +160,10 @@ Status CheckSize(double duration, double rate) {
 }  // namespace
 
 bool HoldsLoad(const Trial& trial) {
-  for (const std::string& plate : PlateNames(trial)) {
-    const auto& values = trial.Find(plate + "_force_y").channel->values;
-    if (std::any_of(values.begin(), values.end(), [](double v) { return std::isfinite(v); })) return true;
-  }
-  return false;
+  const std::vector<std::string> plates = PlateNames(trial);
+  return std::any_of(plates.begin(), plates.end(), [&](const std::string& plate) {
+    return HasValues(*trial.Find(plate + "_force_y").channel);
+  });
 }
 
 Result<GroundLoads> JoinGroundLoads(const std::vector<LoadSource>& sources, double rate) {
@@ -170,7 +190,9 @@ Result<GroundLoads> JoinGroundLoads(const std::vector<LoadSource>& sources, doub
       records[plate].push_back(std::move(*record));
     }
   }
-  if (records.empty()) return Fail("no trial has values of a vertical force (channel PLATE_force_y)");
+  const bool any = std::any_of(sources.begin(), sources.end(),
+                               [](const LoadSource& source) { return HoldsLoad(*source.trial); });
+  if (!any) return Fail("no trial has values of a vertical force (channel PLATE_force_y)");
   if (rate <= 0) rate = greatest_rate;
   if (!(rate > 0)) return Fail("one sample has no rate: give one");
   SINEW_TRY(CheckSize(end - begin, rate));
@@ -184,14 +206,13 @@ Result<GroundLoads> JoinGroundLoads(const std::vector<LoadSource>& sources, doub
     const double loaded = kLoadedShare * LargestForce(of);
     PlateLoad& load = joined.plates.emplace_back();
     load.plate = plate;
-    const Record* before = nullptr;
+    const Record* loading = nullptr;
+    const Record* missing = nullptr;
     for (const double t : joined.time) {
       const auto [record, at] = Chosen(of, t, loaded);
       for (std::size_t k = 0; k < at.size(); ++k) load.values[k].push_back(at[k]);
-      const Record* giving = record != nullptr && at[kVertical] > loaded ? record : nullptr;
-      if (giving != nullptr && giving != before) joined.spans.push_back({plate, giving->source, t, t});
-      if (giving != nullptr) joined.spans.back().to = t;
-      before = giving;
+      Continue(plate, t, at[kVertical] > loaded ? record : nullptr, loading, joined.spans);
+      Continue(plate, t, record == nullptr ? Covering(of, t) : nullptr, missing, joined.gaps);
     }
   }
   return joined;

@@ -1,7 +1,6 @@
 // sinew data loads: force plate channels become OpenSim's files of external loads.
 #include <algorithm>
 #include <filesystem>
-#include <limits>
 #include <map>
 #include <nlohmann/json.hpp>
 #include <optional>
@@ -42,7 +41,8 @@ std::string RecordingOf(const std::string& name, const Trial& trial) {
   return trial.cut_from.empty() ? name : trial.cut_from;
 }
 
-// Of the trials that were asked for, or all that hold a load, in the order of the files.
+// Of the trials that were asked for, or all, in the order of the files: those that hold a load, and those of
+// the same recording whose plates measured nothing, so that it is said where nothing predicts them either.
 Result<std::vector<LoadSource>> Sources(const LoadsWords& words, const std::vector<NamedDataset>& sets) {
   const auto is_wanted = [&](const std::string& name, const Trial& trial) {
     if (!words.recording.empty() && RecordingOf(name, trial) != words.recording) return false;
@@ -54,10 +54,8 @@ Result<std::vector<LoadSource>> Sources(const LoadsWords& words, const std::vect
   for (const NamedDataset& set : sets) {
     for (const auto& [name, trial] : set.data.trials) {
       names.push_back(name);
-      if (is_wanted(name, trial) && HoldsLoad(trial)) {
-        sources.push_back(
-            {sets.size() > 1 ? set.path + ": " + name : name, RecordingOf(name, trial), &trial});
-      }
+      if (!is_wanted(name, trial)) continue;
+      sources.push_back({sets.size() > 1 ? set.path + ": " + name : name, RecordingOf(name, trial), &trial});
     }
   }
   for (const std::string& trial : words.trials) {
@@ -66,9 +64,17 @@ Result<std::vector<LoadSource>> Sources(const LoadsWords& words, const std::vect
                   sets.size() > 1 ? "the data sets hold" : sets.front().path + " holds",
                   Suggestion(trial, names));
   }
-  if (sources.empty())
+  const auto loaded = std::find_if(sources.begin(), sources.end(),
+                                   [](const LoadSource& source) { return HoldsLoad(*source.trial); });
+  if (loaded == sources.end())
     return Fail("{}: no{} trial has values of a vertical force (channel PLATE_force_y)",
                 Join(words.files, ", "), words.trials.empty() && words.recording.empty() ? "" : " such");
+  const std::string recording = loaded->recording;
+  sources.erase(std::remove_if(sources.begin(), sources.end(),
+                               [&](const LoadSource& source) {
+                                 return !HoldsLoad(*source.trial) && source.recording != recording;
+                               }),
+                sources.end());
   return sources;
 }
 
@@ -108,12 +114,13 @@ Result<std::vector<ExternalForce>> ForcesOn(const LoadsWords& words, const std::
 }
 
 std::string LoadsText(const LoadsWords& words, const GroundLoads& loads) {
-  const double rate =
-      loads.time.size() > 1 ? 1 / (loads.time[1] - loads.time[0]) : std::numeric_limits<double>::quiet_NaN();
   std::string text =
-      Wrapped(fmt::format("{}: {} instants at {:.5g} Hz, {:.3f} to {:.3f} s; no load but in", words.out,
-                          loads.time.size(), rate, loads.time.front(), loads.time.back()),
-              0);
+      loads.time.size() < 2
+          ? fmt::format("{}: one instant, {:.3f} s; no load but in\n", words.out, loads.time.front())
+          : Wrapped(fmt::format("{}: {} instants at {:.5g} Hz, {:.3f} to {:.3f} s; no load but in", words.out,
+                                loads.time.size(), 1 / (loads.time[1] - loads.time[0]), loads.time.front(),
+                                loads.time.back()),
+                    0);
   std::vector<std::vector<std::string>> rows{{"plate", "from [s]", "to [s]", "of trial"}};
   for (const LoadSpan& span : loads.spans)
     rows.push_back(
@@ -123,6 +130,23 @@ std::string LoadsText(const LoadsWords& words, const GroundLoads& loads) {
   return text;
 }
 
+nlohmann::ordered_json SpansJson(const std::vector<LoadSpan>& spans) {
+  nlohmann::ordered_json json = nlohmann::ordered_json::array();
+  for (const LoadSpan& span : spans)
+    json.push_back({{"plate", span.plate}, {"from_s", span.from}, {"to_s", span.to}, {"trial", span.source}});
+  return json;
+}
+
+void PrintGaps(const std::vector<LoadSpan>& gaps) {
+  for (const LoadSpan& gap : gaps) {
+    Print(stderr,
+          Wrapped(fmt::format("note: plate '{}', {:.3f} to {:.3f} s: trial '{}' does not know the force, "
+                              "and no other trial does: written as zero",
+                              gap.plate, gap.from, gap.to, gap.source),
+                  0));
+  }
+}
+
 nlohmann::ordered_json LoadsJson(const LoadsWords& words, const GroundLoads& loads) {
   using Json = nlohmann::ordered_json;
   Json json{{"schema", "sinew.loads/1"},
@@ -130,11 +154,9 @@ nlohmann::ordered_json LoadsJson(const LoadsWords& words, const GroundLoads& loa
             {"setup", words.setup.empty() ? Json() : Json(words.setup)},
             {"instants", loads.time.size()},
             {"from_s", loads.time.front()},
-            {"to_s", loads.time.back()}};
-  json["spans"] = Json::array();
-  for (const LoadSpan& span : loads.spans)
-    json["spans"].push_back(
-        {{"plate", span.plate}, {"from_s", span.from}, {"to_s", span.to}, {"trial", span.source}});
+            {"to_s", loads.time.back()},
+            {"spans", SpansJson(loads.spans)},
+            {"gaps", SpansJson(loads.gaps)}};
   return json;
 }
 
@@ -165,6 +187,7 @@ Result<int> Loads(const LoadsWords& words) {
   } else {
     SINEW_TRY(WriteStorage(words.out, ForceTable(loads)));
   }
+  PrintGaps(loads.gaps);
   SINEW_TRY(Report(
       words.json, [&] { return LoadsJson(words, loads); }, LoadsText(words, loads)));
   return kDone;

@@ -22,9 +22,10 @@ struct RaisedFace {
   std::array<double, kShapeModes> arms{};  // of the displacement upwards, by mode
 };
 
-class TiltedFloor {
+// The floor as the sole meets it: its height and slope, and how the sole is displaced.
+class FloorUnderSole {
  public:
-  TiltedFloor(const EffectKinematics& kinematics, const ContactEffectValues& effects, int instant)
+  FloorUnderSole(const EffectKinematics& kinematics, const ContactEffectValues& effects, int instant)
       : kinematics_(kinematics),
         height_(effects[kHeightOffset]),
         slope_{effects[kFloorSlopeX], effects[kFloorSlopeZ]},
@@ -115,7 +116,7 @@ void AddVertical(const EffectKinematics& kinematics, const EffectRegion& region,
                  const ElasticFoundation& bed, const ContactEffectValues& effects, bool derivatives,
                  ContactLoad& load, ContactLoadJacobian& by_bed, ContactEffectJacobian& by_effect) {
   const ContactKinematics& k = region.kinematics;
-  const TiltedFloor floor(kinematics, effects, instant);
+  const FloorUnderSole floor(kinematics, effects, instant);
   const BedEffects bed_effects{effects[kStiffnessExponent], effects[kFloorCompliance]};
   const double up = 1 / floor.norm();
   const auto t = static_cast<std::size_t>(instant);
@@ -158,7 +159,7 @@ void AddRegion(const EffectKinematics& kinematics, const EffectRegion& region, i
                ContactLoad& load, ContactLoadJacobian& by_bed, ContactEffectJacobian& by_effect,
                std::vector<SpringGradient>* by_spring) {
   const ContactKinematics& k = region.kinematics;
-  const TiltedFloor floor(kinematics, effects, instant);
+  const FloorUnderSole floor(kinematics, effects, instant);
   const BedEffects bed_effects{effects[kStiffnessExponent], effects[kFloorCompliance]};
   const double up = 1 / floor.norm();
   const std::array<double, 3> mu{bed.static_friction, bed.dynamic_friction, bed.viscous_friction};
@@ -306,7 +307,7 @@ void ComputeEffectLoad(const EffectKinematics& kinematics, int instant,
 void ComputeFaceLoads(const EffectKinematics& kinematics, const EffectRegion& region, int instant,
                       const ElasticFoundation& bed, const ContactEffectValues& effects,
                       std::vector<FaceLoad>& loads) {
-  const TiltedFloor floor(kinematics, effects, instant);
+  const FloorUnderSole floor(kinematics, effects, instant);
   const BedEffects bed_effects{effects[kStiffnessExponent], effects[kFloorCompliance]};
   const auto faces = static_cast<std::size_t>(region.kinematics.faces);
   loads.assign(faces, {});

@@ -147,7 +147,8 @@ bool HasShape(const ContactEffectValues& effects) {
                      [](double value) { return value != 0; });
 }
 
-// From when to when the load without them is seen in the export: by it the phase is counted.
+// From when to when the load of a sole that is not displaced is seen in the export: by it the phase is
+// counted.
 std::array<double, 2> SpanSeen(const std::vector<ContactLoad>& loads, const std::vector<double>& times) {
   std::vector<double> seen;
   std::vector<double> force;

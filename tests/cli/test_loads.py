@@ -75,7 +75,22 @@ class Loads(ProgramTest):
         said = json.loads(self.succeeds("data", "loads", self.changed_stances(unmeasured, "without.h5"), "simulated.h5",
                                         "--trial", "train_1", "--out", "filled.mot", "--rate", 100, "--json", "-"))
         self.assertEqual({span["trial"] for span in said["spans"]}, {"simulated.h5: train_1"})
+        self.assertEqual(said["gaps"], [])
         np.testing.assert_array_equal(self.table("filled.mot")["right_ground_force_vy"], simulated["right_ground_force_vy"])
+
+    def test_a_step_that_nothing_tells_is_said(self):
+        self.changed_stances(add_centres_of_pressure)
+        for name, window in (("first", "0:0.2"), ("second", "0.3:0.5")):
+            self.succeeds("data", "cut", "stances.h5", "--trial", "train_1", "--window", window, "--as", name)
+        with h5py.File(self.path("stances.h5"), "r+") as file:
+            for values in file["trials/second/forces/channels"].values():
+                values[()] = np.nan
+        done = self.run_program("data", "loads", "stances.h5", "--trial", "first,second", "--out", "a.mot", "--json", "-")
+        self.assertEqual(done.returncode, 0, done.stderr)
+        self.assertIn("trial 'second' does not know the force, and no other trial does: written as zero", " ".join(done.stderr.split()))
+        gap, = json.loads(done.stdout)["gaps"]
+        self.assertEqual((gap["plate"], gap["trial"]), ("right", "second"))
+        self.assertAlmostEqual(gap["from_s"], 0.3, delta=1 / 60)
 
     def test_a_step_has_the_times_of_its_recording(self):
         self.changed_stances(add_centres_of_pressure)

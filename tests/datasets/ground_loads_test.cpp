@@ -78,6 +78,26 @@ TEST(GroundLoads, UnknownCentresOfPressureAreThoseOfTheNearestKnownInstant) {
     EXPECT_NEAR(loads->plates[0].values[3][i], expected[i], 1e-9) << i;
 }
 
+TEST(GroundLoads, AForceThatIsMissingWithinATrialIsAGap) {
+  Trial step = Step("left", 0, {100, 200, 300, 200, 100});
+  const auto whole = JoinGroundLoads({{"step", "walk", &step}}, 0);
+  ASSERT_TRUE(whole) << ErrorOf(whole);
+  EXPECT_TRUE(whole->gaps.empty());
+  step.grids["plates"].channels["left_force_y"].values[2] = kUnknown;
+  const auto loads = JoinGroundLoads({{"step", "walk", &step}}, 0);
+  ASSERT_TRUE(loads) << ErrorOf(loads);
+  EXPECT_EQ(loads->plates[0].values[1][2], 0);
+  ASSERT_EQ(loads->gaps.size(), 1U);
+  EXPECT_NEAR(loads->gaps[0].from, 0.02, 1e-9);
+  EXPECT_NEAR(loads->gaps[0].to, 0.02, 1e-9);
+  EXPECT_EQ(loads->spans.size(), 2U);
+  const Trial predicted = Step("left", 0, {90, 190, 290, 190, 90});
+  const auto filled = JoinGroundLoads({{"step", "walk", &step}, {"predicted", "walk", &predicted}}, 0);
+  ASSERT_TRUE(filled) << ErrorOf(filled);
+  EXPECT_TRUE(filled->gaps.empty());
+  EXPECT_NEAR(filled->plates[0].values[1][2], 290, 1e-9);
+}
+
 TEST(GroundLoads, ATrialWithoutValuesHoldsNoLoad) {
   Trial unmeasured = Step("left", 0, {1, 2});
   for (auto& [name, channel] : unmeasured.grids["plates"].channels) channel.values.assign(2, kUnknown);
