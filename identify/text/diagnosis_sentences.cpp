@@ -68,9 +68,9 @@ std::string VerdictText(const Diagnosis& d) {
              UnknownNoise(d);
     case DiagnosisVerdict::kUnexplained:
       if (d.strongly_autocorrelated)
-        return "Unexplained: the residual is larger at low frequencies than the noise of instruments usually "
-               "is; "
-               "no known effect explains it, and no test can distinguish it from autocorrelated noise.";
+        return "Unexplained: the residual is larger at low frequencies than the noise that the data state or "
+               "show, or than that of instruments usually is; no known effect explains it, and no test can "
+               "distinguish it from autocorrelated noise.";
       return fmt::format(
           "Unexplained: misfit beyond chance {}, and {}.", chance,
           d.causes.empty() ? "no known effect explains it" : "the known effects do not explain all of it");

@@ -217,7 +217,8 @@ Status FindLoad(const Trial& trial, const ContactSettings& settings, Stance& sta
   // The accuracy of every channel is a share of this force.
   if (settings.motion_errors && !(stance.greatest_force > 0))
     return Fail("plate '{}' never carries an upward force: is it upside down?", stance.plate);
-  const auto loaded = LoadedSpan(grid.time, force.values, stance.time.front(), stance.time.back());
+  const auto loaded =
+      LoadedSpan(grid.time, force.values, stance.time.front(), stance.time.back(), force.sigma.value_or(0));
   stance.loaded = loaded.value_or(std::array<double, 2>{stance.time.front(), stance.time.back()});
   return {};
 }

@@ -27,7 +27,7 @@ std::vector<MotionStep> MeasuredSteps(const Trial& trial, const ContactSettings&
     const auto vertical = trial.Find(plate + "_force_y");
     if (!vertical || !is_step) continue;
     const auto span = LoadedSpan(vertical.grid->time, vertical.channel->values, vertical.grid->time.front(),
-                                 vertical.grid->time.back());
+                                 vertical.grid->time.back(), vertical.channel->sigma.value_or(0));
     if (span) steps.push_back({plate, (*span)[0], (*span)[1], ""});
   }
   if (is_step) return steps;

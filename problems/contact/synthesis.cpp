@@ -156,7 +156,7 @@ std::array<double, 2> SpanSeen(const std::vector<ContactLoad>& loads, const std:
     seen.push_back(times[i]);
     force.push_back(loads[i][kForceY]);
   }
-  return LoadedSpan(seen, force, seen.front(), seen.back())
+  return LoadedSpan(seen, force, seen.front(), seen.back(), 0)
       .value_or(std::array<double, 2>{seen.front(), seen.back()});
 }
 

@@ -33,6 +33,37 @@ TEST(VisibleNoise, IsFoundWhereTheResidualIsMore) {
   EXPECT_LT(visible.at("force"), 1.5) << "of the residual: 4.4";
 }
 
+// Stretches of 20 samples, too short for a spectrum; the data state a level of 1 in each.
+std::vector<noise::NoiseBlock> ShortResiduals(double structure, double white) {
+  std::vector<noise::NoiseBlock> blocks(3);
+  Random random(5);
+  for (noise::NoiseBlock& block : blocks) {
+    block.channel = "force";
+    block.stated = 1;
+    block.stretches = {0};
+    block.residual = Vector(20);
+    for (int i = 0; i < 20; ++i) block.residual[i] = structure * std::sin(0.3 * i) + white * random.Normal();
+  }
+  return blocks;
+}
+
+TEST(VisibleNoise, IsTheStatedOneBelowAShortSmoothResidual) {
+  const auto noise = NoiseBelowMisfit(ShortResiduals(3.5, 1));
+  ASSERT_EQ(noise.count("force"), 1U);
+  EXPECT_DOUBLE_EQ(noise.at("force"), 1);
+  EXPECT_TRUE(NoiseBelowMisfit(ShortResiduals(1.5, 1)).empty()) << "1.5 times the stated level";
+  EXPECT_TRUE(NoiseBelowMisfit(ShortResiduals(0, 3)).empty()) << "white: the level is stated too low";
+  std::vector<noise::NoiseBlock> mixed = ShortResiduals(3.5, 1);
+  mixed[1].stated.reset();
+  EXPECT_TRUE(NoiseBelowMisfit(mixed).empty()) << "a level that not all trials state";
+  std::vector<noise::NoiseBlock> single = ShortResiduals(3.5, 1);
+  for (noise::NoiseBlock& block : single) {
+    block.residual.conservativeResize(3);
+    block.stretches = {0, 1, 2};
+  }
+  EXPECT_TRUE(NoiseBelowMisfit(single).empty()) << "no neighbours";
+}
+
 TEST(VisibleNoise, IsTheNoiseOfThoseChannelsOnly) {
   noise::NoiseModel residual;
   residual.channels.resize(2);
