@@ -168,6 +168,31 @@ def study_parser(about, detector):
     return parser
 
 
+def run_studies(parser, options, name, study, prepare=None):
+    """The cases of a study, or those of earlier results, written and counted.
+
+    @param study(options, kind, size, seed): one case. @param prepare(options, plan): what all cases need.
+    """
+    begin = time.monotonic()
+    if options.merge:
+        cases = [case for path in options.merge for case in json.loads(path.read_text())["cases"]]
+    else:
+        if not options.sinew:
+            parser.error("--sinew is needed")
+        options.sinew = options.sinew.resolve()
+        plan = [(kind, size, options.first_seed + i) for kind in options.kind
+                for size in (options.sizes if kind != "none" else [0.0]) for i in range(options.cases)]
+        if prepare:
+            prepare(options, plan)
+        with ThreadPoolExecutor(options.jobs) as pool:
+            cases = list(pool.map(lambda words: study(options, *words), plan))
+    if options.out:
+        options.out.write_text(json.dumps({"schema": f"sinew.{name}/1", "cases": cases}, indent=1))
+    summarise(cases)
+    summarise_by_name(cases)
+    print(f"\n{len(cases)} cases" + ("" if options.merge else f" in {time.monotonic() - begin:.0f} s"))
+
+
 def summarise_by_name(cases):
     """The result for every hidden effect, and up to five reasons why cases failed."""
     for kind in ("single", "outsider"):

@@ -10,11 +10,9 @@ usage: run.py --sinew PATH [--kind none,single,outsider] [--cases 100] [--sizes 
               [--laws no|yes] [--out results.json]        run.py --merge results.json...
 """
 import importlib.util
-import json
 import random
 import sys
 import tempfile
-import time
 from concurrent.futures import ThreadPoolExecutor
 from pathlib import Path
 
@@ -106,29 +104,18 @@ def study(options, kind, size, seed):
     return case
 
 
+def find_units(options, plan):
+    people = sorted({100 + seed % PEOPLE for kind, _, seed in plan if kind == "single"})
+    with ThreadPoolExecutor(options.jobs) as pool:
+        options.units = dict(zip(people, pool.map(lambda p: units_of(options, p), people)))
+
+
 def main():
     parser = hidden_effects.study_parser(__doc__, "a test")
     parser.add_argument("--laws", choices=["no", "yes"], default="no",
                         help="yes: size and phase do change with speed, and the model has laws for that")
     options = parser.parse_args()
-    begin = time.monotonic()
-    if options.merge:
-        cases = [case for path in options.merge for case in json.loads(path.read_text())["cases"]]
-    else:
-        if not options.sinew:
-            parser.error("--sinew is needed")
-        options.sinew = options.sinew.resolve()
-        plan = [(kind, size, options.first_seed + i) for kind in options.kind
-                for size in (options.sizes if kind != "none" else [0.0]) for i in range(options.cases)]
-        with ThreadPoolExecutor(options.jobs) as pool:
-            people = sorted({100 + seed % PEOPLE for kind, _, seed in plan if kind == "single"})
-            options.units = dict(zip(people, pool.map(lambda p: units_of(options, p), people)))
-            cases = list(pool.map(lambda words: study(options, *words), plan))
-    if options.out:
-        options.out.write_text(json.dumps({"schema": "sinew.hidden_emg/1", "cases": cases}, indent=1))
-    hidden_effects.summarise(cases)
-    hidden_effects.summarise_by_name(cases)
-    print(f"\n{len(cases)} cases" + ("" if options.merge else f" in {time.monotonic() - begin:.0f} s"))
+    hidden_effects.run_studies(parser, options, "hidden_emg", study, find_units)
 
 
 if __name__ == "__main__":

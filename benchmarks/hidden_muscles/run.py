@@ -10,12 +10,9 @@ usage: run.py --sinew PATH [--kind none,single,outsider,further] [--cases 100] [
               [--out results.json]        run.py --merge results.json...
 """
 import importlib.util
-import json
 import random
 import sys
 import tempfile
-import time
-from concurrent.futures import ThreadPoolExecutor
 from pathlib import Path
 
 import h5py
@@ -198,26 +195,14 @@ def study(options, kind, size, seed):
     return case
 
 
+def find_correlations(options, _):
+    options.correlations = correlations(options)
+
+
 def main():
     parser = hidden_effects.study_parser(__doc__, "an oracle")
     options = parser.parse_args()
-    begin = time.monotonic()
-    if options.merge:
-        cases = [case for path in options.merge for case in json.loads(path.read_text())["cases"]]
-    else:
-        if not options.sinew:
-            parser.error("--sinew is needed")
-        options.sinew = options.sinew.resolve()
-        options.correlations = correlations(options)
-        plan = [(kind, size, options.first_seed + i) for kind in options.kind
-                for size in (options.sizes if kind != "none" else [0.0]) for i in range(options.cases)]
-        with ThreadPoolExecutor(options.jobs) as pool:
-            cases = list(pool.map(lambda words: study(options, *words), plan))
-    hidden_effects.summarise(cases)
-    hidden_effects.summarise_by_name(cases)
-    print(f"\n{len(cases)} cases" + ("" if options.merge else f" in {time.monotonic() - begin:.0f} s"))
-    if options.out:
-        options.out.write_text(json.dumps({"schema": "sinew.hidden_muscles/1", "cases": cases}, indent=1))
+    hidden_effects.run_studies(parser, options, "hidden_muscles", study, find_correlations)
 
 
 if __name__ == "__main__":

@@ -10,13 +10,10 @@ usage: run.py --sinew PATH [--kind none,single] [--cases 100] [--sizes 2,4] [--e
               [--out results.json]                        run.py --merge results.json...
 """
 import importlib.util
-import json
 import math
 import random
 import sys
 import tempfile
-import time
-from concurrent.futures import ThreadPoolExecutor
 from pathlib import Path
 
 HERE = Path(__file__).resolve().parent
@@ -113,22 +110,7 @@ def study(options, kind, size, seed):
 def main():
     parser = hidden_effects.study_parser(__doc__, "a test")
     options = parser.parse_args()
-    begin = time.monotonic()
-    if options.merge:
-        cases = [case for path in options.merge for case in json.loads(path.read_text())["cases"]]
-    else:
-        if not options.sinew:
-            parser.error("--sinew is needed")
-        options.sinew = options.sinew.resolve()
-        plan = [(kind, size, options.first_seed + i) for kind in options.kind
-                for size in (options.sizes if kind != "none" else [0.0]) for i in range(options.cases)]
-        with ThreadPoolExecutor(options.jobs) as pool:
-            cases = list(pool.map(lambda words: study(options, *words), plan))
-    if options.out:
-        options.out.write_text(json.dumps({"schema": "sinew.robot_stances/1", "cases": cases}, indent=1))
-    hidden_effects.summarise(cases)
-    hidden_effects.summarise_by_name(cases)
-    print(f"\n{len(cases)} cases" + ("" if options.merge else f" in {time.monotonic() - begin:.0f} s"))
+    hidden_effects.run_studies(parser, options, "robot_stances", study)
 
 
 if __name__ == "__main__":
