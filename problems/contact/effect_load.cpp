@@ -4,6 +4,7 @@
 #include <cmath>
 #include <limits>
 
+#include "problems/contact/floor_under_sole.h"
 #include "problems/contact/pressure.h"
 #include "problems/contact/spring_force.h"
 
@@ -11,77 +12,6 @@ namespace sinew {
 namespace {
 
 constexpr double kGravity = 9.80665;  // [m/s2]
-
-// The floor under one spring, and how the parameters that move it do so.
-struct RaisedFace {
-  double depth = 0;
-  double rate = 0;
-  double slip_x = 0;
-  double slip_z = 0;
-  std::array<double, 2> lever{};           // x, z from the point that slopes leave alone
-  std::array<double, kShapeModes> arms{};  // of the displacement upwards, by mode
-};
-
-// The floor as the sole meets it: its height and slope, and how the sole is displaced.
-class FloorUnderSole {
- public:
-  FloorUnderSole(const EffectKinematics& kinematics, const ContactEffectValues& effects, int instant)
-      : kinematics_(kinematics),
-        height_(effects[kHeightOffset]),
-        slope_{effects[kFloorSlopeX], effects[kFloorSlopeZ]},
-        norm_(std::sqrt(1 + slope_[0] * slope_[0] + slope_[1] * slope_[1])) {
-    if (kinematics.phase.empty()) return;
-    share_ = kinematics.phase[static_cast<std::size_t>(instant)];
-    for (std::size_t m = 0; m < kShapeModes; ++m) {
-      for (std::size_t j = 0; j < kShapePhases; ++j) {
-        const double value = effects[ShapeEffect(m, j)];
-        mode_[m] += value * share_.value[j];
-        mode_rate_[m] += value * share_.rate[j];
-      }
-    }
-  }
-
-  // @param i of the arrays of the kinematics: of face f at this instant
-  [[nodiscard]] RaisedFace At(const EffectRegion& region, int instant, std::size_t i, std::size_t f) const {
-    const ContactKinematics& k = region.kinematics;
-    const auto t = static_cast<std::size_t>(instant);
-    RaisedFace face;
-    double up = 0;
-    double up_rate = 0;
-    if (!region.ahead.empty()) {
-      face.arms = ShapeArms(region.ahead[f]);
-      for (std::size_t m = 0; m < kShapeModes; ++m) {
-        up += mode_[m] * face.arms[m];
-        up_rate += mode_rate_[m] * face.arms[m];
-      }
-    }
-    face.lever = {k.point_x[i] - kinematics_.tilt_reference[0], k.point_z[i] - kinematics_.tilt_reference[1]};
-    const double rise = height_ + slope_[0] * face.lever[0] + slope_[1] * face.lever[1] - up;
-    face.depth = (k.depth[i] + rise) / norm_;
-    face.slip_x = k.slip_x[i] - region.turning_z[t] * rise;
-    face.slip_z = k.slip_z[i] + region.turning_x[t] * rise;
-    face.rate = (k.rate[i] + slope_[0] * (face.slip_x + kinematics_.floor_velocity[0]) +
-                 slope_[1] * (face.slip_z + kinematics_.floor_velocity[1]) - up_rate) /
-                norm_;
-    return face;
-  }
-
-  [[nodiscard]] double slope(std::size_t axis) const { return slope_[axis]; }
-  [[nodiscard]] double norm() const { return norm_; }
-  [[nodiscard]] const PhaseShare& phase() const { return share_; }
-  [[nodiscard]] double velocity(const RaisedFace& face, std::size_t axis) const {
-    return (axis == 0 ? face.slip_x : face.slip_z) + kinematics_.floor_velocity[axis];
-  }
-
- private:
-  const EffectKinematics& kinematics_;
-  double height_;
-  std::array<double, 2> slope_;
-  double norm_;
-  PhaseShare share_;
-  std::array<double, kShapeModes> mode_{};
-  std::array<double, kShapeModes> mode_rate_{};  // per second
-};
 
 // Sums over the springs of the derivatives of their load (Sum: a number or a ContactLoad) for their
 // displacement upwards and its rate, times the arm of each mode.
@@ -110,47 +40,95 @@ struct ByShape {
   }
 };
 
-// The vertical force alone and, if `derivatives`, its derivatives: a tenth of the work. Operation by
-// operation what AddRegion does, so that the answer is the same to the last bit.
-void AddVertical(const EffectKinematics& kinematics, const EffectRegion& region, int instant,
-                 const ElasticFoundation& bed, const ContactEffectValues& effects, bool derivatives,
+// The vertical force alone and, if wanted, its derivatives: a tenth of the work. What it computes it computes
+// as AddRegion does, operation by operation, so that the answer is the same to the last bit.
+// @tparam kShaped the sole is displaced, or the derivatives for that are wanted. @tparam kSloped the same of
+// the floor's slope: without both a spring takes a quarter of the time
+template <bool kDerivatives, bool kShaped, bool kSloped>
+void AddVertical(const FloorUnderSole& floor, const EffectRegion& region, int instant,
+                 const ElasticFoundation& bed, const BedEffects& bed_effects, bool by_exponent,
                  ContactLoad& load, ContactLoadJacobian& by_bed, ContactEffectJacobian& by_effect) {
   const ContactKinematics& k = region.kinematics;
-  const FloorUnderSole floor(kinematics, effects, instant);
-  const BedEffects bed_effects{effects[kStiffnessExponent], effects[kFloorCompliance]};
-  const double up = 1 / floor.norm();
+  const double up = floor.up();
   const auto t = static_cast<std::size_t>(instant);
   const std::array<double, 2> slip_by_rise{-region.turning_z[t], region.turning_x[t]};
   const double rate_by_rise = (floor.slope(0) * slip_by_rise[0] + floor.slope(1) * slip_by_rise[1]) * up;
-  ByShape<double> by_shape(0);
+  double force = load[kForceY];
+  double by_stiffness = by_bed(kForceY, 0);
+  double by_dissipation = by_bed(kForceY, 1);
+  double for_exponent = by_effect(kForceY, kStiffnessExponent);
+  double by_compliance = by_effect(kForceY, kFloorCompliance);
+  double by_height = by_effect(kForceY, kHeightOffset);
+  std::array<double, 2> for_slope{by_effect(kForceY, kFloorSlopeX), by_effect(kForceY, kFloorSlopeZ)};
+  ByShape<double> for_shape(0);
   const auto first = t * static_cast<std::size_t>(k.faces);
   for (std::size_t f = 0; f < static_cast<std::size_t>(k.faces); ++f) {
-    const RaisedFace face = floor.At(region, instant, first + f, f);
+    RaisedFace face = floor.DepthAt<kShaped>(region, first + f, f);
     if (!(face.depth > 0)) continue;
-    const Pressure p = PressureAt(bed, bed_effects, face.depth, face.rate);
+    floor.AddMotion<kShaped, kSloped>(region, instant, first + f, face);
+    const Pressure p = PressureAt(bed, bed_effects, face.depth, face.rate, kDerivatives && by_exponent);
     if (!(p.value > 0)) continue;
     const double area = k.area[f];
     const double normal = area * p.value;
-    load[kForceY] += normal * up;
-    if (!derivatives) continue;
-    by_bed(kForceY, 0) += area * p.by_stiffness * up;
-    by_bed(kForceY, 1) += area * p.by_dissipation * up;
-    by_effect(kForceY, kStiffnessExponent) += area * p.by_exponent * up;
-    by_effect(kForceY, kFloorCompliance) += area * p.by_compliance * up;
+    force += normal * up;
+    if constexpr (!kDerivatives) continue;
+    by_stiffness += area * p.by_stiffness * up;
+    by_dissipation += area * p.by_dissipation * up;
+    for_exponent += area * p.by_exponent * up;
+    by_compliance += area * p.by_compliance * up;
     const double by_rise = area * (p.by_depth * up + p.by_rate * rate_by_rise) * up;
-    by_effect(kForceY, kHeightOffset) += by_rise;
-    by_shape.Add(face, by_rise, (area * p.by_rate * up) * up);
-    for (const std::size_t axis : {0U, 1U}) {
-      const double shrink = floor.slope(axis) * up * up;  // -(dN/dslope) / N
-      const double by_tilt = area * (-p.by_depth * face.depth * shrink +
-                                     p.by_rate * (floor.velocity(face, axis) * up - face.rate * shrink));
-      by_effect(kForceY, static_cast<Eigen::Index>(kFloorSlopeX + axis)) +=
-          face.lever[axis] * by_rise + by_tilt * up + normal * (-shrink * up);
+    by_height += by_rise;
+    if constexpr (kShaped) for_shape.Add(face, by_rise, (area * p.by_rate * up) * up);
+    if constexpr (kSloped) {
+      for (const std::size_t axis : {0U, 1U}) {
+        const double shrink = floor.slope(axis) * up * up;  // -(dN/dslope) / N
+        const double by_tilt = area * (-p.by_depth * face.depth * shrink +
+                                       p.by_rate * (floor.velocity(face, axis) * up - face.rate * shrink));
+        for_slope[axis] += face.lever[axis] * by_rise + by_tilt * up + normal * (-shrink * up);
+      }
     }
   }
-  by_shape.ForEach(floor.phase(), [&](std::size_t effect, double slope) {
+  load[kForceY] = force;
+  if constexpr (!kDerivatives) return;
+  by_bed(kForceY, 0) = by_stiffness;
+  by_bed(kForceY, 1) = by_dissipation;
+  by_effect(kForceY, kStiffnessExponent) = for_exponent;
+  by_effect(kForceY, kFloorCompliance) = by_compliance;
+  by_effect(kForceY, kHeightOffset) = by_height;
+  by_effect(kForceY, kFloorSlopeX) = for_slope[0];
+  by_effect(kForceY, kFloorSlopeZ) = for_slope[1];
+  if constexpr (!kShaped) return;
+  for_shape.ForEach(floor.phase(), [&](std::size_t effect, double slope) {
     by_effect(kForceY, static_cast<Eigen::Index>(effect)) += slope;
   });
+}
+
+// AddVertical with what these values and this query need.
+void AddVerticalOf(const EffectKinematics& kinematics, const EffectRegion& region, int instant,
+                   const ElasticFoundation& bed, const ContactEffectValues& effects,
+                   const EffectLoadQuery& query, ContactLoad& load, ContactLoadJacobian& by_bed,
+                   ContactEffectJacobian& by_effect) {
+  const FloorUnderSole floor(kinematics, effects, instant);
+  if (!floor.CanTouch(region, instant)) return;
+  const BedEffects bed_effects{effects[kStiffnessExponent], effects[kFloorCompliance]};
+  const bool derivatives = query.derivatives;
+  const bool shaped = floor.displaced() || (derivatives && query.wants_shape());
+  const bool sloped =
+      floor.sloped() || (derivatives && (query.wants(kFloorSlopeX) || query.wants(kFloorSlopeZ)));
+  const auto add = [&](const auto& add_vertical) {
+    add_vertical(floor, region, instant, bed, bed_effects, query.wants(kStiffnessExponent), load, by_bed,
+                 by_effect);
+  };
+  if (derivatives) {
+    if (shaped && sloped) return add(AddVertical<true, true, true>);
+    if (shaped) return add(AddVertical<true, true, false>);
+    if (sloped) return add(AddVertical<true, false, true>);
+    return add(AddVertical<true, false, false>);
+  }
+  if (shaped && sloped) return add(AddVertical<false, true, true>);
+  if (shaped) return add(AddVertical<false, true, false>);
+  if (sloped) return add(AddVertical<false, false, true>);
+  return add(AddVertical<false, false, false>);
 }
 
 // Adds one region's load and, if wanted, derivatives, as if its weight were 1. `by_spring` is nullptr or set.
@@ -161,7 +139,7 @@ void AddRegion(const EffectKinematics& kinematics, const EffectRegion& region, i
   const ContactKinematics& k = region.kinematics;
   const FloorUnderSole floor(kinematics, effects, instant);
   const BedEffects bed_effects{effects[kStiffnessExponent], effects[kFloorCompliance]};
-  const double up = 1 / floor.norm();
+  const double up = floor.up();
   const std::array<double, 3> mu{bed.static_friction, bed.dynamic_friction, bed.viscous_friction};
   const auto t = static_cast<std::size_t>(instant);
   const std::array<double, 2> slip_by_rise{-region.turning_z[t], region.turning_x[t]};
@@ -170,9 +148,10 @@ void AddRegion(const EffectKinematics& kinematics, const EffectRegion& region, i
   const auto first = t * static_cast<std::size_t>(k.faces);
   for (std::size_t f = 0; f < static_cast<std::size_t>(k.faces); ++f) {
     if (by_spring != nullptr) (*by_spring)[f].setZero();
-    const RaisedFace face = floor.At(region, instant, first + f, f);
+    RaisedFace face = floor.DepthAt<true>(region, first + f, f);
     if (!(face.depth > 0)) continue;
-    const Pressure p = PressureAt(bed, bed_effects, face.depth, face.rate);
+    floor.AddMotion<true, true>(region, instant, first + f, face);
+    const Pressure p = PressureAt(bed, bed_effects, face.depth, face.rate, derivatives);
     if (!(p.value > 0)) continue;
     const double area = k.area[f];
     const double normal = area * p.value;
@@ -221,7 +200,6 @@ void AddRegion(const EffectKinematics& kinematics, const EffectRegion& region, i
 
     // The place and the motion of the spring itself.
     SpringGradient& gradient = (*by_spring)[f];
-    const double rise = face.depth * floor.norm() - k.depth[first + f];
     const double force_x = normal * unit[kForceX];
     const double force_z = normal * unit[kForceZ];
     const ContactLoad by_rate = (area * p.by_rate * up) * unit;
@@ -234,8 +212,8 @@ void AddRegion(const EffectKinematics& kinematics, const EffectRegion& region, i
     gradient.col(kRate) = by_rate;
     gradient.col(kSlipX) = normal * by_slip_along(1, 0) + floor.slope(0) * by_rate;
     gradient.col(kSlipZ) = normal * by_slip_along(0, 1) + floor.slope(1) * by_rate;
-    gradient.col(kTurningX) = rise * gradient.col(kSlipZ);
-    gradient.col(kTurningZ) = -rise * gradient.col(kSlipX);
+    gradient.col(kTurningX) = face.rise * gradient.col(kSlipZ);
+    gradient.col(kTurningZ) = -face.rise * gradient.col(kSlipX);
     gradient.col(kPointX) = floor.slope(0) * by_rise;
     gradient(kMomentY, kPointX) -= force_z;
     gradient(kFirstMomentX, kPointX) += normal * up;
@@ -259,7 +237,7 @@ void ComputeEffectLoad(const EffectKinematics& kinematics, int instant,
                        ContactEffectJacobian& by_effect) {
     const ElasticFoundation& bed = beds[static_cast<std::size_t>(region.part)];
     if (query.vertical_only) {
-      AddVertical(kinematics, region, instant, bed, effects, query.derivatives, sum, by_bed, by_effect);
+      AddVerticalOf(kinematics, region, instant, bed, effects, query, sum, by_bed, by_effect);
     } else {
       AddRegion(kinematics, region, instant, bed, effects, query.derivatives, sum, by_bed, by_effect,
                 query.springs ? &load.by_spring[next++] : nullptr);
@@ -312,8 +290,10 @@ void ComputeFaceLoads(const EffectKinematics& kinematics, const EffectRegion& re
   const auto faces = static_cast<std::size_t>(region.kinematics.faces);
   loads.assign(faces, {});
   for (std::size_t f = 0; f < faces; ++f) {
-    const RaisedFace face = floor.At(region, instant, static_cast<std::size_t>(instant) * faces + f, f);
-    loads[f] = {PressureAt(bed, bed_effects, face.depth, face.rate).value,
+    const std::size_t i = static_cast<std::size_t>(instant) * faces + f;
+    RaisedFace face = floor.DepthAt<true>(region, i, f);
+    floor.AddMotion<true, true>(region, instant, i, face);
+    loads[f] = {PressureAt(bed, bed_effects, face.depth, face.rate, false).value,
                 std::hypot(face.slip_x, face.slip_z)};
   }
 }

@@ -14,6 +14,7 @@
 // spring.
 #pragma once
 
+#include <algorithm>
 #include <array>
 #include <vector>
 
@@ -29,7 +30,9 @@ struct EffectRegion {
   ContactKinematics kinematics;
   std::vector<double> turning_x;  ///< angular velocity of the body about the world's x [T, rad/s]
   std::vector<double> turning_z;
-  std::vector<double> ahead;  ///< of the sole's middle [faces, m]; empty: it keeps its shape and pose
+  std::vector<double> ahead;    ///< of the sole's middle [faces, m]; empty: it keeps its shape and pose
+  double reach = 0;             ///< largest magnitude of `ahead` [m]
+  std::vector<double> deepest;  ///< depth of the lowest spring [T, m]; empty: not known
 };
 
 /// What a stance needs besides ContactSums.
@@ -78,6 +81,15 @@ struct EffectLoadQuery {
   bool edges = false;          ///< strips of weight 0 too, for the derivative of the weight
   bool springs = false;  ///< EffectLoad::by_spring, which has the right size; with derivatives, not with
                          ///< vertical_only
+  /// With vertical_only and derivatives: columns of EffectLoad::by_effect that are wanted. Those of the
+  /// exponent, the slopes and the shape cost time.
+  std::array<bool, kContactEffects> effects{};
+
+  [[nodiscard]] bool wants(std::size_t effect) const { return effects[effect]; }
+  [[nodiscard]] bool wants_shape() const {
+    return std::any_of(effects.begin() + kFirstShape, effects.begin() + kLastShape + 1,
+                       [](bool one) { return one; });
+  }
 };
 
 /// Fills `load`, whose by_part has the right size. Allocates nothing.

@@ -11,7 +11,10 @@ namespace {
 
 // One instant's room in the arrays of a region; the areas stay.
 EffectRegion OneInstant(const EffectRegion& recorded) {
-  EffectRegion region{recorded.part, {}, {0.0}, {0.0}, recorded.ahead};
+  EffectRegion region;
+  region.part = recorded.part;
+  region.turning_x = region.turning_z = {0.0};
+  region.ahead = recorded.ahead;
   ContactKinematics& k = region.kinematics;
   k.instants = 1;
   k.faces = recorded.kinematics.faces;

@@ -31,11 +31,12 @@ double LogYield(double right_side, double exponent) {
 
 }  // namespace
 
-Pressure PressureAt(const ElasticFoundation& bed, const BedEffects& effects, double depth, double rate) {
+Pressure PressureOfBentBed(const ElasticFoundation& bed, const BedEffects& effects, double depth, double rate,
+                           bool by_exponent) {
   Pressure p;
   const double damping = 1 + bed.dissipation * rate;
   if (!(depth > 0) || !(damping > 0)) return p;
-  const double log_depth = std::log(depth / kReferenceDepth);
+  const double log_depth = by_exponent || effects.exponent != 0 ? std::log(depth / kReferenceDepth) : 0;
   double yield = effects.compliance * bed.stiffness * damping;
   double bend = 1;  // (z / x0)^n
   if (effects.exponent != 0) {
@@ -58,7 +59,7 @@ Pressure PressureAt(const ElasticFoundation& bed, const BedEffects& effects, dou
   p.by_rate = bed.dissipation * bed.stiffness * elastic * felt;
   p.by_stiffness = elastic * damping * felt;
   p.by_dissipation = rate * bed.stiffness * elastic * felt;
-  p.by_exponent = p.value * (log_depth - std::log1p(yield)) * felt;
+  if (by_exponent) p.by_exponent = p.value * (log_depth - std::log1p(yield)) * felt;
   p.by_compliance = -p.by_depth * p.value;
   return p;
 }

@@ -21,6 +21,10 @@ struct Pressure {
   double by_compliance = 0;
 };
 
+/// PressureAt for every bed.
+[[nodiscard]] Pressure PressureOfBentBed(const ElasticFoundation& bed, const BedEffects& effects,
+                                         double depth, double rate, bool by_exponent);
+
 /// p solves
 ///
 ///   p = k x0 ((x - C p) / x0)^(1 + n) (1 + c v)
@@ -29,8 +33,22 @@ struct Pressure {
 /// The rate v is that of the whole depth, so that C = 0 or n = 0 have the closed forms k x0 (x/x0)^(1+n) (1 +
 /// c v) and k x (1 + c v) / (1 + k C (1 + c v)). Zero with zero derivatives for x <= 0 or 1 + c v <= 0: a
 /// spring has no tension.
-/// @param depth x [m]; @param rate v [m/s].
-[[nodiscard]] Pressure PressureAt(const ElasticFoundation& bed, const BedEffects& effects, double depth,
-                                  double rate);
+/// @param depth x [m]; @param rate v [m/s]; @param by_exponent Pressure::by_exponent is wanted: a logarithm
+[[nodiscard]] inline Pressure PressureAt(const ElasticFoundation& bed, const BedEffects& effects,
+                                         double depth, double rate, bool by_exponent) {
+  if (by_exponent || effects.exponent != 0 || effects.compliance != 0)
+    return PressureOfBentBed(bed, effects, depth, rate, by_exponent);
+  // The same without its divisions, to the last bit: nine of ten springs of a search for causes.
+  Pressure p;
+  const double damping = 1 + bed.dissipation * rate;
+  if (!(depth > 0) || !(damping > 0)) return p;
+  p.value = bed.stiffness * depth * damping;
+  p.by_depth = bed.stiffness * damping;
+  p.by_rate = bed.dissipation * bed.stiffness * depth;
+  p.by_stiffness = depth * damping;
+  p.by_dissipation = rate * bed.stiffness * depth;
+  p.by_compliance = -p.by_depth * p.value;
+  return p;
+}
 
 }  // namespace sinew

@@ -117,6 +117,7 @@ struct ContactProblem::Scratch {
   ContactEffectValues effects{};
   bool at_null = true;
   bool differentiates_effects = false;
+  std::array<bool, kContactEffects> wanted_effects{};  // a plate's own height counts as kHeightOffset
   bool differentiates_edges = false;
 };
 
@@ -197,9 +198,11 @@ Status ContactProblem::Predict(const Query& query, Workspace& workspace, Predict
         std::all_of(scratch.effects.begin(), scratch.effects.end(), [](double value) { return value == 0; });
     const int first = data_.effects.first();
     const int own = data_.effects.OwnHeight(stance.plate);
-    scratch.differentiates_effects = own >= 0 && query.Differentiates(own);
-    for (int i = 0; i < static_cast<int>(kContactEffects); ++i)
-      scratch.differentiates_effects |= query.Differentiates(first + i);
+    for (std::size_t i = 0; i < kContactEffects; ++i)
+      scratch.wanted_effects[i] = query.Differentiates(first + static_cast<int>(i));
+    scratch.wanted_effects[kHeightOffset] |= own >= 0 && query.Differentiates(own);
+    scratch.differentiates_effects = std::find(scratch.wanted_effects.begin(), scratch.wanted_effects.end(),
+                                               true) != scratch.wanted_effects.end();
     scratch.differentiates_edges = query.Differentiates(first + static_cast<int>(kToeRegion)) ||
                                    query.Differentiates(first + static_cast<int>(kHeelRegion));
     SolePlacesInto(stance, query.parameters, scratch.places);
@@ -219,8 +222,8 @@ void ContactProblem::PredictInstant(const Stance& stance, int t, const std::arra
                          stance.side, query.derivatives);
     // Without effects the load comes in one pass, with or without their derivatives.
     if (!scratch.at_null || scratch.differentiates_effects) {
-      const EffectLoadQuery load_query{false, query.derivatives, scratch.differentiates_edges,
-                                       query.derivatives};
+      const EffectLoadQuery load_query{
+          false, query.derivatives, scratch.differentiates_edges, query.derivatives, {}};
       ComputeEffectLoad(scratch.posed->kinematics(), 0, scratch.beds, scratch.effects, load_query,
                         scratch.with_effects);
     }
@@ -232,7 +235,7 @@ void ContactProblem::PredictInstant(const Stance& stance, int t, const std::arra
     }
   } else if (!scratch.at_null || scratch.differentiates_effects) {
     const EffectLoadQuery load_query{PartsFor(wanted) == WrenchParts::kVertical, query.derivatives,
-                                     scratch.differentiates_edges};
+                                     scratch.differentiates_edges, false, scratch.wanted_effects};
     ComputeEffectLoad(stance.kinematics, t, scratch.beds, scratch.effects, load_query, scratch.with_effects);
   }
   ContactLoad load = ContactLoad::Zero();
@@ -267,6 +270,7 @@ void ContactProblem::PredictInstant(const Stance& stance, int t, const std::arra
   const auto places = static_cast<Eigen::Index>(places_.size() * stance.parts.size());
   const bool own_height = data_.effects.OwnHeight(stance.plate) >= 0;
   for (std::size_t e = 0; e < kContactEffects; ++e) {
+    if (!scratch.wanted_effects[e]) continue;
     const auto slope = channels.Derivative(scratch.with_effects.by_effect.col(static_cast<Eigen::Index>(e)));
     for (std::size_t c = 0; c < kChannels; ++c) {
       if (!wanted[c]) continue;

@@ -1,6 +1,8 @@
 #include "problems/contact/stance.h"
 
 #include <algorithm>
+#include <cmath>
+#include <utility>
 
 #include "base/constants.h"
 
@@ -9,12 +11,23 @@ namespace {
 
 EffectRegion Prepare(const ContactRegion& region, int part, const std::vector<BodyMotion>& motion,
                      const Floor& floor) {
-  EffectRegion prepared{part, ComputeContactKinematics(region, motion, floor), {}, {}, {}};
+  EffectRegion prepared;
+  prepared.part = part;
+  prepared.kinematics = ComputeContactKinematics(region, motion, floor);
   for (const BodyMotion& body : motion) {
     prepared.turning_x.push_back(body.angular_velocity.x());
     prepared.turning_z.push_back(body.angular_velocity.z());
   }
+  const std::vector<double>& depth = prepared.kinematics.depth;
+  for (auto first = depth.begin(); first != depth.end(); first += prepared.kinematics.faces)
+    prepared.deepest.push_back(*std::max_element(first, first + prepared.kinematics.faces));
   return prepared;
+}
+
+// @param ahead of the sole's middle [faces, m]
+void SetAhead(std::vector<double> ahead, EffectRegion& region) {
+  for (const double at : ahead) region.reach = std::max(region.reach, std::abs(at));
+  region.ahead = std::move(ahead);
 }
 
 // The foremost and the hindmost region of a foot.
@@ -126,14 +139,15 @@ Result<Stance> MakeStance(const std::string& trial, const std::string& plate, st
   stance.length = ends.at[0] - ends.at[1];
   const Vec3 forward = motion_of.front()[deepest_instant].rotation * Vec3::UnitX();
   for (std::size_t r = 0; r < regions.size(); ++r)
-    kinematics.regions[r].ahead = AheadOf(*regions[r], motion_of[r][deepest_instant], forward, ends);
+    SetAhead(AheadOf(*regions[r], motion_of[r][deepest_instant], forward, ends), kinematics.regions[r]);
   std::array<ContactRegion, 2> edges;
   for (const std::size_t end : {0U, 1U}) {
     const auto of = static_cast<std::size_t>(ends.region[end]);
     SINEW_ASSIGN(edges[end], EdgeRegion(*regions[of], end == 0, kShare * stance.length, kStrips));
     kinematics.edges[end].push_back(
         Prepare(edges[end], kinematics.regions[of].part, motion_of[of], settings.floor));
-    kinematics.edges[end].back().ahead = AheadOf(edges[end], motion_of[of][deepest_instant], forward, ends);
+    SetAhead(AheadOf(edges[end], motion_of[of][deepest_instant], forward, ends),
+             kinematics.edges[end].back());
     foot_regions.push_back({&edges[end], foot_regions[of].body});
   }
   if (settings.moves_springs()) {

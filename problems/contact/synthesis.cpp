@@ -124,7 +124,8 @@ constexpr std::size_t kInstantsAtOnce = 32;
 constexpr double kEdgeShare = 0.2;  // of the sole's length that a strip beyond its end has
 
 EffectRegion Prepare(const ContactRegion& region, const std::vector<BodyMotion>& motion) {
-  EffectRegion prepared{0, ComputeContactKinematics(region, motion, {}), {}, {}, {}};
+  EffectRegion prepared;
+  prepared.kinematics = ComputeContactKinematics(region, motion, {});
   for (const BodyMotion& body : motion) {
     prepared.turning_x.push_back(body.angular_velocity.x());
     prepared.turning_z.push_back(body.angular_velocity.z());

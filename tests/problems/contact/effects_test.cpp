@@ -39,6 +39,14 @@ Vector Vertical(const ContactProblem& problem, const Vector& parameters, std::si
   return PredictEverything(problem, parameters).values(problem.data().stances[stance].blocks[kFy]);
 }
 
+// A region at one instant whose body does not turn.
+EffectRegion Level(ContactKinematics kinematics) {
+  EffectRegion region;
+  region.kinematics = std::move(kinematics);
+  region.turning_x = region.turning_z = {0};
+  return region;
+}
+
 // Largest difference of two predictions of the same layout, relative to the largest value of each block.
 double Difference(const Problem& problem, const Prediction& a, const Prediction& b) {
   double worst = 0;
@@ -64,7 +72,7 @@ TEST(ContactPressure, SolvesItsEquationAndItsDerivativesAreThoseOfDifferences) {
                        random.Index(4) == 0 ? 0 : std::pow(10, random.Uniform(-12, -5))};
     double depth = std::pow(10, random.Uniform(-6, -1.5));
     double rate = random.Uniform(-0.5 / 100, 0.3);
-    const Pressure p = PressureAt(bed, effects, depth, rate);
+    const Pressure p = PressureAt(bed, effects, depth, rate, true);
     const double compression = depth - effects.compliance * p.value;
     ASSERT_GT(compression, 0);
     const double law = bed.stiffness * kReferenceDepth *
@@ -77,9 +85,9 @@ TEST(ContactPressure, SolvesItsEquationAndItsDerivativesAreThoseOfDifferences) {
       const double h = 1e-5 * size;
       const double middle = value;
       value = middle + h;
-      const double right = PressureAt(bed, effects, depth, rate).value;
+      const double right = PressureAt(bed, effects, depth, rate, true).value;
       value = middle - h;
-      const double left = PressureAt(bed, effects, depth, rate).value;
+      const double left = PressureAt(bed, effects, depth, rate, true).value;
       value = middle;
       worst = std::max(worst, std::abs((right - left) / (2 * h) - derivative) * size /
                                   std::max(p.value, std::abs(derivative) * size));
@@ -99,10 +107,31 @@ TEST(ContactPressure, SolvesItsEquationAndItsDerivativesAreThoseOfDifferences) {
 TEST(ContactPressure, NeverPullsAndNeverPressesInTheAir) {
   const ElasticFoundation bed{1e6, 20, 0, 0, 0};
   for (const BedEffects& effects : {BedEffects{}, BedEffects{0.5, 1e-6}, BedEffects{-0.4, 0}}) {
-    EXPECT_EQ(PressureAt(bed, effects, 0, 0.1).value, 0);
-    EXPECT_EQ(PressureAt(bed, effects, -1e-3, 0.1).by_depth, 0);
-    EXPECT_EQ(PressureAt(bed, effects, 1e-3, -0.051).value, 0);
-    EXPECT_GT(PressureAt(bed, effects, 1e-3, -0.049).value, 0);
+    for (const bool by_exponent : {false, true}) {
+      EXPECT_EQ(PressureAt(bed, effects, 0, 0.1, by_exponent).value, 0);
+      EXPECT_EQ(PressureAt(bed, effects, -1e-3, 0.1, by_exponent).by_depth, 0);
+      EXPECT_EQ(PressureAt(bed, effects, 1e-3, -0.051, by_exponent).value, 0);
+      EXPECT_GT(PressureAt(bed, effects, 1e-3, -0.049, by_exponent).value, 0);
+    }
+  }
+}
+
+TEST(ContactPressure, OfAStraightBedIsThatOfEveryBedToTheLastBit) {
+  Random random(2);
+  for (int round = 0; round < 1000; ++round) {
+    ElasticFoundation bed;
+    bed.stiffness = std::pow(10, random.Uniform(4, 9));
+    bed.dissipation = random.Uniform(0, 100);
+    const double depth = random.Uniform(-0.001, 0.01);
+    const double rate = random.Uniform(-0.05, 0.3);
+    const Pressure fast = PressureAt(bed, {}, depth, rate, false);
+    const Pressure other = PressureOfBentBed(bed, {}, depth, rate, false);
+    EXPECT_EQ(fast.value, other.value);
+    EXPECT_EQ(fast.by_depth, other.by_depth);
+    EXPECT_EQ(fast.by_rate, other.by_rate);
+    EXPECT_EQ(fast.by_stiffness, other.by_stiffness);
+    EXPECT_EQ(fast.by_dissipation, other.by_dissipation);
+    EXPECT_EQ(fast.by_compliance, other.by_compliance);
   }
 }
 
@@ -200,7 +229,7 @@ TEST(ContactEffects, ATiltedFloorCarriesTheTurnedSole) {
 
     const auto load_of = [&](const BodyMotion& motion, double x, double z) {
       EffectKinematics kinematics;
-      kinematics.regions.push_back({0, ComputeContactKinematics(region, {motion}, {}), {0}, {0}, {}});
+      kinematics.regions.push_back(Level(ComputeContactKinematics(region, {motion}, {})));
       kinematics.foot_position = {motion.position};
       kinematics.foot_acceleration = {motion.acceleration};
       kinematics.tilt_reference = reference;
@@ -239,7 +268,7 @@ TEST(ContactEffects, AFlatSoleFollowsThePowerOfItsDepth) {
     BodyMotion motion;
     motion.position = Vec3(0, -depth, 0);
     EffectKinematics kinematics;
-    kinematics.regions.push_back({0, ComputeContactKinematics(region, {motion}, {}), {0}, {0}, {}});
+    kinematics.regions.push_back(Level(ComputeContactKinematics(region, {motion}, {})));
     kinematics.foot_position = {motion.position};
     kinematics.foot_acceleration = {motion.acceleration};
     ContactEffectValues effects{};
