@@ -28,13 +28,13 @@ class FreeBodyTest(ProgramTest):
         self.assertGreater(found["family_p_value"], 0.05)
 
     def test_a_strong_gravity_and_a_slow_clock_cannot_be_told_apart(self):
-        found = self.diagnosis("--effect", "gravity_error:gravity_error=0.01")
+        found = self.diagnosis("--effect", "gravity_error:gravity_error=0.01", "--set", "train=4")
         self.assertEqual(found["verdict"], "ambiguous", found["sentences"])
         named = {c["effect"] for c in found["causes"]} | {a["effect"] for a in found["alternatives"]}
         self.assertLessEqual({"gravity_error", "clock_rate"}, named)
 
     def test_a_wrong_inertia_is_named(self):
-        found = self.diagnosis("--effect", "inertia_error:inertia_error=0.05")
+        found = self.diagnosis("--effect", "inertia_error:inertia_error=0.05", "--set", "train=4")
         cause = next(c for c in found["causes"] if c["effect"] == "inertia_error")
         low, high = cause["parameters"][0]["ci95"]
         self.assertLess(low - 0.001, 0.05)

@@ -333,7 +333,7 @@ TEST_P(ConformanceTest, NullEffectsChangeNothingToTheLastBit) {
 }
 
 TEST_P(ConformanceTest, PredictionsAreFiniteOverTheWholeBox) {
-  constexpr int kPoints = 200;
+  constexpr int kPoints = 100;
   Random random(3);
   Prediction prediction(problem_->layout());
   const auto workspace = problem_->NewWorkspace();
