@@ -130,7 +130,7 @@ class Threads(ProgramTest):
 class Quiet(ProgramTest):
     def test_shows_nothing_while_it_works(self):
         """On a terminal, where progress is shown without it."""
-        for words in (("data", "kinematics", "stances.h5"), ("mbs", "all")):
+        for words in (("data", "kinematics", "stances.h5"), ("mbs", "all", "--accuracy", "1e-4")):
             self.succeeds("data", "synthesize", "contact", "--out", "stances.h5")
             shown = {}
             for option in ("", "--quiet"):
