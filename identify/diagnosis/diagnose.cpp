@@ -19,7 +19,7 @@
 #include "identify/diagnosis/score/quantised_channels.h"
 #include "identify/diagnosis/select/cross_validated_search.h"
 #include "identify/diagnosis/select/equivalent_effects.h"
-#include "identify/diagnosis/select/visible_noise.h"
+#include "identify/diagnosis/select/noise_below_misfit.h"
 #include "identify/diagnosis/tabulation.h"
 #include "identify/equal_noise_view.h"
 #include "identify/error_concentration.h"
@@ -179,7 +179,7 @@ class DiagnosisRun {
       SINEW_TRY(DiscoverUnknown(state_, out_));
     }
     SINEW_TRY(Continue());
-    SINEW_TRY(CompareWithVisibleNoise());
+    SINEW_TRY(CompareWithNoiseBelowMisfit());
     SINEW_TRY(MeasureGain(state_.selection.model.noise));
     Conclude();
     return {};
@@ -236,7 +236,7 @@ class DiagnosisRun {
   }
 
   // What is left of the chosen model; unknown terms that are not fitted with the causes are not in it.
-  Status CompareWithVisibleNoise() {
+  Status CompareWithNoiseBelowMisfit() {
     const Refit& model = state_.selection.model;
     SINEW_ASSIGN(const auto rows, NoiseRowsAt(LeastSquares(problem_, *model.setup), model.x));
     noise_below_misfit_ = NoiseBelowMisfit(rows.blocks);
@@ -273,7 +273,8 @@ class DiagnosisRun {
       }
       out_.traces.push_back(std::move(trace));
     }
-    const noise::NoiseModel floor = WithVisibleNoise(MisfitScale(problem_).Floor(noise), noise_below_misfit_);
+    const noise::NoiseModel floor =
+        WithNoiseBelowMisfit(MisfitScale(problem_).Floor(noise), noise_below_misfit_);
     ReportNoise(noise, floor);
     if (!state_.held_out.exists()) return {};
     std::vector<Vector> before;

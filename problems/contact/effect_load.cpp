@@ -43,7 +43,7 @@ struct ByShape {
 // The vertical force alone and, if wanted, its derivatives: a tenth of the work. What it computes it computes
 // as AddRegion does, operation by operation, so that the answer is the same to the last bit.
 // @tparam kShaped the sole is displaced, or the derivatives for that are wanted. @tparam kSloped the same of
-// the floor's slope: without both a spring takes a quarter of the time
+// the floor's slope
 template <bool kDerivatives, bool kShaped, bool kSloped>
 void AddVertical(const FloorUnderSole& floor, const EffectRegion& region, int instant,
                  const ElasticFoundation& bed, const BedEffects& bed_effects, bool by_exponent,

@@ -38,7 +38,7 @@ struct Pressure {
                                          double depth, double rate, bool by_exponent) {
   if (by_exponent || effects.exponent != 0 || effects.compliance != 0)
     return PressureOfBentBed(bed, effects, depth, rate, by_exponent);
-  // The same without its divisions, to the last bit: nine of ten springs of a search for causes.
+  // The same without its divisions, to the last bit.
   Pressure p;
   const double damping = 1 + bed.dissipation * rate;
   if (!(depth > 0) || !(damping > 0)) return p;

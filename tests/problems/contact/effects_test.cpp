@@ -391,6 +391,56 @@ TEST(ContactEffects, TheVerticalForceAloneIsThatOfTheWholeLoad) {
   }
 }
 
+// The vertical force has a path of its own for a level floor and for a sole that keeps its shape, and leaves
+// out regions that cannot touch: against the whole load, which has none of these.
+TEST(ContactEffects, TheVerticalForceAloneLeavesOutWhatDoesNotMatter) {
+  const auto problem = Exact();
+  std::vector<bool> vertical(problem->layout().size(), false);
+  for (const Stance& stance : problem->data().stances)
+    vertical[static_cast<std::size_t>(stance.blocks[kFy])] = true;
+  const std::vector<bool> all(vertical.size(), true);
+  const auto of = [&](const Parameter& p, const std::string& what) { return p.name.rfind(what, 0) == 0; };
+  const auto is_shape = [&](const Parameter& p) {
+    return of(p, "foot_bend") || of(p, "foot_pitch") || of(p, "foot_height");
+  };
+  const auto workspace = problem->NewWorkspace();
+  Random random(6);
+  for (int round = 0; round < 32; ++round) {
+    const bool level = round % 2 == 0;
+    const bool rigid = round / 2 % 2 == 0;
+    const bool straight = round / 4 % 2 == 0;
+    const bool wants_all = round / 8 % 2 == 0;
+    Vector point = RandomInside(*problem, 0.02, random);
+    std::vector<bool> wanted(problem->parameters().size(), wants_all);
+    for (std::size_t i = 0; i < wanted.size(); ++i) {
+      const Parameter& p = problem->parameters()[i];
+      const bool at_null = (level && of(p, "floor_slope")) || (rigid && is_shape(p)) ||
+                           (straight && (of(p, "stiffness_exponent") || of(p, "floor_compliance")));
+      if (at_null) point[static_cast<Eigen::Index>(i)] = 0;
+      // As a search: what is off its null is fitted, and the base parameters.
+      if (!at_null) wanted[i] = true;
+    }
+    Prediction whole(problem->layout());
+    Prediction with_slopes(problem->layout());
+    Prediction alone(problem->layout());
+    ASSERT_TRUE(problem->Predict({point, all, true, nullptr}, *workspace, whole));
+    ASSERT_TRUE(problem->Predict({point, vertical, true, &wanted}, *workspace, with_slopes));
+    ASSERT_TRUE(problem->Predict({point, vertical, false, nullptr}, *workspace, alone));
+    for (const Stance& stance : problem->data().stances) {
+      const int block = stance.blocks[kFy];
+      EXPECT_EQ(alone.values(block), with_slopes.values(block));
+      EXPECT_EQ(whole.values(block), alone.values(block));
+      const std::vector<int>& columns = problem->layout()[static_cast<std::size_t>(block)].columns;
+      for (std::size_t c = 0; c < columns.size(); ++c) {
+        if (!wanted[static_cast<std::size_t>(columns[c])]) continue;
+        EXPECT_EQ(whole.derivatives(block).col(static_cast<Eigen::Index>(c)),
+                  with_slopes.derivatives(block).col(static_cast<Eigen::Index>(c)))
+            << problem->parameters()[static_cast<std::size_t>(columns[c])].name;
+      }
+    }
+  }
+}
+
 TEST(ContactEffects, DerivativesAgreeWithDifferences) {
   Random random(3);
   for (const char* settings : {kFitsVertical, kFitsForce}) {

@@ -1,5 +1,5 @@
 // Which residuals are more than the noise that is visible at their high frequencies.
-#include "identify/diagnosis/select/visible_noise.h"
+#include "identify/diagnosis/select/noise_below_misfit.h"
 
 #include <gtest/gtest.h>
 
@@ -22,7 +22,7 @@ noise::NoiseBlock Residual(double structure, double largest_root = 1) {
   return block;
 }
 
-TEST(VisibleNoise, IsFoundWhereTheResidualIsMore) {
+TEST(NoiseBelowMisfit, IsFoundWhereTheResidualIsMore) {
   EXPECT_TRUE(NoiseBelowMisfit({Residual(0)}).empty());
   EXPECT_TRUE(NoiseBelowMisfit({Residual(1)}).empty());
   EXPECT_TRUE(NoiseBelowMisfit({Residual(6, 0.9)}).empty()) << "its noise is known to be correlated";
@@ -47,7 +47,7 @@ std::vector<noise::NoiseBlock> ShortResiduals(double structure, double white) {
   return blocks;
 }
 
-TEST(VisibleNoise, IsTheStatedOneBelowAShortSmoothResidual) {
+TEST(NoiseBelowMisfit, IsTheStatedOneBelowAShortSmoothResidual) {
   const auto noise = NoiseBelowMisfit(ShortResiduals(3.5, 1));
   ASSERT_EQ(noise.count("force"), 1U);
   EXPECT_DOUBLE_EQ(noise.at("force"), 1);
@@ -64,7 +64,7 @@ TEST(VisibleNoise, IsTheStatedOneBelowAShortSmoothResidual) {
   EXPECT_TRUE(NoiseBelowMisfit(single).empty()) << "no neighbours";
 }
 
-TEST(VisibleNoise, IsTheNoiseOfThoseChannelsOnly) {
+TEST(NoiseBelowMisfit, IsTheNoiseOfThoseChannelsOnly) {
   noise::NoiseModel residual;
   residual.channels.resize(2);
   for (noise::ChannelNoiseModel& channel : residual.channels) {
@@ -73,7 +73,7 @@ TEST(VisibleNoise, IsTheNoiseOfThoseChannelsOnly) {
   }
   residual.channels[0].channel = "force";
   residual.channels[1].channel = "moment";
-  const noise::NoiseModel noise = WithVisibleNoise(residual, {{"force", 0.5}});
+  const noise::NoiseModel noise = WithNoiseBelowMisfit(residual, {{"force", 0.5}});
   EXPECT_EQ(noise.channels[0].ProcessDeviation(), 0.5);
   EXPECT_EQ(noise.channels[1].ProcessDeviation(), residual.channels[1].ProcessDeviation());
 }

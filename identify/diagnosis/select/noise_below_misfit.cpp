@@ -1,4 +1,4 @@
-#include "identify/diagnosis/select/visible_noise.h"
+#include "identify/diagnosis/select/noise_below_misfit.h"
 
 #include <algorithm>
 #include <cmath>
@@ -74,7 +74,8 @@ std::map<std::string, double> NoiseBelowMisfit(const std::vector<noise::NoiseBlo
   return noise;
 }
 
-noise::NoiseModel WithVisibleNoise(noise::NoiseModel residual, const std::map<std::string, double>& visible) {
+noise::NoiseModel WithNoiseBelowMisfit(noise::NoiseModel residual,
+                                       const std::map<std::string, double>& visible) {
   for (noise::ChannelNoiseModel& channel : residual.channels) {
     const auto found = visible.find(channel.channel);
     if (found == visible.end()) continue;

@@ -25,7 +25,7 @@ namespace sinew::diagnosis {
 [[nodiscard]] std::map<std::string, double> NoiseBelowMisfit(const std::vector<noise::NoiseBlock>& blocks);
 
 /// A noise model with white noise of these levels in these channels.
-[[nodiscard]] noise::NoiseModel WithVisibleNoise(noise::NoiseModel residual,
-                                                 const std::map<std::string, double>& visible);
+[[nodiscard]] noise::NoiseModel WithNoiseBelowMisfit(noise::NoiseModel residual,
+                                                     const std::map<std::string, double>& visible);
 
 }  // namespace sinew::diagnosis
