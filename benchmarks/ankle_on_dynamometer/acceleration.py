@@ -15,7 +15,8 @@ from pathlib import Path
 import h5py
 import numpy as np
 
-from hidden_effects import NOISE, SMALL, TRUTH, run, wilson
+from hidden_effects import NOISE, SMALL, TRUTH, run
+from wilson import wilson
 
 ANGLE_NOISE = 2e-4  # [rad] the laboratory's default
 FITTED = ["attachment_inertia", "attachment_gravity", "attachment_gravity_angle", "attachment_friction"]
@@ -67,7 +68,7 @@ def main():
                         errors.append(100 * (found["value"] / TRUTH[FITTED[0]] - 1))
     print(f"{FITTED[0]}: {np.mean(errors):+.2f} % +- {np.std(errors) / np.sqrt(len(errors)):.2f} % off in the mean")
     for name, held in hits.items():
-        low, high = wilson(sum(held), len(held))["ci95"]
+        low, high = wilson(sum(held), len(held))
         print(f"{name}: in {sum(held)} of {len(held)} 95 % intervals ({100 * low:.1f} to {100 * high:.1f} %)")
 
 

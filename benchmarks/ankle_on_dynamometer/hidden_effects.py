@@ -6,11 +6,10 @@ oracle just detects: the change of torque and ankle angle by the effect, without
 base parameters, has norm 3.605 (see ../hidden_effects/README.md, whose counts these are). Results are kept in --out case by case;
 the same command goes on where it was stopped.
 
-usage: hidden_effects.py --sinew PATH [--kind none,single,outsider] [--cases 100] [--sizes 2] [--jobs 2] [--first-seed 1] --out results.jsonl
-       hidden_effects.py --report results.jsonl...
+usage: counting.py --sinew PATH [--kind none,single,outsider] [--cases 100] [--sizes 2] [--jobs 2] [--first-seed 1] --out results.jsonl
+       counting.py --report results.jsonl...
 """
 import argparse
-import importlib.util
 import json
 import math
 import os
@@ -25,18 +24,10 @@ from pathlib import Path
 import h5py
 import numpy as np
 
-HERE = Path(__file__).resolve().parent
-
-
-def module(name, path):
-    spec = importlib.util.spec_from_file_location(name, path)
-    found = importlib.util.module_from_spec(spec)
-    spec.loader.exec_module(found)
-    return found
-
-
-hidden_effects = module("hidden_effects_of_drives", HERE.parent / "hidden_effects" / "run.py")
-run, read, wilson = hidden_effects.run, hidden_effects.read, hidden_effects.wilson
+sys.path.append(str(Path(__file__).resolve().parents[1] / "hidden_effects"))
+import counting  # noqa: E402
+from counting import run  # noqa: E402
+from studies import diagnose, numbers, words  # noqa: E402
 
 UNIT = 3.605
 NOISE = {"machine_torque": 0.3, "ankle_angle": 3e-3}  # the laboratory's default
@@ -206,31 +197,29 @@ def study(options, kind, size, seed):
         if hidden and hidden["level"] == "sensor":
             experiment.distort(data, hidden)
         case["truth"] = truth = {"base": experiment.base, "effects": [hidden] if hidden else []}
-        found_file = Path(folder) / "found.json"
-        status, case["seconds"], message = run(options.sinew, "diagnose", "ankle_on_dynamometer", "--data", data, "--solver", options.solver,
-                                               "--threads", 1, "--quiet", "--out", Path(folder) / "found.h5", "--json", found_file)
-        found = read(found_file)
-        if found is None:
-            case["failure"] = message or f"exit status {status}"
+        try:
+            found, case["seconds"] = diagnose(options, "ankle_on_dynamometer", data, Path(folder), "--solver", options.solver)
+        except ValueError as error:
+            case["failure"] = str(error)
             return case
-    hidden_effects.compare(case, truth, found)
+    counting.compare(case, truth, found)
     case["levels"] = [[one["level"], one["standing"]] for one in found["levels"]]
     case["concluded"] = found["concluded"]
-    known = hidden_effects.intervals(found["extended_parameters"] or [])
-    case["base_covers"] = hidden_effects.base_covered(truth, known)
+    known = counting.intervals(found["extended_parameters"] or [])
+    case["base_covers"] = counting.base_covered(truth, known)
     return case
 
 
 def report(cases):
-    hidden_effects.summarise(cases)
-    hidden_effects.summarise_by_name(cases)
+    counting.summarise(cases)
+    counting.summarise_by_name(cases)
     done = [c for c in cases if c["kind"] == "single" and "failure" not in c]
 
     def show(text, hits):
-        counted = wilson(sum(hits), len(hits))
-        if counted:
-            low, high = counted["ci95"]
-            print(f"{text}: {counted['hits']} of {counted['of']} ({100 * counted['share']:.1f} %; {100 * low:.1f} to {100 * high:.1f} %)")
+        share = counting.counted(sum(hits), len(hits))
+        if share:
+            low, high = share["ci95"]
+            print(f"{text}: {share['hits']} of {share['of']} ({100 * share['share']:.1f} %; {100 * low:.1f} to {100 * high:.1f} %)")
 
     def stands(case, *standings):
         return {level for level, standing in case["levels"] if standing in standings}
@@ -262,9 +251,9 @@ def report(cases):
 def main():
     parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
     parser.add_argument("--sinew", type=Path)
-    parser.add_argument("--kind", type=hidden_effects.words, default=["none", "single", "outsider"])
+    parser.add_argument("--kind", type=words, default=["none", "single", "outsider"])
     parser.add_argument("--cases", type=int, default=100, help="per kind and size")
-    parser.add_argument("--sizes", type=hidden_effects.numbers, default=[2.0])
+    parser.add_argument("--sizes", type=numbers, default=[2.0])
     parser.add_argument("--solver", default="lm")
     parser.add_argument("--jobs", type=int, default=1)
     parser.add_argument("--first-seed", type=int, default=1)
@@ -284,14 +273,14 @@ def main():
             for i in range(options.cases)]
     lock = threading.Lock()
 
-    def one(words):
-        case = study(options, *words)
+    def one(what):
+        case = study(options, *what)
         with lock, options.out.open("a") as file:
             file.write(json.dumps(case) + "\n")
         return case
 
     with ThreadPoolExecutor(options.jobs) as pool:
-        cases += list(pool.map(one, [words for words in plan if words not in done]))
+        cases += list(pool.map(one, [what for what in plan if what not in done]))
     report(cases)
 
 

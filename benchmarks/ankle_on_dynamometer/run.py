@@ -24,6 +24,7 @@ import numpy as np
 
 sys.path.insert(0, str(Path(__file__).resolve().parents[1] / "coverage"))
 import report  # noqa: E402
+from wilson import wilson  # noqa: E402
 
 LONGEST = 900  # [s] of one command
 MOST = 500    # evaluations of one fit; 30 to 60 are usual
@@ -172,7 +173,7 @@ def table(fits):
         errors = np.array([p["value"] / p["truth"] - 1 for p in ps])
         half = np.median([abs((p["ci95"][1] - p["ci95"][0]) / 2 / p["truth"]) for p in ps])
         hits = sum(map(report.inside, ps))
-        low, high = report.wilson(hits, len(ps))
+        low, high = wilson(hits, len(ps))
         rms = math.sqrt(np.mean([report.ratio(p) ** 2 for p in ps]))
         print(f"  {name:33s} {100 * errors.mean():8.2f} % {100 * errors.std(ddof=1) / math.sqrt(len(ps)):6.2f} % {100 * half:8.2f} % {rms:5.2f}  "
               f"{hits:3d}/{len(ps)} ({100 * low:.0f} .. {100 * high:.0f} %)")

@@ -1,21 +1,17 @@
 """Counts of the coverage study."""
 import math
+import sys
 from collections import defaultdict
+from pathlib import Path
 
 import numpy as np
+
+sys.path.append(str(Path(__file__).resolve().parents[1]))
+from wilson import wilson  # noqa: E402
 
 QUANTILE = 1.959964
 SEARCH_FAILED = 3.84  # of 2 log likelihood, by which the fit is worse than the one that starts at the truth
 ON_BOUND = 1e-6       # of the range
-
-
-def wilson(hits, n):
-    if n <= 0:
-        return 0.0, 1.0
-    share, z2 = hits / n, QUANTILE ** 2
-    centre = (share + z2 / 2 / n) / (1 + z2 / n)
-    half = QUANTILE / (1 + z2 / n) * math.sqrt(share * (1 - share) / n + z2 / 4 / n ** 2)
-    return centre - half, centre + half
 
 
 def clustered(hits):

@@ -18,7 +18,8 @@ from collections import Counter
 from concurrent.futures import ThreadPoolExecutor
 from pathlib import Path
 
-from run import cell, numbers, read, run, wilson
+from counting import cell, counted, read, run
+from studies import numbers
 
 KINDS = ("same", "rest", "creep", "hold", "fast", "sharp")
 # By the text of a suggestion. None: it needs an instrument, a stop or a weight that these data do not have. Where a suggestion
@@ -145,7 +146,7 @@ def separated(case, pair, kind):
 
 def count(values):
     values = [v for v in values if v is not None]
-    return wilson(sum(values), len(values))
+    return counted(sum(values), len(values))
 
 
 def short(values):

@@ -9,18 +9,15 @@ held-out cycles a speed; EMG of one electrode per muscle) with one effect whose 
 usage: run.py --sinew PATH [--kind none,single,outsider] [--cases 100] [--sizes 1,2,3] [--jobs 2] [--first-seed 1]
               [--laws no|yes] [--out results.json]        run.py --merge results.json...
 """
-import importlib.util
 import random
 import sys
 import tempfile
 from concurrent.futures import ThreadPoolExecutor
 from pathlib import Path
 
-HERE = Path(__file__).resolve().parent
-spec = importlib.util.spec_from_file_location("hidden_effects", HERE.parent / "hidden_effects" / "run.py")
-hidden_effects = importlib.util.module_from_spec(spec)
-spec.loader.exec_module(hidden_effects)
-run, read = hidden_effects.run, hidden_effects.read
+sys.path.append(str(Path(__file__).resolve().parents[1] / "hidden_effects"))
+from counting import compare  # noqa: E402
+from studies import diagnose, run_studies, study_parser, synthesize  # noqa: E402
 
 UNIT = 3.605
 POWER = 1.645  # of smallest_detectable, which is for the family's threshold
@@ -40,31 +37,20 @@ EFFECTS = {
 OUTSIDERS = {"lost_bursts": 0.6, "loose_electrode": 0.5, "hum": 0.04}
 
 
-def synthesize(options, person, seed, effects, out):
+def record(options, person, seed, effects, out):
     words = [f"--set={k}={v}" for k, v in STUDY.items()] + [f"--set=subject={person}", f"--set=laws={int(options.laws == 'yes')}"]
-    for effect, numbers in effects.items():
-        for name, value in numbers.items():
+    for effect, values in effects.items():
+        for name, value in values.items():
             words += ["--effect", f"{effect}:{name}={value!r}"]
-    status, _, message = run(options.sinew, "data", "synthesize", "emg_shape", "--seed", seed, *words, "--out", out)
-    if status != 0:
-        raise ValueError(message)
-
-
-def diagnose(options, data, folder):
-    status, seconds, message = run(options.sinew, "diagnose", "emg_shape", "--data", data, "--solver", "lm", "--out",
-                                   folder / "found.h5", "--json", folder / "found.json", "--threads", 1, "--quiet")
-    found = read(folder / "found.json")
-    if found is None:
-        raise ValueError(message or f"exit status {status}")
-    return found, seconds
+    synthesize(options, "emg_shape", seed, words, out)
 
 
 def units_of(options, person):
     """{effect: amplitude of unit size} of the parameter that the diagnosis names, and which one that is."""
     with tempfile.TemporaryDirectory(prefix="hidden_emg_") as folder:
         folder = Path(folder)
-        synthesize(options, person, 900000 + person, {}, folder / "data.h5")
-        found, _ = diagnose(options, folder / "data.h5", folder)
+        record(options, person, 900000 + person, {}, folder / "data.h5")
+        found, _ = diagnose(options, "emg_shape", folder / "data.h5", folder, "--solver", "lm")
     units = {}
     for score in found["scores"]:
         told = score.get("smallest_detectable")
@@ -95,12 +81,12 @@ def study(options, kind, size, seed):
     with tempfile.TemporaryDirectory(prefix="hidden_emg_") as folder:
         folder = Path(folder)
         try:
-            synthesize(options, person, seed, effects, folder / "case.h5")
-            found, case["seconds"] = diagnose(options, folder / "case.h5", folder)
+            record(options, person, seed, effects, folder / "case.h5")
+            found, case["seconds"] = diagnose(options, "emg_shape", folder / "case.h5", folder, "--solver", "lm")
         except ValueError as error:
             case["failure"] = str(error)
             return case
-        hidden_effects.compare(case, truth, found)
+        compare(case, truth, found)
     return case
 
 
@@ -111,11 +97,11 @@ def find_units(options, plan):
 
 
 def main():
-    parser = hidden_effects.study_parser(__doc__, "a test")
+    parser = study_parser(__doc__, "a test")
     parser.add_argument("--laws", choices=["no", "yes"], default="no",
                         help="yes: size and phase do change with speed, and the model has laws for that")
     options = parser.parse_args()
-    hidden_effects.run_studies(parser, options, "hidden_emg", study, find_units)
+    run_studies(parser, options, "hidden_emg", study, find_units)
 
 
 if __name__ == "__main__":

@@ -9,7 +9,6 @@ has norm 3.605 times the noise (see ../hidden_effects/README.md, whose counts th
 usage: run.py --sinew PATH [--kind none,single,outsider,further] [--cases 100] [--sizes 1,2,3] [--jobs 2] [--first-seed 1]
               [--out results.json]        run.py --merge results.json...
 """
-import importlib.util
 import random
 import sys
 import tempfile
@@ -18,11 +17,9 @@ from pathlib import Path
 import h5py
 import numpy as np
 
-HERE = Path(__file__).resolve().parent
-spec = importlib.util.spec_from_file_location("hidden_effects", HERE.parent / "hidden_effects" / "run.py")
-hidden_effects = importlib.util.module_from_spec(spec)
-spec.loader.exec_module(hidden_effects)
-run, read = hidden_effects.run, hidden_effects.read
+sys.path.append(str(Path(__file__).resolve().parents[1] / "hidden_effects"))
+from counting import compare, run  # noqa: E402
+from studies import diagnose, run_studies, study_parser, synthesize  # noqa: E402
 
 UNIT = 3.605
 JOINT = "ankle_angle_r"
@@ -67,8 +64,8 @@ FURTHER_OUTSIDERS = {"bent_arms": 0.01, "directional_force": 0.01}
 class Sizing:
     """Change of the residual of the model with the true base parameters by an amplitude."""
 
-    def __init__(self, sinew, folder, seed):
-        self.sinew, self.folder, self.seed = sinew, folder, seed
+    def __init__(self, options, folder, seed):
+        self.options, self.folder, self.seed = options, folder, seed
         self.base = draw_base(seed)
 
     def prepare(self):
@@ -94,16 +91,14 @@ class Sizing:
         for name, number in parameters_of(effect, amplitude).items():
             words += ["--effect", f"{effect}:{name}={number!r}"]
         self.data.unlink(missing_ok=True)
-        status, _, message = run(self.sinew, "data", "synthesize", "nms", "--seed", self.seed, *words, "--out", self.data)
-        if status != 0:
-            raise ValueError(message)
+        synthesize(self.options, "nms", self.seed, words, self.data)
         with h5py.File(self.data) as file:
             return {t: file[f"trials/{t}/moments/channels/{CHANNEL}"][:] for t in file["trials"]}
 
     def model(self, data, base):
         out = self.folder / "model.h5"
         out.unlink(missing_ok=True)
-        status, _, message = run(self.sinew, "simulate", "nms", "--data", data, "--out", out,
+        status, _, message = run(self.options.sinew, "simulate", "nms", "--data", data, "--out", out,
                                  *[w for n, v in base.items() for w in ("--set", f"{n}={v!r}")])
         if status != 0:
             raise ValueError(message)
@@ -151,7 +146,7 @@ def draw_base(seed):
 def correlations(options):
     """Of every two effects' signatures, in the study of the first seed, for the pairs that cannot be distinguished."""
     with tempfile.TemporaryDirectory(prefix="hidden_muscles_") as folder:
-        sizing = Sizing(options.sinew, Path(folder), options.first_seed)
+        sizing = Sizing(options, Path(folder), options.first_seed)
         sizing.prepare()
         lines = {}
         for name in EFFECTS:
@@ -166,7 +161,7 @@ def study(options, kind, size, seed):
     drawn = {"none": {}, "single": EFFECTS, "outsider": OUTSIDERS, "further": FURTHER_OUTSIDERS}[kind]
     with tempfile.TemporaryDirectory(prefix="hidden_muscles_") as folder:
         folder = Path(folder)
-        sizing = Sizing(options.sinew, folder, seed)
+        sizing = Sizing(options, folder, seed)
         if kind != "none":
             sizing.prepare()
         effect, amplitude = None, 0
@@ -184,14 +179,12 @@ def study(options, kind, size, seed):
             truth["effects"].append({"name": effect, "parameters": parameters_of(effect, amplitude), "statistic": UNIT * size,
                                      "correlations": options.correlations.get(effect, {})})
         case["truth"] = truth
-        found_file = folder / "found.json"
-        status, case["seconds"], message = run(options.sinew, "diagnose", "nms", "--data", sizing.data, "--out",
-                                               folder / "found.h5", "--json", found_file, "--threads", 1, "--quiet")
-        found = read(found_file)
-        if found is None:
-            case["failure"] = message or f"exit status {status}"
+        try:
+            found, case["seconds"] = diagnose(options, "nms", sizing.data, folder)
+        except ValueError as error:
+            case["failure"] = str(error)
             return case
-        hidden_effects.compare(case, truth, found)
+        compare(case, truth, found)
     return case
 
 
@@ -200,9 +193,9 @@ def find_correlations(options, _):
 
 
 def main():
-    parser = hidden_effects.study_parser(__doc__, "an oracle")
+    parser = study_parser(__doc__, "an oracle")
     options = parser.parse_args()
-    hidden_effects.run_studies(parser, options, "hidden_muscles", study, find_correlations)
+    run_studies(parser, options, "hidden_muscles", study, find_correlations)
 
 
 if __name__ == "__main__":

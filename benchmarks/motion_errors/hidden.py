@@ -18,8 +18,8 @@ from pathlib import Path
 
 import numpy as np
 
-sys.path.append(str(Path(__file__).resolve().parents[1] / "coverage"))
-from report import wilson  # noqa: E402
+sys.path.append(str(Path(__file__).resolve().parents[1]))
+from wilson import wilson  # noqa: E402
 from run import POSITION, ROTATION, draw, write_settings  # noqa: E402
 
 DETECTABLE = 3.605  # length of a signature that a test for it alone at 5 % detects with 95 %

@@ -17,8 +17,8 @@ from pathlib import Path
 
 import numpy as np
 
-sys.path.insert(0, str(Path(__file__).resolve().parents[1] / "coverage"))
-from report import wilson  # noqa: E402
+sys.path.insert(0, str(Path(__file__).resolve().parents[1]))
+from wilson import wilson  # noqa: E402
 
 POSITION, ROTATION = 0.005, 0.0262  # [m, rad] standard deviations of the errors, and of the prior
 NAMES = ["stiffness", "dissipation", "static_friction", "dynamic_friction", "viscous_friction"]

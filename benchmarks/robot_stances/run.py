@@ -9,18 +9,15 @@ diagnosis of the same stances, with other noise, without a fault. Counts are tho
 usage: run.py --sinew PATH [--kind none,single] [--cases 100] [--sizes 2,4] [--effect NAME]... [--jobs 2] [--first-seed 1]
               [--out results.json]                        run.py --merge results.json...
 """
-import importlib.util
 import math
 import random
 import sys
 import tempfile
 from pathlib import Path
 
-HERE = Path(__file__).resolve().parent
-spec = importlib.util.spec_from_file_location("hidden_effects", HERE.parent / "hidden_effects" / "run.py")
-hidden_effects = importlib.util.module_from_spec(spec)
-spec.loader.exec_module(hidden_effects)
-run, read = hidden_effects.run, hidden_effects.read
+sys.path.append(str(Path(__file__).resolve().parents[1] / "hidden_effects"))
+from counting import compare, run  # noqa: E402
+from studies import diagnose, run_studies, study_parser, synthesize  # noqa: E402
 
 UNIT = 3.605
 POWER = 1.645  # of smallest_detectable, which is for the family's threshold
@@ -46,30 +43,20 @@ def base_truth(seed):
     return {name: math.exp(own.uniform(math.log(low), math.log(high))) for name, (low, high) in FITTED.items()}
 
 
-def synthesize(options, seed, noise_seed, effects, out):
+def record(options, seed, noise_seed, effects, out):
     words = [f"--set={name}={value!r}" for name, value in base_truth(seed).items()]
     words += [word for effect, values in effects.items()
               for word in ("--effect", effect + ":" + ",".join(f"{name}={value!r}" for name, value in values.items()))]
-    status, _, message = run(options.sinew, "data", "synthesize", "contact", "--seed", noise_seed, *words, "--out", out, "--quiet")
-    if status == 0:
-        status, _, message = run(options.sinew, "data", "kinematics", out, "--threads", 1, "--quiet")
+    synthesize(options, "contact", noise_seed, words, out)
+    status, _, message = run(options.sinew, "data", "kinematics", out, "--threads", 1, "--quiet")
     if status != 0:
         raise ValueError(message)
 
 
-def diagnose(options, data, folder):
-    status, seconds, message = run(options.sinew, "diagnose", "contact", "--data", data, "--out", folder / "found.h5", "--json",
-                                   folder / "found.json", "--threads", 1, "--quiet")
-    found = read(folder / "found.json")
-    if found is None:
-        raise ValueError(message or f"exit status {status}")
-    return found, seconds
-
-
 def units_of(options, seed, folder):
     """{effect: (the parameter that the diagnosis judges, its change of unit size)}."""
-    synthesize(options, seed, 900000 + seed, {}, folder / "plain.h5")
-    found, _ = diagnose(options, folder / "plain.h5", folder)
+    record(options, seed, 900000 + seed, {}, folder / "plain.h5")
+    found, _ = diagnose(options, "contact", folder / "plain.h5", folder)
     told = {score["effect"]: score["smallest_detectable"] for score in found["scores"]
             if score["effect"] in EFFECTS and score.get("smallest_detectable")}
     return {name: (least["parameter"], least["value"] * UNIT / (found["threshold"] + POWER)) for name, least in told.items()}
@@ -98,19 +85,19 @@ def study(options, kind, size, seed):
                 sign = own.choice([-1, 1]) if EFFECTS[name][1] else 1
                 effects, values = hide(name, parameter, sign * size * unit)
                 truth["effects"].append({"name": name, "parameters": values, "statistic": UNIT * size})
-            synthesize(options, seed, seed, effects, folder / "case.h5")
-            found, case["seconds"] = diagnose(options, folder / "case.h5", folder)
+            record(options, seed, seed, effects, folder / "case.h5")
+            found, case["seconds"] = diagnose(options, "contact", folder / "case.h5", folder)
         except ValueError as error:
             case["failure"] = str(error)
             return case
-        hidden_effects.compare(case, truth, found)
+        compare(case, truth, found)
     return case
 
 
 def main():
-    parser = hidden_effects.study_parser(__doc__, "a test")
+    parser = study_parser(__doc__, "a test")
     options = parser.parse_args()
-    hidden_effects.run_studies(parser, options, "robot_stances", study)
+    run_studies(parser, options, "robot_stances", study)
 
 
 if __name__ == "__main__":
