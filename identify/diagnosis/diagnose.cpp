@@ -108,8 +108,6 @@ class DiagnosisRun {
     SolverOptions how;
     how.seed = options_.seed;
     how.threads = options_.threads;
-    // With errors of the motion basin hopping took a quarter of an hour.
-    how.improved_starts = true;
     const std::string name = options_.solver.empty() ? problem_.default_solver() : options_.solver;
     SINEW_ASSIGN(const auto solver, MakeSolver(name, how));
     Evaluator::Options gate = options_.base_search;

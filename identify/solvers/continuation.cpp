@@ -1,5 +1,7 @@
 #include "identify/solvers/continuation.h"
 
+#include <fmt/format.h>
+
 #include <algorithm>
 #include <cmath>
 
@@ -34,14 +36,27 @@ Search Continuation::DoSolve(Evaluator& evaluator, const Vector& start) const {
     LevenbergMarquardt::Options stage = options;
     stage.tolerance = std::max(kStageTolerance, options.tolerance);
     stage.max_iterations = kStageIterations;
-    double weight = fitting_weight(0.5 * residuals.head(fit.data_rows()).squaredNorm());
+    const NoiseSchedule& schedule = schedule_;
+    double weight = schedule.first_weight > 0
+                        ? std::min(1.0, schedule.first_weight)
+                        : fitting_weight(0.5 * residuals.head(fit.data_rows()).squaredNorm());
     while (weight < 1 && !evaluator.MustStop()) {
       stage.data_weight = weight;
       LevenbergMarquardt::Outcome outcome = LevenbergMarquardt::Minimize(evaluator, x, stage);
       iterations += outcome.search.iterations;
       x = std::move(outcome.x);
-      weight = std::min(1.0, std::clamp(fitting_weight(outcome.data_cost), kSmallestRatio * weight,
-                                        kLargestRatio * weight));
+      if (outcome.cost > schedule.most_cost) {
+        Search given_up;
+        given_up.iterations = iterations;
+        given_up.stop = {Termination::kSolverFailed,
+                         fmt::format("given up: cost {:.4g} at {:.2g} of the weight, above {:.4g}",
+                                     outcome.cost, weight, schedule.most_cost)};
+        return given_up;
+      }
+      weight =
+          std::min(1.0, schedule.ratio > 0 ? schedule.ratio * weight
+                                           : std::clamp(fitting_weight(outcome.data_cost),
+                                                        kSmallestRatio * weight, kLargestRatio * weight));
     }
   }
   Search search = LevenbergMarquardt::Minimize(evaluator, x, options).search;

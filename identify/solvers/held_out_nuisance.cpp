@@ -10,6 +10,7 @@
 #include "identify/role_view.h"
 #include "identify/solvers/improved_start.h"
 #include "identify/solvers/local_fit.h"
+#include "identify/solvers/window_search.h"
 
 namespace sinew::solvers {
 namespace {
@@ -39,7 +40,7 @@ Result<Vector> FitHeldOutNuisance(const Problem& problem, const Vector& paramete
       const bool fitted = block.trial == trial && block.role == BlockRole::kValidate;
       return fitted ? BlockRole::kTrain : BlockRole::kPredicted;
     });
-    const LeastSquares least_squares(alone, setup);
+    LeastSquares least_squares(alone, setup);
     LocalFit fit(least_squares);
     auto best = fit.Minimize(least_squares.Variables(answer), -1, {0, 1e-9}, kEvaluations);
     const auto try_from = [&](const Vector& start) {
@@ -52,6 +53,9 @@ Result<Vector> FitHeldOutNuisance(const Problem& problem, const Vector& paramete
         for (const int index : setup.free) start[index] = other[index];
         try_from(start);
       }
+    } else if (setup.HasNuisancePriors() && best.failure.empty()) {
+      best.x = SearchInWindows(least_squares, best.x, {}, nullptr).x;
+      best = fit.Minimize(best.x, -1, {0, 1e-9}, kEvaluations);
     } else {
       const auto improved =
           ImprovedStart(least_squares, best.failure.empty() ? least_squares.Parameters(best.x) : answer);

@@ -8,12 +8,10 @@
 #include "base/constants.h"
 #include "base/numbers.h"
 #include "base/random.h"
-#include "identify/execution/shared_loop.h"
-#include "identify/solvers/continuation.h"
 #include "identify/solvers/displacement.h"
-#include "identify/solvers/improved_start.h"
 #include "identify/solvers/levenberg_marquardt.h"
 #include "identify/solvers/polishing.h"
+#include "identify/solvers/scheduled_starts.h"
 
 namespace sinew::solvers {
 namespace {
@@ -26,11 +24,8 @@ constexpr int kMaxChains = 6;
 constexpr int kAgreeing = 2;
 // Successive displacements without gain that end a chain.
 constexpr int kPatience = 32;
-// Searches by continuation from improved starts end at the lowest cost more often than not.
-constexpr int kAtOnceInStages = 2;
 // A local search that has not reached a lower cost after so many evaluations rarely does.
 constexpr long kEvaluationsPerSearch = 60;
-constexpr long kEvaluationsInStages = 400;  // of solver continuation
 constexpr double kFirstDamping = 1e-3;
 // To tell the ends of two chains apart their cost has to be converged to much less than kSameMinimum.
 constexpr long kEvaluationsAtEnd = 500;
@@ -65,11 +60,6 @@ double SizeOfSignals(const LeastSquares& fit) {
   return cost;
 }
 
-std::unique_ptr<Solver> LocalSolver(bool in_stages, double cost_tolerance) {
-  if (in_stages) return std::make_unique<Continuation>(cost_tolerance, kFirstDamping);
-  return std::make_unique<LevenbergMarquardt>(cost_tolerance, kFirstDamping);
-}
-
 // Neither successive residuals nor sums over stretches of 4, 16, ... residuals tell of an error that lasts.
 // Of white noise the mean squared difference of successive values is twice their variance (von Neumann 1941),
 // with a standard deviation of 1 / sqrt(n) of the ratio, and squared sums over m values are as large as m
@@ -95,15 +85,13 @@ class Searching {
   Searching(Evaluator& evaluator, const SolverOptions& options)
       : evaluator_(evaluator),
         options_(options),
-        in_stages_(evaluator.fit().setup().HasNuisancePriors()),
-        improved_(in_stages_ && options.improved_starts),
-        local_(LocalSolver(in_stages_, options.cost_tolerance)),
+        local_(options.cost_tolerance, kFirstDamping),
         sampler_(evaluator.fit()),
         size_of_signals_(SizeOfSignals(evaluator.fit())),
         exact_(kExactShare * size_of_signals_) {}
 
   Search Run(const Vector& start) {
-    std::vector<Stage> first = Polish(Sample(start, 0, true), EvaluationsPerSearch());
+    std::vector<Stage> first = Polish(Sample(start, 0, true), kEvaluationsPerSearch);
     const Stage* best = Best(first);
     if (best != nullptr && !Done()) {
       const bool start_is_best = best == &first.front();
@@ -114,7 +102,7 @@ class Searching {
       Stage end = *best;
       if (CountWithin(first, kMayBeSame * end.cost) > 1) end = Finish(std::move(end));
       given_ = first.front();
-      const bool same_again = CountWithin(first, end.cost + SameAs(end.cost)) >= kAgreeing;
+      const bool same_again = CountWithin(first, (1 + kSameMinimum) * end.cost) >= kAgreeing;
       *std::min_element(first.begin(), first.end(), IsBetter) = end;
       const bool nothing_explained = end.cost > kNothingExplained * size_of_signals_;
       if (others_are_lost || ((same_again || nothing_explained || start_stands_out) && IsNoise()))
@@ -122,30 +110,22 @@ class Searching {
       const double reached = end.cost;
       if (!Done()) end = Hop(std::move(end), 0);
       // Where structure is left, local searches that agree may all have missed a lower minimum near by.
-      if (same_again && !(end.cost < reached - SameAs(reached)))
+      if (same_again && !(end.cost < (1 - kSameMinimum) * reached))
         return End(std::move(first), "local searches");
       ends_.push_back(std::move(end));
     }
     for (int chain = 1; chain < kMaxChains && !Done() && !Agrees(); ++chain) {
-      std::vector<Stage> starts = Polish(Sample(start, chain, false), EvaluationsPerSearch());
+      std::vector<Stage> starts = Polish(Sample(start, chain, false), kEvaluationsPerSearch);
       best = Best(starts);
       if (best != nullptr && !Done())
         ends_.push_back(Hop(*best, chain));
       else if (best != nullptr)
         ends_.push_back(*best);
     }
-    return End(ends_.empty() ? std::move(first) : std::move(ends_),
-               improved_ ? "continuation" : "basin hopping");
+    return End(ends_.empty() ? std::move(first) : std::move(ends_), "basin hopping");
   }
 
  private:
-  [[nodiscard]] long EvaluationsPerSearch() const {
-    return in_stages_ ? kEvaluationsInStages : kEvaluationsPerSearch;
-  }
-
-  [[nodiscard]] double same() const { return improved_ ? kSamePosterior : 0; }
-  [[nodiscard]] double SameAs(double cost) const { return std::max(kSameMinimum * cost, same()); }
-
   static bool IsBetter(const Stage& a, const Stage& b) { return a.cost < b.cost; }
 
   static std::ptrdiff_t CountWithin(const std::vector<Stage>& stages, double cost) {
@@ -161,7 +141,7 @@ class Searching {
   [[nodiscard]] bool Exact() const { return evaluator_.has_best() && evaluator_.best().cost <= exact_; }
   [[nodiscard]] bool Done() { return Exact() || evaluator_.MustStop(); }
   [[nodiscard]] bool Agrees() {
-    const int agreeing = AgreementOf(ends_, same()).agreeing;
+    const int agreeing = AgreementOf(ends_).agreeing;
     return agreeing >= kAgreeing + 1 || (agreeing == kAgreeing && IsNoise());
   }
 
@@ -181,23 +161,8 @@ class Searching {
   std::vector<Vector> Sample(const Vector& start, int chain, bool with_start) const {
     // Seeds of different chains must not share points.
     const std::uint64_t seed = options_.seed + 1000003ULL * static_cast<std::uint64_t>(chain + 1);
-    const int at_once = improved_ ? kAtOnceInStages : kAtOnce;
-    const int count = with_start ? at_once - 1 : at_once;
-    std::vector<Vector> starts =
-        improved_ ? Improved(start, count, seed) : sampler_.Anywhere(start, count, seed);
+    std::vector<Vector> starts = sampler_.Anywhere(start, with_start ? kAtOnce - 1 : kAtOnce, seed);
     if (with_start) starts.insert(starts.begin(), start);
-    return starts;
-  }
-
-  [[nodiscard]] std::vector<Vector> Improved(const Vector& start, int count, std::uint64_t seed) const {
-    const LeastSquares& fit = evaluator_.fit();
-    Random random(seed);
-    std::vector<Vector> starts;
-    for (int i = 0; i < count; ++i) starts.push_back(sampler_.Near(start, random));
-    ForEachShared(fit.setup().record, options_.threads, starts.size(), [&](std::size_t i, std::size_t) {
-      const auto improved = ImprovedStart(fit, fit.Parameters(starts[i]));
-      if (improved) starts[i] = fit.Variables(*improved);
-    });
     return starts;
   }
 
@@ -210,8 +175,7 @@ class Searching {
       if (left != kUnlimitedEvaluations) left -= starts.back().evaluations;
     }
     std::vector<Stage> stages;
-    for (Polished& one :
-         PolishAll(evaluator_, *local_, in_stages_ ? "continuation" : "lm", starts, options_.threads)) {
+    for (Polished& one : PolishAll(evaluator_, local_, "lm", starts, options_.threads)) {
       search_.iterations += one.iterations;
       stages.push_back(std::move(one.stage));
     }
@@ -231,11 +195,11 @@ class Searching {
   Stage Hop(Stage at, int chain) {
     Random random(options_.seed + 7919ULL * static_cast<std::uint64_t>(chain));
     int without_gain = 0;
-    while (!improved_ && without_gain < kPatience && !Done()) {
+    while (without_gain < kPatience && !Done()) {
       std::vector<Vector> points;
       for (int i = 0; i < kAtOnce; ++i) points.push_back(sampler_.Near(at.x, random));
       const double before = at.cost;
-      for (Stage& hop : Polish(points, EvaluationsPerSearch())) {
+      for (Stage& hop : Polish(points, kEvaluationsPerSearch)) {
         at.evaluations += hop.evaluations;
         if (!(hop.cost < at.cost)) continue;
         hop.evaluations = at.evaluations;
@@ -257,7 +221,7 @@ class Searching {
     if (evaluator_.has_best() && given_.x.size() > 0 && given_.cost <= (1 + kTie) * evaluator_.best().cost)
       search_.answer = {0, given_.cost, given_.x};
     std::stable_sort(ends.begin(), ends.end(), IsBetter);
-    const Agreement agreement = AgreementOf(ends, same());
+    const Agreement agreement = AgreementOf(ends);
     search_.stages = std::move(ends);
     search_.stop.kind = Termination::kStartsDone;
     if (exact) {
@@ -271,9 +235,7 @@ class Searching {
 
   Evaluator& evaluator_;
   const SolverOptions& options_;
-  bool in_stages_;
-  bool improved_;  // starts in place of basin hopping
-  std::unique_ptr<Solver> local_;
+  LevenbergMarquardt local_;
   StartSampler sampler_;
   double size_of_signals_;
   double exact_;
@@ -284,14 +246,14 @@ class Searching {
 
 }  // namespace
 
-Agreement AgreementOf(const std::vector<Stage>& ends, double same) {
+Agreement AgreementOf(const std::vector<Stage>& ends) {
   Agreement agreement;
   agreement.starts = static_cast<int>(ends.size());
   double best = kInfinity;
   for (const Stage& end : ends) best = std::min(best, end.cost);
   double next = kInfinity;
   for (const Stage& end : ends) {
-    if (end.cost <= best + std::max(kSameMinimum * best, same))
+    if (end.cost <= (1 + kSameMinimum) * best)
       ++agreement.agreeing;
     else
       next = std::min(next, end.cost);
@@ -310,6 +272,7 @@ std::string EndsOfStarts(const Agreement& agreement, const std::string& starts) 
 }
 
 Search IndependentStarts::DoSolve(Evaluator& evaluator, const Vector& start) const {
+  if (evaluator.fit().setup().HasNuisancePriors()) return ScheduledStarts(evaluator, options_).Run(start);
   return Searching(evaluator, options_).Run(start);
 }
 

@@ -19,17 +19,9 @@ inline constexpr double kSameMinimum = 1e-3;
 /// the data do not determine then keeps the value that it was given.
 inline constexpr double kTie = 1e-8;
 
-/// Difference of two costs that are taken for the same where nuisance parameters have priors, which makes the
-/// cost a logarithm of a density.
-inline constexpr double kSamePosterior = 0.25;
-
 /// A search that ends when independent starts agree.
 ///
-/// Local searches are by `lm`; by `continuation` where nuisance parameters have priors. With
-/// SolverOptions::improved_starts the other starts are near the given one there and are improved by
-/// Problem::ImprovedStart, because a search over hundreds of values that follow the data gets lost from
-/// anywhere; there are two of them at a time; further ones take the place of basin hopping; and costs are
-/// taken for the same within kSamePosterior.
+/// Local searches are by `lm`. Where nuisance parameters have priors, the search is that of ScheduledStarts.
 ///
 /// 1. Local searches from the given start and from three others anywhere in the box. Where the best
 ///    cost is reached twice and white noise is left, this is the answer. Where structure is left, basin
@@ -56,8 +48,7 @@ class IndependentStarts : public Solver {
 };
 
 /// @param ends of independent starts, in any order; those without a cost count as starts
-/// @param same difference of costs that counts as none, if it is more than kSameMinimum of the best
-[[nodiscard]] Agreement AgreementOf(const std::vector<Stage>& ends, double same = 0);
+[[nodiscard]] Agreement AgreementOf(const std::vector<Stage>& ends);
 
 /// "3 of 4 independent starts end at the lowest cost; the next best is 12 % worse". @param starts what they
 /// are, in the plural

@@ -77,9 +77,9 @@ LevenbergMarquardt::Outcome LevenbergMarquardt::Minimize(Evaluator& evaluator, c
   Outcome outcome;
   Search& search = outcome.search;
   Vector& x = outcome.x;
+  double& cost = outcome.cost;
   x = start;
   BoxQuadraticModel equations;
-  double cost = 0;
   if (fit.Derivatives(x, cost) != Evaluator::Outcome::kOk) {
     search.stop = {Termination::kSolverFailed, "no derivatives at the start"};
     return outcome;

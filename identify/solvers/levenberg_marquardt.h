@@ -33,6 +33,7 @@ class LevenbergMarquardt : public Solver {
   struct Outcome {
     Search search;
     Vector x;
+    double cost = 0;       ///< at x, with Options::data_weight
     double data_cost = 0;  ///< half the squared norm of the data's rows at x, without their factor
   };
   /// One search; its cost is that of Options::data_weight, the evaluator records the cost with factor 1.

@@ -75,9 +75,6 @@ struct SolverOptions {
   double cost_tolerance = 1e-12;
   /// Starts of a multi-start.
   int starts = 20;
-  /// Of `restarts` where nuisance parameters have priors: starts that Problem::ImprovedStart improves, in
-  /// place of basin hopping. Several times as fast, and misses the lowest minimum more often.
-  bool improved_starts = false;
 };
 
 /// How a search ended; the best point is in the evaluator.

@@ -48,10 +48,6 @@ class ContactProblem final : public Problem {
   /// Per trial and region: outline of the faces, pressure and slip of each at every instant, centre of
   /// pressure.
   Status WriteDetails(const Vector& parameters, Hdf5Node& details) const override;
-  /// With motion errors: their deviations are followed from small ones on.
-  [[nodiscard]] std::optional<Vector> ImprovedStart(const std::vector<int>& free,
-                                                    const std::vector<bool>& compared,
-                                                    const Vector& parameters) const override;
   /// With motion errors, of held-out stances without their plates: by the mean deviation of the fitted
   /// stances, and by the dynamics of the whole body where the trial holds them; and by the mean measured
   /// curve of the fitted stances over the duration of a stance, mirrored for the other foot. Known of a

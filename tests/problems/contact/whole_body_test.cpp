@@ -3,9 +3,13 @@
 #include <gtest/gtest.h>
 
 #include <Eigen/Geometry>
+#include <algorithm>
 #include <cmath>
 
 #include "base/random.h"
+#include "identify/fit_setup.h"
+#include "identify/least_squares.h"
+#include "identify/solvers/solver.h"
 #include "problems/contact/body_rows.h"
 #include "problems/contact/step_estimate.h"
 #include "problems/whole_body_dynamics.h"
@@ -194,15 +198,19 @@ TEST(WholeBody, SharedErrorsOfTheMotionAreLearnt) {
     for (auto& [name, trial] : data.trials) trial.grids.erase("markers");
     const auto problem = MakeContact(data, MovingSettings(data)).value();
     // The deviations of the fitted stances, by their plates.
-    std::vector<bool> fitted;
-    std::vector<int> free;
-    for (const Block& block : problem->layout()) fitted.push_back(block.role == BlockRole::kTrain);
-    for (std::size_t i = 0; i < problem->parameters().size(); ++i) {
-      if (problem->parameters()[i].kind == ParameterKind::kNuisance) free.push_back(static_cast<int>(i));
-    }
-    const auto estimated = problem->ImprovedStart(free, fitted, TrueParameters(*problem));
-    ASSERT_TRUE(estimated);
-    const double error = Error(CompareAlternatives(*problem, *estimated), kByMotion, "vertical force");
+    FitSetup setup = MakeFitSetup(*problem, {}).value();
+    setup.rest = TrueParameters(*problem);
+    setup.free.erase(std::remove_if(setup.free.begin(), setup.free.end(),
+                                    [&](int i) {
+                                      return setup.parameters[static_cast<std::size_t>(i)].kind !=
+                                             ParameterKind::kNuisance;
+                                    }),
+                     setup.free.end());
+    const LeastSquares fit(*problem, setup);
+    Evaluator evaluator(fit, {});
+    const auto solver = MakeSolver("continuation", {}).value();
+    const Vector estimated = fit.Parameters(solver->Solve(evaluator, fit.Start()).x);
+    const double error = Error(CompareAlternatives(*problem, estimated), kByMotion, "vertical force");
     if (share == 1) {
       EXPECT_LT(error, 5.7) << "a tenth of the robot's weight";
     }

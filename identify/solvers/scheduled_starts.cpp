@@ -1,0 +1,193 @@
+#include "identify/solvers/scheduled_starts.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+#include <utility>
+
+#include "base/constants.h"
+#include "base/numbers.h"
+#include "identify/solvers/continuation.h"
+#include "identify/solvers/independent_starts.h"
+#include "identify/solvers/levenberg_marquardt.h"
+#include "identify/solvers/marginal_cost.h"
+#include "identify/solvers/polishing.h"
+#include "identify/solvers/window_search.h"
+
+namespace sinew::solvers {
+namespace {
+
+struct Schedule {
+  double first_weight;  // 0: that of the misfit
+  double ratio;
+  bool near;  // from a start near the given one
+};
+constexpr Schedule kSchedules[] = {
+    {0, 0, false},          {1.0 / 256, 1.4, false}, {1.0 / 1024, 2, false},  {0, 0, true},
+    {1.0 / 256, 1.4, true}, {1.0 / 128, 1.4, true},  {1.0 / 512, 2, true},    {1.0 / 64, 1.4, true},
+    {1.0 / 384, 1.6, true}, {1.0 / 192, 1.3, true},  {1.0 / 768, 1.8, true},  {0, 0, true},
+    {1.0 / 256, 2, true},   {1.0 / 96, 1.6, true},   {1.0 / 1024, 1.4, true}, {1.0 / 2048, 2, true}};
+// The others are for data that the best end does not explain as noise.
+constexpr std::size_t kUsual = 8;
+constexpr int kAgreeing = 2;
+constexpr int kMostRounds = 5;
+constexpr long kEvaluationsPerSearch = 400;
+constexpr long kEvaluationsOfTrials = 150;  // of all values together, after those of trials
+constexpr long kEvaluationsOfAnswer = 5000;
+constexpr double kFirstDamping = 1e-3;
+
+double SameAs(double cost) {
+  return std::max(kSameMinimum * cost, kSamePosterior);
+}
+
+}  // namespace
+
+ScheduledStarts::ScheduledStarts(Evaluator& evaluator, const SolverOptions& options)
+    : evaluator_(evaluator), options_(options), sampler_(evaluator.fit()), random_(options.seed) {}
+
+Search ScheduledStarts::Run(const Vector& start) {
+  Attempt(0, start);
+  if (!Done()) Attempt(1, start);
+  if (Agreeing() < kAgreeing || !LeavesNoise()) {
+    for (End& end : ends_) ImproveTrials(end);
+    for (std::size_t i = 2; i < std::size(kSchedules) && !Done() && Agreeing() < kAgreeing; ++i) {
+      if (i >= kUsual && LeavesNoise()) break;
+      Attempt(i, start);
+      ImproveTrials(ends_.back());
+    }
+    // With the values that other ends have found for single trials.
+    if (Agreeing() == 1)
+      ImproveTrials(
+          *std::find_if(ends_.begin(), ends_.end(), [&](const End& end) { return &end == Best(); }));
+  }
+  return Finish();
+}
+
+bool ScheduledStarts::LeavesNoise() const {
+  return Best() != nullptr && Best()->stage.cost <= 0.5 * evaluator_.fit().data_rows();
+}
+
+bool ScheduledStarts::Done() {
+  return evaluator_.MustStop();
+}
+
+Stage ScheduledStarts::Polish(const Solver& solver, const std::string& name, const Vector& x,
+                              long evaluations) {
+  Stage stage;
+  stage.x = x;
+  stage.cost = kInfinity;
+  const long left = evaluator_.remaining().max_evaluations;
+  if (left <= 0) return stage;
+  for (Polished& one :
+       PolishAll(evaluator_, solver, name, {{x, std::min(evaluations, left)}}, options_.threads)) {
+    search_.iterations += one.iterations;
+    stage = std::move(one.stage);
+  }
+  return stage;
+}
+
+void ScheduledStarts::Attempt(std::size_t which, const Vector& start) {
+  const Schedule& schedule = kSchedules[which];
+  // Drawn also where it is not used: what follows must not depend on it.
+  const Vector near = sampler_.Near(start, random_);
+  const double most = which < 2 || Best() == nullptr ? kInfinity : Best()->stage.cost;
+  const Continuation solver(options_.cost_tolerance, kFirstDamping,
+                            {schedule.first_weight, schedule.ratio, most});
+  End end;
+  // The name tells searches of one start apart when a run is resumed.
+  end.stage = Polish(solver, fmt::format("continuation {}", which + 1), schedule.near ? near : start,
+                     kEvaluationsPerSearch);
+  end.stage.solver = "continuation";
+  end.given_up = !std::isfinite(end.stage.cost) ||
+                 (end.stage.stop.kind == Termination::kSolverFailed && end.stage.cost > most);
+  end.marginal = end.given_up ? kInfinity : MarginalCost(evaluator_.fit(), end.stage.x);
+  ends_.push_back(std::move(end));
+}
+
+void ScheduledStarts::ImproveTrials(End& end) {
+  const LevenbergMarquardt local(options_.cost_tolerance, kFirstDamping);
+  for (int round = 0; round < kMostRounds && !end.given_up && !Done(); ++round) {
+    std::vector<Vector> others;
+    for (const End& other : ends_) {
+      if (&other != &end && !other.given_up) others.push_back(other.stage.x);
+    }
+    const Vector x =
+        SearchTrials(evaluator_.fit(), end.stage.x, others, options_.threads, evaluator_.options().interrupt);
+    if (x == end.stage.x || Done()) return;
+    Stage joint = Polish(local, "lm", x, kEvaluationsOfTrials);
+    const double marginal = MarginalCost(evaluator_.fit(), joint.x);
+    if (!(marginal < end.marginal - kWorthTaking)) return;
+    joint.evaluations += end.stage.evaluations;
+    joint.solver = end.stage.solver;
+    end.stage = std::move(joint);
+    end.marginal = marginal;
+  }
+}
+
+const ScheduledStarts::End* ScheduledStarts::Best() const {
+  double least = kInfinity;
+  for (const End& end : ends_) least = std::min(least, end.marginal);
+  const End* best = nullptr;
+  for (const End& end : ends_) {
+    if (end.given_up || !(end.marginal <= least + kSameEvidence)) continue;
+    if (best == nullptr || end.stage.cost < best->stage.cost) best = &end;
+  }
+  return best;
+}
+
+int ScheduledStarts::Agreeing() const {
+  const End* const best = Best();
+  if (best == nullptr) return 0;
+  return static_cast<int>(std::count_if(ends_.begin(), ends_.end(), [&](const End& end) {
+    return !end.given_up && end.marginal <= best->marginal + kSameEvidence &&
+           std::abs(end.stage.cost - best->stage.cost) <= SameAs(best->stage.cost);
+  }));
+}
+
+Search ScheduledStarts::Finish() {
+  const End* const best = Best();
+  if (best == nullptr) {
+    for (End& end : ends_) search_.stages.push_back(std::move(end.stage));
+    search_.stop.kind = Termination::kStartsDone;
+    search_.stop.test = "no start has a prediction";
+    evaluator_.MustStop();
+    return std::move(search_);
+  }
+  Stage answer = best->stage;
+  const int agreeing = Agreeing();
+  double next = kInfinity;  // lowest cost of the other minima that are higher
+  int narrow = 0;           // minima of a lower cost
+  for (const End& end : ends_) {
+    if (end.stage.cost > answer.cost + SameAs(answer.cost)) next = std::min(next, end.stage.cost);
+    if (!end.given_up && end.stage.cost < answer.cost - SameAs(answer.cost)) ++narrow;
+  }
+  if (!evaluator_.MustStop()) {
+    const LevenbergMarquardt local(options_.cost_tolerance, kFirstDamping);
+    Stage last = Polish(local, "lm", answer.x, kEvaluationsOfAnswer);
+    if (last.cost <= answer.cost) {
+      last.solver = answer.solver;
+      last.evaluations += answer.evaluations;
+      answer = std::move(last);
+    }
+  }
+  search_.answer = {0, answer.cost, answer.x};
+  search_.stop.kind = Termination::kStartsDone;
+  search_.stop.test =
+      fmt::format("{} of {} independent starts of continuation end at this minimum", agreeing, ends_.size());
+  if (std::isfinite(next) && answer.cost > 0)
+    search_.stop.test +=
+        fmt::format("; the next best is {} % worse", Readable(100 * (next / answer.cost - 1), 2));
+  if (narrow > 0) search_.stop.test += "; a minimum of lower cost is so narrow that it is less probable";
+  const std::ptrdiff_t at = best - ends_.data();
+  for (std::size_t i = 0; i < ends_.size(); ++i) {
+    if (static_cast<std::ptrdiff_t>(i) != at) search_.stages.push_back(std::move(ends_[i].stage));
+  }
+  std::stable_sort(search_.stages.begin(), search_.stages.end(),
+                   [](const Stage& a, const Stage& b) { return a.cost < b.cost; });
+  search_.stages.insert(search_.stages.begin(), std::move(answer));
+  evaluator_.MustStop();
+  return std::move(search_);
+}
+
+}  // namespace sinew::solvers
