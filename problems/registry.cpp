@@ -38,9 +38,8 @@ Result<BoundProblem> BindAnkle(const Dataset& data, const YamlReader& settings, 
 Result<BoundProblem> BindContact(const Dataset& data, const YamlReader& settings, bool with_sensor_effects) {
   const auto read = [&](const YamlReader& section) { return ReadContactSettings(section, data.files); };
   return Bind("contact", settings, read, [&](ContactSettings contact) {
-    // The motion is smoothed over all its frames: fits and diagnoses must see the same.
-    const double margin = SensorMargin(with_sensor_effects || contact.motion_errors);
-    return Bound(ContactProblem::Make(data, std::move(contact), margin), with_sensor_effects);
+    return Bound(ContactProblem::Make(data, std::move(contact), SensorMargin(with_sensor_effects)),
+                 with_sensor_effects);
   });
 }
 

@@ -30,6 +30,8 @@ constexpr Schedule kSchedules[] = {
     {1.0 / 256, 2, true},   {1.0 / 96, 1.6, true},   {1.0 / 1024, 1.4, true}, {1.0 / 2048, 2, true}};
 // The others are for data that the best end does not explain as noise.
 constexpr std::size_t kUsual = 8;
+// Schedules that have to end at the same minimum; one more where more than noise is left, which a wrong
+// minimum leaves as well as a wrong model.
 constexpr int kAgreeing = 2;
 constexpr int kMostRounds = 5;
 constexpr long kEvaluationsPerSearch = 400;
@@ -49,9 +51,9 @@ ScheduledStarts::ScheduledStarts(Evaluator& evaluator, const SolverOptions& opti
 Search ScheduledStarts::Run(const Vector& start) {
   Attempt(0, start);
   if (!Done()) Attempt(1, start);
-  if (Agreeing() < kAgreeing || !LeavesNoise()) {
+  if (!Agrees() || !LeavesNoise()) {
     for (End& end : ends_) ImproveTrials(end);
-    for (std::size_t i = 2; i < std::size(kSchedules) && !Done() && Agreeing() < kAgreeing; ++i) {
+    for (std::size_t i = 2; i < std::size(kSchedules) && !Done() && !Agrees(); ++i) {
       if (i >= kUsual && LeavesNoise()) break;
       Attempt(i, start);
       ImproveTrials(ends_.back());
@@ -62,6 +64,10 @@ Search ScheduledStarts::Run(const Vector& start) {
           *std::find_if(ends_.begin(), ends_.end(), [&](const End& end) { return &end == Best(); }));
   }
   return Finish();
+}
+
+bool ScheduledStarts::Agrees() const {
+  return Agreeing() >= kAgreeing + (LeavesNoise() ? 0 : 1);
 }
 
 bool ScheduledStarts::LeavesNoise() const {

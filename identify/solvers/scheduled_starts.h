@@ -18,8 +18,8 @@ namespace sinew::solvers {
 ///    of data rows), this is the answer.
 /// 2. Else every trial's own values are searched in growing windows (SearchTrials), all values from there,
 ///    and so on while that helps; then by further schedules, each given up when its cost exceeds that of the
-///    best end, until two schedules end at the same minimum or eight are done; sixteen, where the best end
-///    leaves more than noise.
+///    best end, until two schedules end at the same minimum or eight are done; three and sixteen, where the
+///    best end leaves more than noise.
 ///
 /// Ends are ranked by MarginalCost; of those within kSameEvidence of the best one the lowest cost counts. The
 /// best end is the start of one local search without a limit. The stages are the ends, best first. What is
@@ -43,6 +43,7 @@ class ScheduledStarts {
                              long evaluations);
   [[nodiscard]] const End* Best() const;
   [[nodiscard]] int Agreeing() const;
+  [[nodiscard]] bool Agrees() const;
   [[nodiscard]] bool LeavesNoise() const;
   [[nodiscard]] bool Done();
   Search Finish();

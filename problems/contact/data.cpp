@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <limits>
 #include <map>
 #include <numeric>
 
@@ -47,11 +48,14 @@ Result<std::vector<double>> Frames(const Grid& forces, const std::vector<double>
     if (t >= forces.time.front() - margin && t <= forces.time.back() + margin) time.push_back(t);
   }
   constexpr std::size_t kFewest = 8;
-  if (time.size() < kFewest) {
+  const auto recorded = static_cast<std::size_t>(std::count_if(time.begin(), time.end(), [&](double t) {
+    return t >= forces.time.front() && t <= forces.time.back();
+  }));
+  if (recorded < kFewest) {
     return Fail(
         "{} frames of the motion ({:.4g} .. {:.4g} s) while there are forces ({:.4g} .. {:.4g} s); expected "
         "at least {}",
-        time.size(), motion.front(), motion.back(), forces.time.front(), forces.time.back(), kFewest);
+        recorded, motion.front(), motion.back(), forces.time.front(), forces.time.back(), kFewest);
   }
   return time;
 }
@@ -211,16 +215,46 @@ Status FindLoad(const Trial& trial, const ContactSettings& settings, Stance& sta
     if (trial.role == Role::kTrain)
       return Fail("{}_force_y has no value: a step without a plate can only be predicted (role validate)",
                   stance.plate);
-    stance.loaded = WindowOf(trial).value_or(std::array<double, 2>{stance.time.front(), stance.time.back()});
+    stance.loaded = WindowOf(trial).value_or(std::array<double, 2>{stance.recorded[0], stance.recorded[1]});
     return {};
   }
   // The accuracy of every channel is a share of this force.
   if (settings.motion_errors && !(stance.greatest_force > 0))
     return Fail("plate '{}' never carries an upward force: is it upside down?", stance.plate);
   const auto loaded =
-      LoadedSpan(grid.time, force.values, stance.time.front(), stance.time.back(), force.sigma.value_or(0));
-  stance.loaded = loaded.value_or(std::array<double, 2>{stance.time.front(), stance.time.back()});
+      LoadedSpan(grid.time, force.values, stance.recorded[0], stance.recorded[1], force.sigma.value_or(0));
+  stance.loaded = loaded.value_or(std::array<double, 2>{stance.recorded[0], stance.recorded[1]});
   return {};
+}
+
+// Of the instants of a stance, those while the plate records: the first, and the one after the last.
+std::array<std::size_t, 2> RecordedInstants(const std::vector<double>& time, const Grid& forces) {
+  const auto first = std::lower_bound(time.begin(), time.end(), forces.time.front());
+  const auto last = std::upper_bound(first, time.end(), forces.time.back());
+  return {static_cast<std::size_t>(first - time.begin()), static_cast<std::size_t>(last - time.begin())};
+}
+
+// Moves the foot to its markers and takes noise out of its motion. By what was recorded alone: what is
+// predicted beside it, for late sensors, must not change it.
+MarkerPose ImproveMotion(double cutoff, const std::array<std::size_t, 2>& recorded, Stance& stance) {
+  const auto [first, last] = recorded;
+  const std::vector<double> time(stance.time.begin() + static_cast<std::ptrdiff_t>(first),
+                                 stance.time.begin() + static_cast<std::ptrdiff_t>(last));
+  stance.LookForward((first + last) / 2);
+  stance.foot.SetCentre(first);
+  FootMotion foot = stance.foot.Part(first, last);
+  FootMarkers markers = stance.markers.Part(first, last);
+  const MarkerPose by_markers = MoveToMarkers(time, foot, markers);
+  SmoothMotion(time, cutoff, foot);
+  stance.foot.TakeOver(foot, first);
+  for (std::size_t m = 0; m < markers.markers.size(); ++m) {
+    FootMarkers::Marker& marker = stance.markers.markers[m];
+    marker.location = markers.markers[m].location;
+    for (std::size_t t = 0; t < stance.time.size(); ++t) {
+      if (t < first || t >= last) marker.measured[t].setConstant(std::numeric_limits<double>::quiet_NaN());
+    }
+  }
+  return by_markers;
 }
 
 Status AddTrial(const std::string& name, const Trial& trial, const ContactModel& model,
@@ -242,12 +276,13 @@ Status AddTrial(const std::string& name, const Trial& trial, const ContactModel&
                                                    : PredictionTimes(*vertical.grid, motion, margin));
     SINEW_ASSIGN(Stance stance,
                  MakeStance(name, plate, std::move(time), motion, model.multibody, model.bodies, settings));
+    const auto while_recorded = RecordedInstants(stance.time, *vertical.grid);
+    stance.recorded = {stance.time[while_recorded[0]], stance.time[while_recorded[1] - 1]};
     SINEW_TRY(FindLoad(trial, settings, stance));
     for (const double t : stance.time) stance.kinematics.phase.push_back(PhaseShareAt(t, stance.loaded));
     if (settings.motion_errors) {
       stance.markers = MeasuredMarkers(trial, model.osim, model.multibody, stance.foot, stance.time);
-      const MarkerPose by_markers = MoveToMarkers(stance.time, stance.foot, stance.markers);
-      SmoothMotion(stance.time, settings.motion_errors->cutoff, stance.foot);
+      const MarkerPose by_markers = ImproveMotion(settings.motion_errors->cutoff, while_recorded, stance);
       if (!stance.markers.markers.empty())
         out.notes.push_back(fmt::format(
             "trial '{}', {}: the {} markers on the foot lie {:.1f} mm from the recorded motion, {:.1f} mm "

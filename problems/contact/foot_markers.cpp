@@ -7,6 +7,14 @@
 
 namespace sinew {
 
+FootMarkers FootMarkers::Part(std::size_t first, std::size_t last) const {
+  FootMarkers part = *this;
+  for (Marker& marker : part.markers)
+    marker.measured = {marker.measured.begin() + static_cast<std::ptrdiff_t>(first),
+                       marker.measured.begin() + static_cast<std::ptrdiff_t>(last)};
+  return part;
+}
+
 FootMarkers MeasuredMarkers(const Trial& trial, const OsimModel& model, const MultibodyModel& multibody,
                             const FootMotion& foot, const std::vector<double>& times) {
   FootMarkers found;

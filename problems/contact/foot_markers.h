@@ -20,6 +20,8 @@ struct FootMarkers {
   };
   std::vector<Marker> markers;
 
+  /// The instants `first` to before `last`.
+  [[nodiscard]] FootMarkers Part(std::size_t first, std::size_t last) const;
   /// Where the model has the marker less where it was measured, ground axes [m]; NaN where it was not seen.
   [[nodiscard]] static Vec3 Residual(const Marker& marker, const BodyMotion& body, std::size_t instant) {
     return body.position + body.rotation * marker.location - marker.measured[instant];

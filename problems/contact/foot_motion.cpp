@@ -76,24 +76,68 @@ Result<FootMotion> RecordedFootMotion(const std::vector<double>& times, const Co
     foot.springs.push_back(std::move(springs));
   }
 
-  // The centre: where the sole is on average, at the first instant's angle of the foot's joint.
+  foot.SetCentre(0);
+  return foot;
+}
+
+void FootMotion::SetCentre(std::size_t instant) {
   Vec3 sum = Vec3::Zero();
   std::size_t count = 0;
-  const BodyMotion& first = foot.bodies.front().motion.front();
-  for (const FootMotion::Springs& springs : foot.springs) {
-    const BodyMotion& body = foot.bodies[static_cast<std::size_t>(springs.body)].motion.front();
-    for (const Vec3& position : springs.position) sum += body.position + body.rotation * position;
-    count += springs.position.size();
+  for (const Springs& region : springs) {
+    const BodyMotion& body = bodies[static_cast<std::size_t>(region.body)].motion[instant];
+    for (const Vec3& position : region.position) sum += body.position + body.rotation * position;
+    count += region.position.size();
   }
-  foot.centre_B = first.rotation.transpose() * (sum / static_cast<double>(count) - first.position);
-  foot.PlaceCentre();
-  return foot;
+  const BodyMotion& first = bodies.front().motion[instant];
+  centre_B = first.rotation.transpose() * (sum / static_cast<double>(count) - first.position);
+  PlaceCentre();
 }
 
 void FootMotion::Raise(double height) {
   for (Body& body : bodies) {
     for (BodyMotion& motion : body.motion) motion.position.y() += height;
     for (JointAxis& axis : body.axis) axis.point.y() += height;
+  }
+  PlaceCentre();
+}
+
+FootMotion FootMotion::Part(std::size_t first, std::size_t last) const {
+  const auto cut = [&](auto& values) {
+    values.erase(values.begin() + static_cast<std::ptrdiff_t>(last), values.end());
+    values.erase(values.begin(), values.begin() + static_cast<std::ptrdiff_t>(first));
+  };
+  FootMotion part = *this;
+  for (Body& body : part.bodies) {
+    cut(body.motion);
+    cut(body.axis);
+  }
+  cut(part.centre);
+  cut(part.centre_velocity);
+  return part;
+}
+
+void FootMotion::TakeOver(const FootMotion& part, std::size_t first) {
+  const FootMotion before = *this;
+  const std::size_t last = first + part.centre.size() - 1;
+  for (std::size_t b = 0; b < bodies.size(); ++b) {
+    for (std::size_t t = 0; t < centre.size(); ++t) {
+      if (t >= first && t <= last) {
+        bodies[b].motion[t] = part.bodies[b].motion[t - first];
+        bodies[b].axis[t] = part.bodies[b].axis[t - first];
+        continue;
+      }
+      const std::size_t end = t < first ? first : last;
+      const BodyMotion& from = before.bodies[b].motion[end];
+      const BodyMotion& to = part.bodies[b].motion[end - first];
+      const Mat3 turn = to.rotation * from.rotation.transpose();
+      const Vec3 shift = to.position - from.position;
+      BodyMotion& motion = bodies[b].motion[t];
+      motion.position += shift;
+      motion.rotation = turn * motion.rotation;
+      JointAxis& axis = bodies[b].axis[t];
+      axis.direction = turn * axis.direction;
+      axis.point = motion.position + turn * (axis.point + shift - motion.position);
+    }
   }
   PlaceCentre();
 }

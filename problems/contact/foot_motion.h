@@ -33,10 +33,16 @@ struct FootMotion {
   Vec3 centre_B = Vec3::Zero();  ///< mean of the springs, in the frame of the first body [m]
   std::vector<Vec3> centre;      ///< [T, m, ground]
   std::vector<Vec3> centre_velocity;
+  /// The centre: where the sole is on average, at this instant's angle of the foot's joint.
+  void SetCentre(std::size_t instant);
   /// Moves everything up. @param height [m]
   void Raise(double height);
   /// Computes `centre` and `centre_velocity` from `centre_B` and the first body's motion.
   void PlaceCentre();
+  /// The instants `first` to before `last`.
+  [[nodiscard]] FootMotion Part(std::size_t first, std::size_t last) const;
+  /// Takes over the motion of such a part; before and after it the foot is moved as at its ends.
+  void TakeOver(const FootMotion& part, std::size_t first);
   bool has_joint = false;  ///< a body beyond the first moves about one axis
 };
 

@@ -73,7 +73,7 @@ void AddMotionErrors(const MotionErrorSettings& settings, std::vector<Stance>& s
     for (const double t : stance.time) phase_time.push_back((t - stance.loaded[0]) * stretch);
     const auto common = MotionErrorBasis::Make(phase_time, 0, duration, settings.correlation_time,
                                                kCommonCutoff * settings.cutoff, stretch);
-    const auto own = MotionErrorBasis::Make(stance.time, stance.time.front(), stance.time.back(),
+    const auto own = MotionErrorBasis::Make(stance.time, stance.recorded[0], stance.recorded[1],
                                             settings.correlation_time, settings.cutoff);
     int first = next_parameter;
     for (const bool is_own : {false, true}) {

@@ -49,10 +49,12 @@ void AddAverages(const Grid& grid, const Channel& channel, const std::string& pl
   std::vector<double> steps;
   for (std::size_t p = 1; p < block.prediction_time.size(); ++p)
     steps.push_back(block.prediction_time[p] - block.prediction_time[p - 1]);
-  if (steps.empty()) return;
+  if (steps.empty() || grid.time.empty()) return;
   const double half = 0.5 * UpperMedian(steps);
   std::size_t most_samples = 0;
   for (std::size_t p = 0; p < block.prediction_time.size(); ++p) {
+    // Frames beside the record, which are there for late sensors, hold less than half of their samples.
+    if (block.prediction_time[p] < grid.time.front() || block.prediction_time[p] > grid.time.back()) continue;
     const double from = block.prediction_time[p] - half - kRounding;
     const double to = block.prediction_time[p] + half - kRounding;
     const auto begin = std::lower_bound(grid.time.begin(), grid.time.end(), from);

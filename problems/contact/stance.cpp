@@ -69,6 +69,12 @@ std::vector<double> AheadOf(const ContactRegion& region, const BodyMotion& body,
 
 }  // namespace
 
+void Stance::LookForward(std::size_t instant) {
+  Vec3 pointing = foot.bodies.front().motion[instant].rotation * Vec3::UnitX();
+  pointing.y() = 0;
+  if (pointing.norm() > 0) forward = pointing.normalized();
+}
+
 Result<Stance> MakeStance(const std::string& trial, const std::string& plate, std::vector<double> time,
                           const CoordinateTrajectory& motion, const MultibodyModel& model,
                           const std::vector<int>& bodies, const ContactSettings& settings) {
@@ -156,9 +162,7 @@ Result<Stance> MakeStance(const std::string& trial, const std::string& plate, st
                  model.BodyMotionAt(model.default_values(), Vector::Zero(model.default_values().size()),
                                     {stance.foot.indices.front()}));
     stance.side = standing.front().position.z() < 0 ? -1 : 1;
-    Vec3 pointing = stance.foot.bodies.front().motion[stance.time.size() / 2].rotation * Vec3::UnitX();
-    pointing.y() = 0;
-    if (pointing.norm() > 0) stance.forward = pointing.normalized();
+    stance.LookForward(stance.time.size() / 2);
   }
   return stance;
 }

@@ -37,11 +37,15 @@ struct Stance {
   std::array<double, 2> resting_cop{};  ///< x, z [m]: used as the centre of pressure without contact
   double side = 1;                      ///< 1, -1: of the model's two feet, by the side of its middle
   Vec3 forward = Vec3::UnitX();         ///< horizontal direction of the foot in the middle of the stance
+  std::array<double, 2> recorded{};     ///< first and last instant while the plate records [s]
   std::array<double, 2> loaded{};       ///< from when to when the plate is loaded [s]
   bool measured = true;                 ///< false: no plate measured a vertical force
   double greatest_force = 0;            ///< measured vertically [N]; else the mean of the measured stances
   double length = 0;                    ///< of the sole, between its outermost springs along x or z [m]
   std::array<int, 6> blocks{};          ///< index into the layout of each of kContactChannels
+
+  /// Sets `forward` to where the foot points at an instant.
+  void LookForward(std::size_t instant);
 };
 
 /// @param bodies of settings.regions, as indices of the model. The strips that missing_toe_region and
