@@ -56,8 +56,9 @@ class ScheduledStarts {
   Search search_;
 };
 
-/// Difference of two MarginalCosts that does not decide between two minima: odds of 150.
-inline constexpr double kSameEvidence = 5;
+/// Difference of two MarginalCosts that does not decide between two minima: along one valley, between points
+/// whose costs hardly differ, it varies by up to ten.
+inline constexpr double kSameEvidence = 20;
 
 /// Difference of two costs, which are logarithms of densities, that are taken for the same minimum.
 inline constexpr double kSamePosterior = 0.25;
