@@ -40,26 +40,27 @@ Result<Vector> FitHeldOutNuisance(const Problem& problem, const Vector& paramete
       const bool fitted = block.trial == trial && block.role == BlockRole::kValidate;
       return fitted ? BlockRole::kTrain : BlockRole::kPredicted;
     });
-    LeastSquares least_squares(alone, setup);
+    const LeastSquares least_squares(alone, setup);
     LocalFit fit(least_squares);
     auto best = fit.Minimize(least_squares.Variables(answer), -1, {0, 1e-9}, kEvaluations);
     const auto try_from = [&](const Vector& start) {
-      auto found = fit.Minimize(least_squares.Variables(start), -1, {0, 1e-9}, kEvaluations);
+      auto found = fit.Minimize(start, -1, {0, 1e-9}, kEvaluations);
       if (found.failure.empty() && (!best.failure.empty() || found.cost < best.cost)) best = std::move(found);
     };
-    if (setup.HasNuisancePriors() && !earlier.empty()) {
+    if (setup.HasNuisancePriors() && best.failure.empty()) {
       for (const Vector& other : earlier) {
         Vector start = answer;
         for (const int index : setup.free) start[index] = other[index];
-        try_from(start);
+        try_from(least_squares.Variables(start));
       }
-    } else if (setup.HasNuisancePriors() && best.failure.empty()) {
-      best.x = SearchInWindows(least_squares, best.x, {}, nullptr).x;
-      best = fit.Minimize(best.x, -1, {0, 1e-9}, kEvaluations);
+      FitSetup unrecorded = setup;  // hundreds of fits, of which one remains
+      unrecorded.record = nullptr;
+      LeastSquares in_windows(alone, unrecorded);
+      try_from(SearchInWindows(in_windows, best.x, {}, nullptr).x);
     } else {
       const auto improved =
           ImprovedStart(least_squares, best.failure.empty() ? least_squares.Parameters(best.x) : answer);
-      if (improved) try_from(*improved);
+      if (improved) try_from(least_squares.Variables(*improved));
     }
     if (best.failure.empty()) answer = least_squares.Parameters(best.x);
   }

@@ -13,8 +13,8 @@ namespace sinew::solvers {
 /// The parameters [P] with the nuisance parameters of every held-out trial fitted to that trial alone, all
 /// others as given. A held-out trial whose fit fails keeps its given values. @param parameters [P]
 /// @param record of FitSetup, may be null @param earlier [P] each, other answers: where nuisance values have
-/// priors, theirs are further starts, in place of a search in growing windows (SearchInWindows). Two models
-/// whose fits of a trial end at different minima cannot be compared. Errors: only a failed prediction at the
+/// priors, theirs are further starts, before a search in growing windows (SearchInWindows). Two models whose
+/// fits of a trial end at different minima cannot be compared. Errors: only a failed prediction at the
 /// given point.
 Result<Vector> FitHeldOutNuisance(const Problem& problem, const Vector& parameters, FitRecord* record,
                                   const std::vector<Vector>& earlier = {});
