@@ -47,7 +47,7 @@ Result<Vector> FitHeldOutNuisance(const Problem& problem, const Vector& paramete
       auto found = fit.Minimize(start, -1, {0, 1e-9}, kEvaluations);
       if (found.failure.empty() && (!best.failure.empty() || found.cost < best.cost)) best = std::move(found);
     };
-    if (setup.HasNuisancePriors() && best.failure.empty()) {
+    if (setup.HasNuisancePriors()) {
       for (const Vector& other : earlier) {
         Vector start = answer;
         for (const int index : setup.free) start[index] = other[index];
@@ -56,7 +56,7 @@ Result<Vector> FitHeldOutNuisance(const Problem& problem, const Vector& paramete
       FitSetup unrecorded = setup;  // hundreds of fits, of which one remains
       unrecorded.record = nullptr;
       LeastSquares in_windows(alone, unrecorded);
-      try_from(SearchInWindows(in_windows, best.x, {}, nullptr).x);
+      if (best.failure.empty()) try_from(SearchInWindows(in_windows, best.x, {}, {}).x);
     } else {
       const auto improved =
           ImprovedStart(least_squares, best.failure.empty() ? least_squares.Parameters(best.x) : answer);

@@ -67,7 +67,9 @@ const std::vector<SolverEntry>& SolverRegistry() {
       {"basin-hopping", kGlobal, kGradient, kBox,
        "(alias: hop) lm from displacements of the best point (Wales, Doye 1997; Leary 2000)"},
       {"restarts", kGlobal, kGradient, kBox,
-       "lm and basin hopping from independent starts until two end at the same minimum"},
+       "lm and basin hopping from independent starts until two end at the same minimum; beside nuisance "
+       "values "
+       "with priors continuation by different schedules"},
       {"starts", kLocal, kGradient, kBox, "lm from the given start and from others that the problem states"},
       {"ceres", kLocal, kGradient, kBox, "Levenberg-Marquardt on residual blocks (Ceres; Marquardt 1963)"},
       {"lm", kLocal, kGradient, kBox,

@@ -118,8 +118,11 @@ void ScheduledStarts::ImproveTrials(End& end) {
     for (const End& other : ends_) {
       if (&other != &end && !other.given_up) others.push_back(other.stage.x);
     }
-    const Vector x =
-        SearchTrials(evaluator_.fit(), end.stage.x, others, options_.threads, evaluator_.options().interrupt);
+    const Vector x = SearchTrials(evaluator_.fit(), end.stage.x, others, options_.threads, [&] {
+      const Evaluator::Options& limits = evaluator_.options();
+      return (limits.interrupt != nullptr && limits.interrupt->load()) ||
+             evaluator_.seconds() >= limits.budget.max_seconds;
+    });
     if (x == end.stage.x || Done()) return;
     Stage joint = Polish(local, "lm", x, kEvaluationsOfTrials);
     const double marginal = MarginalCost(evaluator_.fit(), joint.x);

@@ -73,8 +73,8 @@ Instants InstantsOf(const LeastSquares& fit) {
 
 class Search {
  public:
-  Search(LeastSquares& fit, const Vector& start, const std::atomic<bool>* interrupt)
-      : fit_(fit), interrupt_(interrupt), all_(InstantsOf(fit)) {
+  Search(LeastSquares& fit, const Vector& start, const std::function<bool()>& stop)
+      : fit_(fit), stop_(stop), all_(InstantsOf(fit)) {
     LeastSquares::Workspace workspace = fit.NewWorkspace();
     const auto cost = fit.Cost(start, workspace);
     best_ = {start, cost ? *cost : kInfinity, MarginalCost(fit, start)};
@@ -93,7 +93,7 @@ class Search {
   }
 
  private:
-  [[nodiscard]] bool Stopped() const { return interrupt_ != nullptr && interrupt_->load(); }
+  [[nodiscard]] bool Stopped() const { return stop_ && stop_(); }
 
   [[nodiscard]] Vector Means() const {
     Vector parameters = fit_.setup().rest;
@@ -130,7 +130,7 @@ class Search {
   }
 
   LeastSquares& fit_;
-  const std::atomic<bool>* interrupt_;
+  const std::function<bool()>& stop_;
   Instants all_;
   WindowEnd best_;
 };
@@ -156,7 +156,7 @@ std::vector<TrialValues> OwnValues(const LeastSquares& fit) {
 
 // The own values of one trial at the best point found, in the order of `own.free`.
 std::vector<double> SearchTrial(const LeastSquares& fit, const TrialValues& own, const Vector& parameters,
-                                const std::vector<Vector>& others, const std::atomic<bool>* interrupt) {
+                                const std::vector<Vector>& others, const std::function<bool()>& stop) {
   const RoleView view(fit.problem(), [&](const Block& block) {
     return block.role == BlockRole::kTrain && block.trial != own.trial ? BlockRole::kPredicted : block.role;
   });
@@ -171,7 +171,7 @@ std::vector<double> SearchTrial(const LeastSquares& fit, const TrialValues& own,
     for (const int index : own.free) start[index] = other[index];
     starts.push_back(alone.Variables(start));
   }
-  const Vector found = alone.Parameters(SearchInWindows(alone, alone.Start(), starts, interrupt).x);
+  const Vector found = alone.Parameters(SearchInWindows(alone, alone.Start(), starts, stop).x);
   std::vector<double> values;
   for (const int index : own.free) values.push_back(found[index]);
   return values;
@@ -180,12 +180,12 @@ std::vector<double> SearchTrial(const LeastSquares& fit, const TrialValues& own,
 }  // namespace
 
 WindowEnd SearchInWindows(LeastSquares& fit, const Vector& start, const std::vector<Vector>& others,
-                          const std::atomic<bool>* interrupt) {
-  return Search(fit, start, interrupt).Run(others);
+                          const std::function<bool()>& stop) {
+  return Search(fit, start, stop).Run(others);
 }
 
 Vector SearchTrials(const LeastSquares& fit, const Vector& x, const std::vector<Vector>& others, int threads,
-                    const std::atomic<bool>* interrupt) {
+                    const std::function<bool()>& stop) {
   const std::vector<TrialValues> trials = OwnValues(fit);
   const Vector parameters = fit.Parameters(x);
   std::vector<Vector> other_parameters;
@@ -204,8 +204,8 @@ Vector SearchTrials(const LeastSquares& fit, const Vector& x, const std::vector<
         return;
       }
     }
-    found[i] = SearchTrial(fit, trials[i], parameters, other_parameters, interrupt);
-    if (record == nullptr || (interrupt != nullptr && interrupt->load())) return;
+    found[i] = SearchTrial(fit, trials[i], parameters, other_parameters, stop);
+    if (record == nullptr || (stop && stop())) return;
     FitRecord::Answer answer;
     answer.numbers = found[i];
     record->Keep(question, std::move(answer));

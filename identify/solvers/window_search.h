@@ -1,7 +1,7 @@
 // Nuisance values of a single trial, searched in windows of time that grow until they hold the whole trial.
 #pragma once
 
-#include <atomic>
+#include <functional>
 #include <vector>
 
 #include "identify/least_squares.h"
@@ -25,13 +25,12 @@ struct WindowEnd {
 ///
 /// @param fit of one trial, whose free variables are its nuisance values; its transform is removed
 /// @param start [n] @param others [n] each: further points to search from, with the whole trial
-/// @param interrupt ends the search early; may be null
+/// @param stop asked between windows, in any thread: true ends the search early; may be empty
 /// @return the start, if nothing has a MarginalCost that is lower by kWorthTaking
 /// Source: continuation in the length of the window, as for two-point problems (Keller 1992, Numerical
 /// methods for two-point boundary-value problems, ch. 5).
 [[nodiscard]] WindowEnd SearchInWindows(LeastSquares& fit, const Vector& start,
-                                        const std::vector<Vector>& others,
-                                        const std::atomic<bool>* interrupt);
+                                        const std::vector<Vector>& others, const std::function<bool()>& stop);
 
 /// Difference of two MarginalCosts below which two points are taken for the same.
 inline constexpr double kWorthTaking = 0.25;
@@ -40,6 +39,6 @@ inline constexpr double kWorthTaking = 0.25;
 /// other values held, and the trials put together. @param x [n] @param others [n] each, ends of other
 /// searches @return x, with other values of the trials for which better ones were found [n]
 [[nodiscard]] Vector SearchTrials(const LeastSquares& fit, const Vector& x, const std::vector<Vector>& others,
-                                  int threads, const std::atomic<bool>* interrupt);
+                                  int threads, const std::function<bool()>& stop);
 
 }  // namespace sinew::solvers

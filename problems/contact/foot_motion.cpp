@@ -134,6 +134,7 @@ void FootMotion::TakeOver(const FootMotion& part, std::size_t first) {
       BodyMotion& motion = bodies[b].motion[t];
       motion.position += shift;
       motion.rotation = turn * motion.rotation;
+      motion.angular_velocity = turn * motion.angular_velocity;
       JointAxis& axis = bodies[b].axis[t];
       axis.direction = turn * axis.direction;
       axis.point = motion.position + turn * (axis.point + shift - motion.position);

@@ -3,7 +3,7 @@
 
 #include <gtest/gtest.h>
 
-#include <atomic>
+#include <algorithm>
 #include <cmath>
 
 #include "base/random.h"
@@ -13,16 +13,16 @@
 namespace sinew {
 namespace {
 
-constexpr int kWandererSamples = 60;
-constexpr double kWandererNoise = 0.01;
-constexpr double kStep = 0.35;  // [rad] of the wandering phase every second sample
+constexpr int kWalkSamples = 60;
+constexpr double kWalkNoise = 0.01;
+constexpr double kStep = 0.35;  // [rad] standard deviation of a step of the phase
 constexpr double kSpeed = 0.4;  // [rad] a sample
 
 // y = sin(speed i + phase), where the phase wanders by a normal step every second sample: over a trial it
 // goes through several periods, which only those next to each other tell apart. @return the true steps
-std::vector<double> AddWanderer(FunctionProblem& problem, const std::string& trial, int first_column,
-                                std::uint64_t seed) {
-  constexpr int kSteps = kWandererSamples / 2;
+std::vector<double> AddRandomWalk(FunctionProblem& problem, const std::string& trial, int first_column,
+                                  std::uint64_t seed) {
+  constexpr int kSteps = kWalkSamples / 2;
   std::vector<int> columns{0};
   for (int k = 0; k < kSteps; ++k) {
     Parameter p;
@@ -41,22 +41,22 @@ std::vector<double> AddWanderer(FunctionProblem& problem, const std::string& tri
   std::vector<double> steps;
   std::vector<double> measured;
   double phase = 0;
-  for (int i = 0; i < kWandererSamples; ++i) {
+  for (int i = 0; i < kWalkSamples; ++i) {
     if (i % 2 == 0) {
       steps.push_back(random.Normal());
       phase += kStep * steps.back();
     }
-    measured.push_back((std::sin(kSpeed * i + phase) + kWandererNoise * random.Normal()) / kWandererNoise);
+    measured.push_back((std::sin(kSpeed * i + phase) + kWalkNoise * random.Normal()) / kWalkNoise);
   }
   problem.AddBlock(
       trial, measured, columns,
       [first_column](const Vector& p, Eigen::Ref<Vector> predicted, Matrix* derivatives) -> Status {
         double angle = 0;
-        for (int i = 0; i < kWandererSamples; ++i) {
+        for (int i = 0; i < kWalkSamples; ++i) {
           if (i % 2 == 0) angle += kStep * p[first_column + i / 2];
-          predicted[i] = std::sin(p[0] * i + angle) / kWandererNoise;
+          predicted[i] = std::sin(p[0] * i + angle) / kWalkNoise;
           if (derivatives == nullptr) continue;
-          const double slope = std::cos(p[0] * i + angle) / kWandererNoise;
+          const double slope = std::cos(p[0] * i + angle) / kWalkNoise;
           (*derivatives)(i, 0) = slope * i;
           for (int k = 0; k <= i / 2; ++k) (*derivatives)(i, first_column + k) = slope * kStep;
         }
@@ -83,12 +83,12 @@ TEST(WindowSearch, FollowsBranchesThatAllSamplesAtOnceMiss) {
   for (int seed = 1; seed <= kTrials; ++seed) {
     FunctionProblem problem;
     problem.Add("speed", 0.1, 0.5, kSpeed);
-    const std::vector<double> steps = AddWanderer(problem, "t", 1, static_cast<std::uint64_t>(seed));
+    const std::vector<double> steps = AddRandomWalk(problem, "t", 1, static_cast<std::uint64_t>(seed));
     FitSetup setup = MakeFitSetup(problem, {{}, {{"speed", kSpeed}}, {}, {}, {}}).value();
     LeastSquares fit(problem, setup);
     const Vector start = fit.Start();
     const auto local = solvers::LocalFit(fit).Minimize(start, -1, {0, 1e-9}, 500);
-    const solvers::WindowEnd found = solvers::SearchInWindows(fit, start, {}, nullptr);
+    const solvers::WindowEnd found = solvers::SearchInWindows(fit, start, {}, {});
     at_once += PhaseError(fit.Parameters(local.x), 1, steps) < 1 ? 1 : 0;
     by_windows += PhaseError(fit.Parameters(found.x), 1, steps) < 1 ? 1 : 0;
   }
@@ -100,32 +100,31 @@ TEST(WindowSearch, FollowsBranchesThatAllSamplesAtOnceMiss) {
 TEST(WindowSearch, TrialsAreSearchedOneByOneWithAnyNumberOfThreads) {
   FunctionProblem problem;
   problem.Add("speed", 0.1, 0.5, kSpeed);
-  const std::vector<double> first = AddWanderer(problem, "a", 1, 3);
-  const std::vector<double> second = AddWanderer(problem, "b", 1 + kWandererSamples / 2, 4);
+  const std::vector<double> first = AddRandomWalk(problem, "a", 1, 3);
+  const std::vector<double> second = AddRandomWalk(problem, "b", 1 + kWalkSamples / 2, 4);
   const FitSetup setup = MakeFitSetup(problem, {}).value();
   const LeastSquares fit(problem, setup);
-  const Vector found = solvers::SearchTrials(fit, fit.Start(), {}, 1, nullptr);
-  EXPECT_EQ(found, solvers::SearchTrials(fit, fit.Start(), {}, 2, nullptr));
+  const Vector found = solvers::SearchTrials(fit, fit.Start(), {}, 1, {});
+  EXPECT_EQ(found, solvers::SearchTrials(fit, fit.Start(), {}, 2, {}));
   EXPECT_LT(PhaseError(fit.Parameters(found), 1, first), 1);
-  EXPECT_LT(PhaseError(fit.Parameters(found), 1 + kWandererSamples / 2, second), 1);
+  EXPECT_LT(PhaseError(fit.Parameters(found), 1 + kWalkSamples / 2, second), 1);
   EXPECT_EQ(fit.Parameters(found)[0], kSpeed);
 }
 
-TEST(WindowSearch, AnInterruptEndsItWhereItBegan) {
+TEST(WindowSearch, AStopEndsItWhereItBegan) {
   FunctionProblem problem;
   problem.Add("speed", 0.1, 0.5, kSpeed);
-  (void)AddWanderer(problem, "a", 1, 3);
+  (void)AddRandomWalk(problem, "a", 1, 3);
   const FitSetup setup = MakeFitSetup(problem, {}).value();
   const LeastSquares fit(problem, setup);
-  const std::atomic<bool> interrupt{true};
-  EXPECT_EQ(solvers::SearchTrials(fit, fit.Start(), {}, 1, &interrupt), fit.Start());
+  EXPECT_EQ(solvers::SearchTrials(fit, fit.Start(), {}, 1, [] { return true; }), fit.Start());
 }
 
 TEST(WindowSearch, RestartsFindThePeriodBesideIt) {
   FunctionProblem problem;
   problem.Add("speed", 0.1, 0.5, 0.33);
-  const std::vector<double> first = AddWanderer(problem, "a", 1, 3);
-  (void)AddWanderer(problem, "b", 1 + kWandererSamples / 2, 4);
+  const std::vector<double> first = AddRandomWalk(problem, "a", 1, 3);
+  (void)AddRandomWalk(problem, "b", 1 + kWalkSamples / 2, 4);
   const Fit fit(problem);
   Evaluator evaluator(fit.least_squares, {});
   const SolverResult result = MakeSolver("restarts", {}).value()->Solve(evaluator, fit.least_squares.Start());
@@ -134,6 +133,56 @@ TEST(WindowSearch, RestartsFindThePeriodBesideIt) {
   EXPECT_NEAR(fit.least_squares.Parameters(result.x)[0], kSpeed, 0.05);
   auto workspace = fit.least_squares.NewWorkspace();
   EXPECT_DOUBLE_EQ(*fit.least_squares.Cost(result.x, workspace), result.cost);
+}
+
+// y_k = scale b_k with b_k standard normal, and a channel with minima at scales 1 and 40: at 40 hardly any b
+// is needed, so that the cost is lower, but hardly any b fits.
+TEST(WindowSearch, RestartsTakeTheMoreProbableOfTwoMinima) {
+  constexpr int kValues = 16;
+  constexpr double kUpper = 40;
+  FunctionProblem problem;
+  problem.Add("scale", 0.1, 100, 6);
+  Random random(5);
+  std::vector<double> measured;
+  std::vector<int> columns{0};
+  for (int k = 0; k < kValues; ++k) {
+    Parameter b;
+    b.name = "b" + std::to_string(k);
+    b.unit = "1";
+    b.lower = -20;
+    b.upper = 20;
+    b.kind = ParameterKind::kNuisance;
+    b.trial = "t";
+    b.prior = GaussianPrior{0, 1};
+    problem.Add(std::move(b));
+    columns.push_back(1 + k);
+    measured.push_back(random.Normal() / kWalkNoise);
+  }
+  problem.AddBlock("t", measured, columns,
+                   [](const Vector& p, Eigen::Ref<Vector> predicted, Matrix* derivatives) -> Status {
+                     for (int k = 0; k < kValues; ++k) {
+                       predicted[k] = p[0] * p[1 + k] / kWalkNoise;
+                       if (derivatives == nullptr) continue;
+                       (*derivatives)(k, 0) = p[1 + k] / kWalkNoise;
+                       (*derivatives)(k, 1 + k) = p[0] / kWalkNoise;
+                     }
+                     return {};
+                   });
+  problem.AddBlock("scale", {0}, {0},
+                   [](const Vector& p, Eigen::Ref<Vector> predicted, Matrix* derivatives) -> Status {
+                     const double near = std::log(p[0]);
+                     const double far = std::log(p[0] / kUpper);
+                     predicted[0] = 20 * near * far;
+                     if (derivatives != nullptr) (*derivatives)(0, 0) = 20 * (near + far) / p[0];
+                     return {};
+                   });
+  const Fit fit(problem);
+  Evaluator evaluator(fit.least_squares, {});
+  const SolverResult result = MakeSolver("restarts", {}).value()->Solve(evaluator, fit.least_squares.Start());
+  EXPECT_NEAR(fit.least_squares.Parameters(result.x)[0], 1, 0.2) << result.stop.test;
+  double lowest = result.cost;
+  for (const Stage& stage : result.stages) lowest = std::min(lowest, stage.cost);
+  EXPECT_LT(lowest, result.cost - 1) << "no search ended at the narrow minimum, so that nothing was chosen";
 }
 
 }  // namespace
