@@ -1,10 +1,12 @@
 #include "identify/solvers/held_out_nuisance.h"
 
+#include <algorithm>
 #include <set>
 #include <string>
 #include <utility>
 #include <vector>
 
+#include "base/constants.h"
 #include "identify/fit_setup.h"
 #include "identify/least_squares.h"
 #include "identify/role_view.h"
@@ -16,6 +18,23 @@ namespace sinew::solvers {
 namespace {
 
 constexpr long kEvaluations = 200;
+// A model that leaves so little more of a trial than another one does has not ended at a minimum that is far
+// worse: half of what a parameter more usually gains.
+constexpr double kAsGood = 1;
+
+// Of a trial, with the other answers themselves; -infinity without any.
+double LowestCost(const Problem& problem, const FitSetup& setup, const std::vector<Vector>& answers) {
+  double lowest = answers.empty() ? -kInfinity : kInfinity;
+  for (const Vector& answer : answers) {
+    FitSetup at = setup;
+    at.rest = answer;
+    const LeastSquares least_squares(problem, at);
+    LeastSquares::Workspace workspace = least_squares.NewWorkspace();
+    const auto cost = least_squares.Cost(least_squares.Start(), workspace);
+    if (cost) lowest = std::min(lowest, *cost);
+  }
+  return lowest;
+}
 
 }  // namespace
 
@@ -53,10 +72,12 @@ Result<Vector> FitHeldOutNuisance(const Problem& problem, const Vector& paramete
         for (const int index : setup.free) start[index] = other[index];
         try_from(least_squares.Variables(start));
       }
-      FitSetup unrecorded = setup;  // hundreds of fits, of which one remains
-      unrecorded.record = nullptr;
-      LeastSquares in_windows(alone, unrecorded);
-      if (best.failure.empty()) try_from(SearchInWindows(in_windows, best.x, {}, {}).x);
+      if (best.failure.empty() && best.cost > LowestCost(alone, setup, earlier) + kAsGood) {
+        FitSetup unrecorded = setup;  // hundreds of fits, of which one remains
+        unrecorded.record = nullptr;
+        LeastSquares in_windows(alone, unrecorded);
+        try_from(SearchInWindows(in_windows, best.x, {}, {}).x);
+      }
     } else {
       const auto improved =
           ImprovedStart(least_squares, best.failure.empty() ? least_squares.Parameters(best.x) : answer);
