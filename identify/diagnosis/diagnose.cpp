@@ -243,8 +243,9 @@ class DiagnosisRun {
 
   // Step 6, second half. @param noise of the extended model
   Status MeasureGain(const noise::NoiseModel& noise) {
-    SINEW_ASSIGN(out_.base_point, state_.held_out.Fitted(out_.base_point));
-    SINEW_ASSIGN(out_.extended_point, state_.held_out.Fitted(out_.extended_point));
+    state_.held_out.Align(out_.base_point, out_.extended_point);
+    out_.base_point = state_.held_out.Fitted(out_.base_point);
+    out_.extended_point = state_.held_out.Fitted(out_.extended_point);
     SINEW_ASSIGN(const FullPrediction base, PredictAll(problem_, out_.base_point));
     SINEW_ASSIGN(FullPrediction extended, PredictAll(problem_, out_.extended_point));
     for (const auto& [b, residual] : state_.added) {

@@ -14,7 +14,7 @@ namespace sinew::diagnosis {
 
 struct DiagnosisState {
   DiagnosisState(const Problem& of, const DiagnosisOptions& how)
-      : problem(of), options(how), held_out(of, how.record) {}
+      : problem(of), options(how), held_out(of, how.record, how.threads) {}
 
   const Problem& problem;
   const DiagnosisOptions& options;

@@ -52,37 +52,58 @@ double NoiseFloorOf(const Block& block, const noise::NoiseModel& noise, const La
   return model == nullptr ? 0 : model->ProcessDeviation();
 }
 
-HeldOut::HeldOut(const Problem& problem, FitRecord* record) : problem_(problem), record_(record) {
+HeldOut::HeldOut(const Problem& problem, FitRecord* record, int threads)
+    : problem_(problem), record_(record), threads_(threads) {
   for (std::size_t b = 0; b < problem.layout().size(); ++b) {
     const Block& block = problem.layout()[b];
     if (block.role == BlockRole::kValidate && block.samples() > 0) blocks_.push_back(static_cast<int>(b));
   }
+  std::set<std::string> all;
   std::set<std::string> trials;
   for (std::size_t i = 0; i < blocks_.size(); ++i) {
+    all.insert(block(i).trial);
     if (block(i).group.empty()) trials.insert(block(i).trial);
   }
   for (std::size_t i = 0; i < problem.parameters().size(); ++i) {
     const Parameter& p = problem.parameters()[i];
-    if (p.kind == ParameterKind::kNuisance && p.prior && trials.count(p.trial) > 0)
-      priors_.push_back(static_cast<int>(i));
+    if (p.kind != ParameterKind::kNuisance || !p.prior) continue;
+    many_minima_ = many_minima_ || all.count(p.trial) > 0;
+    if (trials.count(p.trial) > 0) priors_.push_back(static_cast<int>(i));
   }
 }
 
-Result<Vector> HeldOut::Fitted(const Vector& point) const {
+Vector HeldOut::Fitted(const Vector& point) const {
   constexpr std::size_t kKept = 4;
   for (const auto& [known, answer] : fitted_) {
     if (known == point) return answer;
   }
-  std::vector<Vector> earlier;
-  for (const auto& one : fitted_) earlier.push_back(one.second);
-  SINEW_ASSIGN(Vector answer, solvers::FitHeldOutNuisance(problem_, point, record_, earlier));
-  if (fitted_.size() == kKept) fitted_.erase(fitted_.begin());
+  solvers::HeldOutSearch search;
+  search.in_windows = fitted_.empty();
+  for (const auto& one : fitted_) search.earlier.push_back(one.second);
+  search.threads = threads_;
+  Vector answer = solvers::FitHeldOutNuisance(problem_, point, record_, search);
+  if (fitted_.size() == kKept) fitted_.erase(fitted_.begin() + 1);
   fitted_.emplace_back(point, answer);
   return answer;
 }
 
+void HeldOut::Align(const Vector& one, const Vector& other) const {
+  if (!many_minima_ || one == other) return;
+  Vector answers[] = {Fitted(one), Fitted(other)};
+  for (int i = 0; i < 2; ++i) {
+    solvers::HeldOutSearch search;
+    search.earlier = {answers[1 - i]};
+    search.fitted = true;
+    search.threads = threads_;
+    answers[i] = solvers::FitHeldOutNuisance(problem_, answers[i], record_, search);
+    for (auto& [point, answer] : fitted_) {
+      if (point == (i == 0 ? one : other)) answer = answers[i];
+    }
+  }
+}
+
 Result<std::vector<Vector>> HeldOut::Residuals(const Vector& point) const {
-  SINEW_ASSIGN(const Vector parameters, Fitted(point));
+  const Vector parameters = Fitted(point);
   std::vector<bool> wanted(problem_.layout().size(), false);
   for (const int b : blocks_) wanted[static_cast<std::size_t>(b)] = true;
   Prediction prediction(problem_.layout());
@@ -107,7 +128,7 @@ Result<std::vector<Vector>> HeldOut::Residuals(const Vector& point) const {
 Result<std::vector<Vector>> HeldOut::ResidualsWithPriors(const Vector& point) const {
   SINEW_ASSIGN(auto residuals, Residuals(point));
   if (priors_.empty()) return residuals;
-  SINEW_ASSIGN(const Vector parameters, Fitted(point));
+  const Vector parameters = Fitted(point);
   Vector deviations(static_cast<Eigen::Index>(priors_.size()));
   for (std::size_t i = 0; i < priors_.size(); ++i) {
     const Parameter& p = problem_.parameters()[static_cast<std::size_t>(priors_[i])];

@@ -14,8 +14,8 @@ namespace sinew::diagnosis {
 /// The residuals of the held-out trials, their noise, and the gain of one model over another.
 class HeldOut {
  public:
-  /// @param record of FitSetup, may be null; both outlive it
-  HeldOut(const Problem& problem, FitRecord* record);
+  /// @param record of FitSetup, may be null; both outlive it @param threads that fit held-out trials
+  HeldOut(const Problem& problem, FitRecord* record, int threads);
 
   [[nodiscard]] bool exists() const { return !blocks_.empty(); }
   /// Indices into the layout.
@@ -23,10 +23,14 @@ class HeldOut {
   /// Nuisance parameters of held-out trials whose priors ResidualsWithPriors counts, increasing.
   [[nodiscard]] const std::vector<int>& priors() const { return priors_; }
 
-  /// The point with the nuisance parameters of every held-out trial fitted to that trial [P]. The last points
-  /// are kept, because a fit of hundreds of values takes seconds. Not thread-safe. Errors: those of
-  /// Problem::Predict.
-  [[nodiscard]] Result<Vector> Fitted(const Vector& point) const;
+  /// The point with the nuisance parameters of every held-out trial fitted to that trial [P]. The first point
+  /// (the base model's) and the last ones are kept: a fit of hundreds of values takes seconds, and further
+  /// ones begin at the known answers. Not thread-safe.
+  [[nodiscard]] Vector Fitted(const Vector& point) const;
+
+  /// Where nuisance values have priors: the answers of two models become starts of each other's, so that a
+  /// gain is not one minimum against another. To be called before their residuals are compared.
+  void Align(const Vector& one, const Vector& other) const;
 
   /// Weighted residuals [held-out blocks][samples], with the nuisance parameters of every held-out trial
   /// fitted to that trial. Errors: those of Problem::Predict.
@@ -79,6 +83,8 @@ class HeldOut {
 
   const Problem& problem_;
   FitRecord* record_;
+  int threads_;
+  bool many_minima_ = false;  // a held-out trial has nuisance values with priors
   std::vector<int> blocks_;
   std::vector<int> priors_;                                // parameters whose priors count
   noise::NoiseModel own_;                                  // of the blocks with groups, per channel

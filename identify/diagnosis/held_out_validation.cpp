@@ -30,13 +30,14 @@ class HeldOutValidation {
   explicit HeldOutValidation(DiagnosisState& state) : state_(state), selection_(state.selection) {}
 
   Result<std::vector<WithdrawnCause>> Run() {
-    SINEW_ASSIGN(const auto of_base, Residuals(state_.base.refit.point));
     while (!selection_.causes.empty()) {
+      state_.held_out.Align(state_.base.refit.point, selection_.model.point);
+      SINEW_ASSIGN(const auto of_base, Residuals(state_.base.refit.point));
       SINEW_ASSIGN(const auto with, Residuals(selection_.model.point));
       const double together = Gain(of_base, with);
       const bool rejected = together < 0 && ChangesEnoughToJudge(of_base, with) &&
                             PredictsWorse(state_.base.refit, of_base, with);
-      Rejection worst = FindWorst(with, rejected);
+      Rejection worst = FindWorst(rejected);
       if (worst.cause == selection_.causes.size()) {
         if (GainsFarLessThanExpected(of_base, with)) selection_.structure_left = true;
         break;
@@ -100,11 +101,9 @@ class HeldOutValidation {
     if (selection_.cross_validated) return {};
     const auto covariance = state_.CovarianceOf(refit);
     if (!covariance) return {};
-    const auto fitted = state_.held_out.Fitted(refit.point);
-    if (!fitted) return {};
     Matrix nuisance;
-    const auto changes =
-        HeldOutSensitivity(state_.problem, state_.held_out, refit, *fitted, *covariance, nuisance);
+    const auto changes = HeldOutSensitivity(state_.problem, state_.held_out, refit,
+                                            state_.held_out.Fitted(refit.point), *covariance, nuisance);
     if (!changes || !changes->allFinite() || !nuisance.allFinite()) return {};
     const Matrix white = state_.held_out.Whitened(*changes, selection_.model.noise);
     if (nuisance.cols() == 0) return white;
@@ -192,7 +191,7 @@ class HeldOutValidation {
   }
 
   // The cause without which held-out trials are predicted best; the number of causes if all are to be kept.
-  [[nodiscard]] Rejection FindWorst(const std::vector<Vector>& with, bool rejected_together) const {
+  [[nodiscard]] Rejection FindWorst(bool rejected_together) const {
     Rejection worst;
     worst.cause = selection_.causes.size();
     worst.gain = rejected_together ? std::numeric_limits<double>::infinity() : 0;
@@ -201,12 +200,15 @@ class HeldOutValidation {
       if (!state_.candidate(candidate).trial.empty()) continue;
       Refit without = Without(candidate);
       if (!without.usable()) continue;
+      state_.held_out.Align(without.point, selection_.model.point);
       const auto before = Residuals(without.point);
-      if (!before) continue;
-      const double gain = Gain(*before, with);
-      const bool counts = gain < worst.gain && (rejected_together || (ChangesEnoughToJudge(*before, with) &&
-                                                                      PredictsWorse(without, *before, with)));
-      if (counts) worst = {i, gain, std::move(without), WorstTrace(*before, with)};
+      const auto with = Residuals(selection_.model.point);
+      if (!before || !with) continue;
+      const double gain = Gain(*before, *with);
+      const bool counts = gain < worst.gain &&
+                          (rejected_together ||
+                           (ChangesEnoughToJudge(*before, *with) && PredictsWorse(without, *before, *with)));
+      if (counts) worst = {i, gain, std::move(without), WorstTrace(*before, *with)};
     }
     return worst;
   }

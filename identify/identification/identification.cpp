@@ -91,8 +91,11 @@ Result<Identification> Identify(const Problem& problem, FitSetup setup, Identifi
     return out;
   }
 
-  SINEW_ASSIGN(out.parameters, solvers::FitHeldOutNuisance(problem, least_squares.Parameters(out.result.x),
-                                                           out.setup.record));
+  solvers::HeldOutSearch search;
+  search.in_windows = true;
+  search.threads = options.solver_options.threads;
+  out.parameters =
+      solvers::FitHeldOutNuisance(problem, least_squares.Parameters(out.result.x), out.setup.record, search);
   const auto unmeasured = problem.EstimateUnmeasured(out.parameters);
   if (unmeasured) out.parameters = unmeasured->parameters;
   if (out.failures > 0) {

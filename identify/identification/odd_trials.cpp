@@ -223,9 +223,7 @@ std::vector<OddTrial> FindOddTrials(const Problem& problem, const FitSetup& setu
   }
   std::vector<OddTrial> found;
   if (left_out.empty()) return found;
-  const auto judged = solvers::FitHeldOutNuisance(Split(problem, trials, all), point, setup.record);
-  if (!judged) return found;
-  point = *judged;
+  point = solvers::FitHeldOutNuisance(Split(problem, trials, all), point, setup.record);
   for (const std::string& trial : left_out) {
     std::set<std::string> compared = trials;
     compared.insert(trial);

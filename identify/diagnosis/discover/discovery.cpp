@@ -166,7 +166,8 @@ class DiscoveryStep {
   }
 
   bool AddToFirstOrder(int c, const noise::NoiseModel& noise, UnknownFinding& finding) {
-    const auto term = FitLinearTerm(state_.problem, state_.selection.model, state_.candidate(c), noise);
+    const auto term =
+        FitLinearTerm(state_.problem, state_.selection.model, state_.candidate(c), noise, state_.held_out);
     if (!term) return false;
     const bool whole =
         finding.knots.empty() || finding.knots.size() == static_cast<std::size_t>(term->values.size());

@@ -60,16 +60,14 @@ double MaximumLikelihoodDeviation(const Vector& eigenvalues, const Vector& score
 /// Predicts the held-out trials with the parameters from the training trials.
 class Transfer {
  public:
-  Transfer(const Problem& problem, const Refit& refit, const Candidate& candidate)
-      : problem_(problem), refit_(refit), candidate_(candidate) {}
+  Transfer(const Problem& problem, const Refit& refit, const Candidate& candidate, const HeldOut& held_out)
+      : problem_(problem), refit_(refit), candidate_(candidate), held_out_(held_out) {}
 
   /// @param step [n] of the refit's variables
   Status Apply(const Vector& step, LinearTerm& term) const {
-    const HeldOut held_out(problem_, refit_.setup->record);
-    if (!held_out.exists()) return {};
-    SINEW_ASSIGN(const Vector point,
-                 solvers::FitHeldOutNuisance(problem_, refit_.point, refit_.setup->record));
-    SINEW_ASSIGN(term.before, held_out.Residuals(point));
+    if (!held_out_.exists()) return {};
+    const Vector point = held_out_.Fitted(refit_.point);
+    SINEW_ASSIGN(term.before, held_out_.Residuals(refit_.point));
     const RoleView view(problem_, [](const Block& block) {
       return block.role == BlockRole::kValidate ? BlockRole::kTrain : BlockRole::kPredicted;
     });
@@ -114,12 +112,13 @@ class Transfer {
   const Problem& problem_;
   const Refit& refit_;
   const Candidate& candidate_;
+  const HeldOut& held_out_;
 };
 
 }  // namespace
 
 Result<LinearTerm> FitLinearTerm(const Problem& problem, const Refit& refit, const Candidate& candidate,
-                                 const noise::NoiseModel& noise) {
+                                 const noise::NoiseModel& noise, const HeldOut& held_out) {
   const LeastSquares fit(problem, *refit.setup);
   const noise::Whitening whitening(noise, TrainStretches(fit));
   SINEW_ASSIGN(const Design design, MakeDesign(fit, refit.x, {candidate}, whitening));
@@ -156,7 +155,7 @@ Result<LinearTerm> FitLinearTerm(const Problem& problem, const Refit& refit, con
 
   const Vector step = -taken.Solve(residual.col(0) + columns * answer.values);
   answer.train = PerBlock(fit, design.residual + design.base * step + design.candidates * answer.values);
-  SINEW_TRY(Transfer(problem, refit, candidate).Apply(step, answer));
+  SINEW_TRY(Transfer(problem, refit, candidate, held_out).Apply(step, answer));
   return answer;
 }
 

@@ -31,6 +31,6 @@ struct LinearTerm {
 /// ScoredModel::noise, not that of the refit. Errors: those of Problem::Predict; the data do not determine
 /// the term.
 Result<LinearTerm> FitLinearTerm(const Problem& problem, const Refit& refit, const Candidate& candidate,
-                                 const noise::NoiseModel& noise);
+                                 const noise::NoiseModel& noise, const HeldOut& held_out);
 
 }  // namespace sinew::diagnosis

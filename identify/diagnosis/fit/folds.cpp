@@ -115,7 +115,7 @@ Result<Vector> LeftOutResiduals(const Problem& problem, const Fold& fold, const 
                                 FitRecord* record) {
   Vector at = parameters;
   if (!fold.window) {
-    SINEW_ASSIGN(at, solvers::FitHeldOutNuisance(FoldView(problem, fold), parameters, record));
+    at = solvers::FitHeldOutNuisance(FoldView(problem, fold), parameters, record);
   }
   const Layout& layout = problem.layout();
   std::vector<bool> wanted(layout.size(), false);

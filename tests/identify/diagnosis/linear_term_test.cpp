@@ -46,7 +46,7 @@ Result<LinearTerm> Examined(const LinearLaws& problem, const std::string& effect
     if (block.role == BlockRole::kTrain) noise.channel_of.push_back(0);
   }
   return FitLinearTerm(problem, base, candidates[static_cast<std::size_t>(CandidateOf(candidates, effect))],
-                       noise);
+                       noise, HeldOut(problem, nullptr, 1));
 }
 
 LinearLaws::Truth Growing(double correlation) {
