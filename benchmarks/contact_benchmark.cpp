@@ -5,8 +5,8 @@
 #include <algorithm>
 
 #include "models/contact/simbody_contact.h"
+#include "problems/contact/laboratory/synthesis.h"
 #include "problems/contact/problem.h"
-#include "problems/contact/synthesis.h"
 
 namespace sinew {
 namespace {

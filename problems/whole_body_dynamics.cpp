@@ -6,8 +6,8 @@
 #include "models/dynamometer/smooth_angle.h"
 #include "models/multibody/multibody_model.h"
 #include "models/multibody/whole_body_load.h"
-#include "problems/contact/loaded_span.h"
-#include "problems/contact/trial_motion.h"
+#include "problems/contact/motion/loaded_span.h"
+#include "problems/contact/motion/trial_motion.h"
 
 namespace sinew {
 namespace {

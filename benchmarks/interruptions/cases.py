@@ -25,6 +25,8 @@ DATA = (
     ("misfit.h5", "data synthesize drive --seed 8 --set train=2 --set validate=1 --set duration=2 --set rate=100 --set "
                   "position_noise=0.0001 --effect coulomb_friction:value=0.2 --effect position.time_offset:value=0.02"),
     ("toss.h5", "data synthesize free_body --seed 2 --set train=4 --set validate=2"),
+    ("walk.h5", "data synthesize contact --seed 6 --set person=1 --set encoders=1 --set train=1 --set validate=1 --set slip=0.1 "
+                "--set motion_error=0.005 --set rotation_error=0.0262"),
 )
 COHORT = """subjects: {anna: {seed: 1}, bert: {seed: 2}}
 out: results
@@ -33,6 +35,17 @@ steps:
   fit: identify contact --data {data} --solver sa --max-evaluations 20000 --out {out}/run.h5
   why: diagnose contact --data {data} --out {out}/why.h5
 """
+SOLES = """contact:
+  objective: likelihood
+  fit: [force_x, force_y, force_z, cop_x, cop_z, moment_y]
+  motion_errors: {position: 0.005, rotation: 0.0262}
+  regions:
+    - {name: right_sole, body: calcn_r, plate: right, position: [0.0325, -0.07343375, 0.0],
+       mesh: {box: {size: [0.26, 0.0325, 0.14625], strips: [18, 10]}}}
+    - {name: left_sole, body: calcn_l, plate: left, position: [0.0325, -0.07343375, 0.0],
+       mesh: {box: {size: [0.26, 0.0325, 0.14625], strips: [18, 10]}}}
+"""
+SETTINGS = (("cohort.yaml", COHORT), ("soles.yaml", SOLES))
 # What `report` draws.
 DRAWN = (
     ("drawn_1.h5", "identify contact --data contact.h5 --solver lm --quiet --out drawn_1.h5"),
@@ -55,6 +68,8 @@ def others():
         Case("diagnose, drive", ("diagnose", "drive", "--data", "drive.h5", *work), "why.h5"),
         Case("diagnose, contact", ("diagnose", "contact", "--data", "contact.h5", *work), "why.h5"),
         Case("diagnose, large misfit", ("diagnose", "drive", "--data", "misfit.h5", *work), "why.h5"),
+        Case("identify, motion errors", ("identify", "contact", "--data", "walk.h5", "--config", "soles.yaml", *work), "run.h5"),
+        Case("diagnose, motion errors", ("diagnose", "contact", "--data", "walk.h5", "--config", "soles.yaml", *work), "why.h5"),
         Case("compare", ("compare", "nms", "--data", "nms.h5", "--solvers", "sa,lm,restarts", "--repeats", "3",
                          "--max-evaluations", "400", *work), "study.h5"),
         Case("report", ("report", "drawn_1.h5", "drawn_2.h5", *work), "page", "--out-dir", resumes=False),

@@ -9,8 +9,8 @@
 #include "cli/terminal.h"
 #include "cli/work_options.h"
 #include "datasets/io/dataset_file.h"
-#include "problems/contact/loaded_span.h"
-#include "problems/contact/motion_steps.h"
+#include "problems/contact/motion/loaded_span.h"
+#include "problems/contact/steps/motion_steps.h"
 
 namespace sinew {
 namespace {

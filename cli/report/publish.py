@@ -1,4 +1,5 @@
-"""From checked files to a folder of notebooks and pages, all or nothing."""
+"""From checked files to a folder of notebooks and pages, all or nothing. What a stopped report of several files had executed is kept,
+out of sight, for the next one."""
 import asyncio
 import contextlib
 import os
@@ -8,6 +9,7 @@ from concurrent.futures import ThreadPoolExecutor, wait
 import nbformat
 
 import interrupt
+import kept_pages
 import notebook
 import page
 import replace
@@ -34,29 +36,41 @@ def publish(files, out_dir, threads=os.cpu_count() or 1):
 
     One file: index.ipynb and index.html. Several: a pair per file, named like it, and an index that compares them.
     Raises run_file.BadInput before anything is written, ReportFailed and interrupt.Interrupted after undoing what was
-    written.
+    written. Interrupted has a second argument: how many notebooks are done and kept.
     """
     folder = os.path.realpath(out_dir)
     made = _make_folder(out_dir, folder)
+    kept = kept_pages.KeptPages(folder)
     try:
-        return _publish_into(folder, out_dir, files, threads)
-    except BaseException:
-        _remove_empty(made)
+        entry = _publish_into(folder, out_dir, files, threads, kept)
+        kept.remove()
+        return entry
+    except interrupt.Interrupted as error:
+        raise interrupt.Interrupted(error.args[0], kept.number()) from error
+    except ReportFailed:
+        kept.remove()
         raise
+    finally:
+        _remove_empty(made)
 
 
-def _publish_into(folder, out_dir, files, threads):
-    notebooks = {}
+def _publish_into(folder, out_dir, files, threads, kept):
+    notebooks, read = {}, {}
     if len(files) == 1:
         notebooks[OVERVIEW] = _notebook_of(files[0], folder)
     else:
         names = _names(files)
         for file, name in zip(files, names):
             notebooks[name] = _notebook_of(file, folder)
+            read[name] = [file.path]
         notebooks[OVERVIEW] = _overview(files, names, folder)
+        read[OVERVIEW] = [file.path for file in files]
     _check_inputs_stay(files, folder, notebooks)
+    # One notebook takes seconds: nothing of it is worth keeping.
+    rest = kept.take(notebooks, read) if len(files) > 1 else list(notebooks)
     try:
-        _execute_apart(notebooks, folder, threads)
+        if rest:
+            _execute_apart({name: notebooks[name] for name in rest}, folder, threads, kept if len(files) > 1 else None)
     except notebook.NotebookFailed as error:
         raise ReportFailed(str(error)) from error
 
@@ -143,7 +157,7 @@ def _overview(files, names, folder):
                            "DIAGNOSIS_FILES": paths[run_file.DIAGNOSIS]})
 
 
-def _execute_apart(notebooks, folder, threads):
+def _execute_apart(notebooks, folder, threads, kept):
     """Executes all notebooks in a thread of its own, so that a Ctrl-C ends the kernels in order."""
     begun = threading.Event()
     running = {}
@@ -151,7 +165,7 @@ def _execute_apart(notebooks, folder, threads):
     async def work():
         running["loop"], running["task"] = asyncio.get_running_loop(), asyncio.current_task()
         begun.set()
-        await _execute_all(notebooks, folder, threads)
+        await _execute_all(notebooks, folder, threads, kept)
 
     with ThreadPoolExecutor(max_workers=1) as pool:
         outcome = pool.submit(lambda: asyncio.run(work()))
@@ -165,7 +179,7 @@ def _execute_apart(notebooks, folder, threads):
     outcome.result()
 
 
-async def _execute_all(notebooks, folder, threads):
+async def _execute_all(notebooks, folder, threads, kept):
     """As many kernels at once as there are threads; the first failure ends all."""
     free = asyncio.Semaphore(threads)
 
@@ -173,6 +187,8 @@ async def _execute_all(notebooks, folder, threads):
         async with free:
             try:
                 await notebook.execute(content, folder)
+                if kept is not None:
+                    kept.keep(name, content)
             except notebook.NotebookFailed as error:
                 raise notebook.NotebookFailed(f"{name}.ipynb: {error}") from error
 

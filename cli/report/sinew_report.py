@@ -4,7 +4,7 @@
 
 Exit status: 0 done; 1 the report could not be made (the message says why); 2 bad input or usage, one line on stderr;
 130 or 143 stopped by SIGINT or SIGTERM.
-Nothing is written unless everything could be made.
+Nothing is written unless everything could be made. Of several files, what a stopped report had executed is kept for the next one.
 """
 import argparse
 import os
@@ -69,7 +69,9 @@ def make(options):
         print(f"sinew: the report could not be made: {printable(error)}", file=sys.stderr)
         return FAILED
     except interrupt.Interrupted as error:
-        print(f"sinew: stopped by {error.args[0].name}; nothing was written: begin it again", file=sys.stderr)
+        stop, kept = error.args
+        again = f"the same command goes on with the {kept} notebooks that are done" if kept else "begin it again"
+        print(f"sinew: stopped by {stop.name}; nothing was written: {again}", file=sys.stderr)
         return STOPPED + error.args[0]
     print(f"Report: {entry}")
     return DONE

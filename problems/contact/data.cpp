@@ -12,13 +12,13 @@
 #include "models/multibody/coordinate_trajectory.h"
 #include "models/multibody/multibody_model.h"
 #include "problems/contact/contact_model.h"
-#include "problems/contact/level_feet.h"
-#include "problems/contact/loaded_span.h"
-#include "problems/contact/marker_pose.h"
-#include "problems/contact/motion_priors.h"
-#include "problems/contact/plate_samples.h"
-#include "problems/contact/smooth_motion.h"
-#include "problems/contact/trial_motion.h"
+#include "problems/contact/load/plate_samples.h"
+#include "problems/contact/motion/level_feet.h"
+#include "problems/contact/motion/loaded_span.h"
+#include "problems/contact/motion/marker_pose.h"
+#include "problems/contact/motion/motion_priors.h"
+#include "problems/contact/motion/smooth_motion.h"
+#include "problems/contact/motion/trial_motion.h"
 
 namespace sinew {
 namespace {

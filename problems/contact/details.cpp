@@ -7,9 +7,9 @@
 #include <optional>
 
 #include "base/constants.h"
-#include "problems/contact/body_rows.h"
-#include "problems/contact/posed_load.h"
+#include "problems/contact/load/posed_load.h"
 #include "problems/contact/problem.h"
+#include "problems/contact/steps/body_rows.h"
 
 namespace sinew {
 

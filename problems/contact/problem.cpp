@@ -6,8 +6,8 @@
 #include <limits>
 #include <optional>
 
-#include "problems/contact/plate_channels.h"
-#include "problems/contact/posed_load.h"
+#include "problems/contact/load/plate_channels.h"
+#include "problems/contact/load/posed_load.h"
 
 namespace sinew {
 namespace {

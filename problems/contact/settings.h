@@ -11,7 +11,7 @@
 #include "base/error.h"
 #include "base/yaml_reader.h"
 #include "models/contact/elastic_foundation.h"
-#include "problems/contact/motion_errors.h"
+#include "problems/contact/motion/motion_errors.h"
 
 namespace sinew {
 

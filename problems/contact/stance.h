@@ -9,12 +9,12 @@
 #include "models/contact/contact_sums.h"
 #include "models/multibody/coordinate_trajectory.h"
 #include "models/multibody/multibody_model.h"
-#include "problems/contact/body_load.h"
-#include "problems/contact/effect_load.h"
-#include "problems/contact/foot_markers.h"
-#include "problems/contact/foot_motion.h"
-#include "problems/contact/motion_errors.h"
+#include "problems/contact/load/effect_load.h"
+#include "problems/contact/motion/foot_markers.h"
+#include "problems/contact/motion/foot_motion.h"
+#include "problems/contact/motion/motion_errors.h"
 #include "problems/contact/settings.h"
+#include "problems/contact/steps/body_load.h"
 
 namespace sinew {
 

@@ -6,7 +6,7 @@
 #include <set>
 
 #include "identify/least_squares.h"
-#include "problems/contact/synthesis.h"
+#include "problems/contact/laboratory/synthesis.h"
 
 namespace sinew {
 namespace {

@@ -4,7 +4,7 @@
 #include <cmath>
 
 #include "datasets/robust.h"
-#include "problems/contact/foot_markers.h"
+#include "problems/contact/motion/foot_markers.h"
 
 namespace sinew {
 namespace {

@@ -6,8 +6,8 @@
 #include <numeric>
 
 #include "datasets/stances/stances.h"
-#include "problems/contact/plate_samples.h"
-#include "problems/contact/trial_motion.h"
+#include "problems/contact/load/plate_samples.h"
+#include "problems/contact/motion/trial_motion.h"
 
 namespace sinew {
 namespace {

@@ -218,6 +218,57 @@ class OneRun(WithFolder):
         self.assertFalse(self.out.parent.exists())
 
 
+class StoppedReportOfSeveral(WithFolder):
+    def setUp(self):
+        super().setUp()
+        self.paths = [self.folder / f"run_{number}.h5" for number in range(2)]
+        for number, path in enumerate(self.paths):
+            fabricated_files.write_run(path, contact=(), seed=number + 1)
+
+    def publish(self, stop_after=None):
+        """One notebook at a time; stopped once so many are executed. Returns how many were, and how many are kept."""
+        execute, executed = notebook.execute, []
+
+        async def count(content, folder):
+            await execute(content, folder)
+            executed.append(content)
+
+        stopped = mock.patch.object(interrupt, "pressed", lambda: signal.SIGTERM if len(executed) == stop_after else None)
+        with mock.patch.object(notebook, "execute", count), stopped:
+            try:
+                publish.publish(run_file.read_all(self.paths), str(self.out), 1)
+            except interrupt.Interrupted as error:
+                self.assertEqual(os.listdir(self.out), [".sinew-report"])
+                return len(executed), error.args[1]
+        self.assertEqual(len(os.listdir(self.out)), 6)
+        return len(executed), 0
+
+    @staticmethod
+    def stop(*_):
+        raise interrupt.Interrupted(signal.SIGTERM)
+
+    def test_the_next_one_executes_only_the_rest(self):
+        self.assertEqual(self.publish(), (3, 0))
+        whole = {path.name: path.read_bytes() for path in self.out.iterdir()}
+        shutil.rmtree(self.out)
+        self.assertEqual(self.publish(stop_after=1), (1, 1))
+        self.assertEqual(self.publish(stop_after=1), (1, 2))
+        with mock.patch.object(publish, "_write_all", self.stop):
+            self.assertEqual(self.publish(), (1, 3))
+        self.assertEqual(self.publish(), (0, 0))
+        self.assertEqual({path.name: path.read_bytes() for path in self.out.iterdir()}, whole)
+
+    def test_a_page_of_a_changed_file_or_a_damaged_one_is_made_again(self):
+        self.assertEqual(self.publish(stop_after=1), (1, 1))
+        for path in (self.out / ".sinew-report").iterdir():
+            path.write_text(path.read_text()[:100])
+        self.assertEqual(self.publish(stop_after=1), (1, 1))
+        for path in self.paths:
+            with h5py.File(path, "a") as file:
+                file["run"].attrs["seconds"] = 77.0
+        self.assertEqual(self.publish(stop_after=1), (1, 1))
+
+
 class WhatTheRunSays(WithFolder):
     """Names of the cells, asked in a notebook of some of the cells: what stands in a picture no test can read."""
 

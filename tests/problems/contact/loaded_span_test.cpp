@@ -1,5 +1,5 @@
 // When a foot is on the floor, from a force with noise.
-#include "problems/contact/loaded_span.h"
+#include "problems/contact/motion/loaded_span.h"
 
 #include <gtest/gtest.h>
 

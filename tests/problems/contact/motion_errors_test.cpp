@@ -1,4 +1,4 @@
-#include "problems/contact/motion_errors.h"
+#include "problems/contact/motion/motion_errors.h"
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
@@ -6,8 +6,8 @@
 #include <cmath>
 
 #include "base/random.h"
-#include "problems/contact/plate_samples.h"
-#include "problems/contact/posed_load.h"
+#include "problems/contact/load/plate_samples.h"
+#include "problems/contact/load/posed_load.h"
 #include "tests/problems/support/jacobian_check.h"
 #include "tests/problems/support/stepping_data.h"
 #include "tests/support/allocation_counter.h"

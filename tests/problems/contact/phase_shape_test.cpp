@@ -5,7 +5,7 @@
 
 #include <Eigen/Geometry>
 
-#include "problems/contact/effect_load.h"
+#include "problems/contact/load/effect_load.h"
 
 namespace sinew {
 namespace {

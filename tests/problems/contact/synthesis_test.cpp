@@ -1,4 +1,4 @@
-#include "problems/contact/synthesis.h"
+#include "problems/contact/laboratory/synthesis.h"
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
@@ -11,7 +11,7 @@
 #include "datasets/dataset_hash.h"
 #include "identify/fit_quality.h"
 #include "models/multibody/osim_reader.h"
-#include "problems/contact/smooth_errors.h"
+#include "problems/contact/laboratory/smooth_errors.h"
 #include "tests/problems/support/stepping_data.h"
 
 namespace sinew {

@@ -6,9 +6,9 @@
 #include <limits>
 
 #include "identify/fit_quality.h"
-#include "problems/contact/load_estimate.h"
-#include "problems/contact/mean_load.h"
-#include "problems/contact/motion_steps.h"
+#include "problems/contact/steps/load_estimate.h"
+#include "problems/contact/steps/mean_load.h"
+#include "problems/contact/steps/motion_steps.h"
 #include "tests/problems/support/stepping_data.h"
 
 namespace sinew {

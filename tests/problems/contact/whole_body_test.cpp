@@ -10,8 +10,8 @@
 #include "identify/fit_setup.h"
 #include "identify/least_squares.h"
 #include "identify/solvers/solver.h"
-#include "problems/contact/body_rows.h"
-#include "problems/contact/step_estimate.h"
+#include "problems/contact/steps/body_rows.h"
+#include "problems/contact/steps/step_estimate.h"
 #include "problems/whole_body_dynamics.h"
 #include "tests/problems/support/stepping_data.h"
 

@@ -13,8 +13,8 @@
 #include "base/text.h"
 #include "models/multibody/coordinate_trajectory.h"
 #include "models/multibody/multibody_model.h"
+#include "problems/contact/laboratory/synthesis.h"
 #include "problems/contact/problem.h"
-#include "problems/contact/synthesis.h"
 
 namespace sinew {
 

@@ -1,0 +1,123 @@
+#include "problems/contact/motion/motion_priors.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+
+#include "base/constants.h"
+
+namespace sinew {
+namespace {
+
+// Of feet without markers (Leardini et al. 2005, Gait & Posture 21:212; Jackson et al. 2016, J. Biomech. Eng.
+// 138: 3 to 6 mm, 0.5 to 2 degrees).
+constexpr double kPosition = 0.005;
+constexpr double kRotation = 0.035;
+constexpr double kJoint = 0.1;  // [rad] few markers, if any, are beyond the joint
+
+// Highest frequency of what stances have in common over that of what they do not: a mean is smoother.
+constexpr double kCommonCutoff = 0.6;
+
+// Root mean squares over the stances, where they have markers.
+MarkerAccuracy PooledAccuracy(const std::vector<Stance>& stances) {
+  MarkerAccuracy pooled;
+  double with_markers = 0;
+  for (const Stance& stance : stances) {
+    if (!stance.measured) continue;
+    const MarkerAccuracy one = AccuracyOf(stance.markers, stance.foot);
+    if (!(one.position > 0)) continue;
+    with_markers += 1;
+    pooled.markers = std::max(pooled.markers, one.markers);
+    pooled.residual += one.residual * one.residual;
+    pooled.position += one.position * one.position;
+    pooled.rotation += one.rotation * one.rotation;
+  }
+  if (with_markers == 0) return {};
+  for (double* squares : {&pooled.residual, &pooled.position, &pooled.rotation})
+    *squares = std::sqrt(*squares / with_markers);
+  return pooled;
+}
+
+}  // namespace
+
+void AddMotionErrors(const MotionErrorSettings& settings, std::vector<Stance>& stances, int& next_parameter,
+                     std::vector<std::string>& notes) {
+  const MarkerAccuracy markers = PooledAccuracy(stances);
+  // Markers that a rigid foot follows exactly say nothing of how the foot bends, or moves in its shoe.
+  const double position = settings.position.value_or(std::max(markers.position, kPosition));
+  const double rotation = settings.rotation.value_or(std::max(markers.rotation, kRotation));
+  const double joint = settings.joint.value_or(kJoint);
+  const bool has_joint =
+      std::any_of(stances.begin(), stances.end(), [](const Stance& stance) { return stance.foot.has_joint; });
+  // The variance is divided between what stances have in common and what each has of its own.
+  const double common_share = 1 / std::hypot(1.0, settings.between_steps);
+  const double own_share = settings.between_steps * common_share;
+  // Steps without a plate leave the fit of the others as it is.
+  const auto measured =
+      std::count_if(stances.begin(), stances.end(), [](const Stance& stance) { return stance.measured; });
+  double duration = 0;
+  for (const Stance& stance : stances) {
+    if (stance.measured) duration += (stance.loaded[1] - stance.loaded[0]) / static_cast<double>(measured);
+  }
+
+  std::vector<int> components;
+  for (int c = 0; c < (has_joint ? kPoseComponents : kJointAngle); ++c) components.push_back(c);
+  for (Stance& stance : stances) {
+    StanceMotionErrors& errors = stance.motion_errors;
+    errors.components = components;
+    errors.own = static_cast<int>(components.size());
+    const auto directions = FootDirections(stance.forward, stance.side);
+    std::vector<double> phase_time;  // phase times the mean duration
+    const double stretch = duration / (stance.loaded[1] - stance.loaded[0]);
+    for (const double t : stance.time) phase_time.push_back((t - stance.loaded[0]) * stretch);
+    const auto common = MotionErrorBasis::Make(phase_time, 0, duration, settings.correlation_time,
+                                               kCommonCutoff * settings.cutoff, stretch);
+    const auto own = MotionErrorBasis::Make(stance.time, stance.recorded[0], stance.recorded[1],
+                                            settings.correlation_time, settings.cutoff);
+    int first = next_parameter;
+    for (const bool is_own : {false, true}) {
+      for (const int component : components) {
+        const auto c = static_cast<std::size_t>(component);
+        const double deviation = (is_own ? own_share : common_share) * (component <= kShiftZ  ? position
+                                                                        : component <= kTurnZ ? rotation
+                                                                                              : joint);
+        PoseTerm term;
+        term.basis = is_own ? own : common;
+        if (is_own) {
+          term.direction.setZero();
+          term.direction[component] = deviation;
+        } else {
+          term.direction = deviation * directions[c];
+        }
+        (is_own ? errors.deviation : errors.common)[c] = deviation;
+        term.first = first;
+        first += term.weights();
+        errors.terms.push_back(std::move(term));
+      }
+    }
+  }
+  // The common weights once, then the own ones of each stance and the places of its markers.
+  for (int i = 0; i < stances.front().motion_errors.own; ++i)
+    next_parameter += stances.front().motion_errors.terms[static_cast<std::size_t>(i)].weights();
+  for (Stance& stance : stances) {
+    StanceMotionErrors& errors = stance.motion_errors;
+    for (std::size_t i = static_cast<std::size_t>(errors.own); i < errors.terms.size(); ++i) {
+      errors.terms[i].first = next_parameter;
+      next_parameter += errors.terms[i].weights();
+    }
+  }
+  notes.push_back(fmt::format(
+      "the pose of a foot may deviate from the recorded one by {:.1f} mm and {:.1f} degrees (standard "
+      "deviations of the prior, {}), of which {:.0f} % of the variance differs from step to step",
+      1e3 * position, rotation * 180 / kPi,
+      settings.position && settings.rotation ? std::string("as set")
+      : markers.markers == 0                 ? std::string("published ones: no marker is on it")
+      : markers.position > kPosition ? fmt::format("from the residuals of {} markers on it, {:.1f} mm",
+                                                   markers.markers, 1e3 * markers.residual)
+                                     : fmt::format("published ones: {} markers on it leave {:.1f} mm",
+                                                   markers.markers, 1e3 * markers.residual),
+      100 * own_share * own_share));
+}
+
+}  // namespace sinew

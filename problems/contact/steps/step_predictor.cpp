@@ -1,0 +1,139 @@
+#include "problems/contact/steps/step_predictor.h"
+
+#include <algorithm>
+#include <cmath>
+#include <utility>
+
+#include "problems/contact/load/plate_channels.h"
+#include "problems/contact/steps/load_estimate.h"
+#include "problems/contact/steps/shared_deviation.h"
+
+namespace sinew {
+namespace {
+
+double MeanLoadedForce(const Stance& stance, const Block& vertical) {
+  double sum = 0;
+  double count = 0;
+  for (std::size_t i = 0; i < vertical.sample.size(); ++i) {
+    const double t = stance.time[static_cast<std::size_t>(vertical.sample[i])];
+    if (t < stance.loaded[0] || t > stance.loaded[1]) continue;
+    sum += vertical.measured[i];
+    count += 1;
+  }
+  return count > 0 ? sum / count : 0;
+}
+
+// Those of the vertical force and its place.
+std::vector<LoadRow> WithoutFriction(std::vector<LoadRow> rows) {
+  const auto feels_friction = [](const LoadRow& row) {
+    return std::any_of(row.terms.begin(), row.terms.end(), [](const LoadRow::Term& term) {
+      return term.factors[kForceX] != 0 || term.factors[kForceZ] != 0 || term.factors[kMomentY] != 0;
+    });
+  };
+  rows.erase(std::remove_if(rows.begin(), rows.end(), feels_friction), rows.end());
+  return rows;
+}
+
+// The horizontal force and the free moment about the centre of pressure, in place of those of friction.
+void TakeHorizontalLoad(const LoadEstimate& known, StepEstimate& estimate) {
+  for (std::size_t i = 0; i < known.load.size(); ++i) {
+    const auto t = static_cast<Eigen::Index>(i);
+    const ContactLoad& load = known.load[i];
+    ContactLoad free_moment = ContactLoad::Zero();
+    free_moment[kMomentY] = 1;
+    free_moment[kForceX] = -estimate.value[kCopZ][t];
+    free_moment[kForceZ] = estimate.value[kCopX][t];
+    const auto take = [&](std::size_t channel, const ContactLoad& factors) {
+      estimate.value[channel][t] = factors.dot(load);
+      estimate.deviation[channel][t] = std::sqrt(factors.dot(known.covariance[i] * factors));
+    };
+    take(kFx, ContactLoad::Unit(kForceX));
+    take(kFz, ContactLoad::Unit(kForceZ));
+    take(kFreeMoment, free_moment);
+  }
+}
+
+}  // namespace
+
+StepPredictor::StepPredictor(const ContactProblem& problem, std::vector<const Stance*> fitted,
+                             const std::vector<std::vector<ContactLoad>>& loads, const Vector& parameters)
+    : problem_(problem),
+      fitted_(std::move(fitted)),
+      parameters_(parameters),
+      errors_(fitted_, loads),
+      mean_(fitted_, loads, problem.settings().floor.height),
+      spread_(SpreadOfSteps(problem, fitted_, parameters)) {
+  const auto steps = static_cast<double>(fitted_.size());
+  for (const Stance* stance : fitted_) {
+    const auto vertical = static_cast<std::size_t>(stance->blocks[kFy]);
+    mean_force_ += MeanLoadedForce(*stance, problem.layout()[vertical]) / steps;
+    greatest_force_ += stance->greatest_force / steps;
+  }
+}
+
+std::vector<LoadRow> StepPredictor::RowsOfAStep(const Stance& stance) const {
+  constexpr double kMeanDiffers = 0.05;  // between the feet, and between steps
+  constexpr double kLight = 0.02;        // of the greatest force, where a stance begins and ends
+  if (!(mean_force_ > 0)) return {};
+  LoadRow mean;
+  std::vector<std::size_t> loaded;
+  for (std::size_t t = 0; t < stance.time.size(); ++t) {
+    if (stance.time[t] >= stance.loaded[0] && stance.time[t] <= stance.loaded[1]) loaded.push_back(t);
+  }
+  if (loaded.empty()) return {};
+  ContactLoad vertical = ContactLoad::Zero();
+  vertical[kForceY] = 1;
+  for (const std::size_t t : loaded)
+    mean.terms.push_back({static_cast<int>(t), vertical / static_cast<double>(loaded.size())});
+  mean.measured = mean_force_;
+  mean.deviation = kMeanDiffers * mean_force_;
+  std::vector<LoadRow> rows{mean};
+  for (const std::size_t t : {loaded.front(), loaded.back()})
+    rows.push_back({{{static_cast<int>(t), vertical}}, kLight * greatest_force_, kLight * greatest_force_});
+  return rows;
+}
+
+std::optional<StepEstimate> StepPredictor::Estimate(const Stance& stance,
+                                                    const std::vector<LoadRow>& rows) const {
+  Vector expected = parameters_;
+  SetMeanDeviation(fitted_, stance, expected);
+  auto estimate = EstimateStep(problem_, stance, expected, spread_, rows);
+  if (!estimate) return {};
+  return std::move(*estimate);
+}
+
+std::optional<StepEstimate> StepPredictor::ByMotion(const Stance& stance) const {
+  return Estimate(stance, RowsOfAStep(stance));
+}
+
+Wrench StepPredictor::Unusual(const Stance& stance) const {
+  Wrench squares = Wrench::Zero();
+  double count = 0;
+  for (std::size_t t = 0; t < stance.time.size(); ++t) {
+    if (!IsLoaded(stance, t) || stance.body->phase[t] != kSingle) continue;
+    squares += (errors_.CorrectedLoad(stance, t) - mean_.At(PhaseOf(stance, t))).array().square().matrix();
+    count += 1;
+  }
+  if (count == 0) return Wrench::Ones();
+  const Wrench expected = mean_.scatter().array().square() + errors_.scatter().array().square();
+  return (squares / count).cwiseQuotient(expected).array().sqrt().max(1.0);
+}
+
+std::optional<StepEstimate> StepPredictor::ByBody(const Stance& stance) const {
+  const std::vector<LoadRow> of_body = errors_.RowsFor(stance);
+  if (of_body.empty()) return {};
+  std::vector<LoadRow> rows = mean_.RowsFor(stance, Unusual(stance));
+  for (const std::vector<LoadRow>& more : {RowsOfAStep(stance), of_body})
+    rows.insert(rows.end(), more.begin(), more.end());
+  auto estimate = Estimate(stance, WithoutFriction(rows));
+  if (estimate) TakeHorizontalLoad(EstimateLoad(rows, stance.time.size()), *estimate);
+  return estimate;
+}
+
+Vector HalfWidthOf(const StepEstimate& estimate, std::size_t channel, const Block& block) {
+  constexpr double kInside95 = 1.96;  // standard deviations on both sides
+  const double accuracy = block.sigma.value_or(0);
+  return kInside95 * (estimate.deviation[channel].array().square() + accuracy * accuracy).sqrt().matrix();
+}
+
+}  // namespace sinew
