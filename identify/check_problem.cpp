@@ -5,6 +5,7 @@
 #include <exception>
 #include <limits>
 
+#include "base/random.h"
 #include "base/text.h"
 #include "identify/derivative_comparison.h"
 #include "identify/distinct_effects.h"
@@ -15,6 +16,8 @@ namespace {
 
 // Derivatives that differ by more than this share of their size are wrong, not inaccurate.
 constexpr double kWrong = 0.1;
+// Share of a range by which start values are moved.
+constexpr double kBeside = 1e-3;
 // Predictions that are no smoother than this are not compared with differences.
 constexpr double kSmoothEnough = 1e-6;
 
@@ -87,6 +90,40 @@ Status CheckFinite(const Problem& problem, const DerivativeQuery& query, const P
   return {};
 }
 
+Status CheckDerivatives(const Problem& problem, const DerivativeQuery& query) {
+  SINEW_ASSIGN(const bool agrees, DirectionsAgree(problem, query, kWrong));
+  if (agrees) return {};
+  JacobianReport report;
+  SINEW_TRY(CompareDerivatives(problem, query, kWrong, report));
+  if (report.wrong.empty()) return {};
+  const WrongDerivative& worst = *std::max_element(
+      report.wrong.begin(), report.wrong.end(),
+      [](const WrongDerivative& a, const WrongDerivative& b) { return a.deviation < b.deviation; });
+  return Fail("{}: the derivative by '{}' is {:.6g}, but differences of the predictions give {:.6g}{}",
+              Place(problem.layout()[static_cast<std::size_t>(worst.block)], worst.row), worst.name,
+              worst.got, worst.expected,
+              report.wrong.size() > 1 ? fmt::format(" ({} derivatives are wrong)", report.wrong.size()) : "");
+}
+
+// The start values with those that are asked for moved a little into their ranges.
+DerivativeQuery BesideStart(const Problem& problem, DerivativeQuery query) {
+  Random random(1);
+  for (std::size_t i = 0; i < problem.parameters().size(); ++i) {
+    if (!query.parameters[i]) continue;
+    const Parameter& p = problem.parameters()[i];
+    double& value = query.point[static_cast<Eigen::Index>(i)];
+    const double share = kBeside * random.Uniform(0.5, 1);
+    if (p.scale == Scale::kLog) {
+      const double factor = std::pow(p.upper / p.lower, share);
+      value = value * factor <= p.upper ? value * factor : value / factor;
+    } else {
+      const double step = share * (p.upper - p.lower);
+      value = value + step <= p.upper ? value + step : value - step;
+    }
+  }
+  return query;
+}
+
 // @param refused_is_error what becomes of a start that the problem itself refuses
 Status CheckAt(const Problem& problem, const DerivativeQuery& query, bool refused_is_error) {
   const auto workspace = problem.NewWorkspace();
@@ -104,18 +141,10 @@ Status CheckAt(const Problem& problem, const DerivativeQuery& query, bool refuse
   }
   SINEW_TRY(CheckFinite(problem, query, prediction));
   if (problem.cost_noise_level() > kSmoothEnough) return {};
-  SINEW_ASSIGN(const bool agrees, DirectionsAgree(problem, query, kWrong));
-  if (agrees) return {};
-  JacobianReport report;
-  SINEW_TRY(CompareDerivatives(problem, query, kWrong, report));
-  if (report.wrong.empty()) return {};
-  const WrongDerivative& worst = *std::max_element(
-      report.wrong.begin(), report.wrong.end(),
-      [](const WrongDerivative& a, const WrongDerivative& b) { return a.deviation < b.deviation; });
-  return Fail("{}: the derivative by '{}' is {:.6g}, but differences of the predictions give {:.6g}{}",
-              Place(problem.layout()[static_cast<std::size_t>(worst.block)], worst.row), worst.name,
-              worst.got, worst.expected,
-              report.wrong.size() > 1 ? fmt::format(" ({} derivatives are wrong)", report.wrong.size()) : "");
+  auto at_start = CheckDerivatives(problem, query);
+  // A start may lie on a kink (a joint at rest, held by friction); a wrong derivative is wrong beside it too.
+  if (!at_start && CheckDerivatives(problem, BesideStart(problem, query))) return {};
+  return at_start;
 }
 
 }  // namespace

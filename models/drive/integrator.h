@@ -20,6 +20,7 @@
 #include <cmath>
 #include <type_traits>
 
+#include "base/constants.h"
 #include "base/error.h"
 #include "models/drive/actuation.h"
 #include "models/drive/sampled_controller.h"
@@ -95,12 +96,20 @@ class DriveIntegrator {
       T instant(target);
       if (moves) instant += Tangent(shift_);
       SINEW_TRY(Advance(instant, moves));
+      if ((what == kTick || what == kSwitch) && Value(time_) > changed_ + same) {
+        before_ = held_;
+        changed_ = Value(time_);
+      }
       if (what == kKink) held_.piece = next;
       if (what == kSwitch) {
         ++next_switch;
         held_.on = !held_.on;
       }
-      if (what == kTick) controller_.Tick(tick++, Value(time_), q_, v_, actuation_, held_);
+      if (what == kTick) {
+        // The first one begins with the given speed also where friction holds the joint: with its derivative.
+        const T& v = tick == 0 && Value(time_) == run_.stops[first] ? dynamics_[kInitialSpeed] : v_;
+        controller_.Tick(tick++, Value(time_), q_, v, actuation_, held_);
+      }
       if (what == kPrediction) sink(stop++, Sample());
     }
     return {};
@@ -311,20 +320,29 @@ class DriveIntegrator {
     } else {
       play_ = q_;
     }
+    const double now = Value(time_);
+    DriveSample<T> sample{play_, v_, T(0), T(0)};
+    // A reading at a tick is what the controller sees, before its next command acts.
+    if (dynamics_.uses()[kCompliance]) {
+      const double same =
+          command_.sampled() ? DriveSampledController<T>::kSameTime * run_.gains.control_period : 0;
+      const DriveHeld<T>& acting = now <= changed_ + same ? before_ : held_;
+      if (acting.on) {
+        const auto motor = actuation_.MotorAt(dynamics_, acting, now, q_, v_);
+        sample.position += dynamics_[kCompliance] * dynamics_.DriveTorque(motor.command, v_, now);
+      }
+    }
     // At a sample of a held input, the new value counts.
     DriveHeld<T> held = held_;
-    const double now = Value(time_);
     if (!command_.sampled() && held.piece + 1 < static_cast<int>(run_.input.size()) &&
         actuation_.InputTime(held.piece + 1) <= now) {
       ++held.piece;
     }
     const auto motor = actuation_.MotorAt(dynamics_, held, now, q_, v_);
-    DriveSample<T> sample{play_, v_, T(0), T(0)};
     if (held.on) {
       sample.torque = dynamics_.DriveTorque(motor.command, v_, now);
       if (dynamics_.joint().electric) sample.current = dynamics_.Current(motor.command, v_, now);
     }
-    if (dynamics_.uses()[kCompliance]) sample.position += dynamics_[kCompliance] * sample.torque;
     return sample;
   }
 
@@ -357,6 +375,8 @@ class DriveIntegrator {
   bool stuck_ = false;
   double direction_ = 0;  // of slip
   DriveHeld<T> held_;
+  DriveHeld<T> before_;          // the last change at a tick or switch
+  double changed_ = -kInfinity;  // when that was
   DriveDynamics<Dual<1>> along_{plain_.joint(), {}, {}, false};
   bool along_ready_ = false;
 };

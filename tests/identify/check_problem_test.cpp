@@ -308,6 +308,20 @@ TEST(CheckProblem, AKinkIsNoWrongDerivative) {
   EXPECT_EQ(ErrorOf(CheckProblem(kinked)), "");
 }
 
+TEST(CheckProblem, AStartOnAKinkIsNoWrongDerivative) {
+  // Held by friction at the very start values, and nowhere beside them.
+  Decay held;
+  held.spoil = [](const Query& query, Prediction& prediction) {
+    const double off = query.parameters[Decay::kRate] - 1;
+    for (int b = 0; b < 2; ++b) {
+      prediction.values(b).array() += 5 * off;
+      if (query.derivatives && off != 0) prediction.derivatives(b).col(Decay::kRate).array() += 5;
+    }
+    return Status();
+  };
+  EXPECT_EQ(ErrorOf(CheckProblem(held)), "");
+}
+
 // Decay with its readings rounded to multiples of `step`, behind sensor effects.
 SensorEffects Quantised(double step, std::function<Status(const Query&, Prediction&)> spoil = nullptr) {
   auto inner = std::make_unique<Decay>();

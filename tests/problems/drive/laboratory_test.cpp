@@ -391,6 +391,7 @@ TEST(DriveSynthesis, ACascadeAgreesWithTheFittedModelFarBelowTheNoise) {
       {"sensing_delay", {{"sensing_delay", 0.01}}},  // between ticks the model is straight
       {"command_delay", {{"command_delay", 0.023}}},
       {"gain_compression", {{"compression", 0.3}}},
+      {"compliance", {{"transmission_compliance", 0.01}}},  // read before the next command acts
       {"reference.gain", {{"reference.gain", 1.05}}}};
   for (const double kind : {1.0, 2.0}) {
     SynthesisRequest request;

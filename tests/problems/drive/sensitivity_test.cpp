@@ -230,6 +230,33 @@ TEST(DriveSensitivity, OfACascadeWhoseMotorIsSwitched) {
                                  {"initial_integral@swing", 0.1}});
 }
 
+TEST(DriveSensitivity, OfACascadeThatBeginsHeldByFriction) {
+  Bench bench;
+  bench.input = "reference";
+  bench.input_unit = "rad";
+  bench.command = [](double t) { return 0.1 + Slow(t) - Slow(0); };
+  bench.settings =
+      "controller: {kind: cascade, position_gain: 12, velocity_gain: 1.2, velocity_integral: 8, "
+      "velocity_filter: 0.003, control_period: 0.004, output_limit: 0.6}";
+  const auto problem = BindBench(bench);
+  const auto at = [&](double speed) {
+    return PredictDrive(*problem, DrivePoint(*problem, {{"inertia", 0.03},
+                                                        {"viscous_friction", 0.05},
+                                                        {"gravity_torque", 0.3},
+                                                        {"coulomb_torque", 0.2},
+                                                        {"transmission_compliance", 0.02},
+                                                        {"initial_position@swing", 0.1},
+                                                        {"initial_speed@swing", speed}}));
+  };
+  // Friction takes the speed away at once, but the controller has seen it.
+  constexpr double kSpeed = 1e-6;
+  const Vector difference = (at(kSpeed).Values("position") - at(-kSpeed).Values("position")) / (2 * kSpeed);
+  const Vector derivative = at(0).Derivative("position", "initial_speed@swing");
+  const double size = derivative.cwiseAbs().maxCoeff();
+  EXPECT_GT(size, 1e-3);
+  EXPECT_LT((difference - derivative).cwiseAbs().maxCoeff(), 1e-3 * size);
+}
+
 TEST(DriveSensitivity, OfAServoWhoseMotorIsOff) {
   Bench bench;
   bench.input = "reference";
