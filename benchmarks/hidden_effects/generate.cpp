@@ -145,6 +145,12 @@ bool Exists(const Options& options, const std::string& effect) {
   return options.experiment != "cascade" || effect.rfind("torque.", 0) != 0;
 }
 
+// A constant torque is what the integral of a loop that was running already carries at the begin: no record
+// of a cascade shows it.
+bool IsAbsorbed(const Options& options, const std::string& effect) {
+  return options.experiment == "cascade" && effect == "torque_offset";
+}
+
 // Draws effects until one can have the wanted size with sensible parameters (a hold of one sample, say, may
 // not be as large as six units).
 Result<std::vector<Hidden>> Hide(const Options& options, const Oracle& oracle, const DrivePlan& plan) {
@@ -169,6 +175,7 @@ Result<std::vector<Hidden>> Hide(const Options& options, const Oracle& oracle, c
     const bool named = hidden.size() < options.effects.size();
     const std::string name = named ? options.effects[hidden.size()] : names[random.Index(names.size())];
     if (!hidden.empty() && hidden.front().name == name) continue;
+    if (!named && IsAbsorbed(options, name)) continue;
     SINEW_ASSIGN(auto one, TryToHide(options, oracle, plan, name, random));
     if (one) {
       hidden.push_back(std::move(*one));

@@ -115,6 +115,8 @@ std::string SettingsText(const DrivePlan& plan) {
         "    acceleration_feedforward: {}\n    control_period: {}\n    output_limit: {}\n",
         c.position_gain, c.velocity_gain, c.velocity_integral, c.velocity_filter, c.velocity_feedforward,
         c.acceleration_feedforward, trial.controller.control_period, trial.controller.output_limit);
+    // The loop has run for a while before the record begins.
+    if (c.velocity_integral > 0) text += "    initial_integral: fitted\n";
   }
   return text;
 }
