@@ -225,6 +225,7 @@ class Preparation {
     for (std::size_t m = 0; m < count; ++m) {
       std::vector<double>& others = made.muscles[m].others;
       others.assign(made.muscles[m].excitation.size(), 0);
+      made.muscles[m].number_of_others = static_cast<int>(count) - 1;
       for (std::size_t other = 0; other < count; ++other) {
         if (other == m) continue;
         for (std::size_t k = 0; k < others.size(); ++k)

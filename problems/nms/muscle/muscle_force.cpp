@@ -58,13 +58,22 @@ class MuscleForce {
 
   // Sample k of the excitation as it was, given the measured one.
   [[nodiscard]] T Excitation(std::size_t k) const {
-    const double measured = signals_.excitation[k];
-    if (excited_as_measured_) return T(measured);
+    if (excited_as_measured_) return T(signals_.excitation[k]);
+    const T own = WithoutCrossTalk(k);
     const double since = signals_.excitation_time[k] - signals_.excitation_time.front();
-    T excitation =
-        measured + measured * p_[kEmgGain] + (measured * since) * p_[kEmgDrift] + p_[kCoContraction];
-    if (!signals_.others.empty()) excitation -= signals_.others[k] * p_[kCrossTalk];
+    const T excitation = own + own * p_[kEmgGain] + own * since * p_[kEmgDrift] + p_[kCoContraction];
     return Value(excitation) >= 0 ? excitation : T(0.0);
+  }
+
+  // Every electrode records its muscle's excitation and the share c of the mean of the n others:
+  // s = (I + c (J - I) / n) e with J all ones, solved for e (Sherman, Morrison 1950).
+  [[nodiscard]] T WithoutCrossTalk(std::size_t k) const {
+    const double measured = signals_.excitation[k];
+    const T& share = p_[kCrossTalk];
+    if (signals_.others.empty() || IsAbsent(share)) return T(measured);
+    const double n = signals_.number_of_others;
+    const double sum = measured + n * signals_.others[k];
+    return (measured - sum / n * (share / (1.0 + share))) / (1.0 - share * (1 / n));
   }
 
   // Lengths of the unit at the angles as they were. A muscle shortens by its moment arm per angle.

@@ -84,7 +84,7 @@ TEST(NmsEffectsTest, EveryEffectIsThatOfTheLaboratory) {
   const Hidden kHidden[] = {
       {"emg_drift", {{"emg_drift", 0.02}}, 0.03},
       {"co_contraction", {{"co_contraction", 0.01}}, 0.03},
-      {"cross_talk", {{"cross_talk", 0.1}}, 0.3},
+      {"cross_talk", {{"cross_talk", 0.1}}, 0.03},
       {"longer_delay", {{"longer_delay", 0.02}}, 0.03},
       {"slower_activation", {{"slower_activation", 0.5}}, 0.03},
       {"force_enhancement", {{"force_enhancement", 0.3}}, 0.05},
