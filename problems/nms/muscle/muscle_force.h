@@ -60,7 +60,7 @@ struct MuscleSignals {
   std::vector<double> excitation_time;    ///< [M >= 2, s, increasing]
   std::vector<double> excitation;         ///< [M, 0..1]
   std::vector<double> others;             ///< [M] mean of the other muscles' excitations; empty: 0
-  int number_of_others = 0;               ///< of these muscles
+  int number_of_others = 1;               ///< of these muscles [>= 1]
   std::vector<double> time;               ///< [N >= 2, s, increasing] of lengths and forces
   std::vector<double> unit_length;        ///< [N, m] of muscle and tendon
   std::vector<std::vector<double>> arms;  ///< [joints <= kMaxJoints] [N, m] = -d unit_length / d angle

@@ -69,6 +69,7 @@ TEST(MuscleForceTest, DerivativesAreThoseOfDifferences) {
   const MuscleCurves curves = MuscleCurves::Default();
   MuscleSignals signals = Signals();
   for (const double t : signals.excitation_time) signals.others.push_back(0.1 + 0.1 * std::cos(3 * t));
+  signals.number_of_others = 3;
   signals.arms.emplace_back();
   signals.arm_slopes.emplace_back();
   for (const double t : signals.time) {
