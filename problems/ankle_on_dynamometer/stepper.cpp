@@ -74,10 +74,17 @@ void AnkleStepper::Activate(std::vector<double>& activation) const {
   }
 }
 
+double AnkleStepper::Drive(std::size_t muscle, const double* excitations) const {
+  const auto count = static_cast<int>(paths_.size()) - 1;
+  double others = 0;
+  for (std::size_t m = 0; m < paths_.size(); ++m) others += m == muscle ? 0 : excitations[m] / count;
+  return std::min(ExcitationAsItWas(excitations[muscle], others, count, values_), 1.0);
+}
+
 Status AnkleStepper::Begin(double angle, const double* excitations) {
   filters_.clear();
   for (std::size_t m = 0; m < paths_.size(); ++m) {
-    const double drive = std::clamp(excitations[m] + values_[kUnseenDrive], 0.0, 1.0);
+    const double drive = Drive(m, excitations);
     filters_.emplace_back(FilterOfTimes(values_[kAnkleFilterTime], 0.0, period_));
     filters_.back().Settle(drive);
     std::fill(drive_[m].begin(), drive_[m].end(), drive);
@@ -92,13 +99,8 @@ Status AnkleStepper::Begin(double angle, const double* excitations) {
 Result<double> AnkleStepper::Step(double angle, const double* excitations) {
   if (!run_) return Fail("Step was called before Begin");
   for (std::size_t m = 0; m < paths_.size(); ++m) {
-    double others = 0;
-    for (std::size_t k = 0; k < paths_.size(); ++k) others += k == m ? 0 : excitations[k];
-    if (paths_.size() > 1) others /= static_cast<double>(paths_.size() - 1);
-    const double e =
-        std::clamp(excitations[m] + values_[kUnseenDrive] - values_[kEmgCrossTalk] * others, 0.0, 1.0);
     const std::size_t next = (newest_ + 1) % drive_[m].size();
-    drive_[m][next] = filters_[m].Next(e);
+    drive_[m][next] = filters_[m].Next(Drive(m, excitations));
   }
   if (!paths_.empty()) newest_ = (newest_ + 1) % drive_.front().size();
   Activate(now_);

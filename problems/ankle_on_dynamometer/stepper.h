@@ -41,6 +41,8 @@ class AnkleStepper {
 
  private:
   AnkleStepper(AnkleSettings settings, std::vector<double> values, double rate, double cutoff);
+  /// The excitation of a muscle as it was [0..1], given the measured ones.
+  [[nodiscard]] double Drive(std::size_t muscle, const double* excitations) const;
   /// Neural drive of a muscle `late_` before the newest sample.
   [[nodiscard]] double DelayedDrive(std::size_t muscle) const;
   void Activate(std::vector<double>& activation) const;

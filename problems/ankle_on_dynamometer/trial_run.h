@@ -6,10 +6,21 @@
 
 #include "models/dynamometer/strapped_foot_run.h"
 #include "models/muscle/activation.h"
+#include "models/muscle/cross_talk.h"
 #include "problems/ankle_on_dynamometer/data.h"
 #include "problems/ankle_on_dynamometer/effects.h"
 
 namespace sinew {
+
+/// The excitation of a muscle as it was. @param measured its own @param others mean of the others' measured
+/// ones
+/// @param count of the others
+template <class T>
+[[nodiscard]] T ExcitationAsItWas(double measured, double others, int count, const std::vector<T>& values) {
+  T excitation = values[kUnseenDrive];
+  excitation += count > 0 ? WithoutCrossTalk(measured, others, count, values[kEmgCrossTalk]) : T(measured);
+  return Value(excitation) >= 0 ? excitation : T(0.0);
+}
 
 /// Sample k of every muscle's excitation as it was, given the measured ones.
 template <class T>
@@ -18,15 +29,11 @@ class ExcitationsOf {
   ExcitationsOf(const AnkleTrial& trial, const std::vector<T>& values) : trial_(trial), values_(values) {}
 
   [[nodiscard]] T operator()(std::size_t muscle, std::size_t k) const {
-    const double measured = trial_.excitations[muscle][k];
-    T excitation = measured + values_[kUnseenDrive];
-    if (trial_.excitations.size() > 1) {
-      double others = 0;
-      for (std::size_t m = 0; m < trial_.excitations.size(); ++m)
-        others += m == muscle ? 0 : trial_.excitations[m][k];
-      excitation -= values_[kEmgCrossTalk] * (others / static_cast<double>(trial_.excitations.size() - 1));
-    }
-    return Value(excitation) >= 0 ? excitation : T(0.0);
+    const auto count = static_cast<int>(trial_.excitations.size()) - 1;
+    double others = 0;
+    for (std::size_t m = 0; m < trial_.excitations.size(); ++m)
+      others += m == muscle ? 0 : trial_.excitations[m][k] / count;
+    return ExcitationAsItWas(trial_.excitations[muscle][k], others, count, values_);
   }
 
  private:

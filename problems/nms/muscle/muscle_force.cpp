@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "models/muscle/cross_talk.h"
 #include "models/muscle/elastic_tendon.h"
 #include "models/muscle/force_history.h"
 #include "models/muscle/spline_end.h"
@@ -59,21 +60,14 @@ class MuscleForce {
   // Sample k of the excitation as it was, given the measured one.
   [[nodiscard]] T Excitation(std::size_t k) const {
     if (excited_as_measured_) return T(signals_.excitation[k]);
-    const T own = WithoutCrossTalk(k);
+    const double measured = signals_.excitation[k];
+    const T own =
+        signals_.others.empty() || IsAbsent(p_[kCrossTalk])
+            ? T(measured)
+            : WithoutCrossTalk(measured, signals_.others[k], signals_.number_of_others, p_[kCrossTalk]);
     const double since = signals_.excitation_time[k] - signals_.excitation_time.front();
     const T excitation = own + own * p_[kEmgGain] + own * since * p_[kEmgDrift] + p_[kCoContraction];
     return Value(excitation) >= 0 ? excitation : T(0.0);
-  }
-
-  // Every electrode records its muscle's excitation and the share c of the mean of the n others:
-  // s = (I + c (J - I) / n) e with J all ones, solved for e (Sherman, Morrison 1950).
-  [[nodiscard]] T WithoutCrossTalk(std::size_t k) const {
-    const double measured = signals_.excitation[k];
-    const T& share = p_[kCrossTalk];
-    if (signals_.others.empty() || IsAbsent(share)) return T(measured);
-    const double n = signals_.number_of_others;
-    const double sum = measured + n * signals_.others[k];
-    return (measured - sum / n * (share / (1.0 + share))) / (1.0 - share * (1 / n));
   }
 
   // Lengths of the unit at the angles as they were. A muscle shortens by its moment arm per angle.
