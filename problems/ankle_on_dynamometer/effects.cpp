@@ -139,7 +139,7 @@ void AddHumanEffects(ParameterListBuilder& add, bool muscles) {
   add.BeginEffect("emg_crosstalk", Level::kHuman, "electrodes see the other muscles too",
                   "contractions of single muscles")
       .Is(Occurrence::kCommon)
-      .TwoSided(kEmgCrossTalk, "emg_crosstalk", "1", "share of the other muscles' mean excitation", 0.6);
+      .Number(kEmgCrossTalk, "emg_crosstalk", "1", "share of the other muscles' mean excitation", -0.1, 0.6);
   add.BeginEffect("antagonist", Level::kHuman,
                   "a plantarflexor without electrode is active together with the others",
                   "the same contraction with an electrode on the antagonist")

@@ -254,7 +254,7 @@ TEST_P(ConformanceTest, ParametersLayoutAndEffectsAreValid) {
 TEST_P(ConformanceTest, JacobianAgreesWithDifferences) {
   constexpr double kTolerance = 1e-6;  // of differences, see CheckJacobian
   constexpr int kRounds = 5;           // ... and more, until every parameter has been compared
-  constexpr int kMaxRounds = 10;
+  constexpr int kMaxRounds = 20;
   if (Expected().fits_states) GTEST_SKIP() << "its derivatives have a test of their own";
   Random random(1);
   JacobianCheck total;
