@@ -38,6 +38,10 @@ def _digest(notebook, files):
     return digest.hexdigest()
 
 
+def _sources(notebook):
+    return [(cell.cell_type, cell.source) for cell in notebook.cells]
+
+
 class KeptPages:
     def __init__(self, folder):
         self.folder = os.path.join(folder, FOLDER)
@@ -46,16 +50,26 @@ class KeptPages:
     def take(self, notebooks, files):
         """Replaces notebooks {name: notebook} by their executed selves where these are there; returns the names of the others.
 
-        files: {name: paths that the notebook reads}.
+        files: {name: paths that the notebook reads}. Raises OSError: one of these cannot be read.
         """
         rest = []
         for name, notebook in notebooks.items():
             self.digests[name] = _digest(notebook, files[name])
-            try:
-                notebooks[name] = nbformat.read(self._path(name), as_version=4)
-            except (OSError, ValueError):  # none, or not whole
+            executed = self._read(name)
+            if executed is None or _sources(executed) != _sources(notebook):
                 rest.append(name)
+            else:
+                notebooks[name] = executed
         return rest
+
+    def _read(self, name):
+        """None: there is none, or something else than a notebook."""
+        try:
+            executed = nbformat.read(self._path(name), as_version=4)
+            nbformat.validate(executed)
+            return executed
+        except (OSError, ValueError, KeyError, TypeError, AttributeError, nbformat.ValidationError):
+            return None
 
     def keep(self, name, notebook):
         """What cannot be kept is executed once more: no reason to end."""

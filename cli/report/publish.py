@@ -67,7 +67,10 @@ def _publish_into(folder, out_dir, files, threads, kept):
         read[OVERVIEW] = [file.path for file in files]
     _check_inputs_stay(files, folder, notebooks)
     # One notebook takes seconds: nothing of it is worth keeping.
-    rest = kept.take(notebooks, read) if len(files) > 1 else list(notebooks)
+    try:
+        rest = kept.take(notebooks, read) if len(files) > 1 else list(notebooks)
+    except OSError as error:
+        raise ReportFailed(f"{error.filename}: cannot be read: {error.strerror}") from error
     try:
         if rest:
             _execute_apart({name: notebooks[name] for name in rest}, folder, threads, kept if len(files) > 1 else None)

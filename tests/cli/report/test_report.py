@@ -261,7 +261,14 @@ class StoppedReportOfSeveral(WithFolder):
     def test_a_page_of_a_changed_file_or_a_damaged_one_is_made_again(self):
         self.assertEqual(self.publish(stop_after=1), (1, 1))
         for path in (self.out / ".sinew-report").iterdir():
-            path.write_text(path.read_text()[:100])
+            whole = path.read_text()
+            for damaged in (whole[:100], "", "[]", "{}", whole.replace('"cells"', '"sells"'),
+                            '{"cells": [], "metadata": {}, "nbformat": 4, "nbformat_minor": 5}'):
+                path.write_text(damaged)
+                kept = publish.kept_pages.KeptPages(str(self.out))
+                kept.digests["page"] = path.stem
+                executed = kept._read("page")
+                self.assertTrue(executed is None or not executed.cells, damaged[:100])
         self.assertEqual(self.publish(stop_after=1), (1, 1))
         for path in self.paths:
             with h5py.File(path, "a") as file:

@@ -17,8 +17,9 @@ inline constexpr double kWalkNoise = 0.01;
 inline constexpr double kWalkStep = 0.35;  // [rad] standard deviation of a step of the phase
 inline constexpr double kWalkSpeed = 0.4;  // [rad] a sample
 
-/// y = sin(speed i + phase), where the phase wanders by a normal step every second sample: over a trial it
-/// goes through several periods, which only those next to each other tell apart. @return the true steps
+/// y = sin(speed i + phase), whose phase is a random walk of normal steps, one every second sample: over a
+/// trial it goes through several periods, which only those next to each other tell apart. @return the true
+/// steps
 inline std::vector<double> AddRandomWalk(FunctionProblem& problem, const std::string& trial, int first_column,
                                          std::uint64_t seed) {
   constexpr int kSteps = kWalkSamples / 2;
