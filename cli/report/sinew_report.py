@@ -70,7 +70,8 @@ def make(options):
         return FAILED
     except interrupt.Interrupted as error:
         stop, kept = error.args
-        again = f"the same command goes on with the {kept} notebooks that are done" if kept else "begin it again"
+        done = "the notebook that is done" if kept == 1 else f"the {kept} notebooks that are done"
+        again = f"the same command goes on with {done}" if kept else "begin it again"
         print(f"sinew: stopped by {stop.name}; nothing was written: {again}", file=sys.stderr)
         return STOPPED + error.args[0]
     print(f"Report: {entry}")
