@@ -47,7 +47,8 @@ def request(name, value):
     if name == "tilted_floor":
         return f"tilted_floor:floor_slope_x={value!r},floor_slope_z=0"
     if name == "foot_bend":
-        return f"foot_bend:foot_bend_early=0,foot_bend_middle=0,foot_bend_late={value!r}"
+        # Sized like the other effects of several values: `smallest_detectable` is of the first one.
+        return f"foot_bend:foot_bend_early={value!r},foot_bend_middle=0,foot_bend_late=0"
     parameter = {"missing_toe_region": "toe_region_weight"}.get(name, "value" if "." in name else name)
     return f"{name}:{parameter}={1 + value if name.endswith(OF_NULL_ONE) else value!r}"
 

@@ -173,6 +173,7 @@ struct LevelEvidence {
   /// By how much it explains less than the named causes (the base model, if there are none): difference of
   /// -2 log-likelihood at the price of 4 per parameter; NaN if Diagnosis::left_out.
   double behind = 0;
+  bool suffices = false;  ///< that is within the width of the stated set: these effects alone may be all
   /// If Diagnosis::left_out: error of left-out data with these effects over that of the base model; else 0,
   /// or where no set of this level alone was fitted.
   double left_out = 0;

@@ -171,10 +171,10 @@ void WeighLevels(const DiagnosisState& state, Diagnosis& diagnosis) {
   const LevelWeighing weighing(state);
   diagnosis.levels = state.selection.cross_validated ? weighing.LeftOut() : weighing.Refitted();
   for (LevelEvidence& one : diagnosis.levels) {
+    one.suffices = one.behind <= SetWidth(state.selection.model);
     if (Blames(diagnosis, one.level)) {
       one.standing = LevelStanding::kBlamed;
-    } else if (!diagnosis.causes.empty() &&
-               (MayReplaceACause(diagnosis, one.level) || one.behind <= SetWidth(state.selection.model))) {
+    } else if (!diagnosis.causes.empty() && (MayReplaceACause(diagnosis, one.level) || one.suffices)) {
       one.standing = LevelStanding::kPossible;
     }
   }

@@ -112,10 +112,15 @@ void AddLevels(const Diagnosis& d, std::vector<Sentence>& sentences) {
   if (!possible.empty())
     text += fmt::format(", or {} in place of {}: these data do not tell them apart", And(possible),
                         blamed.size() == 1 ? "it" : "one of them");
-  // Of several levels, what each alone lacks; of one, what the best other one lacks.
+  const bool one_suffices = std::any_of(d.levels.begin(), d.levels.end(), [](const LevelEvidence& level) {
+    return level.standing == LevelStanding::kBlamed && level.suffices;
+  });
+  // Of several levels, what each alone lacks, or only those that lack nothing; of one, what the best other
+  // one lacks.
   for (const LevelEvidence& level : d.levels) {
-    const bool told = blamed.size() > 1 ? level.standing == LevelStanding::kBlamed
-                                        : level.standing != LevelStanding::kBlamed;
+    const bool told = blamed.size() > 1
+                          ? level.standing == LevelStanding::kBlamed && level.suffices == one_suffices
+                          : level.standing != LevelStanding::kBlamed;
     const std::string lacks = told ? BehindText(level) : "";
     if (!lacks.empty()) behind.push_back(lacks);
     if (blamed.size() == 1 && !behind.empty()) break;
@@ -123,7 +128,8 @@ void AddLevels(const Diagnosis& d, std::vector<Sentence>& sentences) {
   if (behind.empty()) {
     text += ".";
   } else if (blamed.size() > 1) {
-    text += ". No level suffices alone: " + Join(behind, "; ") + ".";
+    text += (one_suffices ? ". One level may be enough: " : ". No level suffices alone: ") +
+            Join(behind, "; ") + ".";
   } else {
     text += (possible.empty() ? ". The best of another level: " : "; ") + behind.front() + ".";
   }

@@ -3,11 +3,15 @@
 #include <algorithm>
 #include <cmath>
 
+#include "identify/statistics/distributions.h"
+
 namespace sinew::uncertainty {
 namespace {
 
 // Andrews, Monahan 1992 bound the autoregression, so that recolouring stays finite: 1 / (1 - 0.97) = 33.
 constexpr double kLargestCorrelation = 0.97;
+constexpr Eigen::Index kCosines = 12;  // of all blocks together, where scores are correlated beyond that
+constexpr double kNormal95 = 1.959964;
 
 /// Consecutive rows of one block.
 struct Span {
@@ -16,7 +20,7 @@ struct Span {
 };
 
 /// Lag-one autocorrelation of each column, over all spans [k].
-Vector LagOne(const Matrix& series, const std::vector<Span>& spans) {
+Vector UnboundedLagOne(const Matrix& series, const std::vector<Span>& spans) {
   Vector correlation = Vector::Zero(series.cols());
   for (Eigen::Index j = 0; j < series.cols(); ++j) {
     double pairs = 0;
@@ -27,9 +31,13 @@ Vector LagOne(const Matrix& series, const std::vector<Span>& spans) {
       pairs += from.dot(series.col(j).segment(s.first + 1, s.count - 1));
       squares += from.squaredNorm();
     }
-    if (squares > 0) correlation[j] = std::clamp(pairs / squares, -kLargestCorrelation, kLargestCorrelation);
+    if (squares > 0) correlation[j] = pairs / squares;
   }
   return correlation;
+}
+
+Vector LagOne(const Matrix& series, const std::vector<Span>& spans) {
+  return UnboundedLagOne(series, spans).cwiseMax(-kLargestCorrelation).cwiseMin(kLargestCorrelation);
 }
 
 /// Number of lags for the Bartlett kernel over n rows.
@@ -84,6 +92,37 @@ Matrix LongRunCovariance(const Matrix& scores, std::vector<Span> spans) {
   return n / rows * recolour.asDiagonal() * sum * recolour.asDiagonal();
 }
 
+// By the cosines of the lowest frequencies over each span (see the header), scaled by Student's t.
+Matrix CosineCovariance(const Matrix& scores, const std::vector<Span>& spans) {
+  const auto trials = static_cast<Eigen::Index>(spans.size());
+  const Eigen::Index each = (kCosines + trials - 1) / trials;
+  Matrix sum = Matrix::Zero(scores.cols(), scores.cols());
+  const auto add = [&](const Vector& component) { sum += component * component.transpose(); };
+  for (const Span& s : spans) {
+    const auto rows = scores.middleRows(s.first, s.count);
+    const auto n = static_cast<double>(s.count);
+    // All scores together sum to zero at the minimum, those of one of several trials do not.
+    if (trials > 1) add(rows.colwise().sum().transpose() / std::sqrt(n));
+    const Vector phase = (Vector::LinSpaced(s.count, 0, n - 1).array() + 0.5) * (EIGEN_PI / n);
+    for (Eigen::Index j = 1; j <= each; ++j)
+      add(std::sqrt(2 / n) * (rows.transpose() * (static_cast<double>(j) * phase).array().cos().matrix()));
+  }
+  const auto degrees = static_cast<double>(each * trials + trials - 1);
+  const double wider = statistics::StudentTQuantile(0.975, degrees) / kNormal95;
+  return sum * (static_cast<double>(scores.rows()) / degrees * wider * wider);
+}
+
+// Both variances of each parameter, the larger one: the correlations are those of `a`.
+Matrix WithLargerVariances(Matrix a, const Matrix& b) {
+  for (Eigen::Index i = 0; i < a.cols(); ++i) {
+    if (!(a(i, i) > 0 && b(i, i) > a(i, i))) continue;
+    const double factor = std::sqrt(b(i, i) / a(i, i));
+    a.row(i) *= factor;
+    a.col(i) *= factor;
+  }
+  return a;
+}
+
 }  // namespace
 
 Matrix PlainCovariance(const Information& info, const Vector& deviation) {
@@ -101,8 +140,12 @@ Matrix RobustCovariance(const Information& info, const Linearization& at, const 
   const double degrees = static_cast<double>(n) - info.leverage.head(n).sum();
   const double correction = static_cast<double>(n) / std::max(degrees, 1.0);
   const Matrix prior_rows = deviation.tail(priors).asDiagonal() * info.columns.bottomRows(priors);
-  const Matrix long_run = correction * LongRunCovariance(scores, std::move(spans)) + Gram(prior_rows);
-  return info.inverse * long_run * info.inverse;
+  const auto covariance = [&](const Matrix& long_run) -> Matrix {
+    return info.inverse * (correction * long_run + Gram(prior_rows)) * info.inverse;
+  };
+  const Matrix kernel = covariance(LongRunCovariance(scores, spans));
+  if (!(UnboundedLagOne(scores, spans).maxCoeff() > kLargestCorrelation)) return kernel;
+  return WithLargerVariances(kernel, covariance(CosineCovariance(scores, spans)));
 }
 
 }  // namespace sinew::uncertainty

@@ -25,6 +25,12 @@ namespace sinew::uncertainty {
 /// alone is far too small for residuals with a correlation of 0.8 in a few hundred samples. Its lag is the
 /// larger of 4 (n/100)^(2/9) (Newey, West 1994) and the AR(1) plug-in of Andrews 1991, eq 6.4. Scaled by n /
 /// (n - leverage). Rows of priors enter as in PlainCovariance.
+///
+/// Where the scores of a parameter are correlated by more than 0.97 from row to row, their memory is longer
+/// than any such kernel: a force that is recorded with noise, in open loop, makes the position a random walk.
+/// Each variance is then at least that of the cosines of the lowest frequencies (Mueller 2007, J.
+/// Econometrics 141:1331; Lazarus, Lewis, Stock, Watson 2018, JBES 36:541): 12 or more over all blocks, with
+/// the sums of the blocks, times the square of the ratio of Student's to the normal quantile.
 [[nodiscard]] Matrix RobustCovariance(const Information& info, const Linearization& at,
                                       const Vector& deviation);
 

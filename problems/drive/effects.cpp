@@ -60,10 +60,13 @@ void AddBase(const DriveTraits& is, const DriveScales& s, const DriveStarts& sta
   // closed loop the guess takes a lag for inertia.
   const double factor = is.load_known || is.controller != DriveControllerKind::kNone ? 30 : 10;
   constexpr double kFactor = 30;
+  // A motor behind a gear may have several times the inertia of what it moves.
+  constexpr double kMostOwnInertia = 10;
   const double inertia = start[kInertia];
   const double viscous = std::max(start[kViscousFriction], s.torque / s.speed);
   add.Base(kInertia, "inertia", unit.inertia, "moving inertia at the joint", inertia / factor,
-           inertia * factor, inertia, Scale::kLog, is.fixed[kInertia]);
+           std::max(inertia * factor, kMostOwnInertia * is.load_inertia), inertia, Scale::kLog,
+           is.fixed[kInertia]);
   add.Base(kViscousFriction, "viscous_friction", unit.viscous, "friction per speed", 0, 10 * viscous,
            start[kViscousFriction], Scale::kLinear, is.fixed[kViscousFriction]);
   const bool hangs = is.rotary && !is.load_known;
@@ -72,9 +75,9 @@ void AddBase(const DriveTraits& is, const DriveScales& s, const DriveStarts& sta
            -10 * gravity, 10 * gravity, hangs ? start[kGravityTorque] : 0, Scale::kLinear,
            hangs ? is.fixed[kGravityTorque] : std::optional(0.0));
   const bool gain = !is.electric && is.load_known && is.controller == DriveControllerKind::kNone;
-  add.Base(kDriveGain, "drive_gain", "1", "torque per commanded torque", 0, 10 * start[kDriveGain],
-           start[kDriveGain], Scale::kLinear,
-           gain ? is.fixed[kDriveGain] : std::optional(is.fixed[kDriveGain].value_or(1)));
+  const double most_gain = 10 * (start[kDriveGain] > 0 ? start[kDriveGain] : 1);
+  add.Base(kDriveGain, "drive_gain", "1", "torque per commanded torque", 0, most_gain, start[kDriveGain],
+           Scale::kLinear, gain ? is.fixed[kDriveGain] : std::optional(is.fixed[kDriveGain].value_or(1)));
   const double constant = start[kTorqueConstant];
   add.Base(kTorqueConstant, "torque_constant", unit.torque_constant, "torque per current", constant / kFactor,
            constant * kFactor, constant, Scale::kLog,

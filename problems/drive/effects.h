@@ -35,6 +35,7 @@ struct DriveTraits {
   bool rotary = true;
   bool electric = false;
   bool load_known = false;
+  double load_inertia = 0;  ///< [kg*m2] of the known load
   DriveInput input = DriveInput::kTorque;
   DriveControllerKind controller = DriveControllerKind::kNone;
   bool held = false;                ///< the input is held between samples

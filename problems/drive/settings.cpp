@@ -81,7 +81,8 @@ Result<DriveControllerSettings> ReadController(const YamlReader& yaml) {
   SINEW_TRY(OnlyKeysOf(kind, yaml));
   DriveControllerSettings controller;
   controller.kind = kind.kind;
-  SINEW_ASSIGN(const auto output, ReadChoice(yaml, "output", {"torque", "voltage"}));
+  // `force` and `torque` name the same, as in `fit`.
+  SINEW_ASSIGN(const auto output, ReadChoice(yaml, "output", {"torque", "voltage", "force"}));
   controller.gives_voltage = output == 1;
   SINEW_ASSIGN(const auto integral, ReadChoice(yaml, "initial_integral", {"zero", "fitted"}));
   controller.integral_is_fitted = integral == 1;

@@ -24,6 +24,7 @@ struct Row {
   double speed = 0;
   double gravity = 0;    // sin q
   double direction = 0;  // of motion, from -1 to 1
+  double position = 0;
   double one = 0;
 };
 
@@ -45,6 +46,7 @@ Row Window(const DriveMotion& motion, const std::vector<double>& command, std::s
     row.command += dt * window * command[i];
     row.gravity += dt * window * std::sin(motion.position[i]);
     row.direction += dt * window * std::tanh(motion.speed[i] / slow);
+    row.position += dt * window * motion.position[i];
     row.one += dt * window;
     if (motion.speed_measured) {
       row.speed += dt * window * motion.speed[i];
@@ -178,7 +180,8 @@ std::vector<double> ReplayCommand(const DriveCommand& command, const DriveMotion
 DriveStarts EstimateDriveStarts(const DriveJoint& joint, const DriveCommand& command,
                                 const std::vector<DriveMotion>& motions,
                                 const std::array<std::optional<double>, kDriveSlots>& fixed) {
-  constexpr double kTypicalTime = 0.2;  // [s] to reach the highest speed with the largest torque
+  constexpr double kTypicalTime = 0.2;       // [s] to reach the highest speed with the largest torque
+  constexpr double kLeastOwnInertia = 0.01;  // of that of a known load
   double most_command = 0;
   double most_speed = 0;
   for (const DriveMotion& motion : motions) {
@@ -218,6 +221,7 @@ DriveStarts EstimateDriveStarts(const DriveJoint& joint, const DriveCommand& com
   const Vector u = column([](const Row& row) { return row.command; });
   const Vector one = column([](const Row& row) { return row.one; });
   const Vector direction = column([](const Row& row) { return row.direction; });
+  const Vector position = column([](const Row& row) { return row.position; });
   if (joint.load_known) {
     // gain u - damping v - inertia a = load inertia a + load gravity
     columns = {acceleration, speed, -u};
@@ -235,8 +239,14 @@ DriveStarts EstimateDriveStarts(const DriveJoint& joint, const DriveCommand& com
   if (joint.load_known) {
     const double gain = x[2];  // torque per command
     if (!(gain > 0)) return starts;
-    // The load dominates: what is left for the joint's own inertia may be anything small.
-    starts[kInertia] = std::max(x[0], 0.01 * joint.load_inertia);
+    // What a spring, an offset or dry friction take of the torque may leave nothing for the joint's own
+    // inertia.
+    const double least = kLeastOwnInertia * joint.load_inertia;
+    if (x[0] < least) {
+      columns.insert(columns.end(), {direction, one, position});
+      if (const auto beside = Solve(columns, right); beside && (*beside)[2] > 0) x[0] = (*beside)[0];
+    }
+    starts[kInertia] = std::max(x[0], least);
     if (!joint.electric) {
       starts[kDriveGain] = gain;
       starts[kViscousFriction] = std::max(x[1], 0.0);

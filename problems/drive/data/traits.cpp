@@ -138,6 +138,7 @@ Status FindJoint(const Dataset& data, DriveTraits& traits, DriveJoint& joint) {
     joint.load_gravity = *mass * kStandardGravity * *length;
   }
   traits.load_known = joint.load_known;
+  traits.load_inertia = joint.load_inertia;
   joint.incline_force = ConstantOf(data, "incline_force").value_or(0);
   joint.gear_ratio = ConstantOf(data, "gear_ratio").value_or(1);
   if (!(joint.gear_ratio > 0)) return Fail("constant 'gear_ratio' is {}, expected above 0", joint.gear_ratio);

@@ -16,6 +16,7 @@ namespace {
 
 using testing::ElementsAre;
 using testing::HasSubstr;
+using testing::Not;
 
 Diagnosis Examine(const LinearLaws::Truth& truth, int threads = 1, std::uint64_t seed = 5) {
   const LinearLaws problem(truth, seed);
@@ -92,12 +93,19 @@ TEST(LevelEvidence, CausesOfTwoLevelsBlameBoth) {
     ASSERT_NE(Of(d, level), nullptr);
     EXPECT_EQ(Of(d, level)->standing, LevelStanding::kBlamed);
     EXPECT_GT(Of(d, level)->behind, diagnosis::kSetWidth);
+    EXPECT_FALSE(Of(d, level)->suffices);
     for (const std::string& effect : Of(d, level)->effects) EXPECT_NE(effect, "drift");
   }
   EXPECT_EQ(Of(d, Level::kRobot)->standing, LevelStanding::kWorse);
   const std::string said = LevelSentence(d);
   EXPECT_THAT(said, HasSubstr("Levels: "));
   EXPECT_THAT(said, HasSubstr("No level suffices alone: "));
+
+  Diagnosis close = d;
+  for (LevelEvidence& one : close.levels) one.suffices = one.level == Level::kBoundary;
+  EXPECT_THAT(LevelSentence(close), HasSubstr(". One level may be enough: "));
+  EXPECT_THAT(LevelSentence(close), HasSubstr("[boundary]"));
+  EXPECT_THAT(LevelSentence(close), Not(HasSubstr("[human]")));
 }
 
 // A misfit that dominates the noise: likelihoods say little, left-out data decide.

@@ -23,4 +23,13 @@ inline Result<double> Decay(const Block& /*block*/, double t, const Vector& p, V
   return p[0] * shape;
 }
 
+/// cosine cos(w t) + sine sin(w t), three turns in two seconds
+inline Result<double> Swing(const Block& /*block*/, double t, const Vector& p, Vector* gradient) {
+  constexpr double kRate = 9.42477796;  // [rad/s]
+  const double cosine = std::cos(kRate * t);
+  const double sine = std::sin(kRate * t);
+  if (gradient != nullptr) *gradient << cosine, sine;
+  return p[0] * cosine + p[1] * sine;
+}
+
 }  // namespace sinew

@@ -244,6 +244,10 @@ TEST(DriveData, SettingsAreReadStrictly) {
   const auto force = ReadDriveSettings(*YamlReader::Parse("fit: [position, force]", "drive.yaml"));
   ASSERT_TRUE(force) << force.error().message;
   EXPECT_EQ(force->fit, (std::vector<std::string>{"position", "torque"})) << "they name the same";
+  const auto output =
+      ReadDriveSettings(*YamlReader::Parse("controller: {kind: pid_position, output: force}", "drive.yaml"));
+  ASSERT_TRUE(output) << output.error().message;
+  EXPECT_FALSE(output->controller.gives_voltage);
 }
 
 TEST(DriveData, AConstantFixesTheParameterOfItsName) {
@@ -318,6 +322,23 @@ TEST(DriveData, TheInertiaStartsRightBesideDryFrictionAndAnOffset) {
                 {"coulomb_torque", 0.05},
                 {"offset_torque", 0.15}},
                0.1);
+}
+
+// A spring and the offset that moves its rest take most of the torque; without them in the regression the
+// joint's own inertia, of a motor behind a gear, is negative.
+TEST(DriveData, BesideAKnownLoadTheOwnInertiaMayBeAlmostAnything) {
+  Bench elbow;
+  elbow.duration = 8;
+  elbow.rate = 200;
+  elbow.constants = {{"load_mass", 1.4}, {"load_length", 0.16}};
+  elbow.command = [](double t) { return 2.5 + 1.2 * std::sin(2 * t) + 0.7 * std::sin(5 * t); };
+  ExpectStarts(
+      elbow, {{"inertia", 0.024}},
+      {{"drive_gain", 0.94}, {"viscous_friction", 0.33}, {"spring_stiffness", 1.8}, {"offset_torque", 2}},
+      0.1);
+  const auto problem = BindBench(elbow);
+  const int index = FindParameter(problem->parameters(), "inertia").value();
+  EXPECT_GE(problem->parameters()[static_cast<std::size_t>(index)].upper, 10 * 1.4 * 0.16 * 0.16);
 }
 
 // A regression on noise gives an inertia that is far too small, with which a simulation takes a thousand
