@@ -144,7 +144,8 @@ Matrix RobustCovariance(const Information& info, const Linearization& at, const 
     return info.inverse * (correction * long_run + Gram(prior_rows)) * info.inverse;
   };
   const Matrix kernel = covariance(LongRunCovariance(scores, spans));
-  if (!(UnboundedLagOne(scores, spans).maxCoeff() > kLargestCorrelation)) return kernel;
+  // There may be no parameters but known ones.
+  if (!(UnboundedLagOne(scores, spans).array() > kLargestCorrelation).any()) return kernel;
   return WithLargerVariances(kernel, covariance(CosineCovariance(scores, spans)));
 }
 
