@@ -36,6 +36,7 @@ Vector UnboundedLagOne(const Matrix& series, const std::vector<Span>& spans) {
   return correlation;
 }
 
+/// The same within the bound.
 Vector LagOne(const Matrix& series, const std::vector<Span>& spans) {
   return UnboundedLagOne(series, spans).cwiseMax(-kLargestCorrelation).cwiseMin(kLargestCorrelation);
 }
@@ -93,7 +94,9 @@ Matrix LongRunCovariance(const Matrix& scores, std::vector<Span> spans) {
 }
 
 // By the cosines of the lowest frequencies over each span (see the header), scaled by Student's t.
-Matrix CosineCovariance(const Matrix& scores, const std::vector<Span>& spans) {
+Matrix CosineCovariance(const Matrix& scores, std::vector<Span> spans) {
+  spans.erase(std::remove_if(spans.begin(), spans.end(), [](const Span& s) { return s.count == 0; }),
+              spans.end());
   const auto trials = static_cast<Eigen::Index>(spans.size());
   const Eigen::Index each = (kCosines + trials - 1) / trials;
   Matrix sum = Matrix::Zero(scores.cols(), scores.cols());

@@ -89,12 +89,12 @@ TEST(Coverage, OfADecayInCorrelatedNoise) {
 
 // The position of a joint that is moved by a force with noise: how finely it is sampled does not matter.
 TEST(Coverage, InARandomWalkAtAnyRate) {
-  for (const int samples : {500, 4000}) {
+  for (const int samples : {500, 16000}) {
     const double correlation = 1 - 0.25 / samples;  // a memory of eight seconds, of two that are measured
     const double step = 0.3 * std::sqrt(1 - correlation * correlation);
     const Coverage coverage = Measure(Swing, Values({3, 1.2}), step, correlation, samples);
     EXPECT_LT(coverage.plain, 0.75) << samples;
-    EXPECT_GT(coverage.reported, 0.85) << samples;
+    EXPECT_GT(coverage.reported, 0.9) << samples;  // by the kernel alone 0.99 and 0.82
   }
 }
 
