@@ -61,6 +61,11 @@ std::optional<Vector> Problem::ImprovedStart(const std::vector<int>& /*free*/,
   return {};
 }
 
+Result<bool> Problem::PredictWithInputNoise(const Query& /*query*/, std::uint64_t /*draw*/,
+                                            Workspace& /*workspace*/, Prediction& /*prediction*/) const {
+  return false;
+}
+
 std::vector<DerivedQuantity> Problem::DerivedQuantities() const {
   return {};
 }

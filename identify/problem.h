@@ -2,6 +2,7 @@
 // analysis and diagnosis use nothing else.
 #pragma once
 
+#include <cstdint>
 #include <memory>
 #include <optional>
 #include <string>
@@ -115,6 +116,15 @@ class Problem {
   /// finite at t = ...). It is not fatal: the solver rejects the point, counts the failure, keeps the first
   /// message for the report, and continues; `prediction` may then hold anything. Throws nothing.
   virtual Status Predict(const Query& query, Workspace& workspace, Prediction& prediction) const = 0;
+
+  /// A draw of what the predictions may be because the recorded inputs hold noise: as Predict, with white
+  /// noise added to every recorded input, of the level that its differences show (noise::DifferenceNoise).
+  /// For the propagation of uncertainty by simulation (JCGM 101:2008, Guide to the Expression of Uncertainty
+  /// in Measurement, Supplement 1), see noise::PropagateInputNoise.
+  /// @param draw its number: the same one draws the same noise, at any parameters
+  /// @return false: no input shows noise, and nothing was predicted. Default: false. Errors: those of Predict
+  virtual Result<bool> PredictWithInputNoise(const Query& query, std::uint64_t draw, Workspace& workspace,
+                                             Prediction& prediction) const;
 
   /// The solver of `identify` and `diagnose` where the user names none: of those that found the lowest cost
   /// of this kind of problem in every study, the fastest (docs/decisions). Default:

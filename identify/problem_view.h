@@ -53,6 +53,10 @@ class ProblemView : public Problem {
   Status WriteDetails(const Vector& parameters, Hdf5Node& details) const override {
     return inner_.WriteDetails(parameters, details);
   }
+  Result<bool> PredictWithInputNoise(const Query& query, std::uint64_t draw, Workspace& workspace,
+                                     Prediction& prediction) const override {
+    return inner_.PredictWithInputNoise(query, draw, workspace, prediction);
+  }
   Status Predict(const Query& query, Workspace& workspace, Prediction& prediction) const override {
     return inner_.Predict(query, workspace, prediction);
   }

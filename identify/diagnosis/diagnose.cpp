@@ -139,12 +139,14 @@ class DiagnosisRun {
   }
 
   Status RunSteps() {
+    state_.refitter->ExpectInputNoise({}, out_.base_point);
     Refit base = state_.refitter->Fit({}, {out_.base_point});
     SINEW_TRY(Continue());
     if (!base.usable()) return Fail("the base model: {}", base.failure);
     const double share = ExplainedShare(problem_, LeastSquares(problem_, *base.setup), base.noise);
-    if (share < kMinExplained && !MisfitScale(problem_).Dominates(base.noise)) {
+    if (share < kMinExplained && !MisfitScale(problem_).At(base).Dominates(base.noise)) {
       ConcludeNothing(Inconclusive::kNoiseTooLarge);
+      scale_ = MisfitScale(problem_).At(base);
       return MeasureGain(base.noise);
     }
     if (base.noise_absorbs_misfit) {
@@ -238,6 +240,8 @@ class DiagnosisRun {
     const Refit& model = state_.selection.model;
     SINEW_ASSIGN(const auto rows, NoiseRowsAt(LeastSquares(problem_, *model.setup), model.x));
     noise_below_misfit_ = NoiseBelowMisfit(rows.blocks);
+    scale_ = MisfitScale(problem_).At(model);
+    for (const std::string& channel : scale_->LikeInputNoise()) noise_below_misfit_.erase(channel);
     return {};
   }
 
@@ -272,8 +276,7 @@ class DiagnosisRun {
       }
       out_.traces.push_back(std::move(trace));
     }
-    const noise::NoiseModel floor =
-        WithNoiseBelowMisfit(MisfitScale(problem_).Floor(noise), noise_below_misfit_);
+    const noise::NoiseModel floor = WithNoiseBelowMisfit(scale_->Floor(noise), noise_below_misfit_);
     ReportNoise(noise, floor);
     if (!state_.held_out.exists()) return {};
     std::vector<Vector> before;
@@ -317,6 +320,7 @@ class DiagnosisRun {
         const bool is_residual = model.deviation == residual.channels[c].deviation;
         floor.basis = block.sigma                                    ? NoiseBasis::kStatedByData
                       : noise_below_misfit_.count(model.channel) > 0 ? NoiseBasis::kHighFrequencies
+                      : scale_->HoldsInputNoise(model.channel)       ? NoiseBasis::kInputs
                       : is_residual                                  ? NoiseBasis::kExtendedModel
                                                                      : NoiseBasis::kDifferences;
         break;
@@ -328,8 +332,7 @@ class DiagnosisRun {
 
   void Conclude() {
     const Selection& selection = state_.selection;
-    const bool more_than_noise =
-        !noise_below_misfit_.empty() || MisfitScale(problem_).Dominates(selection.model.noise);
+    const bool more_than_noise = !noise_below_misfit_.empty() || scale_->Dominates(selection.model.noise);
     out_.strongly_autocorrelated = !selection.alarm && more_than_noise;
     if (out_.strongly_autocorrelated) {
       out_.verdict = DiagnosisVerdict::kUnexplained;
@@ -373,8 +376,7 @@ class DiagnosisRun {
   // Channels whose noise is neither stated nor visible: what is left of them has nothing to be compared with.
   void WarnOfUnknownNoise() {
     Warning warning{WarningKind::kNoiseLevelUnknown, {}, {}, {}};
-    const MisfitScale scale(problem_);
-    for (const MisfitScale::Channel& channel : scale.channels()) {
+    for (const MisfitScale::Channel& channel : scale_->channels()) {
       if (channel.unknown == NoiseUnknown::kNo) continue;
       warning.names.push_back(channel.name);
       warning.names.emplace_back(ToString(channel.unknown));
@@ -387,6 +389,7 @@ class DiagnosisRun {
   DiagnosisState state_;
   Diagnosis out_;
   std::map<std::string, double> noise_below_misfit_;  // of the chosen model
+  std::optional<MisfitScale> scale_;                  // at the chosen model
   std::optional<LeastSquares> base_fit_;
   std::optional<Evaluator> base_search_;  // until the end: a checkpoint holds its evaluations
 };
@@ -462,6 +465,8 @@ const char* ToString(NoiseBasis basis) {
       return "differences";
     case NoiseBasis::kHighFrequencies:
       return "high_frequencies";
+    case NoiseBasis::kInputs:
+      return "inputs";
   }
   return "?";
 }

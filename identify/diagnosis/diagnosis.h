@@ -239,10 +239,12 @@ struct ResidualTest {
 };
 
 /// What a noise floor rests on.
-enum class NoiseBasis { kStatedByData, kExtendedModel, kDifferences, kHighFrequencies };
+enum class NoiseBasis { kStatedByData, kExtendedModel, kDifferences, kHighFrequencies, kInputs };
 
 /// "stated_by_data", "extended_model", "differences" (of the measured signal: DifferenceNoise),
-/// "high_frequencies" (of the extended model's residual, if it is more: noise::FindLowFrequencyExcess).
+/// "high_frequencies" (of the extended model's residual, if it is more: noise::FindLowFrequencyExcess),
+/// "inputs" (noise of the recorded inputs, as the model carries it to the channel:
+/// noise::PropagateInputNoise).
 [[nodiscard]] const char* ToString(NoiseBasis basis);
 
 struct NoiseFloor {

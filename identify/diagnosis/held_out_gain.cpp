@@ -9,6 +9,7 @@
 #include <utility>
 
 #include "base/random.h"
+#include "identify/role_view.h"
 #include "identify/solvers/held_out_nuisance.h"
 
 namespace sinew::diagnosis {
@@ -18,6 +19,8 @@ constexpr int kDraws = 400;
 constexpr double kBlockShare = 0.05;  // bootstrap block as a share of the trial: longer than the noise
                                       // correlation, shorter than the trial
 constexpr int kShortestBlock = 5;
+constexpr double kTolerance = 1e-3;  // of half the deviance, for values fitted under a noise model
+constexpr long kEvaluations = 80;
 
 const noise::ChannelNoiseModel* ChannelOf(const noise::NoiseModel& noise, const std::string& channel) {
   for (const noise::ChannelNoiseModel& model : noise.channels) {
@@ -82,9 +85,49 @@ Vector HeldOut::Fitted(const Vector& point) const {
   for (const auto& one : fitted_) search.earlier.push_back(one.second);
   search.threads = threads_;
   Vector answer = solvers::FitHeldOutNuisance(problem_, point, record_, search);
+  if (under_) answer = FittedUnder(*under_, answer);
   if (fitted_.size() == kKept) fitted_.erase(fitted_.begin() + 1);
   fitted_.emplace_back(point, answer);
   return answer;
+}
+
+void HeldOut::FitUnder(const noise::NoiseModel* noise) {
+  under_.reset();
+  if (noise != nullptr) under_ = *noise;
+  fitted_.clear();
+}
+
+// A fit that fails leaves the parameters as they are.
+Vector HeldOut::FittedUnder(const noise::NoiseModel& noise, const Vector& fitted) const {
+  const RoleView view(problem_, [](const Block& block) {
+    return block.role == BlockRole::kValidate ? BlockRole::kTrain : BlockRole::kPredicted;
+  });
+  FitSetup setup;
+  setup.parameters = problem_.parameters();
+  setup.rest = fitted;
+  for (std::size_t i = 0; i < setup.parameters.size(); ++i) {
+    const Parameter& p = setup.parameters[i];
+    const bool of_held_out = std::any_of(blocks_.begin(), blocks_.end(), [&](int b) {
+      return problem_.layout()[static_cast<std::size_t>(b)].trial == p.trial;
+    });
+    if (p.kind == ParameterKind::kNuisance && of_held_out) setup.free.push_back(static_cast<int>(i));
+  }
+  LeastSquares fit(view, setup);
+  noise::NoiseModel own = noise;
+  own.channel_of.clear();
+  std::vector<std::vector<int>> stretches;
+  for (const LeastSquares::TrainBlock& train : fit.train_blocks()) {
+    const Block& block = problem_.layout()[static_cast<std::size_t>(train.block)];
+    const noise::ChannelNoiseModel* model = NoiseOf(block, noise);
+    if (model == nullptr) return fitted;
+    own.channels.push_back(*model);
+    own.channel_of.push_back(static_cast<int>(own.channels.size()) - 1);
+    stretches.push_back(noise::Stretches(block));
+  }
+  const noise::Whitening whitening(std::move(own), std::move(stretches));
+  fit.set_transform(&whitening);
+  const auto outcome = solvers::LocalFit(fit).Minimize(fit.Start(), -1, {kTolerance, 0}, kEvaluations);
+  return outcome.failure.empty() ? fit.Parameters(outcome.x) : fitted;
 }
 
 void HeldOut::Align(const Vector& one, const Vector& other) const {

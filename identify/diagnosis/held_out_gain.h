@@ -3,6 +3,7 @@
 
 #include <cstdint>
 #include <functional>
+#include <optional>
 #include <utility>
 #include <vector>
 
@@ -27,6 +28,11 @@ class HeldOut {
   /// (the base model's) and the last ones are kept: a fit of hundreds of values takes seconds, and further
   /// ones begin at the known answers. Not thread-safe.
   [[nodiscard]] Vector Fitted(const Vector& point) const;
+
+  /// From now on these parameters are fitted by generalised least squares under this noise model; nullptr: by
+  /// ordinary ones, as at first. Where noise of the inputs is a random walk, ordinary ones follow it, and
+  /// their residuals are less likely than those at the true initial states. Not thread-safe.
+  void FitUnder(const noise::NoiseModel* noise);
 
   /// Where nuisance values have priors: the answers of two models become starts of each other's, so that a
   /// gain is not one minimum against another. To be called before their residuals are compared.
@@ -78,6 +84,7 @@ class HeldOut {
   /// Noise model of a block; nullptr if there is none.
   [[nodiscard]] const noise::ChannelNoiseModel* NoiseOf(const Block& block,
                                                         const noise::NoiseModel& trained) const;
+  [[nodiscard]] Vector FittedUnder(const noise::NoiseModel& noise, const Vector& fitted) const;
   [[nodiscard]] Matrix WhitenedBlock(std::size_t i, const Matrix& rows, const noise::NoiseModel& noise) const;
   [[nodiscard]] double FloorOf(const Block& block, const noise::NoiseModel& trained) const;
 
@@ -86,7 +93,8 @@ class HeldOut {
   int threads_;
   bool many_minima_ = false;  // a held-out trial has nuisance values with priors
   std::vector<int> blocks_;
-  std::vector<int> priors_;                                // parameters whose priors count
+  std::vector<int> priors_;  // parameters whose priors count
+  std::optional<noise::NoiseModel> under_;
   noise::NoiseModel own_;                                  // of the blocks with groups, per channel
   mutable std::vector<std::pair<Vector, Vector>> fitted_;  // points, last one last, and their answers
 };

@@ -30,6 +30,15 @@ class HeldOutValidation {
   explicit HeldOutValidation(DiagnosisState& state) : state_(state), selection_(state.selection) {}
 
   Result<std::vector<WithdrawnCause>> Run() {
+    const noise::NoiseModel noise = selection_.model.noise;
+    state_.held_out.FitUnder(selection_.model.holds_input_noise ? &noise : nullptr);
+    auto told = RejectOneAfterTheOther();
+    state_.held_out.FitUnder(nullptr);
+    return told;
+  }
+
+ private:
+  Result<std::vector<WithdrawnCause>> RejectOneAfterTheOther() {
     while (!selection_.causes.empty()) {
       state_.held_out.Align(state_.base.refit.point, selection_.model.point);
       SINEW_ASSIGN(const auto of_base, Residuals(state_.base.refit.point));
@@ -56,7 +65,6 @@ class HeldOutValidation {
     return told;
   }
 
- private:
   struct Rejection {
     std::size_t cause = 0;
     double gain = 0;  // reduction of the held-out loss by the cause

@@ -130,7 +130,7 @@ class Tables {
       for (const Refit& refit : state_.selection.tried) {
         if (refit.released != std::vector<int>{static_cast<int>(c)}) continue;
         score.refitted = true;
-        score.delta_lr = state_.base.refit.deviance - refit.deviance;
+        score.delta_lr = LikelihoodDifference(state_.base.refit, refit);
         score.delta_bic = score.delta_lr - static_cast<double>(candidate.parameters.size()) * log_rows_;
       }
       out_.scores.push_back(std::move(score));

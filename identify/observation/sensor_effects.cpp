@@ -142,19 +142,37 @@ std::unique_ptr<Problem::Workspace> SensorEffects::NewWorkspace() const {
   return std::make_unique<SensorWorkspace>(*inner_, longest_);
 }
 
-Status SensorEffects::Predict(const Query& query, Workspace& workspace, Prediction& prediction) const {
-  auto& scratch = static_cast<SensorWorkspace&>(workspace);
+Query SensorEffects::InnerQuery(const Query& query, SensorWorkspace& scratch) const {
   scratch.inner_parameters = query.parameters.head(inner_parameters_);
   Query inner{scratch.inner_parameters, query.blocks, query.derivatives, nullptr};
   if (query.differentiate != nullptr) {
     std::copy_n(query.differentiate->begin(), inner_parameters_, scratch.inner_differentiate.begin());
     inner.differentiate = &scratch.inner_differentiate;
   }
-  SINEW_TRY(inner_->Predict(inner, *scratch.inner, scratch.prediction));
-  for (std::size_t b = 0; b < layout_.size(); ++b) {
-    if (query.blocks[b]) Observe(query, static_cast<int>(b), scratch, prediction);
-  }
+  return inner;
+}
+
+Status SensorEffects::Predict(const Query& query, Workspace& workspace, Prediction& prediction) const {
+  auto& scratch = static_cast<SensorWorkspace&>(workspace);
+  SINEW_TRY(inner_->Predict(InnerQuery(query, scratch), *scratch.inner, scratch.prediction));
+  ObserveAll(query, scratch, prediction);
   return {};
+}
+
+Result<bool> SensorEffects::PredictWithInputNoise(const Query& query, std::uint64_t draw,
+                                                  Workspace& workspace, Prediction& prediction) const {
+  auto& scratch = static_cast<SensorWorkspace&>(workspace);
+  SINEW_ASSIGN(const bool drawn, inner_->PredictWithInputNoise(InnerQuery(query, scratch), draw,
+                                                               *scratch.inner, scratch.prediction));
+  if (drawn) ObserveAll(query, scratch, prediction);
+  return drawn;
+}
+
+// What the sensors read of the wrapped problem's prediction.
+void SensorEffects::ObserveAll(const Query& query, SensorWorkspace& scratch, Prediction& observed) const {
+  for (std::size_t b = 0; b < layout_.size(); ++b) {
+    if (query.blocks[b]) Observe(query, static_cast<int>(b), scratch, observed);
+  }
 }
 
 void SensorEffects::Observe(const Query& query, int b, SensorWorkspace& scratch, Prediction& observed) const {

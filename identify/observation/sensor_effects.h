@@ -62,6 +62,8 @@ class SensorEffects final : public Problem {
   }
   [[nodiscard]] std::unique_ptr<Workspace> NewWorkspace() const override;
   Status Predict(const Query& query, Workspace& workspace, Prediction& prediction) const override;
+  Result<bool> PredictWithInputNoise(const Query& query, std::uint64_t draw, Workspace& workspace,
+                                     Prediction& prediction) const override;
   [[nodiscard]] std::string objective() const override { return inner_->objective(); }
   [[nodiscard]] bool weights_are_noise_levels() const override { return inner_->weights_are_noise_levels(); }
   [[nodiscard]] double cost_noise_level() const override { return inner_->cost_noise_level(); }
@@ -91,6 +93,9 @@ class SensorEffects final : public Problem {
   struct SensorWorkspace;
   struct Observation;
   void AddSensor(const std::string& channel);
+  /// The same request to the wrapped problem.
+  [[nodiscard]] Query InnerQuery(const Query& query, SensorWorkspace& scratch) const;
+  void ObserveAll(const Query& query, SensorWorkspace& scratch, Prediction& observed) const;
   void Observe(const Query& query, int block, SensorWorkspace& scratch, Prediction& observed) const;
   void ObserveValues(const Query& query, int block, Observation& o, SensorWorkspace& scratch,
                      Eigen::Ref<Vector> values) const;

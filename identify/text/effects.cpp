@@ -60,6 +60,8 @@ std::string BasisText(NoiseBasis basis) {
       return "differences of neighbouring samples of the measured signal";
     case NoiseBasis::kHighFrequencies:
       return "high frequencies of the residual of the extended model";
+    case NoiseBasis::kInputs:
+      return "noise of the recorded input, carried here by the model";
     case NoiseBasis::kExtendedModel:
       return "residual of the extended model";
   }

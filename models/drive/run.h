@@ -44,8 +44,10 @@ struct DriveRun {
   std::vector<double> input;       ///< [K] recorded; constant before and after
   std::vector<double> slope;       ///< [K, 1/s] after each sample; 0 after the last, and if the input is held
   bool held = false;
-  double middle = 0;   ///< [s] where the input sensor's drift is zero
-  double session = 0;  ///< [s] of t = 0 since the begin of the session
+  double input_noise = 0;   ///< [unit of the input] visible in the record; 0: none, or the input is a command
+  double input_cutoff = 0;  ///< [cycles per sample] above which it was smoothed; 0: it was not
+  double middle = 0;        ///< [s] where the input sensor's drift is zero
+  double session = 0;       ///< [s] of t = 0 since the begin of the session
 
   std::array<DriveSeries, kDriveSignals> signals;  ///< by DriveSignal; those that are needed are not empty
   DriveSeries disturbance;       ///< [N*m or V] added to the output of a sampled controller; empty: none
@@ -55,6 +57,13 @@ struct DriveRun {
 
   double initial_position = 0;  ///< starts of the nuisance values
   double initial_speed = 0;
+
+  /// The slopes that belong to the input.
+  void SetSlopes() {
+    slope.assign(input.size(), 0);
+    for (std::size_t i = 0; !held && i + 1 < input.size(); ++i)
+      slope[i] = (input[i + 1] - input[i]) / (input_time[i + 1] - input_time[i]);
+  }
 
   /// Whether the motor is on from t on.
   [[nodiscard]] bool OnAt(double t) const {

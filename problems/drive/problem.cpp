@@ -3,9 +3,11 @@
 #include <algorithm>
 #include <cmath>
 
+#include "base/random.h"
 #include "identify/noise/difference_noise.h"
 #include "models/drive/integrator.h"
 #include "models/drive/uses.h"
+#include "problems/drive/data/input_noise.h"
 
 namespace sinew {
 struct DriveProblem::Scratch final : Problem::Workspace {
@@ -14,6 +16,7 @@ struct DriveProblem::Scratch final : Problem::Workspace {
   std::vector<Dual<4>> dual4;
   std::vector<Dual<8>> dual8;
   std::vector<Dual<16>> dual16;
+  const std::vector<DriveRun>* runs = nullptr;  // that drive the joint in place of the problem's own
 };
 
 DriveProblem::DriveProblem(DriveData data) : data_(std::move(data)) {
@@ -158,7 +161,31 @@ int DriveProblem::IndexOf(int slot, const Segment& segment) const {
 }
 
 Status DriveProblem::Predict(const Query& query, Workspace& workspace, Prediction& prediction) const {
-  auto& scratch = static_cast<Scratch&>(workspace);
+  return PredictDrivenBy(data_.runs, query, static_cast<Scratch&>(workspace), prediction);
+}
+
+Result<bool> DriveProblem::PredictWithInputNoise(const Query& query, std::uint64_t draw, Workspace& workspace,
+                                                 Prediction& prediction) const {
+  std::vector<DriveRun> runs = data_.runs;
+  bool noisy = false;
+  for (std::size_t r = 0; r < runs.size(); ++r) {
+    DriveRun& run = runs[r];
+    if (run.input_noise == 0) continue;
+    noisy = true;
+    Random random(Random::StreamSeed(draw, r));
+    std::vector<double> noise(run.input.size());
+    for (double& value : noise) value = run.input_noise * random.Normal();
+    if (run.input_cutoff > 0) noise = LowPass(noise, run.input_cutoff);
+    for (std::size_t i = 0; i < noise.size(); ++i) run.input[i] += noise[i];
+    run.SetSlopes();
+  }
+  if (noisy) SINEW_TRY(PredictDrivenBy(runs, query, static_cast<Scratch&>(workspace), prediction));
+  return noisy;
+}
+
+Status DriveProblem::PredictDrivenBy(const std::vector<DriveRun>& runs, const Query& query, Scratch& scratch,
+                                     Prediction& prediction) const {
+  scratch.runs = &runs;
   for (const Segment& segment : segments_) {
     const auto& blocks = blocks_of_run_[segment.run];
     const bool wanted = std::any_of(blocks.begin(), blocks.end(),
@@ -191,7 +218,7 @@ template <class T, class Sink>
 Status DriveProblem::Integrate(const Stretch& stretch, const Vector& parameters, std::size_t first_lane,
                                std::size_t lanes, Scratch& scratch, std::vector<T>& history,
                                Sink&& sink) const {
-  const DriveRun& run = data_.runs[stretch.run];
+  const DriveRun& run = (*scratch.runs)[stretch.run];
   DriveNumbers numbers;
   std::array<T, kDriveSlots> variables;
   for (int slot = 0; slot < kDriveSlots; ++slot) {
@@ -229,6 +256,7 @@ Status DriveProblem::IntegrateLanes(const Stretch& stretch, const Vector& parame
                                     const std::vector<std::pair<int, int>>& lanes, Workspace& workspace,
                                     const LaneSink& sink) const {
   auto& scratch = static_cast<Scratch&>(workspace);
+  scratch.runs = &data_.runs;
   scratch.lanes = lanes;
   return InPasses(scratch, [&](auto type, std::size_t first, std::size_t count, auto& history) -> Status {
     using T = decltype(type);

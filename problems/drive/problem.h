@@ -35,6 +35,9 @@ class DriveProblem final : public Problem {
   [[nodiscard]] const std::vector<DiscrepancyPort>& ports() const override { return list_.ports; }
   [[nodiscard]] std::unique_ptr<Workspace> NewWorkspace() const override;
   Status Predict(const Query& query, Workspace& workspace, Prediction& prediction) const override;
+  /// Noise of a recorded torque or force (SmoothInput); other inputs are commands, known exactly.
+  Result<bool> PredictWithInputNoise(const Query& query, std::uint64_t draw, Workspace& workspace,
+                                     Prediction& prediction) const override;
   [[nodiscard]] std::string objective() const override;
   /// Per trial: time, position, speed, torque of the drive, current.
   Status WriteDetails(const Vector& parameters, Hdf5Node& details) const override;
@@ -83,6 +86,9 @@ class DriveProblem final : public Problem {
   Status PlanTrajectories(bool choose_step);
   /// @param free the base parameters that the plan has found
   void TakeOver(const shooting::Plan& plan, const std::vector<int>& free);
+  /// Predict with the inputs of these runs in place of its own.
+  Status PredictDrivenBy(const std::vector<DriveRun>& runs, const Query& query, Scratch& scratch,
+                         Prediction& prediction) const;
   [[nodiscard]] int IndexOf(int slot, const Segment& segment) const;
   Status PredictSegment(const Segment& segment, const Query& query, Scratch& scratch,
                         Prediction& prediction) const;

@@ -8,6 +8,7 @@
 #include "identify/diagnosis/fit/refit_record.h"
 #include "identify/diagnosis/score/design.h"
 #include "identify/noise/autoregression.h"
+#include "identify/noise/input_noise.h"
 
 namespace sinew::diagnosis {
 namespace {
@@ -92,6 +93,12 @@ bool AreAlike(const noise::NoiseModel& a, const noise::NoiseModel& b) {
 double IndependentDifference(const Refit& refit, const Refit& reference) {
   const double least = std::numeric_limits<double>::min();
   return reference.rows * std::log(std::max(refit.cost, least) / std::max(reference.cost, least));
+}
+
+double LikelihoodDifference(const Refit& refit, const Refit& reference) {
+  if (refit.holds_input_noise != reference.holds_input_noise) return IndependentDifference(refit, reference);
+  const double difference = refit.deviance - reference.deviance;
+  return refit.holds_input_noise ? difference / noise::kInputNoiseDispersion : difference;
 }
 
 std::vector<std::vector<int>> TrainStretches(const LeastSquares& fit) {
@@ -291,8 +298,10 @@ Refit Refitter::Fit(std::vector<int> released, const std::vector<Vector>& starts
     if (Expects(LeastSquares(problem_, setup))) return FitUnderExpectedNoise(std::move(released), starts);
   }
   const RefitKind kind = independent_ ? RefitKind::kIndependent : RefitKind::kGeneralised;
-  return RecordedRefit(problem_, Asked(std::move(released), starts), kind, starts, kOrdinaryTolerance,
-                       [&](Refit asked) { return MakeGeneralised(std::move(asked), starts); });
+  return RecordedRefit(
+      problem_, Asked(std::move(released), starts), kind, starts, kOrdinaryTolerance,
+      [&](Refit asked) { return MakeGeneralised(std::move(asked), starts); },
+      input_noise_ ? &*input_noise_ : nullptr);
 }
 
 Refit Refitter::MakeGeneralised(Refit refit, const std::vector<Vector>& starts) const {
@@ -300,6 +309,8 @@ Refit Refitter::MakeGeneralised(Refit refit, const std::vector<Vector>& starts) 
   if (!refit.usable()) return refit;
   LeastSquares fit(problem_, *refit.setup);
   const Vector ordinary = refit.x;
+  if (input_noise_ && noise::MayBeInputNoise(fit, ordinary, true))
+    return MakeUnderInputNoise(std::move(refit));
   Status status = independent_ ? Status() : FitGeneralised(fit, refit);
   if (status && !independent_) {
     auto workspace = fit.NewWorkspace();
@@ -313,6 +324,38 @@ Refit Refitter::MakeGeneralised(Refit refit, const std::vector<Vector>& starts) 
     status = EstimateNoise(fit, true, nullptr, refit);
   }
   if (status) status = Finish(fit, refit);
+  if (!status) refit.failure = status.error().message;
+  return refit;
+}
+
+void Refitter::ExpectInputNoise(const std::vector<int>& released, const Vector& point) {
+  const FitSetup setup = SetupWith(released);
+  const LeastSquares fit(problem_, setup);
+  const Vector x = fit.Variables(point);
+  if (!noise::MayBeInputNoise(fit, x, true)) return;
+  if (auto model = noise::InputNoiseModel(fit, x)) input_noise_ = std::move(*model);
+}
+
+// Generalised least squares from the ordinary fit on, under the noise of the inputs.
+Refit Refitter::MakeUnderInputNoise(Refit refit) const {
+  LeastSquares fit(problem_, *refit.setup);
+  const noise::Whitening whitening(*input_noise_, TrainStretches(fit));
+  fit.set_transform(&whitening);
+  solvers::LocalFit whitened(fit);
+  const auto outcome = whitened.Minimize(refit.x, -1, {kWhitenedTolerance, 0}, kFitEvaluations);
+  fit.set_transform(nullptr);
+  if (outcome.failure.empty()) {
+    refit.x = outcome.x;
+    refit.converged = outcome.converged;
+  }
+  auto workspace = fit.NewWorkspace();
+  Vector residual;
+  Status status = fit.Evaluate(refit.x, workspace, residual, nullptr);
+  if (status) {
+    refit.noise = noise::WithLevelsOf(fit, residual, *input_noise_);
+    refit.holds_input_noise = true;
+    status = Finish(fit, refit);
+  }
   if (!status) refit.failure = status.error().message;
   return refit;
 }

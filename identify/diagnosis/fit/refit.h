@@ -29,8 +29,11 @@ struct Refit {
   bool converged = false;
   bool noise_absorbs_misfit = false;  ///< the noise model would have absorbed the misfit: errors
                                       ///< are assumed independent, the fit is ordinary least squares
-  std::string failure;                ///< why the fit failed; empty if it did not
-  bool interrupted = false;           ///< that is why: it was not begun
+  /// Its residual is no larger than noise of recorded inputs can make it, and was fitted under that noise:
+  /// that it is slow is no sign of a misfit. See ExpectInputNoise.
+  bool holds_input_noise = false;
+  std::string failure;       ///< why the fit failed; empty if it did not
+  bool interrupted = false;  ///< that is why: it was not begun
 
   [[nodiscard]] bool usable() const { return failure.empty(); }
   [[nodiscard]] int parameters() const { return static_cast<int>(setup->free.size()); }
@@ -39,6 +42,10 @@ struct Refit {
 /// Deviance of a refit less that of another one of the same data, both under independent errors of one level:
 /// rows log(cost / cost of the reference).
 [[nodiscard]] double IndependentDifference(const Refit& refit, const Refit& reference);
+
+/// Deviance of a refit less that of another one of the same data. Where both were fitted under noise of the
+/// inputs, over its dispersion (noise::kInputNoiseDispersion); where one of them was, IndependentDifference.
+[[nodiscard]] double LikelihoodDifference(const Refit& refit, const Refit& reference);
 
 /// Fits models with any set of candidates released, by the same procedure, so that they can be compared.
 class Refitter {
@@ -94,6 +101,11 @@ class Refitter {
   /// begin: a search for each set of levels would take most of the time. Not thread-safe.
   void ExpectNoise(const noise::NoiseModel& noise) { expected_ = noise; }
 
+  /// If what these released candidates leave may be noise of the inputs: from now on every fit of which that
+  /// is true is generalised least squares under the noise model of this one (noise::InputNoiseModel), also
+  /// after AssumeIndependentErrors. @param point [P] of an ordinary fit. Not thread-safe.
+  void ExpectInputNoise(const std::vector<int>& released, const Vector& point);
+
   /// Covariance of the variables [n x n, unit box] under the refit's own noise model; zero rows and columns
   /// for variables on a bound and those that change nothing. Variables that take part in a combination that
   /// the data do not determine (rank loss) have an infinite variance and covariances of zero.
@@ -105,6 +117,7 @@ class Refitter {
   [[nodiscard]] Refit Asked(std::vector<int> released, const std::vector<Vector>& starts) const;
   [[nodiscard]] Refit MakeOrdinary(Refit refit, const std::vector<Vector>& starts, double tolerance) const;
   [[nodiscard]] Refit MakeGeneralised(Refit refit, const std::vector<Vector>& starts) const;
+  [[nodiscard]] Refit MakeUnderInputNoise(Refit refit) const;
   /// Noise model of the refit's residual; white if errors are assumed independent. @param like see
   /// NoiseModelOptions, may be null
   [[nodiscard]] Status EstimateNoise(LeastSquares& fit, bool white, const noise::NoiseModel* like,
@@ -123,6 +136,7 @@ class Refitter {
   const std::atomic<bool>* interrupt_;
   bool independent_ = false;
   std::optional<noise::NoiseModel> expected_;
+  std::optional<noise::NoiseModel> input_noise_;
 };
 
 /// Least squares by a short search from every start, the best of them continued to convergence. @param starts

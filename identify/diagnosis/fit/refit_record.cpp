@@ -45,8 +45,12 @@ FitRecord::Answer ToAnswer(const Refit& refit) {
     return answer;
   }
   std::vector<double>& numbers = answer.numbers;
-  numbers = {refit.cost, refit.deviance, static_cast<double>(refit.rows), refit.converged ? 1.0 : 0.0,
-             refit.noise_absorbs_misfit ? 1.0 : 0.0};
+  numbers = {refit.cost,
+             refit.deviance,
+             static_cast<double>(refit.rows),
+             refit.converged ? 1.0 : 0.0,
+             refit.noise_absorbs_misfit ? 1.0 : 0.0,
+             refit.holds_input_noise ? 1.0 : 0.0};
   const auto add = [&](const double* values, std::size_t count) {
     numbers.push_back(static_cast<double>(count));
     numbers.insert(numbers.end(), values, values + count);
@@ -78,6 +82,7 @@ bool Restore(const FitRecord::Answer& answer, const LeastSquares& fit, Refit& re
   refit.rows = reader.Integer();
   refit.converged = reader.Next() != 0;
   refit.noise_absorbs_misfit = reader.Next() != 0;
+  refit.holds_input_noise = reader.Next() != 0;
   refit.x.resize(static_cast<Eigen::Index>(reader.Count()));
   for (double& x : refit.x) x = reader.Next();
   const std::vector<std::string_view> names = Split(answer.text, '\n');

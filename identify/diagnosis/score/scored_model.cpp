@@ -121,9 +121,13 @@ Result<ScoredModel> ScoreModel(const Problem& problem, const std::vector<Candida
   const bool coloured = scored.refit.noise.IsColoured();
   Status status;
   const auto score_whitened = [&]() -> Status {
-    SINEW_ASSIGN(scored.noise,
-                 NoiseWithCandidatesFitted(fit, scored.refit.x, scored.design, scored.refit.noise,
-                                           scored.refit.noise_absorbs_misfit));
+    // Noise of the inputs does not come from the residual, so no effect can be in it.
+    scored.noise = scored.refit.noise;
+    if (!scored.refit.holds_input_noise) {
+      SINEW_ASSIGN(scored.noise,
+                   NoiseWithCandidatesFitted(fit, scored.refit.x, scored.design, scored.refit.noise,
+                                             scored.refit.noise_absorbs_misfit));
+    }
     const noise::Whitening behind(scored.noise, TrainStretches(fit));
     scored.whitened = MakeScores(fit, scored.design, candidates, &behind);
     scored.family = FamilyOf(scored.whitened, level, seed);

@@ -122,7 +122,7 @@ std::vector<JudgedSet> CrossValidatedSearch::Judged() const {
 bool CrossValidatedSearch::LeavesOnlyNoise(const FittedSet& one) const {
   if (!std::isfinite(one.fitted_error)) return false;
   const Refit refit = refitter_.FitOrdinary(one.released, {one.point}, kTolerance);
-  return refit.usable() && scale_.IsNoMore(refit.noise);
+  return refit.usable() && scale_.At(refit).IsNoMore(refit.noise);
 }
 
 // Judges the sets that fit nearly as well as the best one.
@@ -284,7 +284,7 @@ Result<FittedSet> CrossValidatedSearch::Choose(Shares& shares) {
 
 bool CrossValidatedSearch::LeavesMisfit(const FittedSet& one) const {
   const Refit refit = refitter_.FitOrdinary(one.released, {one.point}, kTolerance);
-  return refit.usable() && !scale_.Resembles(refit.noise);
+  return refit.usable() && !scale_.At(refit).Resembles(refit.noise);
 }
 
 Result<CrossValidatedSearch::Outcome> CrossValidatedSearch::Conclude() {
@@ -303,7 +303,7 @@ Result<CrossValidatedSearch::Outcome> CrossValidatedSearch::Conclude() {
   outcome.error = best.left_out_error;
   outcome.model = refitter_.FitOrdinary(best.released, {best.point}, kFineTolerance);
   if (!outcome.model.usable()) return Fail("{}", outcome.model.failure);
-  outcome.misfit_left = !scale_.Resembles(outcome.model.noise);
+  outcome.misfit_left = !scale_.At(outcome.model).Resembles(outcome.model.noise);
   if (outcome.misfit_left) {
     outcome.substitutes = FindSubstitutes(judged_, best, refitter_, kFineTolerance);
     SINEW_TRY(AddUnknownTerms(best, outcome));
@@ -427,7 +427,7 @@ Result<CrossValidatedSearch::Outcome> CrossValidatedSearch::Run(const ScoredMode
     if (made.empty()) break;
     if (growth == 0) {
       const Refit one = refitter_.FitOrdinary(made.front().released, {made.front().point}, kTolerance);
-      if (one.usable() && scale_.Resembles(one.noise)) {
+      if (one.usable() && scale_.At(one).Resembles(one.noise)) {
         made.resize(1);
         fitter_.LeaveOut(made, kTolerance);
         Consider(made);

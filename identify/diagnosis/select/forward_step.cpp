@@ -23,7 +23,7 @@ bool ContradictsScore(const LikelihoodComparison& compare, const ScoredModel& sc
                       int c) {
   const Score* score = scored.BestOf(c);
   if (!refit.usable() || score == nullptr) return false;
-  const double gained = scored.refit.deviance - refit.deviance;
+  const double gained = LikelihoodDifference(scored.refit, refit);
   const double difference = std::abs(gained - score->statistic);
   if (!refit.converged || difference > std::max(kSetWidth, kContradictingShare * score->statistic))
     return true;
@@ -111,7 +111,7 @@ std::vector<int> ForwardStep(LikelihoodComparison& compare, const std::vector<in
   if (more.size() > extra) more.resize(std::max<std::size_t>(extra, 1));
   const double level = chosen.empty() ? compare.options().alarm_level : kFurtherLevel;
   const bool by_score = scored.family.p_value <= level && BestIsKnown(compare, scored);
-  if (!by_score && compare.PValue(before.deviance - best->deviance, more) > level) return {};
+  if (!by_score && compare.PValue(LikelihoodDifference(before, *best), more) > level) return {};
   if (compare.Penalised(*best, before) >= 0) return {};
   return best->released;
 }

@@ -72,7 +72,8 @@ double LikelihoodComparison::Rarity(const Refit& refit) const {
 
 bool LikelihoodComparison::GainsTooLittle(const Refit& larger, const Refit& smaller) const {
   const auto samples = static_cast<double>(base_.design.residual.size());
-  return found_by_search_ && Difference(smaller, larger) < kLeastGainPerSample * samples;
+  if (!found_by_search_ || (larger.holds_input_noise && smaller.holds_input_noise)) return false;
+  return Difference(smaller, larger) < kLeastGainPerSample * samples;
 }
 
 double LikelihoodComparison::PValue(double delta_lr, const Set& more) const {

@@ -73,7 +73,8 @@ class LikelihoodComparison {
   /// practice is lower.
   [[nodiscard]] double PenalisedByOccurrence(const Refit& refit, const Refit& reference) const;
   /// True if the deviance of `smaller` is so little above that of `larger` that further causes are not worth
-  /// a name: always false unless a search has found the causes.
+  /// a name: always false unless a search has found the causes, and where both leave no more than noise of
+  /// the inputs.
   [[nodiscard]] bool GainsTooLittle(const Refit& larger, const Refit& smaller) const;
 
   /// Family-wise p-value of the likelihood ratio of the candidates `more` together.

@@ -6,6 +6,7 @@
 #include <optional>
 
 #include "identify/noise/difference_noise.h"
+#include "identify/noise/input_noise.h"
 
 namespace sinew::diagnosis {
 namespace {
@@ -18,6 +19,9 @@ constexpr double kOnlyNoise = 1.1;    // ... of noise alone
 constexpr double kLeastShare = 1e-3;  // noise that is not visible, as a share of the signal's deviation
 constexpr double kStronglyAutocorrelated = 0.97;  // root of the noise ...
 constexpr double kProcessOverInnovation = 5;      // ... and deviation over that of its innovations
+// The same limits of a residual that is mostly noise of the inputs, of which each trial is one random walk.
+constexpr double kLargeOfInputNoise = 4;
+constexpr double kLikeInputNoise = 2;
 
 double Deviation(const Block& block) {
   const Eigen::Map<const Vector> measured(block.measured.data(), block.samples());
@@ -26,7 +30,7 @@ double Deviation(const Block& block) {
 
 }  // namespace
 
-MisfitScale::MisfitScale(const Problem& problem) {
+MisfitScale::MisfitScale(const Problem& problem) : problem_(&problem) {
   struct Found {
     std::vector<double> levels;
     bool stated = true;
@@ -93,10 +97,49 @@ const MisfitScale::Channel* MisfitScale::Find(const std::string& channel) const 
   return found == channels_.end() || found->source == NoiseSource::kNone ? nullptr : &*found;
 }
 
+MisfitScale MisfitScale::At(const Refit& refit) const {
+  MisfitScale at = *this;
+  const LeastSquares fit(*problem_, *refit.setup);
+  const auto propagated = noise::PropagateInputNoise(fit, fit.Variables(refit.point));
+  if (!propagated) return at;
+  for (const noise::PropagatedNoise& one : *propagated) {
+    const auto own = std::find_if(at.channels_.begin(), at.channels_.end(),
+                                  [&](const Channel& channel) { return channel.name == one.channel; });
+    const double carried = refit.holds_input_noise ? one.whole : one.after_fit;
+    if (own == at.channels_.end() || !(carried > 0)) continue;
+    if (carried > own->noise) {
+      if (own->source == NoiseSource::kNone) own->source = NoiseSource::kDifferences;
+      own->unknown = NoiseUnknown::kNo;
+    }
+    own->noise = std::hypot(own->noise, carried);
+    own->from_inputs = carried;
+    own->residual = one.residual;
+  }
+  return at;
+}
+
+bool MisfitScale::HoldsInputNoise(const std::string& channel) const {
+  const Channel* own = Find(channel);
+  return own != nullptr && own->holds_input_noise();
+}
+
+std::vector<std::string> MisfitScale::LikeInputNoise() const {
+  std::vector<std::string> names;
+  for (const Channel& channel : channels_) {
+    if (channel.holds_input_noise() && channel.residual <= kLikeInputNoise * channel.noise)
+      names.push_back(channel.name);
+  }
+  return names;
+}
+
+double MisfitScale::Excess(const noise::ChannelNoiseModel& residual, const Channel& own) {
+  return (own.holds_input_noise() ? own.residual : residual.ProcessDeviation()) / own.noise;
+}
+
 bool MisfitScale::IsMisfit(const noise::ChannelNoiseModel& residual) const {
   const Channel* own = Find(residual.channel);
-  return StronglyAutocorrelated(residual) ||
-         (own != nullptr && residual.ProcessDeviation() > kLarge * own->noise);
+  if (own != nullptr && own->holds_input_noise()) return Excess(residual, *own) > kLargeOfInputNoise;
+  return StronglyAutocorrelated(residual) || (own != nullptr && Excess(residual, *own) > kLarge);
 }
 
 bool MisfitScale::Dominates(const noise::NoiseModel& noise) const {
@@ -107,7 +150,7 @@ bool MisfitScale::Dominates(const noise::NoiseModel& noise) const {
 noise::NoiseModel MisfitScale::Floor(noise::NoiseModel residual) const {
   for (noise::ChannelNoiseModel& channel : residual.channels) {
     const Channel* own = Find(channel.channel);
-    if (own == nullptr || !IsMisfit(channel)) continue;
+    if (own == nullptr || !(own->holds_input_noise() || IsMisfit(channel))) continue;
     channel.coefficients.clear();
     channel.deviation = own->noise;
   }
@@ -136,10 +179,10 @@ bool MisfitScale::IsKnown(const noise::NoiseModel& noise) const {
 bool MisfitScale::Within(const noise::NoiseModel& noise, double of_stated, double of_differences) const {
   return std::none_of(noise.channels.begin(), noise.channels.end(), [&](const auto& residual) {
     const Channel* own = Find(residual.channel);
-    if (StronglyAutocorrelated(residual)) return true;
+    const bool may_be_slow = own != nullptr && own->holds_input_noise();
+    if (!may_be_slow && StronglyAutocorrelated(residual)) return true;
     if (own == nullptr) return false;
-    const double most = own->source == NoiseSource::kStated ? of_stated : of_differences;
-    return residual.ProcessDeviation() > most * own->noise;
+    return Excess(residual, *own) > (own->source == NoiseSource::kStated ? of_stated : of_differences);
   });
 }
 

@@ -5,6 +5,7 @@
 #include <string>
 #include <vector>
 
+#include "identify/diagnosis/fit/refit.h"
 #include "identify/noise/noise_model.h"
 #include "identify/problem.h"
 
@@ -37,10 +38,27 @@ class MisfitScale {
     double noise = 0;  ///< [unit of the weighted residual] median over the training blocks
     NoiseSource source = NoiseSource::kNone;
     NoiseUnknown unknown = NoiseUnknown::kNo;
+    double from_inputs = 0;  ///< [same unit] a part of `noise`: noise of recorded inputs, see At
+    double residual = 0;     ///< [same unit] root mean square of the fit's residual, if from_inputs > 0
+
+    /// Whether noise of the inputs is so large a part that the residual may look like a random walk.
+    [[nodiscard]] bool holds_input_noise() const { return from_inputs > 0.5 * noise; }
   };
 
-  /// Of the training blocks of a problem.
+  /// Of the training blocks of a problem, which must outlive it.
   explicit MisfitScale(const Problem& problem);
+
+  /// For what one fit leaves: the noise of recorded inputs counts too, as far as the model of that fit
+  /// carries it to the channel and the fit does not follow it (noise::PropagateInputNoise); a fit under that
+  /// noise (Refit::holds_input_noise) follows nothing of it. Such noise is a
+  /// random walk where the model integrates. Where it is the larger part, the residual's root mean square is
+  /// what is compared, with limits of four instead of ten times the level, and its autocorrelation says
+  /// nothing.
+  [[nodiscard]] MisfitScale At(const Refit& refit) const;
+
+  /// Channels whose residual is at most twice a level that holds mostly noise of the inputs: that it is
+  /// slow is no sign of a misfit.
+  [[nodiscard]] std::vector<std::string> LikeInputNoise() const;
 
   [[nodiscard]] const std::vector<Channel>& channels() const { return channels_; }
 
@@ -60,8 +78,11 @@ class MisfitScale {
   /// The same with 1.1 times its level: what structure may hide there is less than half of the noise.
   [[nodiscard]] bool IsNoise(const noise::NoiseModel& noise) const;
 
+  /// Whether the level of a channel holds mostly noise of the inputs.
+  [[nodiscard]] bool HoldsInputNoise(const std::string& channel) const;
+
   /// The noise of the measurement: that of a residual, but white with the level of this scale where the
-  /// residual is a misfit.
+  /// residual is a misfit, or the level holds mostly noise of the inputs.
   [[nodiscard]] noise::NoiseModel Floor(noise::NoiseModel residual) const;
 
  private:
@@ -71,6 +92,10 @@ class MisfitScale {
   [[nodiscard]] bool Within(const noise::NoiseModel& noise, double of_stated, double of_differences) const;
   [[nodiscard]] bool IsMisfit(const noise::ChannelNoiseModel& residual) const;
 
+  /// Deviation of what is left in a channel, over that of its noise; none of which is known.
+  [[nodiscard]] static double Excess(const noise::ChannelNoiseModel& residual, const Channel& own);
+
+  const Problem* problem_;
   std::vector<Channel> channels_;
 };
 

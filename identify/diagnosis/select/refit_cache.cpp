@@ -17,7 +17,9 @@ constexpr double kAboveItsPart = 1e-3;
 }  // namespace
 
 double DevianceDifference(bool found_by_search, const Refit& refit, const Refit& reference) {
-  return found_by_search ? IndependentDifference(refit, reference) : refit.deviance - reference.deviance;
+  if (found_by_search && !(refit.holds_input_noise && reference.holds_input_noise))
+    return IndependentDifference(refit, reference);
+  return LikelihoodDifference(refit, reference);
 }
 
 RefitCache::RefitCache(const Refitter& refitter, const std::vector<Candidate>& candidates, const Refit& base,

@@ -10,7 +10,8 @@
 namespace sinew::diagnosis {
 
 /// Deviance of a refit less that of another one. Where a search found the causes, a smaller set leaves a
-/// misfit that its noise model may absorb: both then count as having independent errors.
+/// misfit that its noise model may absorb: both then count as having independent errors, unless both leave no
+/// more than noise of the inputs.
 [[nodiscard]] double DevianceDifference(bool found_by_search, const Refit& refit, const Refit& reference);
 
 class RefitCache {

@@ -21,9 +21,9 @@ constexpr double kCurvature = 1e-3;
 
 class Selector {
  public:
-  Selector(const Problem& problem, const Refitter& refitter, const std::vector<Candidate>& candidates,
+  Selector(const Problem& problem, Refitter& refitter, const std::vector<Candidate>& candidates,
            const ScoredModel& base, const DiagnosisOptions& options)
-      : scale_(problem), compare_(problem, refitter, candidates, base, options) {}
+      : refitter_(refitter), scale_(problem), compare_(problem, refitter, candidates, base, options) {}
 
   Result<Selection> Run() {
     Selection selection;
@@ -34,7 +34,8 @@ class Selector {
 
     std::vector<int> chosen;
     ScoredModel scored = compare_.base();
-    if (compare_.base().refit.noise_absorbs_misfit || scale_.Dominates(compare_.base().refit.noise)) {
+    if (compare_.base().refit.noise_absorbs_misfit ||
+        scale_.At(compare_.base().refit).Dominates(compare_.base().refit.noise)) {
       SINEW_TRY(SearchByCrossValidation(selection, chosen));
       if (selection.cross_validated) return selection;
       selection.found_by_search = !chosen.empty();
@@ -79,7 +80,8 @@ class Selector {
     SINEW_ASSIGN(scored, compare_.ScoresOf(chosen));
     selection.model = compare_.at(chosen);
     // Significant it may still be: an input that was recorded in a loop holds the noise of what was fed back.
-    if (compare_.found_by_search() && !chosen.empty() && scale_.IsNoise(selection.model.noise))
+    if (compare_.found_by_search() && !chosen.empty() &&
+        scale_.At(selection.model).IsNoise(selection.model.noise))
       return selection;
     SINEW_TRY(CompareWithFree(chosen, scored, selection));
     FindRemainingStructure(scored, chosen.empty(), selection);
@@ -96,6 +98,7 @@ class Selector {
                                 compare_.options());
     if (!search.possible()) return {};
     SINEW_ASSIGN(auto found, search.Run(compare_.base()));
+    if (!found.misfit_left) refitter_.ExpectInputNoise(found.released, found.model.point);
     if (!found.misfit_left && found.released.size() > 1) {
       chosen = found.released;
       std::sort(chosen.begin(), chosen.end());
@@ -178,8 +181,11 @@ class Selector {
                    [&](int c) { return !Contains(*best, c); });
       const Refit& smaller = compare_.at(*best);
       const Refit& model = compare_.at(chosen);
-      if (compare_.found_by_search() && !compare_.GainsTooLittle(model, smaller)) return;
-      if (compare_.PValue(smaller.deviance - model.deviance, gone) <= compare_.options().alarm_level) return;
+      const bool by_likelihood =
+          !compare_.found_by_search() || (model.holds_input_noise && smaller.holds_input_noise);
+      if (!by_likelihood && !compare_.GainsTooLittle(model, smaller)) return;
+      if (compare_.PValue(LikelihoodDifference(smaller, model), gone) <= compare_.options().alarm_level)
+        return;
       chosen = *best;
       again = chosen.size() > 1;
     }
@@ -248,15 +254,15 @@ class Selector {
     }
   }
 
+  Refitter& refitter_;
   MisfitScale scale_;
   LikelihoodComparison compare_;
 };
 
 }  // namespace
 
-Result<Selection> Select(const Problem& problem, const Refitter& refitter,
-                         const std::vector<Candidate>& candidates, const ScoredModel& base,
-                         const DiagnosisOptions& options) {
+Result<Selection> Select(const Problem& problem, Refitter& refitter, const std::vector<Candidate>& candidates,
+                         const ScoredModel& base, const DiagnosisOptions& options) {
   return Selector(problem, refitter, candidates, base, options).Run();
 }
 

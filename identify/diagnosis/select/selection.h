@@ -97,8 +97,7 @@ struct Selection {
 /// threads.
 /// @return the selection; without an alarm its `model` is the base model. Errors: those of Problem::Predict.
 /// Refits that fail are left out and are no error.
-Result<Selection> Select(const Problem& problem, const Refitter& refitter,
-                         const std::vector<Candidate>& candidates, const ScoredModel& base,
-                         const DiagnosisOptions& options);
+Result<Selection> Select(const Problem& problem, Refitter& refitter, const std::vector<Candidate>& candidates,
+                         const ScoredModel& base, const DiagnosisOptions& options);
 
 }  // namespace sinew::diagnosis

@@ -91,6 +91,29 @@ Status FindSession(const Dataset& data, DriveData& out) {
   return {};
 }
 
+void NoteSmoothedInputs(DriveData& data) {
+  double lowest = INFINITY;
+  double highest = 0;
+  double noise = 0;
+  std::size_t smoothed = 0;
+  for (const DriveRun& run : data.runs) {
+    if (run.input_cutoff == 0) continue;
+    ++smoothed;
+    const double rate =
+        static_cast<double>(run.input_time.size() - 1) / (run.input_time.back() - run.input_time.front());
+    lowest = std::min(lowest, run.input_cutoff * rate);
+    highest = std::max(highest, run.input_cutoff * rate);
+    noise = std::max(noise, run.input_noise);
+  }
+  if (smoothed == 0) return;
+  data.notes.push_back(
+      fmt::format("'{}' shows white noise of up to {:.2g} {}; in {} of {} trials it was smoothed above "
+                  "{:.3g}{} Hz, where "
+                  "the record holds nothing else",
+                  data.traits.input_channel, noise, data.traits.input_unit, smoothed, data.runs.size(),
+                  lowest, highest > lowest ? fmt::format(" to {:.3g}", highest) : ""));
+}
+
 }  // namespace
 
 Result<DriveData> PrepareDriveData(const Dataset& data, const DriveSettings& settings, double margin) {
@@ -118,6 +141,7 @@ Result<DriveData> PrepareDriveData(const Dataset& data, const DriveSettings& set
     out.runs.push_back(std::move(run));
     trials.push_back(&trial);
   }
+  NoteSmoothedInputs(out);
   SINEW_TRY(FindSession(data, out));
   std::vector<DriveMotion> motions;
   for (std::size_t r = 0; r < out.runs.size(); ++r) {

@@ -5,6 +5,7 @@
 #include <set>
 
 #include "problems/drive/data/channels.h"
+#include "problems/drive/data/input_noise.h"
 
 namespace sinew {
 namespace {
@@ -136,10 +137,13 @@ Status ReadInput(const DriveSettings& settings, const DriveTraits& traits, const
   run.input_time = grid->time;
   run.input = channel->values;
   run.held = settings.hold;
-  run.slope.assign(run.input.size(), 0);
-  for (std::size_t i = 0; !run.held && i + 1 < run.input.size(); ++i) {
-    run.slope[i] = (run.input[i + 1] - run.input[i]) / (run.input_time[i + 1] - run.input_time[i]);
+  // A held input, a voltage and a duty are commands, known as they were applied.
+  if (traits.input == DriveInput::kTorque && !run.held) {
+    const InputNoise noise = SmoothInput(run.input_time, run.input);
+    run.input_noise = noise.level;
+    run.input_cutoff = noise.cutoff;
   }
+  run.SetSlopes();
   return {};
 }
 
