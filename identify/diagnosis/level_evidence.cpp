@@ -43,17 +43,16 @@ class LevelWeighing {
       one.level = level;
       const Refit* best = nullptr;
       for (const Refit& refit : made) {
-        if (refit.usable() && IsOf(level, refit.released) &&
-            (best == nullptr || Penalised(refit) < Penalised(*best)))
+        if (refit.usable() && IsOf(level, refit.released) && (best == nullptr || Penalised(refit, *best) < 0))
           best = &refit;
       }
       if (best != nullptr) {
         one.delta_lr = -state_.Difference(*best, state_.base.refit);
         one.parameters = Parameters(best->released);
-        one.behind = Penalised(*best) - Penalised(state_.selection.model);
+        one.behind = Penalised(*best, state_.selection.model);
         for (const int c : best->released) one.effects.push_back(state_.candidate(c).effect);
       } else {
-        one.behind = Penalised(state_.base.refit) - Penalised(state_.selection.model);
+        one.behind = Penalised(state_.base.refit, state_.selection.model);
       }
       levels.push_back(std::move(one));
     }
@@ -92,8 +91,10 @@ class LevelWeighing {
     for (const int c : released) count += static_cast<int>(state_.candidate(c).parameters.size());
     return count;
   }
-  [[nodiscard]] double Penalised(const Refit& refit) const {
-    return state_.Difference(refit, state_.base.refit) + kPerParameter * Parameters(refit.released);
+  // Deviance of a refit less that of another one, with their prices.
+  [[nodiscard]] double Penalised(const Refit& refit, const Refit& reference) const {
+    return state_.Difference(refit, reference) +
+           kPerParameter * (Parameters(refit.released) - Parameters(reference.released));
   }
 
   // The refit of one effect that the selection has made; nothing released if it has not.
