@@ -118,11 +118,12 @@ class Problem {
   virtual Status Predict(const Query& query, Workspace& workspace, Prediction& prediction) const = 0;
 
   /// A draw of what the predictions may be because the recorded inputs hold noise: as Predict, with white
-  /// noise added to every recorded input, of the level that its differences show (noise::DifferenceNoise).
+  /// noise added to every recorded input, of the level that the data state.
   /// For the propagation of uncertainty by simulation (JCGM 101:2008, Guide to the Expression of Uncertainty
   /// in Measurement, Supplement 1), see noise::PropagateInputNoise.
   /// @param draw its number: the same one draws the same noise, at any parameters
-  /// @return false: no input shows noise, and nothing was predicted. Default: false. Errors: those of Predict
+  /// @return false: no noise of an input is known, and nothing was predicted. Default: false. Errors: those
+  /// of Predict
   virtual Result<bool> PredictWithInputNoise(const Query& query, std::uint64_t draw, Workspace& workspace,
                                              Prediction& prediction) const;
 

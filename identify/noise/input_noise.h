@@ -27,12 +27,12 @@ struct PropagatedNoise {
 
 /// From eight draws of the noise and the linearised fit at x.
 /// @param x [n] variables of `fit`
-/// @return one per fitted channel; empty if no input shows noise, or no draw can be predicted. Errors: no
-/// prediction at x.
+/// @return one per fitted channel; empty if no noise of an input is stated, or no draw can be predicted.
+/// Errors: no prediction at x.
 Result<std::vector<PropagatedNoise>> PropagateInputNoise(const LeastSquares& fit, const Vector& x);
 
-/// Whether no channel's residual is larger than noise of the inputs can make it. False where no input shows
-/// noise.
+/// Whether no channel's residual is larger than noise of the inputs can make it. False where no noise of
+/// an input is stated.
 /// @param ordinary x minimises the unwhitened residuals, so that it follows a part of that noise: up to four
 /// times what is left counts, because each trial is one random walk; else twice the whole
 [[nodiscard]] bool MayBeInputNoise(const LeastSquares& fit, const Vector& x, bool ordinary);

@@ -44,7 +44,7 @@ struct DriveRun {
   std::vector<double> input;       ///< [K] recorded; constant before and after
   std::vector<double> slope;       ///< [K, 1/s] after each sample; 0 after the last, and if the input is held
   bool held = false;
-  double input_noise = 0;   ///< [unit of the input] visible in the record; 0: none, or the input is a command
+  double input_noise = 0;   ///< [unit of the input] white, stated by the data; 0: none
   double input_cutoff = 0;  ///< [cycles per sample] above which it was smoothed; 0: it was not
   double middle = 0;        ///< [s] where the input sensor's drift is zero
   double session = 0;       ///< [s] of t = 0 since the begin of the session

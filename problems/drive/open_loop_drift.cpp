@@ -88,7 +88,9 @@ std::optional<Warning> OpenLoopDrift(const DriveData& data, const std::vector<Ve
       fmt::format(
           "open loop on {0}: nothing feeds the position back, so that small errors of the {0} add up in it. "
           "{1:.0f} % of the squared error are such a drift (trial{2} {3}); shorter trials, the reference and "
-          "the controller in place of the {0}, or the effect {0}.offset help",
+          "the controller in place of the {0}, the effect {0}.offset, or a stated noise level of the {0} "
+          "(sigma) "
+          "help",
           input, 100 * drift / all, trials.size() == 1 ? "" : "s", Join(shown, ", "))};
 }
 

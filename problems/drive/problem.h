@@ -35,7 +35,7 @@ class DriveProblem final : public Problem {
   [[nodiscard]] const std::vector<DiscrepancyPort>& ports() const override { return list_.ports; }
   [[nodiscard]] std::unique_ptr<Workspace> NewWorkspace() const override;
   Status Predict(const Query& query, Workspace& workspace, Prediction& prediction) const override;
-  /// Noise of a recorded torque or force (SmoothInput); other inputs are commands, known exactly.
+  /// Noise of a recorded torque or force whose level the data state; other inputs are known exactly.
   Result<bool> PredictWithInputNoise(const Query& query, std::uint64_t draw, Workspace& workspace,
                                      Prediction& prediction) const override;
   [[nodiscard]] std::string objective() const override;

@@ -107,7 +107,7 @@ void NoteSmoothedInputs(DriveData& data) {
   }
   if (smoothed == 0) return;
   data.notes.push_back(
-      fmt::format("'{}' shows white noise of up to {:.2g} {}; in {} of {} trials it was smoothed above "
+      fmt::format("'{}' has noise of up to {:.2g} {}; in {} of {} trials it was smoothed above "
                   "{:.3g}{} Hz, where "
                   "the record holds nothing else",
                   data.traits.input_channel, noise, data.traits.input_unit, smoothed, data.runs.size(),

@@ -2,22 +2,20 @@
 
 #include <algorithm>
 #include <cmath>
-#include <numeric>
 
 #include "base/constants.h"
-#include "identify/noise/difference_noise.h"
 
 namespace sinew {
 namespace {
 
-constexpr double kMostOfDeviation = 0.3;  // noise over the record's deviation
 constexpr double kUneven = 0.01;
-constexpr double kHighestCutoff = 0.25;         // cycles per sample
-constexpr double kMoreThanNoise = 2;            // power between two cut-offs over that of white noise
-constexpr double kHigherThanDifferences = 1.5;  // variance above the highest cut-off over theirs
-constexpr double kNextCutoff = 0.8;             // over the one before
-constexpr double kHalfLength = 3;               // of the filter, in periods of its cut-off
-constexpr std::size_t kFilters = 8;             // half lengths in the record, at least
+constexpr double kHighestCutoff = 0.25;  // cycles per sample
+constexpr double kMoreThanNoise = 2;     // power between two cut-offs over that of white noise
+constexpr double kUnlikeStated =
+    0.5;  // difference of the variance above the highest cut-off from the stated one
+constexpr double kNextCutoff = 0.8;  // over the one before
+constexpr double kHalfLength = 3;    // of the filter, in periods of its cut-off
+constexpr std::size_t kFilters = 8;  // half lengths in the record, at least
 
 std::size_t HalfLength(double cutoff) {
   return static_cast<std::size_t>(std::ceil(kHalfLength / cutoff));
@@ -100,24 +98,12 @@ std::vector<double> LowPass(const std::vector<double>& values, double cutoff) {
   return smooth;
 }
 
-InputNoise SmoothInput(const std::vector<double>& time, std::vector<double>& values) {
-  Block record;
-  record.prediction_time = time;
-  record.measured = values;
-  record.sample.resize(values.size());
-  std::iota(record.sample.begin(), record.sample.end(), 0);
-  const auto shown = noise::DifferenceNoise(record);
-  if (!shown || !shown->visible) return {};
-  const double mean = std::accumulate(values.begin(), values.end(), 0.0) / static_cast<double>(values.size());
-  const std::vector<double> middle(values.size(), mean);
-  if (shown->deviation > kMostOfDeviation * std::sqrt(MeanSquareDifference(values, middle))) return {};
-  InputNoise noise{shown->deviation, 0};
-  if (!IsEven(time)) return noise;
-  // What lies above the highest cut-off is the reference, a better estimate than differences are.
+InputNoise SmoothInput(const std::vector<double>& time, std::vector<double>& values, double stated) {
+  InputNoise noise{stated, 0};
+  if (values.size() < kFilters * HalfLength(kHighestCutoff) || !IsEven(time)) return noise;
   const double white =
       MeanSquareDifference(values, LowPass(values, kHighestCutoff)) / TakenOut(kHighestCutoff);
-  if (white > kHigherThanDifferences * noise.level * noise.level) return noise;
-  noise.level = std::sqrt(white);
+  if (std::abs(white / (stated * stated) - 1) > kUnlikeStated) return noise;
   double passes = 0;
   double share = TakenOut(kHighestCutoff);
   double taken = share * white;

@@ -137,11 +137,9 @@ Status ReadInput(const DriveSettings& settings, const DriveTraits& traits, const
   run.input_time = grid->time;
   run.input = channel->values;
   run.held = settings.hold;
-  // A held input, a voltage and a duty are commands, known as they were applied.
-  if (traits.input == DriveInput::kTorque && !run.held) {
-    const InputNoise noise = SmoothInput(run.input_time, run.input);
-    run.input_noise = noise.level;
-    run.input_cutoff = noise.cutoff;
+  if (traits.input == DriveInput::kTorque && channel->sigma) {
+    run.input_noise = *channel->sigma;
+    if (!run.held) run.input_cutoff = SmoothInput(run.input_time, run.input, *channel->sigma).cutoff;
   }
   run.SetSlopes();
   return {};

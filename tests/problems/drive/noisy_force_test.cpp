@@ -37,6 +37,7 @@ Dataset Axis(std::uint64_t seed, double coulomb, double force_noise = kForceNois
     Grid& grid = trial.grids["axis"];
     Channel position{"m", ChannelKind::kMeasured, {}, {}};
     Channel force{"N", ChannelKind::kInput, {}, {}};
+    if (force_noise > 0) force.sigma = force_noise;
     constexpr int kSteps = 40;
     constexpr double kStep = 1 / (kForceRate * kSteps);
     double x = 0;
@@ -97,8 +98,8 @@ TEST(InputNoise, IsSmoothedAwayWhereTheRecordHoldsNothingElse) {
   std::vector<double> time;
   for (const double frequency : {0.5, 2.0, 8.0}) {
     std::vector<double> values = Record(0.05, frequency, time);
-    const InputNoise noise = SmoothInput(time, values);
-    EXPECT_NEAR(noise.level, 0.05, 0.003) << frequency;
+    const InputNoise noise = SmoothInput(time, values, 0.05);
+    EXPECT_EQ(noise.level, 0.05);
     EXPECT_GT(noise.cutoff * kForceRate, frequency);
     EXPECT_LT(noise.cutoff * kForceRate, 6 * frequency + 3);
     EXPECT_LT(Rms(values, frequency), 1.3 * 0.05 * std::sqrt(2 * noise.cutoff)) << frequency;
@@ -107,16 +108,20 @@ TEST(InputNoise, IsSmoothedAwayWhereTheRecordHoldsNothingElse) {
 
 TEST(InputNoise, OtherRecordsStayAsTheyAre) {
   std::vector<double> time;
-  const auto unchanged = [&](std::vector<double> values, double level) {
+  const auto unchanged = [&](std::vector<double> values, double stated) {
     const std::vector<double> before = values;
-    const InputNoise noise = SmoothInput(time, values);
-    EXPECT_NEAR(noise.level, level, 0.1 * level);
+    const InputNoise noise = SmoothInput(time, values, stated);
+    EXPECT_EQ(noise.level, stated);
     EXPECT_EQ(noise.cutoff, 0);
     EXPECT_EQ(values, before);
   };
-  unchanged(Record(0, 2, time), 0);
-  unchanged(Record(0.5, 2, time), 0);  // as an excitation by white noise
+  unchanged(Record(0, 2, time), 0.05);    // filtered
+  unchanged(Record(0.5, 2, time), 0.05);  // more than noise, as an excitation by white noise
   std::vector<double> values = Record(0.05, 2, time);
+  values.resize(60);
+  time.resize(60);
+  unchanged(values, 0.05);
+  values = Record(0.05, 2, time);
   time[1000] += 0.3 / kForceRate;
   unchanged(values, 0.05);
 }
@@ -153,7 +158,7 @@ TEST(InputNoise, SpreadsThePredictionAsTheClosedFormSays) {
   EXPECT_NEAR(std::sqrt(square), expected, 0.25 * expected);
 }
 
-TEST(InputNoise, AReferenceOrACleanForceHasNone) {
+TEST(InputNoise, IsNoneWhereNoLevelIsStated) {
   const auto problem = Bind(Axis(1, 0, 0));
   const auto workspace = problem->NewWorkspace();
   const std::vector<bool> all(problem->layout().size(), true);
