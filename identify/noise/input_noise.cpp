@@ -97,6 +97,7 @@ std::vector<Vector> SimulatedNoise(const LeastSquares& fit, const std::string& c
 }
 
 std::vector<double> CoefficientsOf(const std::vector<Vector>& stretches) {
+  if (stretches.empty()) return {};
   Eigen::Index samples = 0;
   Eigen::Index shortest = stretches.front().size();
   double squares = 0;
@@ -179,8 +180,10 @@ double LinearDeviance(const LeastSquares& fit, const Vector& residual, const Mat
       deviance += filters[channel].LogDeterminant(end - begins[s]);
     }
   }
-  for (std::size_t c = 0; c < squares.size(); ++c)
+  for (std::size_t c = 0; c < squares.size(); ++c) {
+    if (samples[c] == 0) continue;
     deviance += samples[c] * std::log(std::max(squares[c] / samples[c], std::numeric_limits<double>::min()));
+  }
   return deviance;
 }
 

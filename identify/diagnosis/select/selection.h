@@ -90,7 +90,8 @@ struct Selection {
 /// 7. The scores of the final model: what remains is reported in structure_left, line_left and unknown.
 ///
 /// @param problem the problem, of which only training trials are used
-/// @param refitter fits all models that are compared; its candidates must be `candidates`
+/// @param refitter fits all models that are compared; its candidates must be `candidates`. After a search it
+/// is told the noise of the inputs that is left (Refitter::ExpectInputNoise)
 /// @param candidates all candidates; indices in the result refer to it
 /// @param base the fitted base model with its scores at DiagnosisOptions::alarm_level
 /// @param options seed, threads, interrupt and alarm level. The result does not depend on the number of

@@ -1,5 +1,6 @@
-// Noise of the recorded force or torque that drives a joint. Where nothing feeds the position back, it adds
-// up to a random walk of the speed, and the position wanders far beyond the noise of its own sensor.
+// Noise of the measured force or torque that drives a joint. Where nothing feeds the position back, its
+// integral is a random walk of the predicted speed, whose error is many times the noise of the position
+// sensor.
 #pragma once
 
 #include <vector>
