@@ -27,6 +27,7 @@ const std::map<std::string, Plain>& PlainEffects() {
       {"backlash", {kBacklash, 1e-3, 0.5, false}},
       {"compliance", {kCompliance, 1e-3, 0.5, false}},
       {"command_delay", {kCommandDelay, 1e-3, 0.25, false}},
+      {"actuation_delay", {kActuationDelay, 1e-3, 0.1, false}},
       {"gravity_imbalance", {kImbalance, 1e-3, 5, true}},
       {"parallel_spring", {kSpring, 1e-3, 20, false}},
       {"torque_offset", {kOffsetTorque, 1e-3, 5, true}},

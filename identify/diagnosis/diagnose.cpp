@@ -346,6 +346,7 @@ class DiagnosisRun {
       out_.verdict = alone ? DiagnosisVerdict::kExplained : DiagnosisVerdict::kAmbiguous;
     }
     out_.family_p_value = selection.family_p_value;
+    if (!out_.causes.empty()) out_.held_out_shortfall = selection.held_out_shortfall;
     if (selection.better_term && !out_.causes.empty()) {
       const FreeTermComparison& found = *selection.better_term;
       out_.warnings.push_back({WarningKind::kFreeTermExplainsMore,

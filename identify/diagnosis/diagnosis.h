@@ -332,6 +332,9 @@ struct Diagnosis {
   /// No alarm, but the residual is autocorrelated more strongly than the noise of instruments usually is, or
   /// more than 1.75 times the noise that is visible at its high frequencies.
   bool strongly_autocorrelated = false;
+  /// Share of the gain that the causes should bring in held-out trials, by the change of their predictions,
+  /// and do not, beyond chance; 0: none. If it is above 0 the misfit counts as not explained.
+  double held_out_shortfall = 0;
 
   /// What was left out of the fit in turn, if causes had to be chosen by what they predict there, since the
   /// misfit is much larger than the noise.

@@ -18,6 +18,11 @@ namespace {
 // prediction rejects it: with the right cause this happens by chance in 1 of 75 cases.
 constexpr double kMinChange = 20;
 constexpr double kLowQuantile = -2.33;  // standard normal quantile of 0.01
+// Shortfall of the held-out gain that counts: as a share of the gain, or by what it leaves at least, per
+// sample (2 % of the residual's deviation). No law and no integrator is exact to the last thousandth of a
+// large misfit.
+constexpr double kShortfallShare = 0.1;
+constexpr double kLeastLeftPerSample = 0.04;
 constexpr double kMinChangeShare =
     0.05;  // the same as a share of the remaining error, if that dominates the noise
 
@@ -48,7 +53,8 @@ class HeldOutValidation {
                             PredictsWorse(state_.base.refit, of_base, with);
       Rejection worst = FindWorst(rejected);
       if (worst.cause == selection_.causes.size()) {
-        if (GainsFarLessThanExpected(of_base, with)) selection_.structure_left = true;
+        selection_.held_out_shortfall = ShortfallOfGain(of_base, with);
+        if (selection_.held_out_shortfall > 0) selection_.structure_left = true;
         break;
       }
       if (worst.gain >= 0) {
@@ -160,13 +166,13 @@ class HeldOutValidation {
     return gains;
   }
 
-  [[nodiscard]] bool GainsFarLessThanExpected(const std::vector<Vector>& before,
-                                              const std::vector<Vector>& with) const {
-    if (selection_.cross_validated) return false;
+  [[nodiscard]] double ShortfallOfGain(const std::vector<Vector>& before,
+                                       const std::vector<Vector>& with) const {
+    if (selection_.cross_validated) return 0;
     const std::vector<Vector> moved = Moved(before, with);
     const double squared = state_.Loss(moved, selection_.model.noise);
     const double fitted = FittedChange();
-    if (!(squared > 0 && fitted > 0)) return false;
+    if (!(squared > 0 && fitted > 0)) return 0;
     double variance = 4 * (1 + squared / fitted) * squared;
     const std::vector<double> expected = state_.held_out.InnovationsOfGroups(moved, selection_.model.noise);
     const std::vector<double> gains = GainsOfGroups(before, with);
@@ -181,7 +187,14 @@ class HeldOutValidation {
       variance = std::max(variance, 4 * (squared + along.squaredNorm()));
       lost = 2 * errors.squaredNorm();
     }
-    return Gain(before, with) - squared + lost < kLowQuantile * std::sqrt(variance);
+    const double shortfall = squared - Gain(before, with);
+    if (!(lost - shortfall < kLowQuantile * std::sqrt(variance))) return 0;
+    // What is left lies at least along the change by the causes.
+    double samples = 0;
+    for (const Vector& block : with) samples += static_cast<double>(block.size());
+    const bool matters = shortfall > kShortfallShare * squared ||
+                         0.25 * shortfall * shortfall / squared > kLeastLeftPerSample * samples;
+    return matters ? shortfall / squared : 0;
   }
 
   // Squared change of the training residuals by the causes, in units of the noise variance; 0 if it cannot be

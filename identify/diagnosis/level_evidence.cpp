@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 #include <map>
+#include <optional>
 #include <utility>
 
 #include "base/constants.h"
@@ -29,10 +30,18 @@ class LevelWeighing {
     for (const auto& [level, candidates] : of_level_) {
       for (Set& set : SetsOf(candidates)) wanted.push_back(std::move(set));
     }
+    std::vector<Vector> starts;
+    for (const Set& set : wanted) starts.push_back(StartOf(set));
+    for (const auto& [level, candidates] : of_level_) {
+      if (auto exchanged = WithAlternativesOf(level)) {
+        wanted.push_back(std::move(exchanged->first));
+        starts.push_back(std::move(exchanged->second));
+      }
+    }
     std::vector<Refit> made(wanted.size());
     MakeExecutor(state_.options.threads)->ForEach(wanted.size(), [&](std::size_t i, std::size_t) {
       made[i] = Known(wanted[i]);
-      if (made[i].released.empty()) made[i] = state_.Fit(wanted[i], {StartOf(wanted[i])});
+      if (made[i].released.empty()) made[i] = state_.Fit(wanted[i], {starts[i]});
     });
     for (const Refit& tried : state_.selection.tried) made.push_back(tried);
     if (!state_.selection.model.released.empty()) made.push_back(state_.selection.model);
@@ -103,6 +112,34 @@ class LevelWeighing {
       if (tried.released == released) return tried;
     }
     return {};
+  }
+
+  // The causes, those of other levels replaced by their best alternatives of this one, and where to fit them
+  // from. Nothing if there is nothing to replace, or a cause has no such alternative.
+  [[nodiscard]] std::optional<std::pair<Set, Vector>> WithAlternativesOf(Level level) const {
+    Set set;
+    Vector start = state_.selection.model.point;
+    for (const ChosenCause& cause : state_.selection.causes) {
+      if (state_.candidate(cause.candidate).level == level) {
+        set.push_back(cause.candidate);
+        continue;
+      }
+      const Rival* best = nullptr;
+      for (const Rival& rival : state_.selection.rivals) {
+        if (rival.instead_of != cause.candidate || state_.candidate(rival.candidate).level != level) continue;
+        if (best == nullptr || rival.delta_lr < best->delta_lr) best = &rival;
+      }
+      if (best == nullptr) return {};
+      for (const int index : state_.candidate(cause.candidate).parameters)
+        start[index] = state_.base.refit.point[index];
+      for (const int index : state_.candidate(best->candidate).parameters)
+        start[index] = best->refit.point[index];
+      set.push_back(best->candidate);
+    }
+    std::sort(set.begin(), set.end());
+    const bool repeated = std::adjacent_find(set.begin(), set.end()) != set.end();
+    if (repeated || set.empty() || set == state_.selection.model.released) return {};
+    return std::pair(std::move(set), std::move(start));
   }
 
   // The effect with the largest score at its price, and the best set that grows from it.

@@ -274,6 +274,7 @@ Result<Hdf5Node> DiagnosisTree(const Problem& problem, const Diagnosis& diagnosi
   node.attributes["sinew_schema"] = std::string("diagnosis/1");
   node.attributes["verdict"] = std::string(ToString(diagnosis.verdict));
   node.attributes["wanders"] = std::int64_t{diagnosis.strongly_autocorrelated ? 1 : 0};
+  node.attributes["held_out_shortfall"] = diagnosis.held_out_shortfall;
   node.attributes["alarm_level"] = options.alarm_level;
   node.attributes["threshold"] = diagnosis.threshold;
   node.attributes["family_p_value"] = diagnosis.family_p_value;

@@ -222,6 +222,7 @@ std::string DiagnosisJson(const Diagnosis& diagnosis, const Provenance& provenan
   json["concluded"] = diagnosis.concluded();
   json["inconclusive_kind"] = ToString(diagnosis.inconclusive);
   json["wanders"] = diagnosis.strongly_autocorrelated;
+  json["held_out_shortfall"] = diagnosis.held_out_shortfall;
   const std::vector<text::Sentence> sentences = text::Sentences(diagnosis);
   json["sentences"] = text::TextsOf(sentences);
   json["sentence_facts"] = FromSentences(sentences);

@@ -52,6 +52,12 @@ std::string UnknownNoise(const Diagnosis& d) {
       And(channels));
 }
 
+std::string ShortfallText(const Diagnosis& d) {
+  if (!(d.held_out_shortfall > 0)) return {};
+  return fmt::format("; held-out trials gain {} less by them than they should",
+                     Percent(d.held_out_shortfall));
+}
+
 std::string VerdictText(const Diagnosis& d) {
   const std::string chance = "(family-wise " + Chance(d.family_p_value) + ")";
   switch (d.verdict) {
@@ -71,9 +77,9 @@ std::string VerdictText(const Diagnosis& d) {
         return "Unexplained: the residual is larger at low frequencies than the noise that the data state or "
                "show, or than that of instruments usually is; no known effect explains it, and no test can "
                "distinguish it from autocorrelated noise.";
-      return fmt::format(
-          "Unexplained: misfit beyond chance {}, and {}.", chance,
-          d.causes.empty() ? "no known effect explains it" : "the known effects do not explain all of it");
+      return fmt::format("Unexplained: misfit beyond chance {}, and {}.", chance,
+                         d.causes.empty() ? "no known effect explains it"
+                                          : "the known effects do not explain all of it" + ShortfallText(d));
   }
   return {};
 }

@@ -59,7 +59,7 @@ class DriveActuation {
     if (slope != 0) {
       S line = S(slope * (t - (run_.input_time[at] + shift_)));
       if (shift_moves_) {
-        line -= slope * (Tangent(dynamics[kCommandDelay]) - Tangent(dynamics[kInputTimeOffset]));
+        line -= slope * Tangent(dynamics.ShiftOfInput());
       }
       if (dynamics.uses()[kHoldFraction]) line -= dynamics[kHoldFraction] * line;
       u += line;
@@ -91,15 +91,22 @@ class DriveActuation {
     return series.values[i] + slope * (t - time[i]);
   }
 
-  /// What is added to the output of a controller at a tick; like the input, held or straight between samples.
-  [[nodiscard]] double DisturbanceAt(double t, double tolerance) const {
+  /// What is added to the output of a controller that acts at a tick; like the input, held or straight
+  /// between samples. Output that acts late was computed earlier.
+  template <class S>
+  [[nodiscard]] S DisturbanceAt(const DriveDynamics<S>& dynamics, double tick, double tolerance) const {
     const auto& [time, values] = run_.disturbance;
-    if (values.empty()) return 0;
+    if (values.empty()) return S(0);
+    const bool late = dynamics.uses()[kActuationDelay];
+    const double t = late ? tick - Value(dynamics[kActuationDelay]) : tick;
     const auto after = std::upper_bound(time.begin(), time.end(), run_.held ? t + tolerance : t);
-    if (after == time.begin()) return values.front();
+    if (after == time.begin()) return S(values.front());
     const auto i = static_cast<std::size_t>(after - time.begin()) - 1;
-    if (run_.held || after == time.end()) return values[i];
-    return values[i] + (values[i + 1] - values[i]) * ((t - time[i]) / (time[i + 1] - time[i]));
+    if (run_.held || after == time.end()) return S(values[i]);
+    const double slope = (values[i + 1] - values[i]) / (time[i + 1] - time[i]);
+    S value(values[i] + slope * (t - time[i]));
+    if (late) value -= slope * Tangent(dynamics[kActuationDelay]);
+    return value;
   }
 
   template <class S, class Time>
@@ -118,7 +125,7 @@ class DriveActuation {
     }
     // The servo is continuous; feedback that is late by a little is q - delay v, to first order.
     S error = input - q;
-    if (dynamics.uses()[kSensingDelay]) error += dynamics[kSensingDelay] * v;
+    if (dynamics.uses().feedback_is_late()) error += dynamics.AgeOfFeedback() * v;
     S duty = (run_.gains.servo_error_gain * run_.gains.kp) * error;
     if (Value(duty) > 1) duty = S(1);
     if (Value(duty) < -1) duty = S(-1);

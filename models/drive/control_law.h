@@ -14,10 +14,10 @@ namespace sinew {
 template <class T>
 struct DriveTick {
   T reference{0};
-  T seen{0};               ///< position, or of pid_speed the speed, as it is fed back
-  T speed{0};              ///< of the joint; a cascade needs it at the first tick
-  double disturbance = 0;  ///< [N*m or V] added to the output before it is limited
-  bool on = true;          ///< the motor
+  T seen{0};         ///< position, or of pid_speed the speed, as it is fed back
+  T speed{0};        ///< of the joint; a cascade needs it at the first tick
+  T disturbance{0};  ///< [N*m or V] added to the output before it is limited
+  bool on = true;    ///< the motor
 };
 
 /// Ticks, one after the other:
@@ -52,7 +52,7 @@ class DriveControlLaw {
     }
     const T grown = integral_ + gains_.control_period * error;
     output += integral_gain_ * grown;
-    if (now.disturbance != 0) output += now.disturbance;
+    output += now.disturbance;
     const double limit = gains_.output_limit;
     const bool clipped = limit > 0 && std::abs(Value(output)) > limit;
     if (clipped) output = T(Value(output) > 0 ? limit : -limit);

@@ -89,6 +89,7 @@ enum DriveSlot : int {
   // Timing and transmission.
   kCommandDelay,
   kSensingDelay,
+  kActuationDelay,
   kHoldFraction,
   kBacklash,
   kCompliance,

@@ -40,6 +40,8 @@ struct DriveUses {
   bool input_sensor = false;
 
   [[nodiscard]] bool operator[](int s) const { return slot[static_cast<std::size_t>(s)]; }
+  /// A controller sees the joint as it was.
+  [[nodiscard]] bool feedback_is_late() const { return slot[kSensingDelay] || slot[kActuationDelay]; }
   [[nodiscard]] bool unknown_friction() const { return term[kFrictionOfPosition] || term[kFrictionOfTime]; }
 };
 
@@ -67,6 +69,13 @@ class DriveDynamics {
   [[nodiscard]] const DriveUses& uses() const { return uses_; }
   [[nodiscard]] bool frictional() const { return frictional_; }
   [[nodiscard]] const T& inverse_mass() const { return inverse_mass_; }
+
+  /// How late a controller's feedback acts, and the input [s]. A controller whose output is late acts on what
+  /// was wanted and seen that long ago.
+  [[nodiscard]] T AgeOfFeedback() const { return numbers_[kSensingDelay] + numbers_[kActuationDelay]; }
+  [[nodiscard]] T ShiftOfInput() const {
+    return numbers_[kCommandDelay] + numbers_[kActuationDelay] - numbers_[kInputTimeOffset];
+  }
 
   /// Torques that act on the joint, dry friction aside.
   struct Loads {

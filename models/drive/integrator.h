@@ -51,8 +51,7 @@ class DriveIntegrator {
         plain_(plain),
         rate_(std::max(rate, 1 / command.step)),
         drag_rate_(2 * plain[kDrag] * plain.inverse_mass()),
-        shift_(Tangent(dynamics[kCommandDelay]) - Tangent(dynamics[kInputTimeOffset]) +
-               (plain[kCommandDelay] - plain[kInputTimeOffset])),
+        shift_(Tangent(dynamics.ShiftOfInput()) + plain.ShiftOfInput()),
         actuation_(command, run, Value(shift_), shift_moves),
         controller_(command, run.gains, dynamics, history) {}
 

@@ -13,7 +13,7 @@ namespace sinew {
 template <class T>
 using DriveHistory = std::vector<T>;
 
-/// Ticks that the longest sensing delay reaches back.
+/// Ticks that the longest delay of the feedback reaches back.
 [[nodiscard]] inline std::size_t DriveHistorySize(double longest_delay, double control_period) {
   return static_cast<std::size_t>(longest_delay / control_period) + 3;
 }
@@ -40,17 +40,19 @@ class DriveSampledController {
     const double tolerance = kSameTime * gains_.control_period;
     const T reference = actuation.InputAt(dynamics_, actuation.PieceOfTick(now, tolerance), now);
     const T seen = Feedback(tick, command_.controller == DriveControllerKind::kPidSpeed ? v : q);
-    held.command = law_.Output({reference, seen, v, actuation.DisturbanceAt(now, tolerance), held.on});
+    held.command =
+        law_.Output({reference, seen, v, actuation.DisturbanceAt(dynamics_, now, tolerance), held.on});
     held.signal = reference;
   }
 
  private:
-  /// Position or speed of the joint at the tick, late by sensing_delay: straight between ticks.
+  /// Position or speed of the joint at the tick, late by sensing_delay and actuation_delay: straight between
+  /// ticks.
   [[nodiscard]] T Feedback(int tick, const T& now) {
-    if (!dynamics_.uses()[kSensingDelay]) return now;
+    if (!dynamics_.uses().feedback_is_late()) return now;
     const auto slots = static_cast<int>(history_.size());
     history_[static_cast<std::size_t>(tick % slots)] = now;
-    const T age = dynamics_[kSensingDelay] * (1 / gains_.control_period);
+    const T age = dynamics_.AgeOfFeedback() * (1 / gains_.control_period);
     const int whole = std::min(static_cast<int>(Value(age)), slots - 2);
     const auto at = [&](int ago) -> const T& {
       return history_[static_cast<std::size_t>(std::max(tick - ago, 0) % slots)];

@@ -78,7 +78,7 @@ double FastestRate(const DriveNumbers& p, const DriveJoint& joint, const DriveCo
     const double supply = *std::max_element(voltage.begin(), voltage.end());
     const double gain = volts * supply * run.gains.servo_error_gain * run.gains.kp / p[kInputGain];
     stiffness += gain;
-    damping += gain * p[kSensingDelay];
+    damping += gain * (p[kSensingDelay] + p[kActuationDelay]);
   }
   // Falling dry friction, and the fading torque near the highest speed.
   if (p[kStribeckTorque] > 0) damping += p[kStribeckTorque] / p[kStribeckVelocity];

@@ -265,6 +265,11 @@ void AddDrive(const DriveTraits& is, const DriveScales& s, const Units& unit, Bu
     add.BeginEffect("sensing_delay", Level::kRobot, "the controller's feedback is delayed",
                     "a step of the reference with a stiff controller, near its stability limit")
         .Positive(kSensingDelay, "sensing_delay", "s", "age of the feedback", kLongestSensingDelay);
+    add.BeginEffect("actuation_delay", Level::kRobot, "the controller's output acts with a delay",
+                    "a step of the reference against a fixed stop, with the drive's torque recorded")
+        .Is(Occurrence::kCommon)
+        .Positive(kActuationDelay, "actuation_delay", "s", "age of the output that acts",
+                  kLongestSensingDelay);
   }
   if (!is.held) {
     add.BeginEffect("hold", Level::kRobot,

@@ -86,8 +86,12 @@ void DriveProblem::ListParameters() {
       for (std::size_t k = 0; k < states_; ++k) columns.push_back(segments_[g].state + static_cast<int>(k));
     }
   }
-  if (data_.command.sampled() && list_.index[kSensingDelay] >= 0) {
-    const double longest = list_.parameters[static_cast<std::size_t>(list_.index[kSensingDelay])].upper;
+  if (data_.command.sampled()) {
+    double longest = 0;
+    for (const DriveSlot slot : {kSensingDelay, kActuationDelay}) {
+      const int index = list_.index[slot];
+      if (index >= 0) longest += list_.parameters[static_cast<std::size_t>(index)].upper;
+    }
     for (const DriveRun& run : data_.runs)
       history_ = std::max(history_, DriveHistorySize(longest, run.gains.control_period));
   }
@@ -239,7 +243,8 @@ Status DriveProblem::Integrate(const Stretch& stretch, const Vector& parameters,
     for (std::size_t i = 0; i < lanes; ++i) {
       const int slot = scratch.lanes[first_lane + i].first;
       variables[static_cast<std::size_t>(slot)].d[i] = 1;
-      shift_moves = shift_moves || slot == kCommandDelay || slot == kInputTimeOffset;
+      shift_moves =
+          shift_moves || slot == kCommandDelay || slot == kActuationDelay || slot == kInputTimeOffset;
     }
   }
   const bool frictional = AnyFrictionAboveZero(numbers);

@@ -98,10 +98,12 @@ class DesignMaker {
     SparseJacobian jacobian = fit_.NewJacobian();
     SINEW_TRY(fit_.Evaluate(x, workspace, design.residual, &jacobian));
     design.base = jacobian.Dense(fit_.residuals(), fit_.variables());
-    // A parameter held at its bound is not a base column: it cannot compensate anything.
     const Vector gradient = design.base.transpose() * design.residual;
     for (Eigen::Index v = 0; v < x.size(); ++v) {
-      if ((x[v] <= 0 && gradient[v] >= 0) || (x[v] >= 1 && gradient[v] <= 0)) design.base.col(v).setZero();
+      if ((x[v] <= 0 && gradient[v] >= 0) || (x[v] >= 1 && gradient[v] <= 0)) {
+        design.at_bound.emplace_back(v, design.base.col(v));
+        design.base.col(v).setZero();
+      }
     }
     SINEW_TRY(rows_.Predict(point_, nullptr));
     at_null_ = rows_.Values();

@@ -2,6 +2,7 @@
 // candidates.
 #pragma once
 
+#include <utility>
 #include <vector>
 
 #include "base/error.h"
@@ -25,9 +26,12 @@ struct DesignColumn {
 };
 
 struct Design {
-  Vector x;                           ///< [n] variables of the fit
-  Vector residual;                    ///< [m] weighted, rows of the training blocks
-  Matrix base;                        ///< [m x n] derivatives for the variables of the fit
+  Vector x;         ///< [n] variables of the fit
+  Vector residual;  ///< [m] weighted, rows of the training blocks
+  Matrix base;      ///< [m x n] derivatives for the variables of the fit
+  /// Variables on a bound beyond which the fit would still improve, and their derivatives [m]: they
+  /// compensate nothing, so that their columns of `base` are zero.
+  std::vector<std::pair<Eigen::Index, Vector>> at_bound;
   Matrix candidates;                  ///< [m x K] derivatives or secants of the candidates' parameters
   std::vector<DesignColumn> columns;  ///< [K]
 };

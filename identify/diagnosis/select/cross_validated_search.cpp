@@ -125,8 +125,11 @@ bool CrossValidatedSearch::LeavesOnlyNoise(const FittedSet& one) const {
   return refit.usable() && scale_.At(refit).IsNoMore(refit.noise);
 }
 
-// Judges the sets that fit nearly as well as the best one.
-void CrossValidatedSearch::EndWith(std::vector<FittedSet> made) {
+// Judges the sets that fit nearly as well as the best one, and those that imitate it.
+Status CrossValidatedSearch::EndWith(std::vector<FittedSet> made) {
+  SINEW_ASSIGN(std::vector<FittedSet> imitating,
+               Imitating(*std::min_element(made.begin(), made.end(), FitsBetter)));
+  std::move(imitating.begin(), imitating.end(), std::back_inserter(made));
   std::stable_sort(made.begin(), made.end(), FitsBetter);
   const double most = kFarOff * made.front().fitted_error;
   std::size_t near = 1;
@@ -134,6 +137,7 @@ void CrossValidatedSearch::EndWith(std::vector<FittedSet> made) {
   made.resize(near);
   fitter_.LeaveOut(made, kTolerance);
   Consider(std::move(made));
+  return {};
 }
 
 // How firm the choice is: sets by the share of resamples of the folds in which they are chosen.
@@ -173,6 +177,24 @@ Result<std::vector<FittedSet>> CrossValidatedSearch::Exchanged(const FittedSet& 
                      [&](const FittedSet& one) { return !(one.fitted_error <= kFarOff * of.fitted_error); }),
       sets.end());
   fitter_.LeaveOut(sets, kTolerance);
+  return sets;
+}
+
+// Sets of other causes that do to the fitted data what these do together, and that fit nearly as well.
+Result<std::vector<FittedSet>> CrossValidatedSearch::Imitating(const FittedSet& of) {
+  std::vector<FittedSet> sets;
+  SINEW_ASSIGN(const auto wanted, fitter_.ImitatingSets(of));
+  std::vector<std::vector<Vector>> starts;
+  for (const auto& [released, points] : wanted) {
+    if (!seen_.insert(released).second) continue;
+    sets.push_back({released, {}, 0, 0, {}});
+    starts.push_back(points);
+  }
+  fitter_.Fit(sets, starts, kTolerance, kContinued);
+  sets.erase(
+      std::remove_if(sets.begin(), sets.end(),
+                     [&](const FittedSet& one) { return !(one.fitted_error <= kFarOff * of.fitted_error); }),
+      sets.end());
   return sets;
 }
 
@@ -265,6 +287,9 @@ Result<FittedSet> CrossValidatedSearch::Choose(Shares& shares) {
       exchanged.insert(chosen.released);
       SINEW_ASSIGN(std::vector<FittedSet> others, Exchanged(chosen));
       Consider(std::move(others));
+      SINEW_ASSIGN(std::vector<FittedSet> imitating, Imitating(chosen));
+      fitter_.LeaveOut(imitating, kTolerance);
+      Consider(std::move(imitating));
       continue;
     }
     completed.insert(chosen.released);
@@ -436,13 +461,16 @@ Result<CrossValidatedSearch::Outcome> CrossValidatedSearch::Run(const ScoredMode
     }
     // Sets of one cause more cannot leave clearly less, and neither can other starts of these.
     if (LeavesOnlyNoise(made.front())) {
-      EndWith(std::move(made));
+      SINEW_TRY(EndWith(std::move(made)));
       return Conclude();
     }
     Shorten(made);
     Polish(made);
+    SINEW_ASSIGN(std::vector<FittedSet> others,
+                 Imitating(*std::min_element(made.begin(), made.end(), FitsBetter)));
+    std::move(others.begin(), others.end(), std::back_inserter(made));
     if (LeavesOnlyNoise(*std::min_element(made.begin(), made.end(), FitsBetter))) {
-      EndWith(std::move(made));
+      SINEW_TRY(EndWith(std::move(made)));
       return Conclude();
     }
     fitter_.LeaveOut(made, kTolerance);

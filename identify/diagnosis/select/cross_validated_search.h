@@ -85,13 +85,14 @@ class CrossValidatedSearch {
   [[nodiscard]] std::optional<FittedSet> Shrunk(FittedSet from);
   void Consider(std::vector<FittedSet> made);
   void Replace(const Set& idle, FittedSet acting);
-  void EndWith(std::vector<FittedSet> made);
+  Status EndWith(std::vector<FittedSet> made);
   [[nodiscard]] bool LeavesOnlyNoise(const FittedSet& one) const;
   [[nodiscard]] bool LeavesMisfit(const FittedSet& one) const;
   [[nodiscard]] std::vector<JudgedSet> Judged() const;
   [[nodiscard]] FittedSet Polished(FittedSet one) const;
   [[nodiscard]] Result<std::vector<FittedSet>> OneMore(const FittedSet& of) const;
   [[nodiscard]] Result<std::vector<FittedSet>> Exchanged(const FittedSet& of) const;
+  [[nodiscard]] Result<std::vector<FittedSet>> Imitating(const FittedSet& of);
   [[nodiscard]] Result<FittedSet> Choose(Shares& shares);
   void Resample(Outcome& outcome) const;
   [[nodiscard]] Result<Outcome> Conclude();
@@ -104,7 +105,7 @@ class CrossValidatedSearch {
   const MisfitScale& scale_;
   const DiagnosisOptions& options_;
   SetFitter fitter_;
-  std::set<Set> seen_;             // made by GrownFrom
+  std::set<Set> seen_;             // made by GrownFrom or Imitating
   std::vector<FittedSet> judged_;  // every set whose error of left-out data is known
   std::set<Set> barred_;           // with a member that does nothing
 };

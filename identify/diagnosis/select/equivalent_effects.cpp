@@ -9,8 +9,8 @@
 #include <vector>
 
 #include "base/column_space.h"
-#include "identify/diagnosis/score/design.h"
 #include "identify/diagnosis/score/shortlist.h"
+#include "identify/diagnosis/select/linearised_model.h"
 #include "identify/execution/shared_loop.h"
 
 namespace sinew::diagnosis {
@@ -26,16 +26,9 @@ class Exchange {
  public:
   explicit Exchange(const DiagnosisState& state)
       : state_(state),
-        fit_(state.problem, *state.selection.model.setup),
-        whitening_(state.selection.model.noise, TrainStretches(fit_)) {}
+        model_(state.problem, state.candidates, state.selection.model, state.base.refit.point) {}
 
-  Status Linearise() {
-    SINEW_ASSIGN(design_, MakeDesign(fit_, state_.selection.model.x, state_.candidates, whitening_,
-                                     ScoredCandidates::kTested));
-    base_ = Whitened(design_.base);
-    columns_ = Whitened(design_.candidates);
-    return {};
-  }
+  Status Linearise() { return model_.Linearise(); }
 
   /// Effects that imitate this cause, each with points [P] where it has taken its place.
   struct Substitute {
@@ -44,13 +37,9 @@ class Exchange {
     std::vector<Vector> starts;
   };
   [[nodiscard]] std::vector<Substitute> Of(int cause) const {
-    Matrix others = base_;
-    for (Eigen::Index v = 0; v < others.cols(); ++v) {
-      if (IsOf(cause, fit_.setup().free[static_cast<std::size_t>(v)])) others.col(v).setZero();
-    }
-    const ColumnSpace space(others, kSingular);
+    const ColumnSpace space(model_.BaseWithout({cause}), kSingular);
     std::vector<Trace> traces;
-    for (const std::optional<Vector>& whole : {TangentOf(cause), SecantOf(cause)}) {
+    for (const std::optional<Vector>& whole : {model_.TangentOf(cause), model_.SecantOf(cause)}) {
       if (!whole) continue;
       Trace trace{*whole, space.TakenFrom(*whole)};
       if (trace.distinct.norm() > kSingular * whole->norm()) traces.push_back(std::move(trace));
@@ -77,11 +66,6 @@ class Exchange {
     Vector distinct;  // that the other fitted parameters cannot compensate
   };
 
-  [[nodiscard]] bool IsOf(int candidate, int parameter) const {
-    const auto& own = state_.candidate(candidate).parameters;
-    return std::find(own.begin(), own.end(), parameter) != own.end();
-  }
-
   // Known, released in no fit yet, and not the fault of another trial.
   [[nodiscard]] bool MayReplace(int cause, int other) const {
     const Candidate& candidate = state_.candidate(other);
@@ -94,58 +78,14 @@ class Exchange {
            (candidate.trial.empty() || candidate.trial == state_.candidate(cause).trial);
   }
 
-  [[nodiscard]] Matrix Whitened(Matrix rows) const {
-    for (std::size_t t = 0; t < fit_.train_blocks().size(); ++t) {
-      const auto& train = fit_.train_blocks()[t];
-      const int n = state_.problem.layout()[static_cast<std::size_t>(train.block)].samples();
-      whitening_.Apply(static_cast<int>(t), rows.middleRows(train.first_row, n));
-    }
-    return rows;
-  }
-
-  // To first order, from the null on: of two effects that do the same, this is the same, however large it is.
-  [[nodiscard]] std::optional<Vector> TangentOf(int cause) const {
-    const Vector slopes = fit_.Slopes(state_.selection.model.x);
-    Vector change = Vector::Zero(base_.cols());
-    for (Eigen::Index v = 0; v < change.size(); ++v) {
-      const int index = fit_.setup().free[static_cast<std::size_t>(v)];
-      if (!IsOf(cause, index)) continue;
-      const double moved = state_.selection.model.point[index] - state_.base.refit.point[index];
-      if (!HasProbes(index)) change[v] = moved / slopes[v];
-    }
-    if (change.isZero(0)) return {};
-    return Vector(base_ * change);
-  }
-
-  // Without the cause at all; nothing if that cannot be computed.
-  [[nodiscard]] std::optional<Vector> SecantOf(int cause) const {
-    Vector without = state_.selection.model.point;
-    for (const int index : state_.candidate(cause).parameters)
-      without[index] = state_.base.refit.point[index];
-    auto workspace = fit_.NewWorkspace();
-    Vector residual;
-    if (!fit_.Evaluate(fit_.Variables(without), workspace, residual, nullptr) || !residual.allFinite())
-      return {};
-    return Vector(Whitened(design_.residual - residual));
-  }
-
-  // Parameters with probe values (a period, a threshold) have no influence at the effect's null.
-  [[nodiscard]] bool HasProbes(int index) const {
-    return !fit_.setup().parameters[static_cast<std::size_t>(index)].probes.empty();
-  }
-
   // The change of the candidate's parameters, and of the other fitted ones, that does what the cause does.
   [[nodiscard]] std::optional<Substitute> AtProbe(int candidate, int probe, int cause, const Trace& trace,
                                                   const ColumnSpace& space) const {
-    std::vector<Eigen::Index> own;
-    for (std::size_t k = 0; k < design_.columns.size(); ++k) {
-      if (design_.columns[k].candidate == candidate && design_.columns[k].probe == probe)
-        own.push_back(static_cast<Eigen::Index>(k));
-    }
+    const std::vector<Eigen::Index> own = model_.ColumnsOf(candidate, probe);
     if (own.empty()) return {};
-    Matrix columns(columns_.rows(), static_cast<Eigen::Index>(own.size()));
+    Matrix columns(model_.columns().rows(), static_cast<Eigen::Index>(own.size()));
     for (std::size_t i = 0; i < own.size(); ++i)
-      columns.col(static_cast<Eigen::Index>(i)) = columns_.col(own[i]);
+      columns.col(static_cast<Eigen::Index>(i)) = model_.columns().col(own[i]);
     const ColumnSpace imitation(space.TakenFrom(columns), kSingular);
     const double left = imitation.TakenFrom(trace.distinct).norm() / trace.distinct.norm();
     if (!(left < kLeftOfTrace)) return {};
@@ -153,34 +93,18 @@ class Exchange {
     const Vector moved = space.Solve(trace.whole - columns * change);
     Substitute made{candidate, std::sqrt(1 - left * left), {}};
     // Where the others have to move far, to first order may be too far.
+    const Vector& x = state_.selection.model.x;
     for (const double share : {1.0, 0.5, 0.0}) {
-      Vector start = fit_.Parameters((state_.selection.model.x + share * moved).cwiseMax(0).cwiseMin(1));
-      Exchanged(candidate, probe, cause, own, change, start);
+      Vector start = model_.fit().Parameters((x + share * moved).cwiseMax(0).cwiseMin(1));
+      model_.Remove(cause, start);
+      model_.Add(candidate, probe, change, start);
       made.starts.push_back(std::move(start));
     }
     return made;
   }
 
-  // The cause at its null, the candidate at its probe and changed.
-  void Exchanged(int candidate, int probe, int cause, const std::vector<Eigen::Index>& own,
-                 const Vector& change, Vector& point) const {
-    for (const int index : state_.candidate(cause).parameters) point[index] = state_.base.refit.point[index];
-    const auto at = static_cast<std::size_t>(probe);
-    for (const auto& [index, value] : state_.candidate(candidate).probes[at].at) point[index] = value;
-    if (IsScoredBySecant(state_.candidate(candidate), at)) return;
-    for (std::size_t i = 0; i < own.size(); ++i) {
-      const int index = design_.columns[static_cast<std::size_t>(own[i])].parameter;
-      const Parameter& p = fit_.setup().parameters[static_cast<std::size_t>(index)];
-      point[index] = std::clamp(p.null_value + change[static_cast<Eigen::Index>(i)], p.lower, p.upper);
-    }
-  }
-
   const DiagnosisState& state_;
-  LeastSquares fit_;
-  noise::Whitening whitening_;
-  Design design_;
-  Matrix base_;     // [m x n] whitened
-  Matrix columns_;  // [m x K] whitened
+  LinearisedModel model_;
 };
 
 // Weighted residuals of the training data.

@@ -5,6 +5,7 @@
 #include <optional>
 
 #include "identify/diagnosis/select/candidate_sets.h"
+#include "identify/diagnosis/select/imitating_sets.h"
 
 namespace sinew::diagnosis {
 namespace {
@@ -53,6 +54,17 @@ bool EndsAtABound(const LikelihoodComparison& compare, const Refit& refit, int c
 
 }  // namespace
 
+Result<std::vector<std::vector<int>>> FitImitatingSets(LikelihoodComparison& compare,
+                                                       const std::vector<int>& chosen) {
+  std::vector<std::vector<int>> sets;
+  if (compare.base().refit.noise.CountsPriors()) return sets;
+  SINEW_ASSIGN(const auto wanted, FindImitatingSets(compare.problem(), compare.candidates(),
+                                                    compare.at(chosen), compare.base().refit.point));
+  compare.refits().Fit(wanted);
+  for (const auto& [released, starts] : wanted) sets.push_back(released);
+  return sets;
+}
+
 Result<std::vector<Rival>> FindRivals(LikelihoodComparison& compare, const std::vector<int>& chosen) {
   std::vector<Rival> rivals;
   for (const int c : chosen) {
@@ -84,12 +96,20 @@ Result<std::vector<Rival>> FindRivals(LikelihoodComparison& compare, const std::
 }
 
 std::vector<int> BetterSet(const LikelihoodComparison& compare, const std::vector<int>& chosen,
-                           const std::vector<Rival>& rivals) {
+                           const std::vector<Rival>& rivals, const std::vector<std::vector<int>>& imitating) {
   const Refit* best = &compare.at(chosen);
   for (const Rival& rival : rivals) {
     if (compare.PenalisedByOccurrence(rival.refit, *best) < 0 &&
         !compare.IsSimplerDouble(chosen, rival.refit) && !EndsAtABound(compare, rival.refit, rival.candidate))
       best = &rival.refit;
+  }
+  for (const std::vector<int>& set : imitating) {
+    const Refit* refit = compare.refits().FindUsable(set);
+    if (refit == nullptr || compare.PenalisedByOccurrence(*refit, *best) >= 0) continue;
+    const bool at_a_bound = std::any_of(set.begin(), set.end(), [&](int c) {
+      return !Contains(chosen, c) && EndsAtABound(compare, *refit, c);
+    });
+    if (!at_a_bound) best = refit;
   }
   return best->released == chosen ? std::vector<int>() : best->released;
 }

@@ -18,16 +18,24 @@ struct Rival {
   double left_out = 0;
 };
 
+/// Fits the sets that would do what all chosen causes do together (FindImitatingSets). None beside hundreds
+/// of values with priors, where refits end at neighbouring minima.
+/// @return the sets. Errors: those of Problem::Predict.
+[[nodiscard]] Result<std::vector<std::vector<int>>> FitImitatingSets(LikelihoodComparison& compare,
+                                                                     const std::vector<int>& chosen);
+
 /// The rivals of each chosen cause, and of a pair those that replace both; those that fit best first.
 /// @param compare holds the refits; more are made. @pre the chosen set is fitted
 /// Errors: those of Problem::Predict.
 [[nodiscard]] Result<std::vector<Rival>> FindRivals(LikelihoodComparison& compare,
                                                     const std::vector<int>& chosen);
 
-/// Forward selection need not find the best set: a rival that explains more than a cause replaces it, unless
-/// it does so only at the end of its range, where it compensates for something else.
-/// @return the set with it; empty if there is no such rival
+/// Forward selection need not find the best set: a rival that explains more than a cause replaces it, and a
+/// set that explains more than all causes replaces them, unless an effect does so only at the end of its
+/// range, where it compensates for something else.
+/// @param imitating from FitImitatingSets @return the better set; empty if there is none
 [[nodiscard]] std::vector<int> BetterSet(const LikelihoodComparison& compare, const std::vector<int>& chosen,
-                                         const std::vector<Rival>& rivals);
+                                         const std::vector<Rival>& rivals,
+                                         const std::vector<std::vector<int>>& imitating);
 
 }  // namespace sinew::diagnosis

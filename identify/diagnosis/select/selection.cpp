@@ -14,6 +14,7 @@ namespace sinew::diagnosis {
 namespace {
 
 constexpr int kMaxCauses = 5;
+constexpr int kMaxSteps = 10;     // mostly as many as there are causes; each lowers the deviance
 constexpr int kMaxExchanges = 8;  // each lowers the deviance, so that the loop would end without this limit
 constexpr double kNearUnitRoot = 0.97;  // root of the noise model above which it may describe an effect
 // Relative error of a score by its linearity, per square root of the score: 1 % at size 3, 4 % at size 12.
@@ -46,17 +47,7 @@ class Selector {
         SINEW_ASSIGN(scored, compare_.ScoresOf(chosen));
       }
     }
-    while (static_cast<int>(chosen.size()) < kMaxCauses &&
-           (chosen.empty() || scored.family.p_value <= kFurtherLevel)) {
-      const Set next = ForwardStep(compare_, chosen, scored);
-      if (next.empty()) break;
-      if (!selection.alarm) {
-        selection.alarm = true;
-        selection.family_p_value = compare_.options().alarm_level;
-      }
-      chosen = next;
-      SINEW_ASSIGN(scored, compare_.ScoresOf(chosen));
-    }
+    SINEW_TRY(Extend(selection, chosen, scored));
     for (const auto& [released, refit] : compare_.refits().all()) {
       if (released.size() == 1 && refit.usable()) selection.tried.push_back(refit);
     }
@@ -71,8 +62,9 @@ class Selector {
         chosen = Without(chosen, worse->candidate);
         continue;
       }
+      SINEW_ASSIGN(const std::vector<Set> imitating, FitImitatingSets(compare_, chosen));
       SINEW_ASSIGN(selection.rivals, FindRivals(compare_, chosen));
-      const Set better = BetterSet(compare_, chosen, selection.rivals);
+      const Set better = BetterSet(compare_, chosen, selection.rivals, imitating);
       if (better.empty() || exchanges >= kMaxExchanges) break;
       chosen = better;
       Eliminate(chosen);
@@ -111,6 +103,26 @@ class Selector {
     selection.family_p_value = std::min(selection.family_p_value, compare_.options().alarm_level);
     selection.structure_left = true;
     TakeOver(search, std::move(found), compare_.candidates(), compare_.base(), selection);
+    return {};
+  }
+
+  // Forward steps, as long as what is left is significant. @param scored of the chosen set
+  Status Extend(Selection& selection, Set& chosen, ScoredModel& scored) {
+    for (int steps = 0; steps < kMaxSteps && static_cast<int>(chosen.size()) < kMaxCauses; ++steps) {
+      if (!chosen.empty() && scored.family.p_value > kFurtherLevel) break;
+      const Set next = ForwardStep(compare_, chosen, scored);
+      if (next.empty()) break;
+      if (!selection.alarm) {
+        selection.alarm = true;
+        selection.family_p_value = compare_.options().alarm_level;
+      }
+      chosen = next;
+      // Before further causes mend what a wrong set leaves.
+      SINEW_ASSIGN(const std::vector<Set> imitating, FitImitatingSets(compare_, chosen));
+      const Set better = BetterSet(compare_, chosen, {}, imitating);
+      if (!better.empty()) chosen = better;
+      SINEW_ASSIGN(scored, compare_.ScoresOf(chosen));
+    }
     return {};
   }
 

@@ -58,6 +58,9 @@ struct Selection {
   bool line_left = false;       ///< the remaining residual has a spectral line
   /// A term that stands for no cause, if it explains the error better than the causes.
   std::optional<FreeTermComparison> better_term;
+  /// Share of the gain that the causes should bring in held-out trials and do not, beyond chance; structure is
+  /// left then. 0: none.
+  double held_out_shortfall = 0;
   std::vector<int>
       unknown;  ///< discrepancy terms that are significant in the remaining residual, most significant first
   std::vector<double> unknown_p_value;
@@ -81,9 +84,10 @@ struct Selection {
 /// model, at a level of 0.02.
 /// 4. Backward: causes whose likelihood ratio is below their penalty are removed. If one discrepancy term
 /// fits better than all causes together, no cause is named: the cause is then not in the library.
-/// 5. Rivals: every cause is replaced by each candidate that could explain the same, and pairs by pairs. A
-/// rival that fits better, or as well (kByOccurrence) and is more common, replaces the cause, at most 8
-/// times; one whose penalised deviance is within SetWidth is reported as an alternative.
+/// 5. Rivals: every cause is replaced by each candidate that could explain the same, pairs by pairs, and all
+/// causes by the sets that would do the same (FindImitatingSets). A rival that fits better, or as well
+/// (kByOccurrence) and is more common, replaces the cause, such a set all of them, at most 8 times; one whose
+/// penalised deviance is within SetWidth is reported as an alternative.
 /// 6. The causes together must explain the error at least as well as the best free term, each at its price
 /// (CompareWithFreeTerms). If not, they are kept as what resembles the error most, with better_term and
 /// structure_left set: the error is not explained.

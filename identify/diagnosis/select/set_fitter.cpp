@@ -8,6 +8,7 @@
 
 #include "base/random.h"
 #include "identify/diagnosis/select/choice_of_sets.h"
+#include "identify/diagnosis/select/imitating_sets.h"
 #include "identify/diagnosis/select/many_starts.h"
 #include "identify/execution/executor.h"
 #include "identify/execution/shared_loop.h"
@@ -310,6 +311,13 @@ Result<std::vector<std::optional<ScoredModel>>> SetFitter::Score(const std::vect
     scored.push_back(std::move(*one));
   }
   return scored;
+}
+
+Result<std::map<std::vector<int>, std::vector<Vector>>> SetFitter::ImitatingSets(const FittedSet& of) const {
+  if (of.released.size() < 2) return std::map<std::vector<int>, std::vector<Vector>>();
+  const Refit refit = searched_refitter_.FitOrdinary(of.released, {of.point}, kTolerance);
+  if (!refit.usable()) return std::map<std::vector<int>, std::vector<Vector>>();
+  return FindImitatingSets(searched_, candidates_, refit, base().rest);
 }
 
 std::vector<int> SetFitter::Promising(const ScoredModel& scored, const std::vector<int>& have) const {

@@ -6,6 +6,7 @@
 #include <cmath>
 #include <functional>
 #include <limits>
+#include <map>
 #include <optional>
 #include <string>
 #include <vector>
@@ -91,6 +92,10 @@ class SetFitter {
   /// The same of several sets, in their order.
   [[nodiscard]] Result<std::vector<std::optional<ScoredModel>>> Score(
       const std::vector<FittedSet>& sets) const;
+  /// The sets that do to the searched data what this one does (FindImitatingSets), with starts. Errors: those
+  /// of Problem::Predict.
+  [[nodiscard]] Result<std::map<std::vector<int>, std::vector<Vector>>> ImitatingSets(
+      const FittedSet& of) const;
   /// Known effects that all trials share, not in `have`, the best ten by the linear prediction.
   [[nodiscard]] std::vector<int> Promising(const ScoredModel& scored, const std::vector<int>& have) const;
   /// Unknown terms that a fit can release, not in `have`, the best four.

@@ -312,6 +312,8 @@ Result<DriveRecord> SimulateDrive(const DriveTruth& truth, const DriveTrial& tri
   const double period = pid ? trial.controller.control_period : 0;
   const auto ticks = pid ? std::max<std::size_t>(1, static_cast<std::size_t>(std::lround(period / h))) : 1;
   double pid_torque = 0;
+  // What the controller commanded at the last steps: it acts late.
+  std::vector<double> commanded(static_cast<std::size_t>(std::lround(truth[kActuationDelay] / h)) + 1, 0.0);
 
   std::vector<double> seen(steps + 1);
   seen[0] = bench.Reading();
@@ -338,7 +340,8 @@ Result<DriveRecord> SimulateDrive(const DriveTruth& truth, const DriveTrial& tri
       const bool on = motor.Held(t) > 0;
       if (i % ticks == 0)
         pid_torque = cascade ? bench.Cascade(u, disturbance.At(t), on) : bench.PidSpeed(u, on);
-      u = pid_torque;
+      commanded[i % commanded.size()] = pid_torque;
+      u = commanded[(i + 1) % commanded.size()];
     }
     bench.Step(t, u, motor.Held(t + 0.5 * h) > 0);
     seen[i + 1] = bench.Reading();

@@ -108,6 +108,20 @@ TEST(LevelEvidence, CausesOfTwoLevelsBlameBoth) {
   EXPECT_THAT(LevelSentence(close), Not(HasSubstr("[human]")));
 }
 
+TEST(LevelEvidence, AlternativesOfOneLevelMaySufficeTogether) {
+  // The twin of the step is of the other cause's level; the noise does not let them be told apart.
+  LinearLaws::Truth truth;
+  truth.effects = {{"step_size", 1}, {"quadratic_size", 2}};
+  truth.noise = 1;
+  truth.levels = {{"step", Level::kBoundary}, {"twin", Level::kHuman}, {"quadratic", Level::kHuman}};
+  const Diagnosis d = Examine(truth);
+  ASSERT_EQ(d.causes.size(), 2U);
+  const LevelEvidence* human = Of(d, Level::kHuman);
+  ASSERT_NE(human, nullptr);
+  EXPECT_TRUE(human->suffices) << human->behind;
+  EXPECT_THAT(human->effects, testing::UnorderedElementsAre("quadratic", "twin"));
+}
+
 // A misfit that dominates the noise: likelihoods say little, left-out data decide.
 TEST(LevelEvidence, ByCrossValidationLeftOutErrorsAreTold) {
   LinearLaws::Truth truth;

@@ -126,10 +126,10 @@ TEST_F(LikelihoodSelection, ARivalThatFitsBetterReplacesTheCause) {
   const std::vector<int> wrong{Of("twin")};
   const auto rivals = FindRivals(*compare_, wrong);
   ASSERT_TRUE(rivals) << rivals.error().message;
-  EXPECT_EQ(BetterSet(*compare_, wrong, *rivals), std::vector<int>{Of("step")});
+  EXPECT_EQ(BetterSet(*compare_, wrong, *rivals, {}), std::vector<int>{Of("step")});
   const auto of_right = FindRivals(*compare_, {Of("step")});
   ASSERT_TRUE(of_right) << of_right.error().message;
-  EXPECT_TRUE(BetterSet(*compare_, {Of("step")}, *of_right).empty());
+  EXPECT_TRUE(BetterSet(*compare_, {Of("step")}, *of_right, {}).empty());
 }
 
 }  // namespace

@@ -159,11 +159,12 @@ TEST(DriveLaboratory, EveryHiddenThingShowsInARecordingAndItsNullDoesNot) {
     EXPECT_GE(null, entry.lower) << entry.parameter;
     EXPECT_LE(null, entry.upper) << entry.parameter;
     // What only shapes another parameter of its effect (a period, a velocity) does nothing alone; and
-    // sensing_delay needs a controller.
+    // delays of a controller need one.
     const bool shape = entry.unit != "1" && null != 0;
-    if (shape || entry.parameter == "sensing_delay" || entry.parameter == "tight_spot_position" ||
-        entry.parameter == "bump_position" || entry.parameter == "hum_phase" ||
-        entry.parameter == "eccentricity_phase" || entry.parameter == "lost_time") {
+    if (shape || entry.parameter == "sensing_delay" || entry.parameter == "actuation_delay" ||
+        entry.parameter == "tight_spot_position" || entry.parameter == "bump_position" ||
+        entry.parameter == "hum_phase" || entry.parameter == "eccentricity_phase" ||
+        entry.parameter == "lost_time") {
       continue;
     }
     double value = null + 0.02;
@@ -390,6 +391,7 @@ TEST(DriveSynthesis, ACascadeAgreesWithTheFittedModelFarBelowTheNoise) {
       {"coulomb_friction", {{"coulomb_torque", 0.1}}},
       {"sensing_delay", {{"sensing_delay", 0.01}}},  // between ticks the model is straight
       {"command_delay", {{"command_delay", 0.023}}},
+      {"actuation_delay", {{"actuation_delay", 0.01}}},  // two ticks
       {"gain_compression", {{"compression", 0.3}}},
       {"compliance", {{"transmission_compliance", 0.01}}},  // read before the next command acts
       {"reference.gain", {{"reference.gain", 1.05}}}};
@@ -405,6 +407,9 @@ TEST(DriveSynthesis, ACascadeAgreesWithTheFittedModelFarBelowTheNoise) {
       EXPECT_LT(DistanceToModel(numbers, request), 0.1 * kNoise) << kind << ", " << effect;
       EXPECT_GT(DistanceToModel({}, request), kNoise) << kind << ", " << effect;
     }
+    // Of parts of a tick the model's output still changes at the ticks.
+    request.effects = {{"actuation_delay", {{"actuation_delay", 0.012}}}};
+    EXPECT_LT(DistanceToModel({{"actuation_delay", 0.012}}, request), 0.3 * kNoise) << kind;
   }
 }
 

@@ -183,6 +183,7 @@ TEST(DriveSensitivity, OfAServoWithASensingDelay) {
                                  {"resistance_rate", 0.05},
                                  {"coulomb_torque", 0.01},
                                  {"sensing_delay", 0.005},
+                                 {"actuation_delay", 0.004},
                                  {"command_delay", 0.013},
                                  {"initial_position@swing", 0.2},
                                  {"initial_speed@swing", 0.1}});
@@ -200,6 +201,7 @@ TEST(DriveSensitivity, OfASampledControllerWithLimitAndDelay) {
                                  {"gravity_torque", 0.3},
                                  {"coulomb_torque", 0.05},
                                  {"sensing_delay", 0.0066},
+                                 {"actuation_delay", 0.0043},
                                  {"command_delay", 0.013},
                                  {"compression", 0.1},
                                  {"initial_position@swing", 0.2},
@@ -222,6 +224,7 @@ TEST(DriveSensitivity, OfACascadeWhoseMotorIsSwitched) {
                                  {"gravity_torque", 0.3},
                                  {"coulomb_torque", 0.05},
                                  {"sensing_delay", 0.0066},
+                                 {"actuation_delay", 0.0012},
                                  {"command_delay", 0.013},
                                  {"compression", 0.1},
                                  {"reference.gain", 1.1},
