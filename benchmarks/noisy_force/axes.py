@@ -5,9 +5,12 @@ usage: axes.py SEED OUT.h5 [--friction]
 """
 import sys
 from dataclasses import dataclass
+from pathlib import Path
 
-import h5py
 import numpy
+
+sys.path.insert(0, str(Path(__file__).resolve().parent.parent))
+import drive_file  # noqa: E402
 
 SUBSTEPS = 50  # between samples, where there is dry friction
 
@@ -106,19 +109,7 @@ def draw_axis(seed, friction=False):
 
 
 def write(axis, path):
-    with h5py.File(path, "w") as out:
-        out.attrs.update(sinew_schema="dataset/1", title="a linear axis", subject="", licence="CC0", source="benchmarks/noisy_force/axes.py",
-                         synthetic=1)
-        for number, (time, force, position) in enumerate(axis.records):
-            held_out = number == axis.trials
-            trial = out.create_group("trials/" + ("held_out" if held_out else f"record_{number + 1}"))
-            trial.attrs.update(role="validate" if held_out else "train", task="moves")
-            grid = trial.create_group("axis")
-            grid["time"] = time
-            for channel, values, unit, kind in (("force", force, "N", "input"), ("position", position, "m", "measured")):
-                grid["channels/" + channel] = values
-                grid["channels/" + channel].attrs.update(unit=unit, kind=kind)
-            grid["channels/force"].attrs["sigma"] = axis.force_noise
+    drive_file.write(path, "a linear axis", "benchmarks/noisy_force/axes.py", axis.records, ("force", "N", axis.force_noise), "m")
 
 
 if __name__ == "__main__":

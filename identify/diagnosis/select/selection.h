@@ -58,8 +58,8 @@ struct Selection {
   bool line_left = false;       ///< the remaining residual has a spectral line
   /// A term that stands for no cause, if it explains the error better than the causes.
   std::optional<FreeTermComparison> better_term;
-  /// Share of the gain that the causes should bring in held-out trials and do not, beyond chance; structure is
-  /// left then. 0: none.
+  /// Share of the gain that the causes should bring in held-out trials and do not, beyond chance; structure
+  /// is left then. 0: none.
   double held_out_shortfall = 0;
   std::vector<int>
       unknown;  ///< discrepancy terms that are significant in the remaining residual, most significant first
