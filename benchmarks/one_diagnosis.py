@@ -29,9 +29,10 @@ def diagnose(sinew, write):
 
 
 def inside(answer, truths):
-    """Of the parameters of the extended model whose true values are given: does the 95 % interval contain them?"""
-    values = {p["name"]: p for p in answer["extended_parameters"]}
-    return {name: values[name]["ci95"][0] <= truth <= values[name]["ci95"][1] for name, truth in truths.items() if name in values}
+    """Of the parameters of the extended model whose true values are given: does the 95 % interval contain them? One at a bound has none."""
+    intervals = {p["name"]: p["ci95"] for p in answer["extended_parameters"]}
+    return {name: intervals[name] is not None and intervals[name][0] <= truth <= intervals[name][1]
+            for name, truth in truths.items() if name in intervals}
 
 
 def share(hits, count):
