@@ -1,7 +1,7 @@
 """A forearm of known weight in an exoskeleton, on it the arm of a person: a spring about an angle of rest, and a damper. Drawn by seed. The
 simulator shares no code with the fitted model; the data file holds measurements only.
 
-usage: arms.py SEED OUT.h5 [--nobody]
+usage: arms.py SEED OUT.h5 [--without-spring]
 """
 import math
 import sys
@@ -29,7 +29,7 @@ class Arm:
     inertia: float      # of the joint, beside the known load
     viscous: float
     gain: float         # true torque over the recorded one
-    stiffness: float    # of the person; 0: nobody is in it
+    stiffness: float    # of the person; 0: no spring
     rest: float
     records: list       # per trial: times, recorded torque, read position
 
@@ -87,10 +87,10 @@ def simulate(arm, wanted):
     return torque, position
 
 
-def draw_arm(seed, nobody=False):
+def draw_arm(seed, without_spring=False):
     draw = numpy.random.default_rng(40000 + seed)
     arm = Arm(seed, draw.uniform(.015, .03), draw.uniform(.2, .6), 1 / draw.uniform(.9, 1.1), draw.uniform(1.5, 4), draw.uniform(.9, 1.5), [])
-    if nobody:
+    if without_spring:
         arm.stiffness = 0.0
     time = numpy.arange(round(DURATION / TICK)) * TICK
     for number in range(TRIALS + 1):
@@ -105,4 +105,4 @@ def write(arm, path):
 
 
 if __name__ == "__main__":
-    write(draw_arm(int(sys.argv[1]), "--nobody" in sys.argv), sys.argv[2])
+    write(draw_arm(int(sys.argv[1]), "--without-spring" in sys.argv), sys.argv[2])

@@ -1,7 +1,7 @@
 #!/usr/bin/python3
 """Is a person in an exoskeleton told as a spring with an angle of rest? README.md describes the cases.
 
-usage: run.py --sinew PATH --seeds 1:20 [--nobody] --out RESULTS.json
+usage: run.py --sinew PATH --seeds 1:20 [--without-spring] --out RESULTS.json
        run.py --report RESULTS.json [--each]
 """
 import sys
@@ -17,8 +17,8 @@ from one_diagnosis import share  # noqa: E402
 OFFSETS = {"torque_offset", "torque.offset"}
 
 
-def examine(sinew, seed, nobody):
-    arm = arms.draw_arm(seed, nobody)
+def examine(sinew, seed, without_spring):
+    arm = arms.draw_arm(seed, without_spring)
     case = {"seed": seed, "stiffness": arm.stiffness, "rest": arm.rest}
     answer, case["seconds"] = one_diagnosis.diagnose(sinew, lambda path: arms.write(arm, path))
     if answer is None:
@@ -36,7 +36,7 @@ def examine(sinew, seed, nobody):
 def report(cases):
     clean, hidden = [c for c in cases if not c["stiffness"]], [c for c in cases if c["stiffness"]]
     if clean:
-        print("nobody, adequate:", share(sum(c["verdict"] == "adequate" for c in clean), len(clean)))
+        print("no spring, adequate:", share(sum(c["verdict"] == "adequate" for c in clean), len(clean)))
     if hidden:
         told = [c for c in hidden if c.get("told")]
         print("spring and offset named:", share(len(told), len(hidden)))
@@ -45,4 +45,4 @@ def report(cases):
 
 
 if __name__ == "__main__":
-    one_diagnosis.study(__doc__, "--nobody", "no spring: nothing is hidden", examine, report)
+    one_diagnosis.study(__doc__, "--without-spring", "no spring: nothing is hidden", examine, report)

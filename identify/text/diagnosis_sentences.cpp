@@ -54,7 +54,7 @@ std::string UnknownNoise(const Diagnosis& d) {
 
 std::string ShortfallText(const Diagnosis& d) {
   if (!(d.held_out_shortfall > 0)) return {};
-  return fmt::format("; held-out trials gain {} less by them than they should",
+  return fmt::format("; they reduce the error of held-out trials {} less than predicted",
                      Percent(d.held_out_shortfall));
 }
 

@@ -186,7 +186,7 @@ Result<std::vector<FittedSet>> CrossValidatedSearch::Imitating(const FittedSet& 
   SINEW_ASSIGN(const auto wanted, fitter_.ImitatingSets(of));
   std::vector<std::vector<Vector>> starts;
   for (const auto& [released, points] : wanted) {
-    if (!seen_.insert(released).second) continue;
+    if (seen_.count(released) > 0 || !imitating_.insert(released).second) continue;
     sets.push_back({released, {}, 0, 0, {}});
     starts.push_back(points);
   }
@@ -195,6 +195,8 @@ Result<std::vector<FittedSet>> CrossValidatedSearch::Imitating(const FittedSet& 
       std::remove_if(sets.begin(), sets.end(),
                      [&](const FittedSet& one) { return !(one.fitted_error <= kFarOff * of.fitted_error); }),
       sets.end());
+  // The others may have ended in a poor minimum; they may still be made by growth.
+  for (const FittedSet& one : sets) seen_.insert(one.released);
   return sets;
 }
 

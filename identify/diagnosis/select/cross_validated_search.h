@@ -105,7 +105,8 @@ class CrossValidatedSearch {
   const MisfitScale& scale_;
   const DiagnosisOptions& options_;
   SetFitter fitter_;
-  std::set<Set> seen_;             // made by GrownFrom or Imitating
+  std::set<Set> seen_;             // made by GrownFrom, or by Imitating with a fair fit
+  std::set<Set> imitating_;        // made by Imitating
   std::vector<FittedSet> judged_;  // every set whose error of left-out data is known
   std::set<Set> barred_;           // with a member that does nothing
 };
