@@ -1,5 +1,7 @@
 #include "cli/command_files.h"
 
+#include <fmt/format.h>
+
 #include <algorithm>
 #include <chrono>
 #include <cstdio>
@@ -8,6 +10,7 @@
 
 #include "base/replace_file.h"
 #include "cli/mpi_ranks.h"
+#include "cli/terminal.h"
 
 namespace sinew {
 namespace {

@@ -56,6 +56,26 @@ Matrix SparseJacobian::Dense(int rows, int variables) const {
   return dense;
 }
 
+Vector SparseJacobian::Times(const Vector& x, Eigen::Index rows) const {
+  Vector product = Vector::Zero(rows);
+  for (const Piece& piece : pieces) {
+    auto of_piece = product.segment(piece.first_row, piece.values.rows());
+    for (std::size_t k = 0; k < piece.variables.size(); ++k)
+      of_piece += x[piece.variables[k]] * piece.values.col(static_cast<Eigen::Index>(k));
+  }
+  return product;
+}
+
+Vector SparseJacobian::TransposedTimes(const Vector& y, Eigen::Index variables) const {
+  Vector product = Vector::Zero(variables);
+  for (const Piece& piece : pieces) {
+    const Vector pull = piece.values.transpose() * y.segment(piece.first_row, piece.values.rows());
+    for (std::size_t k = 0; k < piece.variables.size(); ++k)
+      product[piece.variables[k]] += pull[static_cast<Eigen::Index>(k)];
+  }
+  return product;
+}
+
 LeastSquares::LeastSquares(const Problem& problem, const FitSetup& setup) : problem_(problem), setup_(setup) {
   variable_of_.assign(setup.parameters.size(), -1);
   differentiate_.assign(setup.parameters.size(), false);

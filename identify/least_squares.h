@@ -24,6 +24,10 @@ struct SparseJacobian {
 
   /// [rows x variables], zero where a block does not depend on a variable.
   [[nodiscard]] Matrix Dense(int rows, int variables) const;
+  /// J x [rows]. @param x [variables]
+  [[nodiscard]] Vector Times(const Vector& x, Eigen::Index rows) const;
+  /// J' y [variables]. @param y [rows]
+  [[nodiscard]] Vector TransposedTimes(const Vector& y, Eigen::Index variables) const;
 };
 
 /// A linear map of the residual rows of each training block, applied to residuals and Jacobian alike: the

@@ -7,6 +7,7 @@
 #include "cli/data/data_commands.h"
 #include "cli/data/dataset_json.h"
 #include "cli/data/model_file.h"
+#include "cli/work_options.h"
 #include "datasets/io/dataset_file.h"
 #include "models/multibody/osim_reader.h"
 #include "problems/whole_body_dynamics.h"

@@ -10,6 +10,7 @@
 #include "cli/command_files.h"
 #include "cli/data/contact_settings.h"
 #include "cli/data/data_commands.h"
+#include "cli/data/dataset_json.h"
 #include "cli/terminal.h"
 #include "cli/work_options.h"
 #include "datasets/ground_loads.h"

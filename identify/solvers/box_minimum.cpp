@@ -30,9 +30,9 @@ BoxMinimum::~BoxMinimum() = default;
 Vector BoxMinimum::Curved(const Vector& step) const {
   Vector curved = model_.normal * step;
   if (damping_ > 0) {
-    const double held = curved[held_];
-    curved += damping_ * model_.normal.diagonal().cwiseProduct(step);
-    curved[held_] = held;
+    Vector damped = damping_ * model_.normal.diagonal().cwiseProduct(step);
+    if (held_ >= 0) damped[held_] = 0;
+    curved += damped;
   }
   return curved;
 }
@@ -98,7 +98,7 @@ double BoxMinimum::Find(Vector& step, double tolerance) {
     if (!fell) break;
   }
   gradient = model_.gradient + Curved(step);
-  slope_ = gradient[held_];
+  if (held_ >= 0) slope_ = gradient[held_];
   return value;
 }
 

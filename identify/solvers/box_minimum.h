@@ -15,7 +15,7 @@ namespace sinew::solvers {
 /// variables are free: one per point and held variable.
 class BoxMinimum {
  public:
-  /// Keeps references. @param x [n] the model's point @param held variable that is fixed
+  /// Keeps references. @param x [n] the model's point @param held variable that is fixed, or -1
   /// @param damping of the other columns, scaled to unit length (Levenberg 1944, Marquardt 1963)
   BoxMinimum(const BoxQuadraticModel& model, const Vector& x, int held, double damping = 0);
   ~BoxMinimum();

@@ -5,9 +5,15 @@
 
 #include "base/decompositions.h"
 #include "base/sparse_cholesky.h"
+#include "identify/solvers/box_minimum.h"
 
 namespace sinew::solvers {
 namespace {
+
+// Of the gain of the step.
+constexpr double kBoxTolerance = 1e-6;
+// Twice the acceleration over the step, above which it is not trusted: Transtrum and Sethna (2012).
+constexpr double kMostAcceleration = 0.75;
 
 // Of a symmetric matrix, mostly positive definite. The decomposition of a large full one without square roots
 // is not blocked, and several times slower.
@@ -81,8 +87,44 @@ Vector BoxQuadraticModel::BoxStep(const Vector& x, int held, double damping, dou
     }
     moving = std::move(inside);
   }
-  gain = -gradient.dot(step) - 0.5 * step.dot(normal * step);
+  Vector slope = normal * step;
+  gain = -gradient.dot(step) - 0.5 * step.dot(slope);
+  slope += gradient + damping * normal.diagonal().cwiseProduct(step);
+  for (int v = 0; v < static_cast<int>(x.size()); ++v) {
+    const bool inward = (step[v] < 0 && slope[v] < 0) || (step[v] > 0 && slope[v] > 0);
+    const bool reached = step[v] != 0 && (x[v] + step[v] <= 0 || x[v] + step[v] >= 1);
+    if (!inward || !reached) continue;
+    step.setZero();
+    BoxMinimum(*this, x, held, damping).Find(step, kBoxTolerance * std::abs(gain));
+    gain = -gradient.dot(step) - 0.5 * step.dot(normal * step);
+    break;
+  }
   return step;
+}
+
+std::optional<Vector> BoxQuadraticModel::Acceleration(const Vector& x, const Vector& step, double damping,
+                                                      const Vector& pull) const {
+  std::vector<int> moving;
+  for (int v = 0; v < static_cast<int>(x.size()); ++v) {
+    if (step[v] != 0 && x[v] + step[v] > 0 && x[v] + step[v] < 1) moving.push_back(v);
+  }
+  const auto n = static_cast<Eigen::Index>(moving.size());
+  Matrix reduced(n, n);
+  Vector scale(n);
+  Vector right(n);
+  Vector moved(n);
+  for (Eigen::Index i = 0; i < n; ++i) scale[i] = 1 / std::sqrt(normal(moving[i], moving[i]));
+  for (Eigen::Index i = 0; i < n; ++i) {
+    right[i] = -pull[moving[i]] * scale[i];
+    moved[i] = step[moving[i]] / scale[i];
+    for (Eigen::Index j = 0; j < n; ++j) reduced(j, i) = normal(moving[j], moving[i]) * scale[j] * scale[i];
+    reduced(i, i) += damping;
+  }
+  const Vector acceleration = Solve(reduced, right);
+  if (!(2 * acceleration.norm() <= kMostAcceleration * moved.norm())) return std::nullopt;
+  Vector half = Vector::Zero(x.size());
+  for (Eigen::Index i = 0; i < n; ++i) half[moving[i]] = 0.5 * acceleration[i] * scale[i];
+  return half;
 }
 
 }  // namespace sinew::solvers

@@ -1,6 +1,8 @@
 // Steps of the Levenberg-Marquardt method in the box [0, 1]^n.
 #pragma once
 
+#include <optional>
+
 #include "identify/least_squares.h"
 
 namespace sinew::solvers {
@@ -14,11 +16,21 @@ struct BoxQuadraticModel {
   bool Set(Eigen::Index variables, const Vector& residuals, const SparseJacobian& jacobian);
 
   /// The damped step from x within the box: variables that the step would move beyond a bound are set to the
-  /// bound, and the step of the others is solved for again.
+  /// bound, and the step of the others is solved for again. Where the model would fall if one of them left
+  /// its bound again, the minimum of the damped model in the box is sought (BoxMinimum), so that gain >= 0.
   /// @param held variable that is fixed, or -1 @param damping of columns that are scaled to unit length [1,
   /// >= 0] @param gain decrease of the model along the step
   /// Source: Levenberg (1944), Marquardt (1963).
   [[nodiscard]] Vector BoxStep(const Vector& x, int held, double damping, double& gain) const;
+
+  /// Half of the acceleration along the curve of damped steps, to be added to `step`: what the second
+  /// derivatives of the residuals along the step ask for. The variables that the step leaves within the box
+  /// take part.
+  /// @param pull J'k [n], k the second directional derivative of the residuals along the step
+  /// @return nothing if it is not small beside the step, so that the expansion does not hold
+  /// Source: Transtrum and Sethna (2012), geodesic acceleration.
+  [[nodiscard]] std::optional<Vector> Acceleration(const Vector& x, const Vector& step, double damping,
+                                                   const Vector& pull) const;
 };
 
 }  // namespace sinew::solvers

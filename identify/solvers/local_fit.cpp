@@ -13,6 +13,11 @@ namespace {
 // Close to Gauss-Newton: refits start near their solution, where full steps are best.
 constexpr double kFirstRefitDamping = 1e-8;
 constexpr double kLargestRefitDamping = 1e8;
+// After a rejected step, at least.
+constexpr double kLeastRaisedDamping = 1e-4;
+// Share of the step after which the residuals' second derivative along it is taken: Transtrum and Sethna
+// (2012).
+constexpr double kCurvatureStep = 0.1;
 // Penalty scale: violating a constraint by a share e of its span costs as much as moving the variable with
 // the largest gradient by 100 e.
 constexpr double kPenalty = 1e4;
@@ -53,6 +58,7 @@ Status LocalFit::Cost(const Vector& x, double& cost) {
 Status LocalFit::CostAndDerivatives(const Vector& x, double& cost) {
   ++evaluations_;
   SINEW_TRY(least_squares_.Evaluate(x, workspace_, residuals_, &jacobian_));
+  at_x_ = residuals_;
   cost = 0.5 * residuals_.squaredNorm();
   if (!equations_.Set(x.size(), residuals_, jacobian_)) return Fail("a derivative is not finite");
   // Set at the first point and then constant, because a search needs one cost function.
@@ -111,6 +117,8 @@ LocalFit::Outcome LocalFit::Search(const Vector& start, int held, Tolerance tole
     return outcome;
   }
   double damping = kFirstRefitDamping;
+  bool rejected = false;  // a step from this point
+  bool curved = false;    // the last accepted step was
   while (true) {
     double predicted = 0;
     const Vector step = equations_.BoxStep(outcome.x, held, damping, predicted);
@@ -122,22 +130,45 @@ LocalFit::Outcome LocalFit::Search(const Vector& start, int held, Tolerance tole
       return outcome;
     }
     if (evaluations_ >= last || damping > kLargestRefitDamping) return outcome;
-    Vector next = (outcome.x + step).cwiseMax(0).cwiseMin(1);
+    Vector next;
     double cost = 0;
-    if (!Cost(next, cost) || !(cost < outcome.cost)) {
-      damping = std::max(10 * damping, 1e-4);
+    const auto lowers = [&](const Vector& by) {
+      next = (outcome.x + by).cwiseMax(0).cwiseMin(1);
+      return Cost(next, cost) && cost < outcome.cost;
+    };
+    const bool straight = !curved && lowers(step);
+    std::optional<Vector> along;
+    if (!straight) along = CurvedStep(outcome.x, step, damping);
+    const bool accepted = straight || (along && lowers(*along)) || (curved && lowers(step));
+    if (!accepted) {
+      damping = std::max(10 * damping, kLeastRaisedDamping);
+      rejected = true;
       continue;
     }
+    curved = !straight && along.has_value();
     const double gained = outcome.cost - cost;
     outcome.x = std::move(next);
     outcome.cost = cost;
-    damping = std::max(damping / 10, kFirstRefitDamping);
+    // The damping that was too small here is likely to be so at the next point.
+    if (!rejected) damping = std::max(damping / 10, kFirstRefitDamping);
+    rejected = false;
     if (gained <= enough) {
       outcome.converged = true;
       return outcome;
     }
     if (evaluations_ >= last || !CostAndDerivatives(outcome.x, cost)) return outcome;
   }
+}
+
+std::optional<Vector> LocalFit::CurvedStep(const Vector& x, const Vector& step, double damping) {
+  const Vector near = x + kCurvatureStep * step;
+  ++evaluations_;
+  if (!least_squares_.Evaluate(near, workspace_, residuals_, nullptr)) return std::nullopt;
+  const Vector curvature =
+      2 / kCurvatureStep * ((residuals_ - at_x_) / kCurvatureStep - jacobian_.Times(step, at_x_.size()));
+  auto half = equations_.Acceleration(x, step, damping, jacobian_.TransposedTimes(curvature, x.size()));
+  if (half) *half += step;
+  return half;
 }
 
 }  // namespace sinew::solvers

@@ -2,6 +2,7 @@
 // need hundreds of them, so that each takes a few evaluations and allocates little.
 #pragma once
 
+#include <optional>
 #include <string>
 
 #include "base/linear_algebra.h"
@@ -11,7 +12,9 @@
 namespace sinew::solvers {
 
 /// Levenberg 1944, Marquardt 1963, in the box (BoxQuadraticModel): variables on a bound are held there while
-/// the cost decreases outward. Problem::constraints() are included as quadratic penalties. One per thread.
+/// the cost decreases outward. Along curved valleys, where the straight step does not lower the cost, the
+/// step follows the curve (Transtrum and Sethna 2012, geodesic acceleration). Problem::constraints() are
+/// included as quadratic penalties. One per thread.
 class LocalFit {
  public:
   struct Outcome {
@@ -53,12 +56,16 @@ class LocalFit {
   Outcome Search(const Vector& start, int held, Tolerance tolerance, long max_evaluations);
   Status Cost(const Vector& x, double& cost);
   Status CostAndDerivatives(const Vector& x, double& cost);
+  // The step and what the curvature of the residuals adds to it; nothing where that is not small. One
+  // evaluation.
+  std::optional<Vector> CurvedStep(const Vector& x, const Vector& step, double damping);
   void AddPenalties(const Vector& x, double& cost, bool derivatives);
 
   const LeastSquares& least_squares_;
   LeastSquares::Workspace workspace_;
   SparseJacobian jacobian_;
   Vector residuals_;
+  Vector at_x_;  // residuals where jacobian_ is
   BoxQuadraticModel equations_;
   Vector constraint_;
   Matrix constraint_jacobian_;

@@ -11,7 +11,10 @@ namespace {
 constexpr double kSlowest = 0.02;             // of the highest speed: the narrowest Stribeck peak
 constexpr double kLongestDelay = 0.3;         // [s]
 constexpr double kLongestSensingDelay = 0.1;  // [s]
-constexpr double kSensorReach = 0.1;          // [s] of time offsets and low-passes
+// Of the drive's largest torque: what does not move by itself may be larger, as a stretched spring at
+// position 0 whose torque is small where the motion was.
+constexpr double kMostPassive = 4;
+constexpr double kSensorReach = 0.1;  // [s] of time offsets and low-passes
 
 struct Units {
   std::string position, speed, torque, inertia, viscous, drag, stiffness, compliance, per_torque, per_speed,
@@ -182,7 +185,8 @@ void AddOtherTorques(const DriveTraits& is, const DriveScales& s, const Units& u
   if (is.rotary) {
     add.BeginEffect("gravity_imbalance", Level::kRobot, "the load does not hang straight down at position 0",
                     "holding several positions at rest, one of them an angle that is known by other means")
-        .TwoSided(kImbalance, "imbalance_torque", unit.torque, "gravity torque at position 0", s.torque);
+        .TwoSided(kImbalance, "imbalance_torque", unit.torque, "gravity torque at position 0",
+                  kMostPassive * s.torque);
   }
   if (is.fixed[kInertia]) {
     add.BeginEffect("inertia_error", Level::kRobot, "the moving inertia differs from the stated one",
@@ -196,11 +200,11 @@ void AddOtherTorques(const DriveTraits& is, const DriveScales& s, const Units& u
                   "motion over a wider range of positions")
       .Is(Occurrence::kRare)
       .Positive(kSpring, "spring_stiffness", unit.stiffness, "torque per position",
-                4 * s.torque / s.position);
+                kMostPassive * s.torque / s.position);
   add.BeginEffect("torque_offset", Level::kRobot, "a constant torque acts besides the drive's",
                   "holding several positions at rest, and a rest with the drive switched off")
       .Is(Occurrence::kCommon)
-      .TwoSided(kOffsetTorque, "offset_torque", unit.torque, "constant torque", s.torque);
+      .TwoSided(kOffsetTorque, "offset_torque", unit.torque, "constant torque", kMostPassive * s.torque);
 }
 
 void AddDrive(const DriveTraits& is, const DriveScales& s, const Units& unit, Builder& add) {

@@ -1,5 +1,6 @@
 #include "identify/execution/search_record.h"
 
+#include <fmt/format.h>
 #include <gtest/gtest.h>
 
 #include <algorithm>

@@ -58,6 +58,7 @@ class Refitter {
            const std::atomic<bool>* interrupt = nullptr)
       : problem_(problem), base_(std::move(base)), candidates_(candidates), interrupt_(interrupt) {}
 
+  [[nodiscard]] const Problem& problem() const { return problem_; }
   [[nodiscard]] const FitSetup& base() const { return base_; }
 
   /// Fits the base parameters and the released candidates to the training trials, with a noise model of the

@@ -3,6 +3,7 @@
 #include <utility>
 
 #include "identify/diagnosis/select/candidate_sets.h"
+#include "identify/diagnosis/select/starts_without.h"
 #include "identify/execution/shared_loop.h"
 
 namespace sinew::diagnosis {
@@ -37,6 +38,52 @@ void RefitCache::Fit(const std::map<Set, std::vector<Vector>>& wanted) {
   ForEachShared(options_.record, options_.threads, work.size(),
                 [&](std::size_t i, std::size_t) { Improve(work[i].first, work[i].second.front(), made[i]); });
   for (std::size_t i = 0; i < work.size(); ++i) refits_[work[i].first] = std::move(made[i]);
+}
+
+std::map<RefitCache::Set, std::vector<Vector>> RefitCache::StartsOfParts(const Set& released) const {
+  const Refit& model = at(released);
+  const Vector& nulls = at({}).point;
+  std::vector<std::vector<int>> causes;
+  for (const int c : released) causes.push_back(candidates_[static_cast<std::size_t>(c)].parameters);
+  LeastSquares fit(refitter_.problem(), *model.setup);
+  const noise::Whitening whitening(model.noise, TrainStretches(fit));
+  fit.set_transform(&whitening);
+  const auto taken_over = StartsWithout(fit, model.x, causes, nulls);
+  std::map<Set, std::vector<Vector>> starts;
+  for (std::size_t i = 0; i < released.size(); ++i) {
+    std::vector<Vector>& own = starts[Without(released, released[i])];
+    if (taken_over) own.push_back((*taken_over)[i]);
+    Vector at_null = model.point;
+    for (const int index : causes[i]) at_null[index] = nulls[index];
+    own.push_back(std::move(at_null));
+  }
+  return starts;
+}
+
+bool RefitCache::FitsWorseThan(const Vector& point, const Refit& refit) const {
+  if (!refit.usable()) return true;
+  const LeastSquares fit(refitter_.problem(), *refit.setup);
+  auto workspace = fit.NewWorkspace();
+  const auto there = fit.Cost(fit.Variables(point), workspace);
+  const auto now = fit.Cost(refit.x, workspace);
+  return there && now && *there < *now;
+}
+
+std::vector<RefitCache::Set> RefitCache::FitWithoutEach(const Set& released) {
+  const auto wanted = StartsOfParts(released);
+  std::vector<Set> sets;
+  std::vector<Set> missed;
+  for (const auto& [set, starts] : wanted) {
+    sets.push_back(set);
+    if (refits_.count(set) > 0 && FitsWorseThan(starts.front(), at(set))) missed.push_back(set);
+  }
+  Fit(wanted);
+  std::vector<Refit> again(missed.size());
+  ForEachShared(options_.record, options_.threads, missed.size(), [&](std::size_t i, std::size_t) {
+    again[i] = refitter_.Fit(missed[i], wanted.at(missed[i]));
+  });
+  for (std::size_t i = 0; i < missed.size(); ++i) Replace(std::move(again[i]), refits_[missed[i]]);
+  return sets;
 }
 
 const Refit* RefitCache::FindUsable(const Set& released) const {

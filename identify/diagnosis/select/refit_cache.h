@@ -27,6 +27,11 @@ class RefitCache {
   /// that model, so that all values move together. @param wanted sets and the starts [P] of each, not empty
   void Fit(const std::map<Set, std::vector<Vector>>& wanted);
 
+  /// Refits the sets with one member less, from where the others take over what they can (StartsWithout) and
+  /// from the member's null. One that is known is refitted if it fits worse than at the first of these: it
+  /// has missed its minimum. @param released more than one, fitted and usable @return the smaller sets
+  std::vector<Set> FitWithoutEach(const Set& released);
+
   /// @pre it was fitted
   [[nodiscard]] const Refit& at(const Set& released) const { return refits_.at(released); }
   /// nullptr if it was not fitted, or failed.
@@ -43,6 +48,9 @@ class RefitCache {
   }
 
  private:
+  // Starts of the sets with one member less, the better one first.
+  [[nodiscard]] std::map<Set, std::vector<Vector>> StartsOfParts(const Set& released) const;
+  [[nodiscard]] bool FitsWorseThan(const Vector& point, const Refit& refit) const;
   void Improve(const Set& released, const Vector& start, Refit& refit) const;
   void Replace(Refit by, Refit& refit) const;
 

@@ -172,17 +172,9 @@ class Selector {
     bool again = chosen.size() > 1;
     while (again) {
       again = false;
-      std::map<Set, std::vector<Vector>> wanted;
-      const Vector& point = compare_.at(chosen).point;
-      for (const int c : chosen) {
-        Vector start = point;
-        for (const int index : compare_.candidate(c).parameters)
-          start[index] = compare_.base().refit.point[index];
-        wanted[Without(chosen, c)] = {start};
-      }
-      compare_.refits().Fit(wanted);
+      const std::vector<Set> smaller_sets = compare_.refits().FitWithoutEach(chosen);
       const Set* best = nullptr;
-      for (const auto& [released, starts] : wanted) {
+      for (const Set& released : smaller_sets) {
         if (compare_.at(released).usable() &&
             (best == nullptr || compare_.Penalised(compare_.at(released), compare_.at(*best)) < 0))
           best = &released;

@@ -10,6 +10,7 @@
 #include "identify/diagnosis/select/choice_of_sets.h"
 #include "identify/diagnosis/select/imitating_sets.h"
 #include "identify/diagnosis/select/many_starts.h"
+#include "identify/diagnosis/select/starts_without.h"
 #include "identify/execution/executor.h"
 #include "identify/execution/shared_loop.h"
 #include "identify/keep_samples.h"
@@ -215,6 +216,18 @@ void SetFitter::LeaveOut(std::vector<FittedSet>& sets, double tolerance) const {
   }
 }
 
+// Where the members that are left take over what they can, for each of them in turn; empty where the fit has
+// no prediction.
+std::vector<Vector> SetFitter::TakenOver(const FittedSet& of) const {
+  std::vector<std::vector<int>> causes;
+  for (const int c : of.released) causes.push_back(candidates_[static_cast<std::size_t>(c)].parameters);
+  FitSetup setup = refitter_.SetupWith(of.released);
+  setup.rest = of.point;
+  const LeastSquares fit(searched_, setup);
+  auto starts = StartsWithout(fit, fit.Variables(of.point), causes, refitter_.base().rest);
+  return starts ? std::move(*starts) : std::vector<Vector>();
+}
+
 // @param starts the point with the member at its null is added
 FittedSet SetFitter::WithoutMember(const FittedSet& of, int c, std::vector<Vector>& starts) const {
   Vector start = of.point;
@@ -228,8 +241,10 @@ std::vector<FittedSet> SetFitter::OneLess(const FittedSet& of, const std::vector
                                           double most_fitted) const {
   std::vector<FittedSet> smaller;
   std::vector<std::vector<Vector>> starts(of.released.size());
+  const std::vector<Vector> taken_over = TakenOver(of);
   for (std::size_t i = 0; i < starts.size(); ++i) {
     smaller.push_back(WithoutMember(of, of.released[i], starts[i]));
+    if (!taken_over.empty()) starts[i].push_back(taken_over[i]);
     for (const FittedSet& one : known) {
       if (one.released == smaller.back().released) starts[i].push_back(one.point);
     }

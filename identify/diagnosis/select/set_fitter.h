@@ -115,6 +115,7 @@ class SetFitter {
                                                            const Fold& fold, double tolerance) const;
   [[nodiscard]] double Rows() const;
   [[nodiscard]] Vector ColumnNorms(const FitSetup& setup) const;
+  [[nodiscard]] std::vector<Vector> TakenOver(const FittedSet& of) const;
   [[nodiscard]] FittedSet WithoutMember(const FittedSet& of, int c, std::vector<Vector>& starts) const;
   [[nodiscard]] Vector Continued(const FittedSet& of, int c) const;
 

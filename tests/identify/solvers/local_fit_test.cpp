@@ -107,5 +107,48 @@ TEST(LocalFitTest, WhatIsInTheRecordIsNotFittedAgain) {
   EXPECT_EQ(kept, 7);
 }
 
+/// y = amplitude sin(rate t + phase) + slope t over less than a turn: what is left is the same along a curved
+/// valley, along which the four values replace each other.
+class PartOfASine : public FunctionProblem {
+ public:
+  PartOfASine() {
+    Add("amplitude", 0, 10, 8);
+    Add("rate", 0.3, 5.3, 3.3);
+    Add("phase", -3, 3, 0.6);
+    Add("slope", -5, 5, 0);
+    constexpr int kSamples = 60;
+    std::vector<double> measured;
+    for (int i = 0; i < kSamples; ++i) measured.push_back(std::sin(1.2 * Time(i) + 0.3) + 0.4 * Time(i));
+    AddBlock("one", measured, {0, 1, 2, 3},
+             [](const Vector& p, Eigen::Ref<Vector> values, Matrix* derivatives) {
+               for (int i = 0; i < kSamples; ++i) {
+                 const double sine = std::sin(p[1] * Time(i) + p[2]);
+                 const double change = p[0] * std::cos(p[1] * Time(i) + p[2]);
+                 values[i] = p[0] * sine + p[3] * Time(i);
+                 if (derivatives != nullptr) derivatives->row(i) << sine, change * Time(i), change, Time(i);
+               }
+               return Status();
+             });
+  }
+
+ private:
+  static double Time(int i) { return i / 59.0; }
+};
+
+// A straight step of the damped Gauss-Newton method leaves such a valley unless it is short: without what the
+// curvature adds, it takes more than 240 evaluations.
+TEST(LocalFitTest, FollowsACurvedValley) {
+  const PartOfASine problem;
+  const Fit prepared(problem);
+  solvers::LocalFit fit(prepared.least_squares);
+  const auto outcome = fit.Minimize(prepared.least_squares.Start(), -1, {1e-14, 0}, 80);
+  EXPECT_TRUE(outcome.converged);
+  const Vector found = prepared.least_squares.Parameters(outcome.x);
+  EXPECT_NEAR(found[0], 1, 1e-3);
+  EXPECT_NEAR(found[1], 1.2, 1e-3);
+  EXPECT_NEAR(found[2], 0.3, 1e-3);
+  EXPECT_NEAR(found[3], 0.4, 1e-3);
+}
+
 }  // namespace
 }  // namespace sinew
