@@ -31,6 +31,8 @@ struct FitSetup {
   /// Local fits that have been done, of this setup and of all that are made from it; may be null. No part of
   /// what is asked: the answers are the same without it.
   FitRecord* record = nullptr;
+  /// Local fits do not follow curved valleys (solvers::LocalFit): of many short fits most are given up.
+  bool straight_steps = false;
 
   [[nodiscard]] bool IsFree(int parameter) const;
   [[nodiscard]] bool IsHeld(int parameter) const;

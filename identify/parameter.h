@@ -35,7 +35,9 @@ struct Parameter {
   /// Where searches should begin as well, because the cost has several minima along this parameter (a lag);
   /// within the bounds. Solver `starts` uses them.
   std::vector<double> other_starts;
-  std::string source;                  ///< author, year, equation
+  std::string source;  ///< author, year, equation
+  std::string
+      below_lower;  ///< what it means if the best value would lie below the lower bound, a clause; or empty
   std::vector<std::string> shared_by;  ///< of what it is a property, if of several: the muscles of a group
   std::optional<GaussianPrior> prior;
 

@@ -46,7 +46,7 @@ bool BoxQuadraticModel::Set(Eigen::Index variables, const Vector& residuals, con
   return normal.allFinite() && gradient.allFinite();
 }
 
-Vector BoxQuadraticModel::BoxStep(const Vector& x, int held, double damping, double& gain) const {
+Vector BoxQuadraticModel::ProjectedStep(const Vector& x, int held, double damping, double& gain) const {
   std::vector<int> moving;
   for (int v = 0; v < static_cast<int>(x.size()); ++v) {
     const bool outward = (x[v] <= 0 && gradient[v] >= 0) || (x[v] >= 1 && gradient[v] <= 0);
@@ -87,8 +87,13 @@ Vector BoxQuadraticModel::BoxStep(const Vector& x, int held, double damping, dou
     }
     moving = std::move(inside);
   }
+  gain = -gradient.dot(step) - 0.5 * step.dot(normal * step);
+  return step;
+}
+
+Vector BoxQuadraticModel::BoxStep(const Vector& x, int held, double damping, double& gain) const {
+  Vector step = ProjectedStep(x, held, damping, gain);
   Vector slope = normal * step;
-  gain = -gradient.dot(step) - 0.5 * step.dot(slope);
   slope += gradient + damping * normal.diagonal().cwiseProduct(step);
   for (int v = 0; v < static_cast<int>(x.size()); ++v) {
     const bool inward = (step[v] < 0 && slope[v] < 0) || (step[v] > 0 && slope[v] > 0);

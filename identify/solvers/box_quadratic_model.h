@@ -16,11 +16,15 @@ struct BoxQuadraticModel {
   bool Set(Eigen::Index variables, const Vector& residuals, const SparseJacobian& jacobian);
 
   /// The damped step from x within the box: variables that the step would move beyond a bound are set to the
-  /// bound, and the step of the others is solved for again. Where the model would fall if one of them left
-  /// its bound again, the minimum of the damped model in the box is sought (BoxMinimum), so that gain >= 0.
+  /// bound, and the step of the others is solved for again.
   /// @param held variable that is fixed, or -1 @param damping of columns that are scaled to unit length [1,
-  /// >= 0] @param gain decrease of the model along the step
+  /// >= 0] @param gain decrease of the model along the step; may be negative where a variable would leave its
+  /// bound again
   /// Source: Levenberg (1944), Marquardt (1963).
+  [[nodiscard]] Vector ProjectedStep(const Vector& x, int held, double damping, double& gain) const;
+
+  /// The same step, but where the model would fall if a variable left its bound again the minimum of the
+  /// damped model in the box (BoxMinimum), so that gain >= 0.
   [[nodiscard]] Vector BoxStep(const Vector& x, int held, double damping, double& gain) const;
 
   /// Half of the acceleration along the curve of damped steps, to be added to `step`: what the second

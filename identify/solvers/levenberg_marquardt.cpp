@@ -97,7 +97,7 @@ LevenbergMarquardt::Outcome LevenbergMarquardt::Minimize(Evaluator& evaluator, c
       derivatives_at_x = true;
     }
     double predicted = 0;
-    const Vector step = equations.BoxStep(x, -1, damping, predicted);
+    const Vector step = equations.ProjectedStep(x, -1, damping, predicted);
     const double length = step.cwiseAbs().maxCoeff();
     if (length <= kSmallestStep) {
       search.stop = {Termination::kStepSize, fmt::format("step {:.2g} <= {:.2g}", length, kSmallestStep)};

@@ -81,7 +81,7 @@ LocalFit::Outcome LocalFit::Minimize(const Vector& start, int held, Tolerance to
   least_squares_.AddTo(question);
   question.Add(penalty_).Add(start.data(), static_cast<std::size_t>(start.size()));
   question.Add(static_cast<double>(held)).Add(tolerance.absolute).Add(tolerance.relative);
-  question.Add(static_cast<double>(max_evaluations));
+  question.Add(static_cast<double>(max_evaluations)).Add(least_squares_.setup().straight_steps ? 1.0 : 0.0);
   const auto n = static_cast<std::size_t>(start.size());
   const auto known = record->Find(question);
   const bool fits = known && known->numbers.size() == kAnswerNumbers + n;
@@ -117,11 +117,13 @@ LocalFit::Outcome LocalFit::Search(const Vector& start, int held, Tolerance tole
     return outcome;
   }
   double damping = kFirstRefitDamping;
+  const bool straight_only = least_squares_.setup().straight_steps;
   bool rejected = false;  // a step from this point
   bool curved = false;    // the last accepted step was
   while (true) {
     double predicted = 0;
-    const Vector step = equations_.BoxStep(outcome.x, held, damping, predicted);
+    const Vector step = straight_only ? equations_.ProjectedStep(outcome.x, held, damping, predicted)
+                                      : equations_.BoxStep(outcome.x, held, damping, predicted);
     const bool tiny_step = step.cwiseAbs().maxCoeff() <= std::numeric_limits<double>::epsilon();
     const double enough = std::max(tolerance.absolute + tolerance.relative * outcome.cost,
                                    least_squares_.problem().cost_noise_level() * outcome.cost);
@@ -138,7 +140,7 @@ LocalFit::Outcome LocalFit::Search(const Vector& start, int held, Tolerance tole
     };
     const bool straight = !curved && lowers(step);
     std::optional<Vector> along;
-    if (!straight) along = CurvedStep(outcome.x, step, damping);
+    if (!straight && !straight_only) along = CurvedStep(outcome.x, step, damping);
     const bool accepted = straight || (along && lowers(*along)) || (curved && lowers(step));
     if (!accepted) {
       damping = std::max(10 * damping, kLeastRaisedDamping);
@@ -150,7 +152,7 @@ LocalFit::Outcome LocalFit::Search(const Vector& start, int held, Tolerance tole
     outcome.x = std::move(next);
     outcome.cost = cost;
     // The damping that was too small here is likely to be so at the next point.
-    if (!rejected) damping = std::max(damping / 10, kFirstRefitDamping);
+    if (!rejected || straight_only) damping = std::max(damping / 10, kFirstRefitDamping);
     rejected = false;
     if (gained <= enough) {
       outcome.converged = true;

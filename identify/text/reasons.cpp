@@ -45,8 +45,10 @@ std::string Core(const Parameter& p, const ParameterVerdict& v) {
     case ReasonKind::kDetermined:
       return IntervalText(v);
     case ReasonKind::kAtBound:
-      return fmt::format("the best value lies on its {} bound {}, and the fit would still improve beyond it",
-                         r.at_lower ? "lower" : "upper", Size(r.at_lower ? p.lower : p.upper, p.unit));
+      return fmt::format(
+          "the best value lies on its {} bound {}, and the fit would still improve beyond it{}",
+          r.at_lower ? "lower" : "upper", Size(r.at_lower ? p.lower : p.upper, p.unit),
+          r.at_lower && !p.below_lower.empty() ? ": " + p.below_lower : "");
     case ReasonKind::kNoResponse:
     case ReasonKind::kNoResponseHere:
       return NoResponse(r);

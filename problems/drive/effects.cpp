@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <utility>
 
 #include "base/constants.h"
 
@@ -35,10 +36,12 @@ class Builder : public ParameterListBuilder {
   explicit Builder(DriveParameterList& list) : ParameterListBuilder(list, kDriveSlots), list_(list) {}
 
   void Base(DriveSlot slot, const char* name, const std::string& unit, const char* meaning, double lower,
-            double upper, double start, Scale scale, const std::optional<double>& known) {
+            double upper, double start, Scale scale, const std::optional<double>& known,
+            std::string below_lower = {}) {
     list_.resting[slot] = known.value_or(start);
     if (known) return;
     Parameter p = BaseParameter(name, unit, meaning, lower, upper, std::clamp(start, lower, upper));
+    p.below_lower = std::move(below_lower);
     p.scale = scale;
     p.source = "equation of motion, drive.h";
     Add(std::move(p), slot);
@@ -79,8 +82,12 @@ void AddBase(const DriveTraits& is, const DriveScales& s, const DriveStarts& sta
            hangs ? is.fixed[kGravityTorque] : std::optional(0.0));
   const bool gain = !is.electric && is.load_known && is.controller == DriveControllerKind::kNone;
   const double most_gain = 10 * (start[kDriveGain] > 0 ? start[kDriveGain] : 1);
-  add.Base(kDriveGain, "drive_gain", "1", "torque per commanded torque", 0, most_gain, start[kDriveGain],
-           Scale::kLinear, gain ? is.fixed[kDriveGain] : std::optional(is.fixed[kDriveGain].value_or(1)));
+  add.Base(
+      kDriveGain, "drive_gain", "1", "torque per commanded torque", 0, most_gain, start[kDriveGain],
+      Scale::kLinear, gain ? is.fixed[kDriveGain] : std::optional(is.fixed[kDriveGain].value_or(1)),
+      is.input_channel +
+          " would have to act backwards. Its sign, its unit or those of the position may be wrong, or much "
+          "is missing in the model");
   const double constant = start[kTorqueConstant];
   add.Base(kTorqueConstant, "torque_constant", unit.torque_constant, "torque per current", constant / kFactor,
            constant * kFactor, constant, Scale::kLog,

@@ -10,7 +10,6 @@
 #include "identify/diagnosis/select/choice_of_sets.h"
 #include "identify/diagnosis/select/imitating_sets.h"
 #include "identify/diagnosis/select/many_starts.h"
-#include "identify/diagnosis/select/starts_without.h"
 #include "identify/execution/executor.h"
 #include "identify/execution/shared_loop.h"
 #include "identify/keep_samples.h"
@@ -51,6 +50,13 @@ EditedView Searched(const Problem& problem) {
       KeepSamples([&](std::size_t i) { return i % static_cast<std::size_t>(every) == 0; }, block);
     }
   });
+}
+
+// The search was built and measured with straight steps. With curved ones its many short fits end lower, but
+// the sets that lead on are others (docs/decisions).
+FitSetup Straight(FitSetup setup) {
+  setup.straight_steps = true;
+  return setup;
 }
 
 // Of the candidates that are accepted and not in `have`, the best by the linear prediction.
@@ -101,11 +107,15 @@ SetFitter::SetFitter(const Problem& problem, const Refitter& refitter,
       candidates_(candidates),
       options_(options),
       searched_(Searched(problem)),
-      searched_refitter_(searched_, refitter.base(), candidates, options.interrupt),
+      searched_refitter_(searched_, Straight(refitter.base()), candidates, options.interrupt),
       folds_(FoldsOf(searched_)),
       scored_(scored) {
   const auto trials = static_cast<double>(TrainingTrials(searched_).size());
   draws_ = static_cast<int>(kDraws * std::min(1.0, std::pow(kFewTrials / trials, 2)));
+}
+
+FitSetup SetFitter::SetupWith(const std::vector<int>& released) const {
+  return Straight(refitter_.SetupWith(released));
 }
 
 double SetFitter::Rows() const {
@@ -160,7 +170,7 @@ void SetFitter::Fit(std::vector<FittedSet>& sets, const std::vector<std::vector<
     sets[i].fitted_error = std::numeric_limits<double>::infinity();
     sets[i].left_out_error = sets[i].fitted_error;
     Search& search = searches[i];
-    search.setup = refitter_.SetupWith(sets[i].released);
+    search.setup = SetupWith(sets[i].released);
     search.setup.rest = starts[i].front();
     search.fit.emplace(searched_, search.setup);
     search.from.emplace(*search.fit, starts[i], tolerance, continued);
@@ -190,7 +200,7 @@ void SetFitter::LeaveOut(std::vector<FittedSet>& sets, double tolerance) const {
     sets[i].fold_errors.clear();
     sets[i].left_out_error = std::numeric_limits<double>::infinity();
     fitted.push_back(i);
-    setups.push_back(refitter_.SetupWith(sets[i].released));
+    setups.push_back(SetupWith(sets[i].released));
     setups.back().rest = sets[i].point;
   }
   std::vector<Vector> norms(fitted.size());
@@ -216,18 +226,6 @@ void SetFitter::LeaveOut(std::vector<FittedSet>& sets, double tolerance) const {
   }
 }
 
-// Where the members that are left take over what they can, for each of them in turn; empty where the fit has
-// no prediction.
-std::vector<Vector> SetFitter::TakenOver(const FittedSet& of) const {
-  std::vector<std::vector<int>> causes;
-  for (const int c : of.released) causes.push_back(candidates_[static_cast<std::size_t>(c)].parameters);
-  FitSetup setup = refitter_.SetupWith(of.released);
-  setup.rest = of.point;
-  const LeastSquares fit(searched_, setup);
-  auto starts = StartsWithout(fit, fit.Variables(of.point), causes, refitter_.base().rest);
-  return starts ? std::move(*starts) : std::vector<Vector>();
-}
-
 // @param starts the point with the member at its null is added
 FittedSet SetFitter::WithoutMember(const FittedSet& of, int c, std::vector<Vector>& starts) const {
   Vector start = of.point;
@@ -241,10 +239,8 @@ std::vector<FittedSet> SetFitter::OneLess(const FittedSet& of, const std::vector
                                           double most_fitted) const {
   std::vector<FittedSet> smaller;
   std::vector<std::vector<Vector>> starts(of.released.size());
-  const std::vector<Vector> taken_over = TakenOver(of);
   for (std::size_t i = 0; i < starts.size(); ++i) {
     smaller.push_back(WithoutMember(of, of.released[i], starts[i]));
-    if (!taken_over.empty()) starts[i].push_back(taken_over[i]);
     for (const FittedSet& one : known) {
       if (one.released == smaller.back().released) starts[i].push_back(one.point);
     }
@@ -265,7 +261,7 @@ std::vector<FittedSet> SetFitter::OneLess(const FittedSet& of, const std::vector
 FittedSet SetFitter::WithoutIdle(const FittedSet& of) const {
   FittedSet rest = of;
   for (const int c : of.released) {
-    FitSetup setup = refitter_.SetupWith(Without(rest.released, c));
+    FitSetup setup = SetupWith(Without(rest.released, c));
     setup.rest = rest.point;
     for (const int index : candidates_[static_cast<std::size_t>(c)].parameters)
       setup.rest[index] = refitter_.base().rest[index];
@@ -281,7 +277,7 @@ FittedSet SetFitter::WithoutIdle(const FittedSet& of) const {
 }
 
 Vector SetFitter::Continued(const FittedSet& of, int c) const {
-  FitSetup setup = refitter_.SetupWith(Without(of.released, c));
+  FitSetup setup = SetupWith(Without(of.released, c));
   Vector point = of.point;
   for (const double share : {0.75, 0.5, 0.25, 0.0}) {
     for (const int index : candidates_[static_cast<std::size_t>(c)].parameters) {
@@ -347,7 +343,7 @@ std::vector<int> SetFitter::PromisingTerms(const ScoredModel& scored, const std:
 }
 
 void SetFitter::AddDraws(int candidate, int draws, const Vector& point, std::vector<Vector>& starts) const {
-  const FitSetup setup = refitter_.SetupWith({candidate});
+  const FitSetup setup = SetupWith({candidate});
   Random random(Random::StreamSeed(options_.seed, static_cast<std::uint64_t>(candidate)));
   for (int draw = 0; draw < draws; ++draw) starts.push_back(DrawEffects(setup, point, random));
 }

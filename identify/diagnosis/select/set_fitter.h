@@ -52,9 +52,7 @@ class SetFitter {
   [[nodiscard]] const std::vector<Fold>& folds() const { return folds_; }
   /// Random starts per set: fewer with many trials, where fits take longer and local minima are fewer.
   [[nodiscard]] int draws() const { return draws_; }
-  [[nodiscard]] FitSetup SetupWith(const std::vector<int>& released) const {
-    return refitter_.SetupWith(released);
-  }
+  [[nodiscard]] FitSetup SetupWith(const std::vector<int>& released) const;
   [[nodiscard]] const FitSetup& base() const { return refitter_.base(); }
 
   /// Fits every set to the searched data. @param starts [sets] points [P], not empty
@@ -115,7 +113,6 @@ class SetFitter {
                                                            const Fold& fold, double tolerance) const;
   [[nodiscard]] double Rows() const;
   [[nodiscard]] Vector ColumnNorms(const FitSetup& setup) const;
-  [[nodiscard]] std::vector<Vector> TakenOver(const FittedSet& of) const;
   [[nodiscard]] FittedSet WithoutMember(const FittedSet& of, int c, std::vector<Vector>& starts) const;
   [[nodiscard]] Vector Continued(const FittedSet& of, int c) const;
 

@@ -4,6 +4,7 @@
 #include <gtest/gtest.h>
 
 #include "identify/solvers/local_fit.h"
+#include "identify/solvers/solver.h"
 #include "tests/identify/support/random_walk.h"
 
 namespace sinew {

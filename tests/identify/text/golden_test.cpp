@@ -29,7 +29,7 @@ using toy::Option;
 using toy::ReasonOf;
 
 Lines Reasons() {
-  const Parameter stiffness = toy::FiveParameters().setup.parameters[0];
+  Parameter stiffness = toy::FiveParameters().setup.parameters[0];
   Lines lines;
   const auto add = [&](const Reason& reason, const std::function<void(ParameterVerdict&)>& change = {}) {
     ParameterVerdict v = Judged(0, Verdict::kNotIdentifiable, reason);
@@ -44,6 +44,9 @@ Lines Reasons() {
   add(ReasonOf(ReasonKind::kDetermined), [](auto& v) { v.reason.width = 15.7; });
   add(ReasonOf(ReasonKind::kAtBound));
   add(ReasonOf(ReasonKind::kAtBound), [](auto& v) { v.reason.at_lower = true; });
+  stiffness.below_lower = "the spring would have to push outwards";
+  add(ReasonOf(ReasonKind::kAtBound), [](auto& v) { v.reason.at_lower = true; });
+  add(ReasonOf(ReasonKind::kAtBound));
   add(ReasonOf(ReasonKind::kNoResponse));
   add(ReasonOf(ReasonKind::kNoResponse), [](auto& v) {
     v.reason.channels = {"x", "y"};

@@ -1,6 +1,8 @@
 // What a drive asks of data, and what it says when it does not get it.
 #include "problems/drive/data/data.h"
 
+#include <gmock/gmock.h>
+
 #include <algorithm>
 
 #include "base/constants.h"
