@@ -51,6 +51,7 @@ class TrialFit {
       const Parameter& p = setup_.parameters[i];
       if (p.kind == ParameterKind::kNuisance && p.trial == trial_) setup_.free.push_back(static_cast<int>(i));
     }
+    setup_.straight_steps = true;  // a trial's own values alone have no valleys
   }
 
   // Its values at the best point found, in the order of free(); nothing if no fit succeeds.

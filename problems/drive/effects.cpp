@@ -12,10 +12,7 @@ namespace {
 constexpr double kSlowest = 0.02;             // of the highest speed: the narrowest Stribeck peak
 constexpr double kLongestDelay = 0.3;         // [s]
 constexpr double kLongestSensingDelay = 0.1;  // [s]
-// Of the drive's largest torque: what does not move by itself may be larger, as a stretched spring at
-// position 0 whose torque is small where the motion was.
-constexpr double kMostPassive = 4;
-constexpr double kSensorReach = 0.1;  // [s] of time offsets and low-passes
+constexpr double kSensorReach = 0.1;          // [s] of time offsets and low-passes
 
 struct Units {
   std::string position, speed, torque, inertia, viscous, drag, stiffness, compliance, per_torque, per_speed,
@@ -189,11 +186,14 @@ void AddOtherTorques(const DriveTraits& is, const DriveScales& s, const Units& u
       .Number(kCoggingPeriod, "cogging_period", unit.position, "period of the ripple", shortest, longest,
               turn / 6)
       .Probes(periods);
+  // In open loop the record holds what was left for the drive to do: what does not move by itself may be
+  // larger, as a stretched spring at position 0 whose torque is small where the motion was. Behind a
+  // controller the drive holds it, with what its largest command gives.
+  const double passive = (is.controller == DriveControllerKind::kNone ? 4 : 1) * s.torque;
   if (is.rotary) {
     add.BeginEffect("gravity_imbalance", Level::kRobot, "the load does not hang straight down at position 0",
                     "holding several positions at rest, one of them an angle that is known by other means")
-        .TwoSided(kImbalance, "imbalance_torque", unit.torque, "gravity torque at position 0",
-                  kMostPassive * s.torque);
+        .TwoSided(kImbalance, "imbalance_torque", unit.torque, "gravity torque at position 0", passive);
   }
   if (is.fixed[kInertia]) {
     add.BeginEffect("inertia_error", Level::kRobot, "the moving inertia differs from the stated one",
@@ -207,11 +207,11 @@ void AddOtherTorques(const DriveTraits& is, const DriveScales& s, const Units& u
                   "motion over a wider range of positions")
       .Is(Occurrence::kRare)
       .Positive(kSpring, "spring_stiffness", unit.stiffness, "torque per position",
-                kMostPassive * s.torque / s.position);
+                4 * s.torque / s.position);
   add.BeginEffect("torque_offset", Level::kRobot, "a constant torque acts besides the drive's",
                   "holding several positions at rest, and a rest with the drive switched off")
       .Is(Occurrence::kCommon)
-      .TwoSided(kOffsetTorque, "offset_torque", unit.torque, "constant torque", kMostPassive * s.torque);
+      .TwoSided(kOffsetTorque, "offset_torque", unit.torque, "constant torque", passive);
 }
 
 void AddDrive(const DriveTraits& is, const DriveScales& s, const Units& unit, Builder& add) {
