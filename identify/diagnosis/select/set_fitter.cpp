@@ -52,8 +52,7 @@ EditedView Searched(const Problem& problem) {
   });
 }
 
-// The search was built and measured with straight steps. With curved ones its many short fits end lower, but
-// the sets that lead on are others (docs/decisions).
+// The search was built and measured with straight steps; curved ones lead to other sets (docs/decisions).
 FitSetup Straight(FitSetup setup) {
   setup.straight_steps = true;
   return setup;
