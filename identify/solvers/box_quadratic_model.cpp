@@ -113,6 +113,7 @@ std::optional<Vector> BoxQuadraticModel::Acceleration(const Vector& x, const Vec
   for (int v = 0; v < static_cast<int>(x.size()); ++v) {
     if (step[v] != 0 && x[v] + step[v] > 0 && x[v] + step[v] < 1) moving.push_back(v);
   }
+  if (moving.empty()) return std::nullopt;
   const auto n = static_cast<Eigen::Index>(moving.size());
   Matrix reduced(n, n);
   Vector scale(n);

@@ -31,7 +31,8 @@ struct BoxQuadraticModel {
   /// derivatives of the residuals along the step ask for. The variables that the step leaves within the box
   /// take part.
   /// @param pull J'k [n], k the second directional derivative of the residuals along the step
-  /// @return nothing if it is not small beside the step, so that the expansion does not hold
+  /// @return nothing if it is not small beside the step, so that the expansion does not hold, or if the step
+  /// ends on bounds alone
   /// Source: Transtrum and Sethna (2012), geodesic acceleration.
   [[nodiscard]] std::optional<Vector> Acceleration(const Vector& x, const Vector& step, double damping,
                                                    const Vector& pull) const;

@@ -3,13 +3,12 @@
 
 #include <gtest/gtest.h>
 
-#include "identify/solvers/local_fit.h"
 #include "tests/identify/support/function_problem.h"
 
 namespace sinew::diagnosis {
 namespace {
 
-/// y = base + a t + b s(t) + c t^2 at four times, measured with a + b = 3 where s(t) = t.
+/// y = base + (a + b) t + c t^2 at four times, measured with base 1, a + b = 3 and c = 0.5.
 class TwoSlopes : public FunctionProblem {
  public:
   explicit TwoSlopes(double b_upper) {

@@ -71,6 +71,8 @@ TEST(BoxQuadraticModel, HalfTheAccelerationOfAParabola) {
   // Not small beside the step.
   EXPECT_FALSE(model.Acceleration(x, step, 0, Vector::Constant(1, 0.04)));
   EXPECT_FALSE(model.Acceleration(x, step, 0, Vector::Constant(1, std::nan(""))));
+  // Ends on a bound.
+  EXPECT_FALSE(model.Acceleration(x, Vector::Constant(1, -0.5), 0, Vector::Constant(1, 0.02)));
 }
 
 }  // namespace

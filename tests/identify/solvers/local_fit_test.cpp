@@ -135,8 +135,7 @@ class PartOfASine : public FunctionProblem {
   static double Time(int i) { return i / 59.0; }
 };
 
-// A straight step of the damped Gauss-Newton method leaves such a valley unless it is short: without what the
-// curvature adds, it takes more than 240 evaluations.
+// A straight step of the damped Gauss-Newton method leaves such a valley unless it is short.
 TEST(LocalFitTest, FollowsACurvedValley) {
   const PartOfASine problem;
   const Fit prepared(problem);
@@ -148,6 +147,14 @@ TEST(LocalFitTest, FollowsACurvedValley) {
   EXPECT_NEAR(found[1], 1.2, 1e-3);
   EXPECT_NEAR(found[2], 0.3, 1e-3);
   EXPECT_NEAR(found[3], 0.4, 1e-3);
+
+  FitSetup setup = prepared.setup;
+  setup.straight_steps = true;
+  const LeastSquares straight(problem, setup);
+  solvers::LocalFit by_straight_steps(straight);
+  const auto stopped = by_straight_steps.Minimize(straight.Start(), -1, {1e-14, 0}, 80);
+  EXPECT_FALSE(stopped.converged);
+  EXPECT_GT(stopped.cost, 100 * outcome.cost);
 }
 
 }  // namespace
