@@ -13,8 +13,10 @@ namespace sinew {
 /// A number with N derivatives. Comparisons are left out on purpose: write Value(a) < Value(b).
 template <int N>
 struct Dual {
-  double value;
+  // In this order: copies then move the same pairs of numbers as the loops over d load, which a processor
+  // takes from its store buffer only if they are the same.
   std::array<double, N> d;
+  double value;
 
   // NOLINTNEXTLINE(google-explicit-constructor): a number is a dual number that depends on nothing
   Dual(double constant = 0) : value(constant) { d.fill(0); }
@@ -49,6 +51,25 @@ struct Dual {
     value -= b.value;
 #pragma omp simd
     for (int i = 0; i < N; ++i) d[i] -= b.d[i];
+    return *this;
+  }
+  /// *this += a * b in one pass, with the same rounding.
+  Dual& AddProduct(double a, const Dual& b) {
+    value += a * b.value;
+#pragma omp simd
+    for (int i = 0; i < N; ++i) d[i] += a * b.d[i];
+    return *this;
+  }
+  Dual& AddProduct(const Dual& a, const Dual& b) {
+    value += a.value * b.value;
+#pragma omp simd
+    for (int i = 0; i < N; ++i) d[i] += a.value * b.d[i] + b.value * a.d[i];
+    return *this;
+  }
+  Dual& SubtractProduct(const Dual& a, const Dual& b) {
+    value -= a.value * b.value;
+#pragma omp simd
+    for (int i = 0; i < N; ++i) d[i] -= a.value * b.d[i] + b.value * a.d[i];
     return *this;
   }
   Dual& operator+=(double b) {
@@ -127,6 +148,23 @@ struct Dual {
   // NOLINTNEXTLINE(cppcoreguidelines-pro-type-member-init): every caller sets all of it
   explicit Dual(Unset /*unset*/) {}
 };
+
+/// sum += a * b and sum -= a * b, with the rounding of the two operations, in one pass over the derivatives.
+template <class A, class B>
+void AddProduct(double& sum, const A& a, const B& b) {
+  sum += a * b;
+}
+template <int N, class A>
+void AddProduct(Dual<N>& sum, const A& a, const Dual<N>& b) {
+  sum.AddProduct(a, b);
+}
+inline void SubtractProduct(double& sum, double a, double b) {
+  sum -= a * b;
+}
+template <int N>
+void SubtractProduct(Dual<N>& sum, const Dual<N>& a, const Dual<N>& b) {
+  sum.SubtractProduct(a, b);
+}
 
 /// The number without its derivatives.
 [[nodiscard]] inline double Value(double x) {

@@ -1,6 +1,10 @@
 // How long one trial of a joint takes: 10 s at 100 Hz, driven by torque, values alone, with the derivatives
-// of a base fit (three parameters and the initial state), and with those of a score (all of them).
+// of a base fit (three parameters and the initial state), of a refit with four causes, and of a score (all of
+// them).
 #include <benchmark/benchmark.h>
+
+#include <set>
+#include <string>
 
 #include "problems/drive/laboratory/synthesis.h"
 #include "problems/drive/problem.h"
@@ -17,7 +21,14 @@ std::unique_ptr<DriveProblem> OneTrial() {
   return *DriveProblem::Make(*data, settings);
 }
 
-enum class Wanted { kValues, kBase, kAll };
+enum class Wanted { kValues, kBase, kRefit, kAll };
+
+bool Differentiates(Wanted wanted, const Parameter& p) {
+  static const std::set<std::string> causes{"coulomb_torque", "stribeck_torque", "stribeck_velocity",
+                                            "motor_load_friction", "imbalance_torque"};
+  if (wanted == Wanted::kAll || p.kind != ParameterKind::kEffect) return true;
+  return wanted == Wanted::kRefit && causes.count(p.name) > 0;
+}
 
 // @param friction [N*m] Coulomb friction: 0 for a smooth motion.
 void Evaluate(benchmark::State& state, Wanted wanted, double friction) {
@@ -30,7 +41,7 @@ void Evaluate(benchmark::State& state, Wanted wanted, double friction) {
   std::vector<bool> differentiate;
   int count = 0;
   for (const Parameter& p : problem->parameters()) {
-    differentiate.push_back(wanted == Wanted::kAll || p.kind != ParameterKind::kEffect);
+    differentiate.push_back(Differentiates(wanted, p));
     if (differentiate.back()) ++count;
   }
   for (auto _ : state) {
@@ -43,6 +54,8 @@ void Evaluate(benchmark::State& state, Wanted wanted, double friction) {
 BENCHMARK_CAPTURE(Evaluate, values, Wanted::kValues, 0)->Unit(benchmark::kMicrosecond);
 BENCHMARK_CAPTURE(Evaluate, base_fit, Wanted::kBase, 0)->Unit(benchmark::kMicrosecond);
 BENCHMARK_CAPTURE(Evaluate, base_fit_with_stiction, Wanted::kBase, 0.1)->Unit(benchmark::kMicrosecond);
+BENCHMARK_CAPTURE(Evaluate, refit, Wanted::kRefit, 0)->Unit(benchmark::kMicrosecond);
+BENCHMARK_CAPTURE(Evaluate, refit_with_stiction, Wanted::kRefit, 0.1)->Unit(benchmark::kMicrosecond);
 BENCHMARK_CAPTURE(Evaluate, score, Wanted::kAll, 0)->Unit(benchmark::kMicrosecond);
 BENCHMARK_CAPTURE(Evaluate, score_with_stiction, Wanted::kAll, 0.1)->Unit(benchmark::kMicrosecond);
 

@@ -21,12 +21,6 @@ struct DriveHeld {
 
 class DriveActuation {
  public:
-  template <class S>
-  struct Motor {
-    S command;  // torque or voltage at the motor
-    S signal;   // recorded command, corrected
-  };
-
   /// @param shift of the input [s]. @param shift_moves it is differentiated. @param command and @param run
   /// must outlive this.
   DriveActuation(const DriveCommand& command, const DriveRun& run, double shift, bool shift_moves)
@@ -57,12 +51,15 @@ class DriveActuation {
     const double slope = piece < 0 ? 0 : run_.slope[at];
     S u(run_.input[at]);
     if (slope != 0) {
-      S line = S(slope * (t - (run_.input_time[at] + shift_)));
-      if (shift_moves_) {
-        line -= slope * Tangent(dynamics.ShiftOfInput());
+      const Time rise = slope * (t - (run_.input_time[at] + shift_));
+      if (shift_moves_ || dynamics.uses()[kHoldFraction]) {
+        S line(rise);
+        if (shift_moves_) line -= slope * Tangent(dynamics.ShiftOfInput());
+        if (dynamics.uses()[kHoldFraction]) line -= dynamics[kHoldFraction] * line;
+        u += line;
+      } else {
+        u += rise;
       }
-      if (dynamics.uses()[kHoldFraction]) line -= dynamics[kHoldFraction] * line;
-      u += line;
     }
     if (!dynamics.uses().input_sensor) return u;
     u += dynamics[kInputLowPass] * slope;
@@ -87,15 +84,14 @@ class DriveActuation {
     if (!(time[i] <= Value(t) && Value(t) < time[i + 1])) {
       i = static_cast<std::size_t>(std::upper_bound(time.begin(), time.end(), Value(t)) - time.begin()) - 1;
     }
-    const double slope = (series.values[i + 1] - series.values[i]) / (time[i + 1] - time[i]);
-    return series.values[i] + slope * (t - time[i]);
+    return series.values[i] + series.slope[i] * (t - time[i]);
   }
 
   /// What is added to the output of a controller that acts at a tick; like the input, held or straight
   /// between samples. Output that acts late was computed earlier.
   template <class S>
   [[nodiscard]] S DisturbanceAt(const DriveDynamics<S>& dynamics, double tick, double tolerance) const {
-    const auto& [time, values] = run_.disturbance;
+    const auto& [time, values, slopes] = run_.disturbance;
     if (values.empty()) return S(0);
     const bool late = dynamics.uses()[kActuationDelay];
     const double t = late ? tick - Value(dynamics[kActuationDelay]) : tick;
@@ -103,43 +99,50 @@ class DriveActuation {
     if (after == time.begin()) return S(values.front());
     const auto i = static_cast<std::size_t>(after - time.begin()) - 1;
     if (run_.held || after == time.end()) return S(values[i]);
-    const double slope = (values[i + 1] - values[i]) / (time[i + 1] - time[i]);
-    S value(values[i] + slope * (t - time[i]));
-    if (late) value -= slope * Tangent(dynamics[kActuationDelay]);
+    S value(values[i] + slopes[i] * (t - time[i]));
+    if (late) value -= slopes[i] * Tangent(dynamics[kActuationDelay]);
     return value;
   }
 
+  /// Torque or voltage at the motor.
   template <class S, class Time>
-  [[nodiscard]] Motor<S> MotorAt(const DriveDynamics<S>& dynamics, const DriveHeld<S>& held, const Time& t,
-                                 const S& q, const S& v) const {
-    if (command_.sampled()) return {dynamics.Weakened(held.command, t, run_.session), held.signal};
-    const S input = InputAt(dynamics, held.piece, t);
-    switch (command_.input) {
-      case DriveInput::kTorque:
-      case DriveInput::kVoltage:
-        return {dynamics.Weakened(input, t, run_.session), input};
-      case DriveInput::kDuty:
-        return {dynamics.Weakened(input, t, run_.session) * SignalAt(kSupplyVoltage, held.piece, t), input};
-      case DriveInput::kReference:
-        break;
+  [[nodiscard]] S CommandAt(const DriveDynamics<S>& dynamics, const DriveHeld<S>& held, const Time& t,
+                            const S& q, const S& v) const {
+    if (command_.sampled()) {
+      S command = held.command;
+      dynamics.Weaken(command, t, run_.session);
+      return command;
     }
-    // The servo is continuous; feedback that is late by a little is q - delay v, to first order.
-    S error = input - q;
-    if (dynamics.uses().feedback_is_late()) error += dynamics.AgeOfFeedback() * v;
-    S duty = (run_.gains.servo_error_gain * run_.gains.kp) * error;
-    if (Value(duty) > 1) duty = S(1);
-    if (Value(duty) < -1) duty = S(-1);
-    return {dynamics.Weakened(duty, t, run_.session) * SignalAt(kSupplyVoltage, held.piece, t), input};
+    S command = InputAt(dynamics, held.piece, t);
+    if (command_.input == DriveInput::kReference) {
+      // The servo is continuous; feedback that is late by a little is q - delay v, to first order.
+      command -= q;
+      if (dynamics.uses().feedback_is_late()) AddProduct(command, dynamics.AgeOfFeedback(), v);
+      command = (run_.gains.servo_error_gain * run_.gains.kp) * command;
+      if (Value(command) > 1) command = S(1);
+      if (Value(command) < -1) command = S(-1);
+    }
+    dynamics.Weaken(command, t, run_.session);
+    if (command_.input == DriveInput::kReference || command_.input == DriveInput::kDuty)
+      command = command * SignalAt(kSupplyVoltage, held.piece, t);
+    return command;
+  }
+
+  /// The recorded command, corrected.
+  template <class S, class Time>
+  [[nodiscard]] S RecordedCommandAt(const DriveDynamics<S>& dynamics, const DriveHeld<S>& held,
+                                    const Time& t) const {
+    return command_.sampled() ? held.signal : InputAt(dynamics, held.piece, t);
   }
 
   template <class S, class Time>
   [[nodiscard]] typename DriveDynamics<S>::Loads LoadsAt(const DriveDynamics<S>& dynamics,
                                                          const DriveHeld<S>& held, const Time& t, const S& q,
                                                          const S& v) const {
-    const Motor<S> motor = MotorAt(dynamics, held, t, q, v);
-    const auto recorded = [&](DriveSignal signal) { return SignalAt(signal, held.piece, t); };
-    const S drive = held.on ? dynamics.DriveTorque(motor.command, v, t) : S(0);
-    return dynamics.LoadsAt(drive, motor.signal, recorded, t, q, v);
+    const auto signal = [&] { return RecordedCommandAt(dynamics, held, t); };
+    const auto recorded = [&](DriveSignal of) { return SignalAt(of, held.piece, t); };
+    const S drive = held.on ? dynamics.DriveTorque(CommandAt(dynamics, held, t, q, v), v, t) : S(0);
+    return dynamics.LoadsAt(drive, signal, recorded, t, q, v);
   }
 
   /// Applied torque minus what holds it, at rest: above 0 it moves.

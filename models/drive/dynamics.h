@@ -7,6 +7,7 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <optional>
 #include <vector>
 
 #include "base/dual.h"
@@ -79,29 +80,32 @@ class DriveDynamics {
 
   /// Torques that act on the joint, dry friction aside.
   struct Loads {
-    T drive;             ///< tau
-    T gravity;           ///< gravity(q)
-    T applied;           ///< sum of all of them
-    T unknown_friction;  ///< dry friction of the unknown terms, >= 0; set only if one is in use
+    T drive;                            ///< tau
+    T gravity;                          ///< gravity(q)
+    T applied;                          ///< sum of all of them
+    std::optional<T> unknown_friction;  ///< dry friction of the unknown terms, >= 0, if one is in use
   };
 
   /// Current [A] of an electric drive under a voltage. @param t since the trial's begin [s]
   template <class Time>
   [[nodiscard]] T Current(const T& voltage, const T& v, const Time& t) const {
-    return Warmed((voltage - volts_per_speed_ * v) / numbers_[kResistance], t);
+    return Warmed(OverBackEmf(voltage, v) / numbers_[kResistance], t);
   }
 
   /// Change of gain of whatever the command is: dead zone, compression, and what changes with time.
-  /// @param t since the trial's begin [s]. @param session of the trial's begin, since that of the session [s]
+  /// @param acting the command. @param t since the trial's begin [s]. @param session of the trial's begin,
+  /// since that of the session [s]
   template <class Time>
-  [[nodiscard]] T Weakened(const T& command, const Time& t, double session) const {
-    T acting = command;
-    if (uses_[kDeadZone]) {
-      const T beyond = Abs(command) - numbers_[kDeadZone];
-      acting = Value(beyond) <= 0 ? T(0) : Value(command) > 0 ? beyond : -beyond;
-    }
-    if (uses_[kCompression]) {
-      acting = acting * (1.0 - numbers_[kCompression] * (Abs(command) * (1 / joint_->largest_command)));
+  void Weaken(T& acting, const Time& t, double session) const {
+    if (uses_[kDeadZone] || uses_[kCompression]) {
+      const T command = acting;
+      if (uses_[kDeadZone]) {
+        const T beyond = Abs(command) - numbers_[kDeadZone];
+        acting = Value(beyond) <= 0 ? T(0) : Value(command) > 0 ? beyond : -beyond;
+      }
+      if (uses_[kCompression]) {
+        acting = acting * (1.0 - numbers_[kCompression] * (Abs(command) * (1 / joint_->largest_command)));
+      }
     }
     if (uses_[kThermalRate]) acting = acting * (1.0 - numbers_[kThermalRate] * t);
     if (uses_[kWarmUpGain]) {
@@ -109,13 +113,12 @@ class DriveDynamics {
       acting = acting * (1.0 + numbers_[kWarmUpGain] * (1.0 - left));
     }
     if (uses_[kSessionRate]) acting = acting * (1.0 + numbers_[kSessionRate] * (session + t));
-    return acting;
   }
 
   /// tau for a torque or voltage that reaches the motor. @param t since the trial's begin [s]
   template <class Time>
   [[nodiscard]] T DriveTorque(const T& command, const T& v, const Time& t) const {
-    T tau = joint_->electric ? Warmed(torque_per_volt_ * (command - volts_per_speed_ * v), t)
+    T tau = joint_->electric ? Warmed(torque_per_volt_ * OverBackEmf(command, v), t)
                              : numbers_[kDriveGain] * command;
     if (uses_[kInverseTorqueLimit]) {
       const T& x = numbers_[kInverseTorqueLimit];
@@ -132,44 +135,46 @@ class DriveDynamics {
     return tau;
   }
 
-  /// @param drive torque of the drive. @param signal the command as the port sees it.
-  /// @param recorded gives the value of a DriveSignal at t; asked only for those that an effect in use needs.
+  /// @param drive torque of the drive. @param signal gives the command as the port sees it, and
+  /// @param recorded the value of a DriveSignal, both at t; asked only for what an effect in use needs.
   /// @param t since the trial's begin [s]
-  template <class Time, class Recorded>
-  [[nodiscard]] Loads LoadsAt(const T& drive, const T& signal, const Recorded& recorded, const Time& t,
+  template <class Time, class Signal, class Recorded>
+  [[nodiscard]] Loads LoadsAt(const T& drive, const Signal& signal, const Recorded& recorded, const Time& t,
                               const T& q, const T& v) const {
-    Loads loads;
-    loads.drive = drive;
-    loads.gravity = Gravity(q);
+    Loads loads{drive, Gravity(q), drive, std::nullopt};
     T& sum = loads.applied;
-    T viscous = numbers_[kViscousFriction];
+    sum -= loads.gravity;
+    const T& viscous = numbers_[kViscousFriction];
     if (uses_[kFrictionTemperature]) {
-      viscous =
-          viscous * Exp(numbers_[kFrictionTemperature] * (recorded(kTemperature) - kReferenceTemperature));
+      const T change = Exp(numbers_[kFrictionTemperature] * (recorded(kTemperature) - kReferenceTemperature));
+      SubtractProduct(sum, viscous * change, v);
+    } else {
+      SubtractProduct(sum, viscous, v);
     }
-    sum = loads.drive - loads.gravity - viscous * v;
-    if (uses_[kViscousAsymmetry]) sum -= numbers_[kViscousAsymmetry] * Abs(v);
-    if (uses_[kDrag]) sum -= numbers_[kDrag] * (v * Abs(v));
+    if (uses_[kViscousAsymmetry]) SubtractProduct(sum, numbers_[kViscousAsymmetry], Abs(v));
+    if (uses_[kDrag]) SubtractProduct(sum, numbers_[kDrag], v * Abs(v));
     if (uses_[kCoggingCos] || uses_[kCoggingSin]) {
       const T angle = q * (2 * kPi) / numbers_[kCoggingPeriod];
-      sum += numbers_[kCoggingCos] * Cos(angle) + numbers_[kCoggingSin] * Sin(angle);
+      T ripple = numbers_[kCoggingCos] * Cos(angle);
+      AddProduct(ripple, numbers_[kCoggingSin], Sin(angle));
+      sum += ripple;
     }
-    if (uses_[kImbalance]) sum -= numbers_[kImbalance] * Cos(q);
-    if (uses_[kSpring]) sum -= numbers_[kSpring] * q;
+    if (uses_[kImbalance]) SubtractProduct(sum, numbers_[kImbalance], Cos(q));
+    if (uses_[kSpring]) SubtractProduct(sum, numbers_[kSpring], q);
     if (uses_[kOffsetTorque]) sum += numbers_[kOffsetTorque];
     if (uses_.term[kTorqueOfPosition]) AddTerm(kTorqueOfPosition, q, sum);
     if (uses_.term[kTorqueOfVelocity]) AddTerm(kTorqueOfVelocity, v, sum);
-    if (uses_.term[kTorqueOfCommand]) AddTerm(kTorqueOfCommand, signal, sum);
+    if (uses_.term[kTorqueOfCommand]) AddTerm(kTorqueOfCommand, signal(), sum);
     if (uses_.term[kTorqueOfTime]) AddTerm(kTorqueOfTime, t, sum);
     if (uses_.term[kDampingOfTime]) {
       T damping(0);
       AddTerm(kDampingOfTime, t, damping);
-      sum -= damping * v;
+      SubtractProduct(sum, damping, v);
     }
     if (uses_.unknown_friction()) {
-      loads.unknown_friction = T(0);
-      if (uses_.term[kFrictionOfPosition]) AddTerm(kFrictionOfPosition, q, loads.unknown_friction);
-      if (uses_.term[kFrictionOfTime]) AddTerm(kFrictionOfTime, t, loads.unknown_friction);
+      T& friction = loads.unknown_friction.emplace(0);
+      if (uses_.term[kFrictionOfPosition]) AddTerm(kFrictionOfPosition, q, friction);
+      if (uses_.term[kFrictionOfTime]) AddTerm(kFrictionOfTime, t, friction);
     }
     return loads;
   }
@@ -179,25 +184,26 @@ class DriveDynamics {
     T level = uses_[kCoulombTorque] ? numbers_[kCoulombTorque] : T(0);
     const int one_sided = direction > 0 ? kForwardFriction : kBackwardFriction;
     if (uses_[one_sided]) level += (*this)[one_sided];
-    if (uses_[kStribeckTorque]) level += numbers_[kStribeckTorque] * Stribeck(v, kStribeckVelocity);
+    if (uses_[kStribeckTorque]) AddProduct(level, numbers_[kStribeckTorque], Stribeck(v, kStribeckVelocity));
     if (uses_[kLoadFriction] || uses_[kStribeckLoad] || uses_[kQuadraticLoad]) {
       const T load = 0.5 * Abs(loads.drive + loads.gravity);
-      if (uses_[kLoadFriction]) level += numbers_[kLoadFriction] * load;
-      if (uses_[kStribeckLoad]) {
-        level += numbers_[kStribeckLoad] * (load * Stribeck(v, kStribeckLoadVelocity));
-      }
-      if (uses_[kQuadraticLoad]) level += numbers_[kQuadraticLoad] * (load * load);
+      if (uses_[kLoadFriction]) AddProduct(level, numbers_[kLoadFriction], load);
+      if (uses_[kStribeckLoad])
+        AddProduct(level, numbers_[kStribeckLoad], load * Stribeck(v, kStribeckLoadVelocity));
+      if (uses_[kQuadraticLoad]) AddProduct(level, numbers_[kQuadraticLoad], load * load);
     }
-    if (uses_[kMotorLoadFriction]) level += numbers_[kMotorLoadFriction] * Abs(loads.drive);
-    if (uses_[kExternalLoadFriction]) level += numbers_[kExternalLoadFriction] * Abs(loads.gravity);
-    if (uses_.unknown_friction()) level += loads.unknown_friction;
+    if (uses_[kMotorLoadFriction]) AddProduct(level, numbers_[kMotorLoadFriction], Abs(loads.drive));
+    if (uses_[kExternalLoadFriction]) AddProduct(level, numbers_[kExternalLoadFriction], Abs(loads.gravity));
+    if (loads.unknown_friction) level += *loads.unknown_friction;
     return level;
   }
 
   /// dv/dt while sliding into `direction`; 0 leaves dry friction out.
   [[nodiscard]] T Acceleration(double direction, const T& v, const Loads& loads) const {
     if (!uses_.dry_friction || direction == 0) return loads.applied * inverse_mass_;
-    return (loads.applied - direction * Friction(direction, v, loads)) * inverse_mass_;
+    T net = loads.applied;
+    AddProduct(net, -direction, Friction(direction, v, loads));
+    return net * inverse_mass_;
   }
 
  private:
@@ -207,6 +213,12 @@ class DriveDynamics {
     if (!joint_->rotary) return T(joint_->incline_force);
     if (joint_->load_known) return joint_->load_gravity * Sin(q);
     return numbers_[kGravityTorque] * Sin(q);
+  }
+
+  [[nodiscard]] T OverBackEmf(const T& voltage, const T& v) const {
+    T over = voltage;
+    SubtractProduct(over, volts_per_speed_, v);
+    return over;
   }
 
   // A current [A], or what is proportional to it, through a winding whose resistance changes with time.
@@ -225,10 +237,10 @@ class DriveDynamics {
     const LinearBasis basis = LinearBasisAt(joint_->knots[static_cast<std::size_t>(term)], Value(x));
     const int slot = kTermSlots[static_cast<std::size_t>(term)] + basis.first;
     const T& left = (*this)[slot];
-    sum += basis.left * left;
+    AddProduct(sum, basis.left, left);
     if (basis.left_slope == 0) return;
     const T& right = (*this)[slot + 1];
-    sum += basis.right * right;
+    AddProduct(sum, basis.right, right);
     sum += (basis.left_slope * (Value(left) - Value(right))) * Tangent(x);
   }
 

@@ -42,15 +42,18 @@ class DriveIntegrator {
  public:
   /// @param history scratch of the size DriveHistorySize. @param rate [1/s] of the fastest thing that can
   /// happen at speeds as they were measured: steps are at most its inverse, and shorter at higher speeds.
-  /// @param shift_moves the shift of the input is differentiated.
+  /// @param shift_moves the shift of the input is differentiated. @param wants_torque samples hold torque and
+  /// current, too; else these are 0.
   DriveIntegrator(const DriveCommand& command, const DriveRun& run, const DriveDynamics<T>& dynamics,
-                  const DriveDynamics<double>& plain, double rate, bool shift_moves, DriveHistory<T>& history)
+                  const DriveDynamics<double>& plain, double rate, bool shift_moves, bool wants_torque,
+                  DriveHistory<T>& history)
       : command_(command),
         run_(run),
         dynamics_(dynamics),
         plain_(plain),
         rate_(std::max(rate, 1 / command.step)),
         drag_rate_(2 * plain[kDrag] * plain.inverse_mass()),
+        wants_torque_(wants_torque),
         shift_(Tangent(dynamics.ShiftOfInput()) + plain.ShiftOfInput()),
         actuation_(command, run, Value(shift_), shift_moves),
         controller_(command, run.gains, dynamics, history) {}
@@ -327,20 +330,21 @@ class DriveIntegrator {
           command_.sampled() ? DriveSampledController<T>::kSameTime * run_.gains.control_period : 0;
       const DriveHeld<T>& acting = now <= changed_ + same ? before_ : held_;
       if (acting.on) {
-        const auto motor = actuation_.MotorAt(dynamics_, acting, now, q_, v_);
-        sample.position += dynamics_[kCompliance] * dynamics_.DriveTorque(motor.command, v_, now);
+        const T command = actuation_.CommandAt(dynamics_, acting, now, q_, v_);
+        sample.position += dynamics_[kCompliance] * dynamics_.DriveTorque(command, v_, now);
       }
     }
+    if (!wants_torque_) return sample;
     // At a sample of a held input, the new value counts.
     DriveHeld<T> held = held_;
     if (!command_.sampled() && held.piece + 1 < static_cast<int>(run_.input.size()) &&
         actuation_.InputTime(held.piece + 1) <= now) {
       ++held.piece;
     }
-    const auto motor = actuation_.MotorAt(dynamics_, held, now, q_, v_);
     if (held.on) {
-      sample.torque = dynamics_.DriveTorque(motor.command, v_, now);
-      if (dynamics_.joint().electric) sample.current = dynamics_.Current(motor.command, v_, now);
+      const T command = actuation_.CommandAt(dynamics_, held, now, q_, v_);
+      sample.torque = dynamics_.DriveTorque(command, v_, now);
+      if (dynamics_.joint().electric) sample.current = dynamics_.Current(command, v_, now);
     }
     return sample;
   }
@@ -362,7 +366,8 @@ class DriveIntegrator {
   const DriveDynamics<double>& plain_;
   double rate_;
   double drag_rate_;  // [1/s per speed] its growth beyond the measured speeds
-  T shift_;           // of the input [s]
+  bool wants_torque_;
+  T shift_;  // of the input [s]
   DriveActuation actuation_;
   DriveSampledController<T> controller_;
 

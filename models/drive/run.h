@@ -14,6 +14,14 @@ namespace sinew {
 struct DriveSeries {
   std::vector<double> time;    ///< [L, s, increasing] empty: one number, or nothing
   std::vector<double> values;  ///< [L], or [1] if it is a number that is constant, or empty: not recorded
+  std::vector<double> slope;   ///< [L - 1, 1/s] between the samples
+
+  /// The slopes that belong to the samples.
+  void SetSlopes() {
+    slope.clear();
+    for (std::size_t i = 0; i + 1 < time.size(); ++i)
+      slope.push_back((values[i + 1] - values[i]) / (time[i + 1] - time[i]));
+  }
 };
 
 /// Numbers of a controller in one trial.

@@ -27,15 +27,27 @@ template <class S, class Time>
   };
   const Time half = 0.5 * h;
   const Time middle = t + half;
-  const S k1 = acceleration(t, q, v);
-  const S v2 = v + half * k1;
-  const S k2 = acceleration(middle, q + half * v, v2);
-  const S v3 = v + half * k2;
-  const S k3 = acceleration(middle, q + half * v2, v3);
-  const S v4 = v + h * k3;
-  const S k4 = acceleration(t + h, q + h * v3, v4);
+  const auto after = [](const S& from, const Time& length, const S& slope) {
+    S to = from;
+    AddProduct(to, length, slope);
+    return to;
+  };
+  // from + h / 6 (first + 2 (second + third) + fourth)
   const Time sixth = h * (1.0 / 6);
-  return {q + sixth * (v + 2.0 * (v2 + v3) + v4), v + sixth * (k1 + 2.0 * (k2 + k3) + k4), Value(k1)};
+  const auto end = [&](const S& from, const S& first, const S& second, const S& third, const S& fourth) {
+    S sum = first;
+    AddProduct(sum, 2.0, second + third);
+    sum += fourth;
+    return after(from, sixth, sum);
+  };
+  const S k1 = acceleration(t, q, v);
+  const S v2 = after(v, half, k1);
+  const S k2 = acceleration(middle, after(q, half, v), v2);
+  const S v3 = after(v, half, k2);
+  const S k3 = acceleration(middle, after(q, half, v2), v3);
+  const S v4 = after(v, h, k3);
+  const S k4 = acceleration(t + h, after(q, h, v3), v4);
+  return {end(q, v, v2, v3, v4), end(v, k1, k2, k3, k4), Value(k1)};
 }
 
 /// Where f turns from above 0 at `from` to below at `to`: regula falsi, Illinois variant, to rounding.

@@ -10,11 +10,16 @@
 #include "problems/drive/data/input_noise.h"
 
 namespace sinew {
+namespace {
+constexpr int kFirstTorqueChannel = 2;  // of kDriveChannels: torque, current
+}  // namespace
+
 struct DriveProblem::Scratch final : Problem::Workspace {
   std::vector<std::pair<int, int>> lanes;  // slot, column
   std::vector<double> plain;
   std::vector<Dual<4>> dual4;
   std::vector<Dual<8>> dual8;
+  std::vector<Dual<12>> dual12;
   std::vector<Dual<16>> dual16;
   const std::vector<DriveRun>* runs = nullptr;  // that drive the joint in place of the problem's own
 };
@@ -153,6 +158,7 @@ std::unique_ptr<Problem::Workspace> DriveProblem::NewWorkspace() const {
   scratch->plain.resize(history_);
   scratch->dual4.resize(history_);
   scratch->dual8.resize(history_);
+  scratch->dual12.resize(history_);
   scratch->dual16.resize(history_);
   return scratch;
 }
@@ -210,6 +216,8 @@ Status DriveProblem::InPasses(Scratch& scratch, F&& pass) {
       SINEW_TRY(pass(Dual<4>(), first, count, scratch.dual4));
     } else if (left <= 8) {
       SINEW_TRY(pass(Dual<8>(), first, count, scratch.dual8));
+    } else if (left <= 12) {
+      SINEW_TRY(pass(Dual<12>(), first, count, scratch.dual12));
     } else {
       SINEW_TRY(pass(Dual<16>(), first, count, scratch.dual16));
     }
@@ -220,8 +228,8 @@ Status DriveProblem::InPasses(Scratch& scratch, F&& pass) {
 
 template <class T, class Sink>
 Status DriveProblem::Integrate(const Stretch& stretch, const Vector& parameters, std::size_t first_lane,
-                               std::size_t lanes, Scratch& scratch, std::vector<T>& history,
-                               Sink&& sink) const {
+                               std::size_t lanes, bool wants_torque, Scratch& scratch,
+                               std::vector<T>& history, Sink&& sink) const {
   const DriveRun& run = (*scratch.runs)[stretch.run];
   DriveNumbers numbers;
   std::array<T, kDriveSlots> variables;
@@ -251,7 +259,8 @@ Status DriveProblem::Integrate(const Stretch& stretch, const Vector& parameters,
   const DriveDynamics<T> dynamics(data_.joint, variables, uses, frictional);
   const DriveDynamics<double> plain(data_.joint, numbers, uses, frictional);
   const double rate = FastestRate(numbers, data_.joint, data_.command, run);
-  DriveIntegrator<T> integrator(data_.command, run, dynamics, plain, rate, shift_moves, history);
+  DriveIntegrator<T> integrator(data_.command, run, dynamics, plain, rate, shift_moves, wants_torque,
+                                history);
   return integrator.Run(stretch.first, stretch.end, [&](std::size_t stop, const DriveSample<T>& sample) {
     sink(stop, sample, integrator.position(), integrator.speed());
   });
@@ -266,7 +275,7 @@ Status DriveProblem::IntegrateLanes(const Stretch& stretch, const Vector& parame
   return InPasses(scratch, [&](auto type, std::size_t first, std::size_t count, auto& history) -> Status {
     using T = decltype(type);
     return Integrate<T>(
-        stretch, parameters, first, count, scratch, history,
+        stretch, parameters, first, count, true, scratch, history,
         [&](std::size_t stop, const DriveSample<T>& sample, const T& position, const T& speed) {
           const std::array<const T*, 6> values{&speed,        &position,      &sample.position,
                                                &sample.speed, &sample.torque, &sample.current};
@@ -301,15 +310,20 @@ Status DriveProblem::PredictSegment(const Segment& segment, const Query& query, 
                         query.parameters[segment.state],
                         query.parameters[segment.state + 1],
                         states_ > 2 ? query.parameters[segment.state + 2] : 0};
+  const auto& blocks = blocks_of_run_[segment.run];
+  const bool wants_torque = std::any_of(blocks.begin(), blocks.end(), [&](int b) {
+    const auto block = static_cast<std::size_t>(b);
+    return query.blocks[block] && data_.blocks[block].channel >= kFirstTorqueChannel;
+  });
   return InPasses(
       scratch, [&](auto type, std::size_t first_lane, std::size_t count, auto& history) -> Status {
         using T = decltype(type);
         bool finite = true;
-        SINEW_TRY(Integrate<T>(stretch, query.parameters, first_lane, count, scratch, history,
+        SINEW_TRY(Integrate<T>(stretch, query.parameters, first_lane, count, wants_torque, scratch, history,
                                [&](std::size_t stop, const DriveSample<T>& sample, const T&, const T&) {
                                  const std::array<const T*, 4> channels{&sample.position, &sample.speed,
                                                                         &sample.torque, &sample.current};
-                                 for (const int block : blocks_of_run_[segment.run]) {
+                                 for (const int block : blocks) {
                                    const auto b = static_cast<std::size_t>(block);
                                    const int row = data_.blocks[b].rows[stop];
                                    if (!query.blocks[b] || row < 0) continue;

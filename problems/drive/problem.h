@@ -93,9 +93,11 @@ class DriveProblem final : public Problem {
   Status PredictSegment(const Segment& segment, const Query& query, Scratch& scratch,
                         Prediction& prediction) const;
   /// Integrates with the derivatives of `lanes` (slot and column) from `first_lane` on, at most `lanes`.
+  /// @param wants_torque torque and current are read, too.
   template <class T, class Sink>
   Status Integrate(const Stretch& stretch, const Vector& parameters, std::size_t first_lane,
-                   std::size_t lanes, Scratch& scratch, std::vector<T>& history, Sink&& sink) const;
+                   std::size_t lanes, bool wants_torque, Scratch& scratch, std::vector<T>& history,
+                   Sink&& sink) const;
   /// What a sink gets of one stop: a channel (or -1 position, -2 speed, of the joint itself), its value, and
   /// the slopes of lanes first .. first + count - 1.
   using LaneSink = std::function<void(std::size_t stop, int channel, double value, const double* slopes,

@@ -62,6 +62,42 @@ TEST(Dual, ValueHasTheBitsOfDoubleWhateverTheNumberOfLanes) {
   ExpectBitsOfDouble<16>();
 }
 
+TEST(Dual, SumsOfProductsInOnePassHaveTheBitsOfTwoOperations) {
+  using D = Dual<3>;
+  Random random(3);
+  const auto any = [&] {
+    D x(random.Uniform(-3, 3));
+    for (double& slope : x.d) slope = random.Uniform(-3, 3);
+    return x;
+  };
+  for (int round = 0; round < 1000; ++round) {
+    const D sum = any();
+    const D a = any();
+    const D b = any();
+    D up = sum;
+    AddProduct(up, a, b);
+    D down = sum;
+    SubtractProduct(down, a, b);
+    D scaled = sum;
+    AddProduct(scaled, a.value, b);
+    double plain_up = sum.value;
+    AddProduct(plain_up, a.value, b.value);
+    double plain_down = sum.value;
+    SubtractProduct(plain_down, a.value, b.value);
+    ASSERT_EQ(plain_up, up.value);
+    ASSERT_EQ(plain_down, down.value);
+    const D expected_up = sum + a * b;
+    const D expected_down = sum - a * b;
+    const D expected_scaled = sum + a.value * b;
+    ASSERT_EQ(up.value, expected_up.value);
+    ASSERT_EQ(down.value, expected_down.value);
+    ASSERT_EQ(scaled.value, expected_scaled.value);
+    ASSERT_EQ(up.d, expected_up.d);
+    ASSERT_EQ(down.d, expected_down.d);
+    ASSERT_EQ(scaled.d, expected_scaled.d);
+  }
+}
+
 TEST(Dual, TangentLeavesTheValueOut) {
   const auto x = Dual<2>::Variable(3, 1);
   EXPECT_EQ(Tangent(x).value, 0);

@@ -103,7 +103,7 @@ Status ReadDisturbance(const DriveTraits& traits, const Trial& trial, DriveRun& 
     return Fail("'{}' has unit '{}', expected {}, that of the controller's output", kDisturbance,
                 channel->unit, unit);
   SINEW_TRY(NoGaps(*channel, *grid, kDisturbance));
-  run.disturbance = {grid->time, channel->values};
+  run.disturbance = {grid->time, channel->values, {}};
   return {};
 }
 
@@ -155,7 +155,7 @@ Status ReadSignals(const Dataset& data, const DriveTraits& traits, const Trial& 
       if (channel->unit != signal.unit)
         return Fail("{} has unit '{}', expected {}", signal.name, channel->unit, signal.unit);
       SINEW_TRY(NoGaps(*channel, *grid, signal.name));
-      series = {grid->time, channel->values};
+      series = {grid->time, channel->values, {}};
     } else if (const auto constant = NumberOf(data, trial, signal.name)) {
       series.values = {*constant};
     } else {
@@ -236,6 +236,8 @@ Result<DriveRun> ReadDriveRun(const Dataset& data, const DriveSettings& settings
   for (auto* times : all_times) {
     for (double& t : *times) t -= run.begin;
   }
+  for (DriveSeries& series : run.signals) series.SetSlopes();
+  run.disturbance.SetSlopes();
   run.on_at_begin = run.OnAt(0);
   const auto begun = std::upper_bound(run.switches.begin(), run.switches.end(), 0.0);
   run.switches.erase(run.switches.begin(), begun);
