@@ -25,6 +25,8 @@ namespace {
 
 // Of the second that a command has: for ending in order, with the rest for writing what there is.
 constexpr std::chrono::milliseconds kGrace{600};
+// One request may arrive twice: from a batch system and from `timeout` or a shell between it and the program.
+constexpr std::chrono::milliseconds kSameRequest{300};
 
 std::atomic<bool> interrupted{false};
 std::atomic<int> stop_signal{0};
@@ -112,16 +114,18 @@ class Listener {
     }
     if (leaves_end) return;
     // In order, or after the second signal, or after a while.
-    const auto deadline = std::chrono::steady_clock::now() + kGrace;
+    const auto first = std::chrono::steady_clock::now();
+    const auto deadline = first + kGrace;
     while (!ended_) {
       const auto left =
           std::chrono::duration_cast<std::chrono::milliseconds>(deadline - std::chrono::steady_clock::now());
-      if (Wait(static_cast<int>(std::max<std::int64_t>(left.count(), 0))) > 0) End("");
+      const bool again = Wait(static_cast<int>(std::max<std::int64_t>(left.count(), 0))) > 0;
+      if (again && std::chrono::steady_clock::now() >= first + kSameRequest) EndAtOnce();
       if (std::chrono::steady_clock::now() >= deadline) break;
     }
     if (!ended_) TakeOver();
     while (!ended_) {
-      if (Wait(-1) > 0) End("");
+      if (Wait(-1) > 0) EndAtOnce();
     }
   }
 
@@ -130,6 +134,10 @@ class Listener {
     Works& works = TheWorks();
     if (works.finished || !works.registered) return;
     End(works.save ? works.save() : "");
+  }
+
+  [[noreturn]] void EndAtOnce() const {
+    End(" at the second signal: what was found since the last checkpoint is not kept");
   }
 
   [[noreturn]] void End(const std::string& rest) const {

@@ -13,7 +13,8 @@ namespace sinew {
 /// begins (nohup) stays ignored.
 ///
 /// The first signal raises InterruptFlag. A command without StoppableWork then ends at once: one sentence on
-/// standard error, exit status 128 + signal. The second signal ends every command at once.
+/// standard error, exit status 128 + signal. The second signal ends every command at once; within 0.3 s of
+/// the first it is the same request, passed on twice.
 class StopSignals {
  public:
   /// @param name of the program, for its sentence

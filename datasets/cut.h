@@ -1,4 +1,5 @@
-// Cutting: a window of a trial becomes a trial of its own, such as a stance out of a recording.
+// Cutting: a window of a trial becomes a trial of its own, such as a stance out of a recording, or a long
+// recording becomes several trials.
 #pragma once
 
 #include <optional>
@@ -28,6 +29,15 @@ struct TrialWindow {
 /// no such trial; the new name is taken; the window is empty, or a grid has no sample in it (the message
 /// states the range that there is). The dataset is then unchanged.
 Status CutTrial(Dataset& dataset, const TrialWindow& window);
+
+/// Replaces a trial by pieces of it, in their order, named TRIAL_1, TRIAL_2, ... (with leading zeros): as
+/// many as fit best into what all its grids cover, the last one half as long to one and a half times as long
+/// as the others. No sample belongs to two pieces, but for the margins of CutTrial. One piece only: nothing
+/// changes.
+/// @param length_s of a piece, > 0 @return the names of the pieces, or of the trial if it is one. Errors: no
+/// such trial; its grids cover no common time; more than 10000 pieces; those of CutTrial. The dataset is then
+/// unchanged.
+Result<std::vector<std::string>> SplitTrial(Dataset& dataset, const std::string& trial, double length_s);
 
 /// Drops the force plate channels (PLATE_force_*, PLATE_cop_*, PLATE_moment_*) of all plates but these: a
 /// stance belongs to one plate. Errors: the trial has no channel PLATE_force_y; it is then unchanged.

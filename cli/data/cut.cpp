@@ -1,5 +1,7 @@
-// sinew data cut and drop: stances out of a recording.
+// sinew data cut, split and drop: stances out of a recording, pieces of a long one.
 #include "datasets/cut.h"
+
+#include <optional>
 
 #include "base/numbers.h"
 #include "base/text.h"
@@ -50,6 +52,38 @@ Result<int> Cut(const CutWords& words) {
   return kDone;
 }
 
+struct SplitWords {
+  std::string path;
+  std::optional<double> every;
+  std::string trial;
+  std::string json;
+};
+
+Result<int> SplitTrials(const SplitWords& words) {
+  SINEW_ASSIGN(const FileLocks locks, ClaimInPlace(words.path, "", {}, words.json));
+  SINEW_ASSIGN(Dataset data, ReadDataset(words.path));
+  std::vector<std::string> trials{words.trial};
+  if (words.trial.empty()) {
+    trials.clear();
+    for (const auto& [name, trial] : data.trials) {
+      if (trial.role == Role::kTrain) trials.push_back(name);
+    }
+    if (trials.empty()) return Fail("{}: no trial has the role train", words.path);
+  }
+  std::string text;
+  for (const std::string& trial : trials) {
+    const auto pieces = SplitTrial(data, trial, *words.every);
+    if (!pieces) return Fail("{}: {}", words.path, pieces.error().message);
+    text += pieces->size() == 1 ? fmt::format("{}: trial {} is too short to be split\n", words.path, trial)
+                                : fmt::format("{}: trial {} is now {} trials, {} .. {}\n", words.path, trial,
+                                              pieces->size(), pieces->front(), pieces->back());
+  }
+  SINEW_TRY(WriteDataset(words.path, data));
+  SINEW_TRY(Report(
+      words.json, [&] { return DatasetJson(data); }, text));
+  return kDone;
+}
+
 Result<int> Drop(const std::string& path, const std::string& trial, const std::string& json) {
   SINEW_ASSIGN(const FileLocks locks, ClaimInPlace(path, "", {}, json));
   SINEW_ASSIGN(Dataset data, ReadDataset(path));
@@ -77,6 +111,16 @@ void AddCutCommand(Command data, const RunAction& run) {
   command.Add("--plate", words->only, "Keep the forces of these plates only").Split(',').Shows("PLATE");
   AddJsonTo(command, words->json);
   command.Runs(run, [=] { return Cut(*words); });
+}
+
+void AddSplitCommand(Command data, const RunAction& run) {
+  auto words = std::make_shared<SplitWords>();
+  Command command = data.AddCommand("split", "Replace long training trials by pieces of a given length");
+  command.Add("file", words->path).Required().Shows("F.h5");
+  command.Add("--every", words->every, "Length of a piece").Required().Shows("SECONDS");
+  command.Add("--trial", words->trial, "This one alone, whatever its role");
+  AddJsonTo(command, words->json);
+  command.Runs(run, [=] { return SplitTrials(*words); });
 }
 
 void AddDropCommand(Command data, const RunAction& run) {

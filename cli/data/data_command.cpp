@@ -17,6 +17,7 @@ void AddDataCommand(Command app, const RunAction& run) {
   AddInfoCommand(data, run);
   AddCheckCommand(data, run);
   AddCutCommand(data, run);
+  AddSplitCommand(data, run);
   AddStancesCommand(data, run);
   AddSolesCommand(data, run);
   AddDropCommand(data, run);

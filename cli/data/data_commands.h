@@ -14,6 +14,7 @@ void AddImportCommand(Command data, const RunAction& run);
 void AddInfoCommand(Command data, const RunAction& run);
 void AddCheckCommand(Command data, const RunAction& run);
 void AddCutCommand(Command data, const RunAction& run);
+void AddSplitCommand(Command data, const RunAction& run);
 void AddStancesCommand(Command data, const RunAction& run);
 void AddStepsCommand(Command data, const RunAction& run);
 void AddLoadsCommand(Command data, const RunAction& run);

@@ -13,8 +13,14 @@ namespace {
 // Close to Gauss-Newton: refits start near their solution, where full steps are best.
 constexpr double kFirstRefitDamping = 1e-8;
 constexpr double kLargestRefitDamping = 1e8;
-// After a rejected step, at least.
+// After a rejected step damping is raised by this factor, to no less than ...
+constexpr double kRaise = 10;
 constexpr double kLeastRaisedDamping = 1e-4;
+// ... and without curved steps to much more, and with every further rejection by a larger factor: most of
+// these are steps across a kink (a reversal under dry friction) or a narrow valley, which only much shorter
+// ones avoid.
+constexpr double kLeastRaisedStraight = 0.1;
+constexpr double kRaiseGrowth = 3;
 // Share of the step after which the residuals' second derivative along it is taken: Transtrum and Sethna
 // (2012).
 constexpr double kCurvatureStep = 0.1;
@@ -118,6 +124,8 @@ LocalFit::Outcome LocalFit::Search(const Vector& start, int held, Tolerance tole
   }
   double damping = kFirstRefitDamping;
   const bool straight_only = least_squares_.setup().straight_steps;
+  const double least_raised = straight_only ? kLeastRaisedStraight : kLeastRaisedDamping;
+  double raise = kRaise;
   bool rejected = false;  // a step from this point
   bool curved = false;    // the last accepted step was
   while (true) {
@@ -143,7 +151,8 @@ LocalFit::Outcome LocalFit::Search(const Vector& start, int held, Tolerance tole
     if (!straight && !straight_only) along = CurvedStep(outcome.x, step, damping);
     const bool accepted = straight || (along && lowers(*along)) || (curved && lowers(step));
     if (!accepted) {
-      damping = std::max(10 * damping, kLeastRaisedDamping);
+      damping = std::max(raise * damping, least_raised);
+      if (straight_only) raise *= kRaiseGrowth;
       rejected = true;
       continue;
     }
@@ -152,8 +161,9 @@ LocalFit::Outcome LocalFit::Search(const Vector& start, int held, Tolerance tole
     outcome.x = std::move(next);
     outcome.cost = cost;
     // The damping that was too small here is likely to be so at the next point.
-    if (!rejected || straight_only) damping = std::max(damping / 10, kFirstRefitDamping);
+    if (!rejected) damping = std::max(damping / 10, kFirstRefitDamping);
     rejected = false;
+    raise = kRaise;
     if (gained <= enough) {
       outcome.converged = true;
       return outcome;

@@ -71,10 +71,26 @@ TEST(StopSignalsDeathTest, TheSecondEndsAtOnce) {
     Raise(SIGINT);
     while (!InterruptFlag()) std::this_thread::sleep_for(milliseconds(1));
     stoppable.Finish();
+    std::this_thread::sleep_for(milliseconds(400));
     Raise(SIGINT);
     std::this_thread::sleep_for(milliseconds(10000));
   };
-  EXPECT_EXIT(work(), ExitedWithCode(130), "^prog: stopped by SIGINT before its end: begin it again\n$");
+  EXPECT_EXIT(
+      work(), ExitedWithCode(130),
+      "^prog: stopped by SIGINT at the second signal: what was found since the last checkpoint is not "
+      "kept\n$");
+}
+
+TEST(StopSignalsDeathTest, OneRequestThatArrivesTwiceIsOne) {
+  const auto work = [] {
+    const StopSignals signals("prog");
+    StoppableWork stoppable([] { return std::string("; f.h5 holds it"); });
+    Raise(SIGTERM);
+    while (!InterruptFlag()) std::this_thread::sleep_for(milliseconds(1));
+    Raise(SIGTERM);
+    std::this_thread::sleep_for(milliseconds(10000));
+  };
+  EXPECT_EXIT(work(), ExitedWithCode(143), "^prog: stopped by SIGTERM; f.h5 holds it\n$");
 }
 
 TEST(StopSignalsDeathTest, ThatAreIgnoredStayIgnored) {

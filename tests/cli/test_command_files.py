@@ -33,6 +33,7 @@ COMMANDS = (
     (("data", "envelope", "data.h5"), ("data.h5",), (), True),
     (("data", "kinematics", "data.h5", "--model", "m.osim", "--weights", "x.xml"), ("data.h5", "m.osim", "x.xml"), (), True),
     (("data", "cut", "data.h5", "--trial", "a", "--window", "0:1", "--as", "b"), ("data.h5",), (), True),
+    (("data", "split", "data.h5", "--every", "1"), ("data.h5",), (), True),
     (("data", "drop", "data.h5", "--trial", "a"), ("data.h5",), (), True),
     (("data", "loads", "data.h5", "sim.h5", "--setup", "x.xml"), ("data.h5", "sim.h5"), ("--out",), True),
     (("mbs", "A01", "--reference", "folder"), ("folder/A01_reference_x.csv",), (), True),

@@ -18,7 +18,8 @@ QUIET = (("data", "synthesize"), ("data", "kinematics"), ("data", "muscles"), ("
 THREADS = (("data", "synthesize"), ("data", "kinematics"), ("simulate",), ("identify",), ("diagnose",), ("compare",),
            ("report",))
 SEED = (("data", "synthesize"), ("identify",), ("diagnose",), ("compare",))
-JSON = (("list",), ("data", "synthesize"), ("data", "import"), ("data", "cut"), ("data", "drop"), ("data", "loads"), ("data", "kinematics"),
+JSON = (("list",), ("data", "synthesize"), ("data", "import"), ("data", "cut"), ("data", "split"), ("data", "drop"), ("data", "loads"),
+        ("data", "kinematics"),
         ("data", "envelope"), ("data", "ceinms"), ("data", "muscles"), ("simulate",), ("identify",), ("diagnose",),
         ("compare",), ("mbs",))
 
@@ -60,6 +61,7 @@ class Json(ProgramTest):
         self.stances()
         self.written("data", "cut", "stances.h5", "--trial", "train_1", "--window", "0.1:0.3", "--as", "new")
         self.written("data", "drop", "stances.h5", "--trial", "new")
+        self.written("data", "split", "stances.h5", "--every", "0.2")
 
     def test_into_a_file_beside_the_text(self):
         text = self.succeeds("data", "synthesize", "contact", "--out", "new.h5", "--json", "new.json")

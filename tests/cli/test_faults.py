@@ -32,6 +32,7 @@ COMMANDS = {
     "data synthesize": (("data", "synthesize", "drive", "--out", "out.h5", "--json", "out.json"), ("out.h5", "out.json")),
     "data import": (("data", "import", "walk.mot", "--out", "walk.h5", "--append", "--trial", "again"), ("walk.h5",)),
     "data cut": (("data", "cut", "drive.h5", "--trial", "train_1", "--window", "0.1:0.3", "--as", "new"), ("drive.h5",)),
+    "data split": (("data", "split", "drive.h5", "--every", "0.5"), ("drive.h5",)),
     "simulate": (("simulate", "drive", "--data", "short.h5", "--out", "out.sto"), SIMULATED),
     "identify": (("identify", "drive", "--data", "short.h5", "--solver", "lm", "--intervals", "linear", "--out", "out.h5",
                   "--json", "out.json"), ("out.h5", "out.json")),

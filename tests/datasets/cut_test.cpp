@@ -82,6 +82,67 @@ TEST(CutTrial, BadWindowsAreErrorsAndChangeNothing) {
   }
 }
 
+TEST(SplitTrial, EverySampleBelongsToOnePiece) {
+  Dataset dataset = Recording();
+  dataset.trials["walk"].role = Role::kValidate;
+  const auto names = SplitTrial(dataset, "walk", 1.1);
+  ASSERT_TRUE(names);
+  // 4 s: four pieces, the last one as long as is left.
+  EXPECT_THAT(*names, ElementsAre("walk_1", "walk_2", "walk_3", "walk_4"));
+  EXPECT_EQ(dataset.trials.size(), 4U);
+  std::vector<double> forces;
+  for (const std::string& name : *names) {
+    const Trial& piece = dataset.trials.at(name);
+    EXPECT_EQ(piece.role, Role::kValidate);
+    EXPECT_EQ(piece.cut_from, "walk");
+    EXPECT_EQ(piece.conditions.at("speed_m_per_s"), 1.2);
+    const auto& values = piece.grids.at("forces").channels.at("forces_channel").values;
+    forces.insert(forces.end(), values.begin(), values.end());
+  }
+  ASSERT_EQ(forces.size(), 41U);
+  for (std::size_t i = 0; i < forces.size(); ++i) EXPECT_EQ(forces[i], static_cast<double>(i));
+  EXPECT_THAT(dataset.trials.at("walk_2").grids.at("forces").time.front(), testing::DoubleNear(1.1, 1e-12));
+  EXPECT_THAT(dataset.trials.at("walk_2").grids.at("emg").time.front(), testing::DoubleNear(0.9, 1e-12));
+  EXPECT_EQ(ErrorOf(dataset.Check()), "");
+}
+
+TEST(SplitTrial, NamesAreInTheOrderOfTime) {
+  Dataset dataset = Recording();
+  const auto names = SplitTrial(dataset, "walk", 0.35);
+  ASSERT_TRUE(names);
+  EXPECT_EQ(names->size(), 11U);
+  EXPECT_EQ(names->front(), "walk_01");
+  EXPECT_EQ(names->back(), "walk_11");
+  double before = -1;
+  for (const std::string& name : *names) {
+    EXPECT_GT(dataset.trials.at(name).grids.at("forces").time.front(), before);
+    before = dataset.trials.at(name).grids.at("forces").time.back();
+  }
+}
+
+TEST(SplitTrial, ATrialThatIsTooShortStays) {
+  Dataset dataset = Recording();
+  const auto names = SplitTrial(dataset, "walk", 2.8);
+  ASSERT_TRUE(names);
+  EXPECT_THAT(*names, ElementsAre("walk"));
+  EXPECT_EQ(dataset.trials.at("walk").cut_from, "");
+}
+
+TEST(SplitTrial, BadWishesAreErrorsAndChangeNothing) {
+  Dataset dataset = Recording();
+  dataset.trials["walk_2"] = dataset.trials["walk"];
+  EXPECT_THAT(ErrorOf(SplitTrial(dataset, "walkk", 1)), HasSubstr("did you mean 'walk'?"));
+  EXPECT_THAT(ErrorOf(SplitTrial(dataset, "walk", 1)), HasSubstr("there is a trial 'walk_2' already"));
+  for (const double length : {0.0, -1.0, std::nan(""), HUGE_VAL})
+    EXPECT_THAT(ErrorOf(SplitTrial(dataset, "walk", length)), HasSubstr("expected more than 0"));
+  EXPECT_THAT(ErrorOf(SplitTrial(dataset, "walk", 1e-5)), HasSubstr("expected at most 10000"));
+  EXPECT_THAT(ErrorOf(SplitTrial(dataset, "walk", 0.01)), HasSubstr("holds no sample"));
+  dataset.trials["walk"].grids["late"].time = {5};
+  EXPECT_THAT(ErrorOf(SplitTrial(dataset, "walk", 1)), HasSubstr("cover no common time"));
+  EXPECT_EQ(dataset.trials.size(), 2U);
+  EXPECT_EQ(dataset.trials.at("walk").grids.at("forces").time.size(), 41U);
+}
+
 TEST(KeepPlates, DropsTheChannelsOfOtherPlatesOnly) {
   Trial trial;
   for (const char* name :
