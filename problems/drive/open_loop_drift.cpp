@@ -87,7 +87,8 @@ std::optional<Warning> OpenLoopDrift(const DriveData& data, const std::vector<Ve
       WarningKind::kOther, trials, std::vector<double>(trials.size(), drift / all),
       fmt::format(
           "open loop on {0}: nothing feeds the position back, so that small errors of the {0} add up in it. "
-          "{1:.0f} % of the squared error are such a drift (trial{2} {3}); shorter trials, the reference and "
+          "{1:.0f} % of the squared error are such a drift (trial{2} {3}); shorter trials (sinew data "
+          "split), the reference and "
           "the controller in place of the {0}, the effect {0}.offset, or a stated noise level of the {0} "
           "(sigma) "
           "help",
