@@ -314,7 +314,7 @@ bool CrossValidatedSearch::LeavesMisfit(const FittedSet& one) const {
   return refit.usable() && !scale_.At(refit).Resembles(refit.noise);
 }
 
-Result<CrossValidatedSearch::Outcome> CrossValidatedSearch::Conclude() {
+Result<std::optional<CrossValidatedSearch::Outcome>> CrossValidatedSearch::Conclude() {
   Outcome outcome;
   outcome.base_error = judged_.front().left_out_error;
   SINEW_ASSIGN(const FittedSet best, Choose(outcome.left_out_shares));
@@ -335,7 +335,7 @@ Result<CrossValidatedSearch::Outcome> CrossValidatedSearch::Conclude() {
     outcome.substitutes = FindSubstitutes(judged_, best, refitter_, kFineTolerance);
     SINEW_TRY(AddUnknownTerms(best, outcome));
   }
-  return outcome;
+  return std::optional<Outcome>(std::move(outcome));
 }
 
 // Where a term is needed, sets without it are no longer among those that could be chosen, and substitutes are
@@ -440,11 +440,10 @@ void CrossValidatedSearch::Tell(const FittedSet& best) const {
   options_.progress(progress);
 }
 
-Result<CrossValidatedSearch::Outcome> CrossValidatedSearch::Run(const ScoredModel& base) {
+Result<std::optional<CrossValidatedSearch::Outcome>> CrossValidatedSearch::Run(const ScoredModel& base) {
   std::vector<FittedSet> beam{{{}, base.refit.point, 0, kInfinite, {}}};
   fitter_.LeaveOut(beam, kTolerance);
-  // Where the base model has no prediction of left-out data, sets cannot be compared in this way.
-  if (!std::isfinite(beam.front().left_out_error)) return Outcome();
+  if (!std::isfinite(beam.front().left_out_error)) return std::optional<Outcome>();
   judged_ = beam;
   double least = beam.front().left_out_error;
   std::size_t without_gain = 0;

@@ -71,10 +71,10 @@ class CrossValidatedSearch {
   };
   /// Searches for the smallest set that predicts left-out data nearly as well as the best one, starting from
   /// the base model; ends early if what one cause leaves may be noise (MisfitScale::Resembles), and if what a
-  /// set leaves is no more than noise that is stated or visible (MisfitScale::IsNoMore). No cause where the
-  /// base model cannot be fitted without some part of the data. Errors: those of Problem::Predict;
-  /// "interrupted".
-  [[nodiscard]] Result<Outcome> Run(const ScoredModel& base);
+  /// set leaves is no more than noise that is stated or visible (MisfitScale::IsNoMore). Nothing where the
+  /// base model cannot be fitted without some part of the data: sets cannot be compared in this way. Errors:
+  /// those of Problem::Predict; "interrupted".
+  [[nodiscard]] Result<std::optional<Outcome>> Run(const ScoredModel& base);
 
  private:
   using Shares = std::vector<std::pair<int, double>>;
@@ -95,7 +95,7 @@ class CrossValidatedSearch {
   [[nodiscard]] Result<std::vector<FittedSet>> Imitating(const FittedSet& of);
   [[nodiscard]] Result<FittedSet> Choose(Shares& shares);
   void Resample(Outcome& outcome) const;
-  [[nodiscard]] Result<Outcome> Conclude();
+  [[nodiscard]] Result<std::optional<Outcome>> Conclude();
   Status AddUnknownTerms(const FittedSet& best, Outcome& outcome) const;
   void Tell(const FittedSet& best) const;
 

@@ -89,7 +89,9 @@ class Selector {
     CrossValidatedSearch search(compare_.problem(), compare_.refitter(), compare_.candidates(), scale_,
                                 compare_.options());
     if (!search.possible()) return {};
-    SINEW_ASSIGN(auto found, search.Run(compare_.base()));
+    SINEW_ASSIGN(auto outcome, search.Run(compare_.base()));
+    if (!outcome) return {};
+    CrossValidatedSearch::Outcome& found = *outcome;
     if (!found.misfit_left) refitter_.ExpectInputNoise(found.released, found.model.point);
     if (!found.misfit_left && found.released.size() > 1) {
       chosen = found.released;

@@ -159,23 +159,25 @@ TEST(CrossValidatedSearch, FindsACauseThatImprovesOnlyTogetherWithAnother) {
     ASSERT_TRUE(one.scale.Dominates(base->refit.noise));
     const auto found = one.search->Run(*base);
     ASSERT_TRUE(found) << found.error().message;
-    EXPECT_TRUE(found->misfit_left);
-    right += one.NamesOf(found->released) == std::vector<std::string>{"drift", "offset"} ? 1 : 0;
+    ASSERT_TRUE(found->has_value());
+    const CrossValidatedSearch::Outcome& outcome = **found;
+    EXPECT_TRUE(outcome.misfit_left);
+    right += one.NamesOf(outcome.released) == std::vector<std::string>{"drift", "offset"} ? 1 : 0;
     // The second effect improves nothing alone, but does together with the first.
-    EXPECT_LT(found->error, 0.6 * found->base_error) << seed;
-    EXPECT_GT(one.LeftOut(one.SetOf({"offset"}), base->refit.point).left_out_error, 0.97 * found->base_error)
+    EXPECT_LT(outcome.error, 0.6 * outcome.base_error) << seed;
+    EXPECT_GT(one.LeftOut(one.SetOf({"offset"}), base->refit.point).left_out_error, 0.97 * outcome.base_error)
         << seed;
-    EXPECT_GT(one.LeftOut(one.SetOf({"drift"}), base->refit.point).left_out_error, found->error / 0.97)
+    EXPECT_GT(one.LeftOut(one.SetOf({"drift"}), base->refit.point).left_out_error, outcome.error / 0.97)
         << seed;
-    EXPECT_NEAR(found->base_error, one.LeftOut({}, base->refit.point).left_out_error,
-                1e-4 * found->base_error);
-    EXPECT_EQ(found->left_out_shares.size(), found->released.size());
-    for (const auto& [c, share] : found->left_out_shares) EXPECT_LT(share, 0.85) << seed;
-    EXPECT_EQ(found->model.released, found->released);
-    ASSERT_GT(found->ladder.size(), 2U);
-    EXPECT_EQ(found->ladder[0].error, found->base_error);
-    EXPECT_LE(found->ladder[2].error, found->error) << seed;
-    EXPECT_TRUE(found->model.usable());
+    EXPECT_NEAR(outcome.base_error, one.LeftOut({}, base->refit.point).left_out_error,
+                1e-4 * outcome.base_error);
+    EXPECT_EQ(outcome.left_out_shares.size(), outcome.released.size());
+    for (const auto& [c, share] : outcome.left_out_shares) EXPECT_LT(share, 0.85) << seed;
+    EXPECT_EQ(outcome.model.released, outcome.released);
+    ASSERT_GT(outcome.ladder.size(), 2U);
+    EXPECT_EQ(outcome.ladder[0].error, outcome.base_error);
+    EXPECT_LE(outcome.ladder[2].error, outcome.error) << seed;
+    EXPECT_TRUE(outcome.model.usable());
   }
   EXPECT_EQ(right, kCases);
 }
@@ -192,13 +194,15 @@ TEST(CrossValidatedSearch, EndsWhereOnlyVisibleNoiseIsLeft) {
     ASSERT_TRUE(one.scale.Dominates(base->refit.noise));
     const auto found = one.search->Run(*base);
     ASSERT_TRUE(found) << found.error().message;
-    EXPECT_EQ(one.NamesOf(found->released), (std::vector<std::string>{"drift", "offset"}));
-    EXPECT_EQ(found->misfit_left, slow_error > 0);
+    ASSERT_TRUE(found->has_value());
+    const CrossValidatedSearch::Outcome& outcome = **found;
+    EXPECT_EQ(one.NamesOf(outcome.released), (std::vector<std::string>{"drift", "offset"}));
+    EXPECT_EQ(outcome.misfit_left, slow_error > 0);
     // Entries of no cause, of one and of two.
     if (slow_error > 0) {
-      EXPECT_GT(found->ladder.size(), 3U);
+      EXPECT_GT(outcome.ladder.size(), 3U);
     } else {
-      EXPECT_EQ(found->ladder.size(), 3U);
+      EXPECT_EQ(outcome.ladder.size(), 3U);
     }
   }
 }
@@ -225,7 +229,10 @@ TEST(CrossValidatedSearch, AMemberThatChangesNothingIsTakenOut) {
   ASSERT_TRUE(base) << base.error().message;
   const auto found = one.search->Run(*base);
   ASSERT_TRUE(found) << found.error().message;
-  EXPECT_EQ(std::count(found->released.begin(), found->released.end(), one.SetOf({"quadratic"}).front()), 0);
+  ASSERT_TRUE(found->has_value());
+  const CrossValidatedSearch::Outcome& outcome = **found;
+  EXPECT_EQ(std::count(outcome.released.begin(), outcome.released.end(), one.SetOf({"quadratic"}).front()),
+            0);
 }
 
 // After the search a further cause has to lower the residual's deviation by 2 %, however significant it is.
@@ -261,10 +268,12 @@ TEST(CrossValidatedSearch, AddsNoCauseThatLeftOutTrialsDoNotNeed) {
     ASSERT_TRUE(base) << base.error().message;
     const auto found = one.search->Run(*base);
     ASSERT_TRUE(found) << found.error().message;
-    for (const auto& [c, share] : found->left_out_shares) {
+    ASSERT_TRUE(found->has_value());
+    const CrossValidatedSearch::Outcome& outcome = **found;
+    for (const auto& [c, share] : outcome.left_out_shares) {
       EXPECT_LT(share, 0.85) << one.candidates[static_cast<std::size_t>(c)].effect << " " << seed;
     }
-    EXPECT_LE(found->error, found->base_error);
+    EXPECT_LE(outcome.error, outcome.base_error);
   }
 }
 
@@ -277,8 +286,41 @@ TEST(CrossValidatedSearch, AnInterruptEndsItWithoutACause) {
   one.options.interrupt = &pressed;
   const auto found = one.search->Run(*base);
   ASSERT_TRUE(found) << found.error().message;
-  EXPECT_TRUE(found->released.empty());
-  EXPECT_TRUE(found->ladder.empty()) << "nothing was tried";
+  EXPECT_FALSE(*found) << "nothing was tried";
+}
+
+// A problem that predicts all training trials or none of them.
+class AllOrNothing final : public Problem {
+ public:
+  explicit AllOrNothing(const LinearLaws& laws) : laws_(laws) {}
+  [[nodiscard]] const std::vector<Parameter>& parameters() const override { return laws_.parameters(); }
+  [[nodiscard]] const Layout& layout() const override { return laws_.layout(); }
+  [[nodiscard]] const std::vector<Effect>& effects() const override { return laws_.effects(); }
+  Status Predict(const Query& query, Workspace& workspace, Prediction& prediction) const override {
+    int wanted = 0;
+    int all = 0;
+    for (std::size_t b = 0; b < layout().size(); ++b) {
+      if (layout()[b].role != BlockRole::kTrain) continue;
+      ++all;
+      wanted += query.blocks[b] ? 1 : 0;
+    }
+    if (wanted > 0 && wanted < all) return Fail("a part of the trials");
+    return laws_.Predict(query, workspace, prediction);
+  }
+
+ private:
+  const LinearLaws& laws_;
+};
+
+TEST(CrossValidatedSearch, WhereNothingCanBeLeftOutTheDiagnosisGoesOnByLikelihood) {
+  const LinearLaws laws(Hidden(), 1, 6, 2, 100);
+  const AllOrNothing problem(laws);
+  const auto setup = MakeFitSetup(problem, {});
+  ASSERT_TRUE(setup);
+  const auto d = Diagnose(problem, *setup, {});
+  ASSERT_TRUE(d) << d.error().message;
+  EXPECT_TRUE(d->left_out.empty());
+  EXPECT_NE(d->verdict, DiagnosisVerdict::kAdequate);
 }
 
 TEST(CrossValidatedSearch, DiagnosisListsTheLeftOutTrials) {
