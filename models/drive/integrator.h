@@ -18,6 +18,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <optional>
 #include <type_traits>
 
 #include "base/constants.h"
@@ -59,14 +60,16 @@ class DriveIntegrator {
         controller_(command, run.gains, dynamics, history) {}
 
   /// Calls sink(stop, DriveSample) at every stop from `first` up to, but not at, `end`, beginning at `first`
-  /// with the initial state. @pre first is 0 if the controller is sampled: it has a memory.
+  /// with the initial state. @param reading measured there: where a reading behind play begins, as far as the
+  /// play allows; nothing: in its middle. @pre first is 0 if the controller is sampled: it has a memory.
   /// Errors: the motion is not finite or absurd, too stiff, or reverses without end.
   template <class Sink>
-  Status Run(std::size_t first, std::size_t end, Sink&& sink) {
+  Status Run(std::size_t first, std::size_t end, std::optional<double> reading, Sink&& sink) {
     time_ = T(run_.stops[first]);
     q_ = dynamics_[kInitialPosition];
     v_ = dynamics_[kInitialSpeed];
-    play_ = q_;
+    // Without play it is the position; its derivative for the width, at none, is that of the middle.
+    play_ = reading && plain_[kBacklash] > 0 ? T(*reading) : q_;
     const bool sampled = command_.sampled();
     held_.piece = actuation_.PieceAt(run_.stops[first]);
     held_.on = run_.OnAt(run_.stops[first]);

@@ -261,9 +261,10 @@ Status DriveProblem::Integrate(const Stretch& stretch, const Vector& parameters,
   const double rate = FastestRate(numbers, data_.joint, data_.command, run);
   DriveIntegrator<T> integrator(data_.command, run, dynamics, plain, rate, shift_moves, wants_torque,
                                 history);
-  return integrator.Run(stretch.first, stretch.end, [&](std::size_t stop, const DriveSample<T>& sample) {
-    sink(stop, sample, integrator.position(), integrator.speed());
-  });
+  return integrator.Run(stretch.first, stretch.end, stretch.reading,
+                        [&](std::size_t stop, const DriveSample<T>& sample) {
+                          sink(stop, sample, integrator.position(), integrator.speed());
+                        });
 }
 
 Status DriveProblem::IntegrateLanes(const Stretch& stretch, const Vector& parameters,
@@ -309,7 +310,8 @@ Status DriveProblem::PredictSegment(const Segment& segment, const Query& query, 
                         segment.end,
                         query.parameters[segment.state],
                         query.parameters[segment.state + 1],
-                        states_ > 2 ? query.parameters[segment.state + 2] : 0};
+                        states_ > 2 ? query.parameters[segment.state + 2] : 0,
+                        segment.position};
   const auto& blocks = blocks_of_run_[segment.run];
   const bool wants_torque = std::any_of(blocks.begin(), blocks.end(), [&](int b) {
     const auto block = static_cast<std::size_t>(b);

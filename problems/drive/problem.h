@@ -73,7 +73,8 @@ class DriveProblem final : public Problem {
     std::size_t end = 0;
     double position = 0;
     double speed = 0;
-    double integral = 0;  ///< output of the controller's integral
+    double integral = 0;                 ///< output of the controller's integral
+    std::optional<double> reading = {};  ///< of the position at its first stop, as measured
   };
   explicit DriveProblem(DriveData data);
   void ListParameters();

@@ -305,6 +305,24 @@ TEST(DriveProblem, PlayAndWindUpAreSeenNotFelt) {
   EXPECT_LT((soft.Values("position") - wound).norm(), kRounding);
 }
 
+// Where in its play a joint begins is not known, but its first reading is.
+TEST(DriveProblem, PlayBeginsWhereTheFirstReadingWasMeasured) {
+  Bench bench;
+  bench.command = MultiSine;
+  const auto problem = BindBench(bench);
+  std::map<std::string, double> values{{"inertia", 0.05}, {"viscous_friction", 0.1}, {"gravity_torque", 0.6}};
+  const Vector joint = PredictDrive(*problem, DrivePoint(*problem, values)).Values("position");
+  const double measured = problem->layout().front().measured.front();
+  ASSERT_EQ(measured, 0.8);
+  for (const auto& [width, first] :
+       {std::pair{0.05, 0.025}, std::pair{1.0, 0.5}, std::pair{1.8, measured}, std::pair{0.0, 0.0}}) {
+    values["backlash_width"] = width;
+    const Vector seen = PredictDrive(*problem, DrivePoint(*problem, values)).Values("position");
+    EXPECT_NEAR(seen[0], first, kRounding) << width;
+    EXPECT_LT((seen - joint).cwiseAbs().maxCoeff(), 0.5 * width + kRounding);
+  }
+}
+
 TEST(DriveProblem, ARunawayIsAFailureWithItsTime) {
   Bench bench;
   bench.command = [](double) { return 1.0; };
