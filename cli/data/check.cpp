@@ -30,17 +30,28 @@ struct CheckWords {
   const Program* program = nullptr;
 };
 
-std::string CheckText(const CheckWords& words, const Dataset& data, const CheckReport& report) {
-  std::string text =
-      fmt::format("check of {}: {} trials, {} channels: {}\n", words.path, report.trials, report.channels,
-                  report.findings.empty()       ? "nothing found"
-                  : report.findings.size() == 1 ? "1 finding"
-                                                : fmt::format("{} findings", report.findings.size()));
+// What a problem makes of the data.
+struct ProblemData {
+  Layout layout;
+  std::vector<std::string> notes;
+};
+
+// @param notes of the problem
+std::string CheckText(const CheckWords& words, const Dataset& data, const CheckReport& report,
+                      const std::vector<std::string>& notes) {
+  std::string found =
+      report.findings.size() == 1 ? "1 finding" : fmt::format("{} findings", report.findings.size());
+  if (report.findings.empty()) found = notes.empty() ? "nothing found" : "no finding";
+  if (!notes.empty())
+    found += fmt::format(", {} note{} of {}", notes.size(), notes.size() == 1 ? "" : "s", words.problem);
+  std::string text = fmt::format("check of {}: {} trials, {} channels: {}\n", words.path, report.trials,
+                                 report.channels, found);
   for (const Finding& finding : report.findings) {
     text += Wrapped(text::FindingText(finding), 2);
     const std::string mask = text::MaskText(SuggestMask(data, finding));
     text += Wrapped(text::AdviceText(finding) + (mask.empty() ? "" : " Suggested mask: " + mask + "."), 4);
   }
+  for (const std::string& note : notes) text += Wrapped("note: " + note, 2);
   return text;
 }
 
@@ -54,8 +65,8 @@ std::string MaskedText(const std::string& out, const std::vector<MaskedSpan>& ma
   return text;
 }
 
-// What the problem compares, or the reason why it cannot use the data. Errors: no such problem, no settings.
-Result<Result<Layout>> LayoutOf(const CheckWords& words, const Dataset& data) {
+// Or the reason why it cannot use the data. Errors: no such problem, no settings.
+Result<Result<ProblemData>> ProblemDataOf(const CheckWords& words, const Dataset& data) {
   SINEW_ASSIGN(const ProblemEntry* entry, FindProblem(words.program->problems, words.problem));
   const bool has_settings =
       !words.config.empty() || data.files.count(words.problem + ".yaml") != 0 || entry->settings_optional;
@@ -68,8 +79,8 @@ Result<Result<Layout>> LayoutOf(const CheckWords& words, const Dataset& data) {
   options.config = words.config;
   options.program = words.program;
   const auto binding = Bind(options, false);
-  if (!binding) return Result<Layout>(tl::unexpected(binding.error()));
-  return Result<Layout>(binding->problem().layout());
+  if (!binding) return Result<ProblemData>(tl::unexpected(binding.error()));
+  return Result<ProblemData>(ProblemData{binding->problem().layout(), binding->bound.notes});
 }
 
 Result<int> Check(const CheckWords& words) {
@@ -81,21 +92,24 @@ Result<int> Check(const CheckWords& words) {
   SINEW_ASSIGN(Dataset data, ReadDataset(words.path));
   std::string cannot_bind;
   std::vector<std::string> compared;
+  std::vector<std::string> notes;
   CheckReport report = CheckData(data);
   if (!words.problem.empty()) {
-    SINEW_ASSIGN(const auto layout, LayoutOf(words, data));
-    if (layout) {
-      report.findings = FindingsOf(data, *layout, report.findings);
-      compared = ComparedChannels(*layout);
+    SINEW_ASSIGN(const auto of_problem, ProblemDataOf(words, data));
+    if (of_problem) {
+      report.findings = FindingsOf(data, of_problem->layout, report.findings);
+      compared = ComparedChannels(of_problem->layout);
+      notes = of_problem->notes;
     } else {
-      cannot_bind = layout.error().message;
+      cannot_bind = of_problem.error().message;
     }
   }
   const std::vector<MaskedSpan> mask = SuggestMask(data, report.findings);
-  std::string text = CheckText(words, data, report);
+  std::string text = CheckText(words, data, report, notes);
   // What is said about the data as they are is made first: they are masked in place, not in a copy.
   nlohmann::ordered_json json;
   if (!words.json.empty()) json = CheckJson(data, report);
+  if (!words.json.empty() && !words.problem.empty()) json["notes"] = notes;
   const auto applied = ApplyMask(data, mask);
   if (words.mask == "auto" && applied && !mask.empty()) {
     const std::string& out = words.out.empty() ? words.path : words.out;

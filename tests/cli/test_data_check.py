@@ -62,6 +62,25 @@ class DataCheck(ProgramTest):
         warnings = " ".join(map(str, json.loads(self.path("run.json").read_text())["warnings"]))
         self.assertIn("the data were masked before: 1 span of position", warnings)
 
+    def test_a_joint_that_moves_against_its_input_is_a_note_of_the_problem(self):
+        def turn_round(file):
+            for trial in file["trials"].values():
+                torque = trial["joint/channels/torque"]
+                torque[...] = -torque[()]
+
+        name = self.drive(turn_round)
+        self.assertNotIn("notes", json.loads(self.succeeds("data", "check", name, "--json", "-")))
+        self.assertEqual(json.loads(self.succeeds("data", "check", DRIVE, "drive", "--json", "-"))["notes"], [])
+        self.assertIn("nothing found", self.succeeds("data", "check", DRIVE, "drive"))
+        found = json.loads(self.succeeds("data", "check", name, "drive", "--json", "-"))
+        self.assertEqual(found["findings"], [])
+        self.assertEqual(len(found["notes"]), 1)
+        self.assertIn("moves against 'torque'", found["notes"][0])
+        said = " ".join(self.succeeds("data", "check", name, "drive").split())
+        self.assertIn("no finding, 1 note of drive note: the joint moves against 'torque'", said)
+        self.succeeds("identify", "drive", "--data", name, "--out", "run.h5", "--max-evaluations", "50", "--intervals", "linear", "--quiet", "--json", "run.json")
+        self.assertIn("moves against 'torque'", json.dumps(json.loads(self.path("run.json").read_text())["warnings"]))
+
     def test_data_of_which_nothing_is_left(self):
         def forget(file):
             for trial in file["trials"].values():

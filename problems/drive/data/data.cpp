@@ -11,6 +11,8 @@
 namespace sinew {
 namespace {
 
+constexpr double kStepOfInterval = 0.05;  // longest step, where that is more than 10 ms
+
 void MeasureScales(const std::vector<DriveMotion>& motions, DriveData& data) {
   DriveScales& s = data.scales;
   double low = INFINITY;
@@ -160,6 +162,11 @@ Result<DriveData> PrepareDriveData(const Dataset& data, const DriveSettings& set
     SINEW_TRY(AddBlocks(*trials[r], fit, static_cast<int>(r), motions[r], margin, out));
   }
 
+  // Of slow recordings; as long as that of fast ones, it would be most of the work.
+  if (!settings.step) out.command.step = std::max(out.command.step, kStepOfInterval * UsualInterval(motions));
+  out.conventions = JudgeConventions(out.joint, out.command, motions);
+  for (std::string& note : ConventionNotes(out.conventions, out.traits.input_channel))
+    out.notes.push_back(std::move(note));
   for (DriveMotion& motion : motions) motion.run = nullptr;
   out.motions = std::move(motions);
   SINEW_TRY(WeighBlocks(fit, out));

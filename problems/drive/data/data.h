@@ -8,6 +8,7 @@
 #include "identify/layout.h"
 #include "models/drive/dynamics.h"
 #include "models/drive/run.h"
+#include "problems/drive/data/conventions.h"
 #include "problems/drive/data/starts.h"
 #include "problems/drive/effects.h"
 #include "problems/drive/settings.h"
@@ -33,6 +34,7 @@ struct DriveData {
   Layout layout;                     ///< without columns
   std::vector<DriveBlock> blocks;    ///< as in the layout
   bool known_noise = false;          ///< weights are 1 / sigma
+  DriveConventions conventions;      ///< what contradicts the units and signs of the recording
   std::vector<std::string> notes;
 };
 

@@ -4,90 +4,10 @@
 #include <cmath>
 
 #include "base/decompositions.h"
-#include "models/drive/control_law.h"
+#include "problems/drive/data/weak_form.h"
 
 namespace sinew {
 namespace {
-
-double Interpolate(const std::vector<double>& time, const std::vector<double>& values, double t) {
-  if (time.empty() || t <= time.front()) return values.front();
-  if (t >= time.back()) return values.back();
-  const auto i = static_cast<std::size_t>(std::upper_bound(time.begin(), time.end(), t) - time.begin());
-  const double part = (t - time[i - 1]) / (time[i] - time[i - 1]);
-  return values[i - 1] + part * (values[i] - values[i - 1]);
-}
-
-// Integrals over one window of everything the equation of motion is made of.
-struct Row {
-  double command = 0;
-  double acceleration = 0;
-  double speed = 0;
-  double gravity = 0;    // sin q
-  double direction = 0;  // of motion, from -1 to 1
-  double position = 0;
-  double one = 0;
-};
-
-// @param slow speed [rad/s] below which the direction is uncertain
-Row Window(const DriveMotion& motion, const std::vector<double>& command, std::size_t first, std::size_t last,
-           double slow) {
-  const double middle = 0.5 * (motion.time[first] + motion.time[last]);
-  const double half = 0.5 * (motion.time[last] - motion.time[first]);
-  Row row;
-  for (std::size_t i = first; i <= last; ++i) {
-    const double before = i == first ? motion.time[i] : motion.time[i - 1];
-    const double after = i == last ? motion.time[i] : motion.time[i + 1];
-    const double dt = 0.5 * (after - before);
-    const double s = std::clamp((motion.time[i] - middle) / half, -1.0, 1.0);
-    const double c = 1 - s * s;
-    const double window = c * c * c * c * c;
-    const double slope = -10 * s * c * c * c * c / half;
-    const double bend = (-10 * c + 80 * s * s) * c * c * c / (half * half);
-    row.command += dt * window * command[i];
-    row.gravity += dt * window * std::sin(motion.position[i]);
-    row.direction += dt * window * std::tanh(motion.speed[i] / slow);
-    row.position += dt * window * motion.position[i];
-    row.one += dt * window;
-    if (motion.speed_measured) {
-      row.speed += dt * window * motion.speed[i];
-      row.acceleration -= dt * slope * motion.speed[i];
-    } else {
-      row.speed -= dt * slope * motion.position[i];
-      row.acceleration += dt * bend * motion.position[i];
-    }
-  }
-  return row;
-}
-
-// Whether the motor is on at every one of these samples.
-bool IsOn(const DriveMotion& motion, std::size_t first, std::size_t last) {
-  for (std::size_t i = first; i <= last; ++i) {
-    if (!motion.run->OnAt(motion.time[i])) return false;
-  }
-  return true;
-}
-
-// @param electric damping by the motor is part of the equation: only where it is on
-std::vector<Row> Rows(const DriveCommand& command, bool electric, const std::vector<DriveMotion>& motions,
-                      double slow) {
-  constexpr double kWindow = 0.4;  // [s] long against sampling and noise, short against the motion
-  constexpr std::size_t kMinimum = 12;
-  std::vector<Row> rows;
-  for (const DriveMotion& motion : motions) {
-    const std::vector<double> torque = ReplayCommand(command, motion);
-    std::size_t last = 0;
-    for (std::size_t first = 0; first < motion.time.size();) {
-      while (last < motion.time.size() &&
-             (motion.time[last] < motion.time[first] + kWindow || last < first + kMinimum)) {
-        ++last;
-      }
-      if (last >= motion.time.size()) break;
-      if (!electric || IsOn(motion, first, last)) rows.push_back(Window(motion, torque, first, last, slow));
-      first += std::max<std::size_t>((last - first) / 4, 1);
-    }
-  }
-  return rows;
-}
 
 // Least squares of sum_k x_k column_k = right; nothing if the columns are rank deficient or explain nearly
 // nothing: where they are all noise, the coefficients are far too small (attenuation: Fuller 1987,
@@ -109,73 +29,6 @@ std::optional<Vector> Solve(const std::vector<Vector>& of, const Vector& right) 
 }
 
 }  // namespace
-
-double LocalSlope(const std::vector<double>& time, const std::vector<double>& values, std::size_t i,
-                  double reach) {
-  std::size_t first = i;
-  std::size_t last = i;
-  while (first > 0 && (time[i] - time[first - 1] <= reach || i - first < 2)) --first;
-  while (last + 1 < time.size() && (time[last + 1] - time[i] <= reach || last - i < 2)) ++last;
-  if (last == first) return 0;
-  double mean_time = 0;
-  double mean = 0;
-  const auto n = static_cast<double>(last - first + 1);
-  for (std::size_t k = first; k <= last; ++k) {
-    mean_time += (time[k] - time[i]) / n;
-    mean += (values[k] - values[i]) / n;
-  }
-  double up = 0;
-  double down = 0;
-  for (std::size_t k = first; k <= last; ++k) {
-    const double t = time[k] - time[i] - mean_time;
-    up += t * (values[k] - values[i] - mean);
-    down += t * t;
-  }
-  return up / down;
-}
-
-std::vector<double> ReplayCommand(const DriveCommand& command, const DriveMotion& motion) {
-  const DriveRun& run = *motion.run;
-  const DriveSeries& voltage = run.signals[kSupplyVoltage];
-  const auto supply = [&](double t) { return Interpolate(voltage.time, voltage.values, t); };
-  const auto recorded = [&](double t) {
-    if (!run.held) return Interpolate(run.input_time, run.input, t);
-    const auto after = std::upper_bound(run.input_time.begin(), run.input_time.end(), t);
-    return run
-        .input[static_cast<std::size_t>(std::max<std::ptrdiff_t>(after - run.input_time.begin() - 1, 0))];
-  };
-  std::vector<double> replayed;
-  if (command.sampled()) {
-    DriveControlLaw<double> law(command.controller, run.gains, 0);
-    const bool of_speed = command.controller == DriveControllerKind::kPidSpeed;
-    double output = 0;
-    int tick = 0;
-    for (const double t : motion.time) {
-      for (; tick * run.gains.control_period <= t; ++tick) {
-        const double now = tick * run.gains.control_period;
-        output = law.Output(
-            {recorded(now), Interpolate(motion.time, of_speed ? motion.speed : motion.position, now),
-             motion.speed.front(),
-             run.disturbance.values.empty() ? 0
-                                            : Interpolate(run.disturbance.time, run.disturbance.values, now),
-             run.OnAt(now)});
-      }
-      replayed.push_back(run.OnAt(t) ? output : 0);
-    }
-    return replayed;
-  }
-  for (std::size_t i = 0; i < motion.time.size(); ++i) {
-    const double t = motion.time[i];
-    double u = recorded(t);
-    if (command.input == DriveInput::kDuty) u *= supply(t);
-    if (command.input == DriveInput::kReference) {
-      const double duty = run.gains.servo_error_gain * run.gains.kp * (u - motion.position[i]);
-      u = std::clamp(duty, -1.0, 1.0) * supply(t);
-    }
-    replayed.push_back(run.OnAt(t) ? u : 0);
-  }
-  return replayed;
-}
 
 DriveStarts EstimateDriveStarts(const DriveJoint& joint, const DriveCommand& command,
                                 const std::vector<DriveMotion>& motions,
@@ -204,7 +57,7 @@ DriveStarts EstimateDriveStarts(const DriveJoint& joint, const DriveCommand& com
   starts[kGravityTorque] = 0;
 
   constexpr double kSlow = 0.05;  // of the highest speed
-  const std::vector<Row> rows = Rows(command, joint.electric, motions, kSlow * most_speed);
+  const std::vector<WeakRow> rows = WeakRows(command, joint.electric, motions, kSlow * most_speed);
   const auto n = static_cast<Eigen::Index>(rows.size());
   const bool hangs = joint.rotary && !joint.load_known;
   // Unknowns: with a known load the scale is that of the load; without, that of the command.
@@ -215,13 +68,13 @@ DriveStarts EstimateDriveStarts(const DriveJoint& joint, const DriveCommand& com
     for (Eigen::Index i = 0; i < n; ++i) c[i] = of(rows[static_cast<std::size_t>(i)]);
     return c;
   };
-  const Vector acceleration = column([](const Row& row) { return row.acceleration; });
-  const Vector speed = column([](const Row& row) { return row.speed; });
-  const Vector gravity = column([](const Row& row) { return row.gravity; });
-  const Vector u = column([](const Row& row) { return row.command; });
-  const Vector one = column([](const Row& row) { return row.one; });
-  const Vector direction = column([](const Row& row) { return row.direction; });
-  const Vector position = column([](const Row& row) { return row.position; });
+  const Vector acceleration = column([](const WeakRow& row) { return row.acceleration; });
+  const Vector speed = column([](const WeakRow& row) { return row.speed; });
+  const Vector gravity = column([](const WeakRow& row) { return row.gravity; });
+  const Vector u = column([](const WeakRow& row) { return row.command; });
+  const Vector one = column([](const WeakRow& row) { return row.one; });
+  const Vector direction = column([](const WeakRow& row) { return row.direction; });
+  const Vector position = column([](const WeakRow& row) { return row.position; });
   if (joint.load_known) {
     // gain u - damping v - inertia a = load inertia a + load gravity
     columns = {acceleration, speed, -u};
