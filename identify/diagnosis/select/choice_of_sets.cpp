@@ -18,6 +18,7 @@ constexpr double kLeastGainedFolds = 0.6;  // ... and share of the folds in whic
 constexpr double kLikely = 0.8;            // ... unless the error with the cause is below this share
 constexpr double kTie = 1.05;              // error over the least one, up to which sets of one size are equal
 constexpr int kResamples = 1000;
+constexpr double kFirmShare = 0.8;  // of resamples in which a cause is chosen, at least
 
 double LogOf(double error) {
   return std::log(std::max(error, std::numeric_limits<double>::min()));
@@ -140,6 +141,29 @@ std::vector<double> ChosenShares(const std::vector<JudgedSet>& sets, std::uint64
     shares[choice.Choose(weights)] += 1.0 / kResamples;
   }
   return shares;
+}
+
+std::optional<int> LeastFirm(const std::vector<int>& chosen,
+                             const std::vector<std::pair<int, int>>& exchanges,
+                             const std::vector<JudgedSet>& sets, const std::vector<double>& shares) {
+  std::optional<int> weakest;
+  double least = kFirmShare;
+  for (const int c : chosen) {
+    double share = 0;
+    for (std::size_t k = 0; k < sets.size(); ++k) {
+      const auto has = [&](int candidate) {
+        return std::binary_search(sets[k].released.begin(), sets[k].released.end(), candidate);
+      };
+      if (has(c) || std::any_of(exchanges.begin(), exchanges.end(), [&](const std::pair<int, int>& other) {
+            return other.first == c && has(other.second);
+          }))
+        share += shares[k];
+    }
+    if (share >= least) continue;
+    least = share;
+    weakest = c;
+  }
+  return weakest;
 }
 
 }  // namespace sinew::diagnosis

@@ -262,7 +262,7 @@ void CrossValidatedSearch::Replace(const Set& idle, FittedSet acting) {
 
 // A set is the answer once it, and the sets with one of its causes less, have been fitted from many starts;
 // where it leaves more than noise also those with one more and with another one in the place of each.
-Result<FittedSet> CrossValidatedSearch::Choose(Shares& shares) {
+Result<FittedSet> CrossValidatedSearch::Choose() {
   std::set<Set> completed;
   std::set<Set> exchanged;
   for (;;) {
@@ -276,12 +276,6 @@ Result<FittedSet> CrossValidatedSearch::Choose(Shares& shares) {
           Replace(chosen.released, acting);
           continue;
         }
-      }
-      shares.clear();
-      for (const FittedSet& less : judged_) {
-        if (IsOneLess(less.released, chosen.released))
-          shares.emplace_back(MemberBeyond(less.released, chosen.released),
-                              chosen.left_out_error / less.left_out_error);
       }
       return chosen;
     }
@@ -309,6 +303,43 @@ Result<FittedSet> CrossValidatedSearch::Choose(Shares& shares) {
   }
 }
 
+// Per cause: error of left-out data with it over that without it. @pre the sets with one cause less are
+// judged
+CrossValidatedSearch::Shares CrossValidatedSearch::LeftOutShares(const FittedSet& of) const {
+  Shares shares;
+  for (const FittedSet& less : judged_) {
+    if (IsOneLess(less.released, of.released))
+      shares.emplace_back(MemberBeyond(less.released, of.released), of.left_out_error / less.left_out_error);
+  }
+  return shares;
+}
+
+// Without the causes that too few resamples of the folds choose (LeastFirm), fitted as an answer is.
+FittedSet CrossValidatedSearch::Firm(const FittedSet& chosen) {
+  // Shares are those of the choice: sets that are judged for what follows take none of them.
+  const std::vector<JudgedSet> sets = Judged();
+  const std::vector<double> shares = ChosenShares(sets, options_.seed);
+  FittedSet firm = chosen;
+  while (!fitter_.Interrupted()) {
+    std::vector<std::pair<int, int>> exchanges;
+    for (const ExchangedCause& other : FindExchanges(judged_, firm))
+      exchanges.emplace_back(other.cause, other.candidate);
+    const std::optional<int> weakest = LeastFirm(firm.released, exchanges, sets, shares);
+    if (!weakest) break;
+    const Set rest = Without(firm.released, *weakest);
+    Consider(fitter_.OneLess(firm, judged_));
+    const auto known = std::find_if(judged_.begin(), judged_.end(),
+                                    [&](const FittedSet& one) { return one.released == rest; });
+    if (known == judged_.end()) break;
+    firm = *known;
+  }
+  if (firm.released == chosen.released) return chosen;
+  firm = Polished(firm);
+  Consider({firm});
+  Consider(fitter_.OneLess(firm, judged_));
+  return firm;
+}
+
 bool CrossValidatedSearch::LeavesMisfit(const FittedSet& one) const {
   const Refit refit = refitter_.FitOrdinary(one.released, {one.point}, kTolerance);
   return refit.usable() && !scale_.At(refit).Resembles(refit.noise);
@@ -317,8 +348,10 @@ bool CrossValidatedSearch::LeavesMisfit(const FittedSet& one) const {
 Result<std::optional<CrossValidatedSearch::Outcome>> CrossValidatedSearch::Conclude() {
   Outcome outcome;
   outcome.base_error = judged_.front().left_out_error;
-  SINEW_ASSIGN(const FittedSet best, Choose(outcome.left_out_shares));
+  SINEW_ASSIGN(FittedSet best, Choose());
   Resample(outcome);
+  if (LeavesMisfit(best)) best = Firm(best);
+  outcome.left_out_shares = LeftOutShares(best);
   for (const FittedSet& one : judged_) {
     outcome.judged.push_back({one.released, one.left_out_error});
     const std::size_t size = one.released.size();

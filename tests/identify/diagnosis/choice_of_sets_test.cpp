@@ -66,5 +66,21 @@ TEST(ChoiceOfSets, SharesTellHowFirmTheChoiceIs) {
   EXPECT_EQ(unsure, ChosenShares(even, 1)) << "of one seed, the same";
 }
 
+TEST(ChoiceOfSets, ACauseThatFewResamplesChooseIsNotFirm) {
+  const std::vector<JudgedSet> sets{
+      {{}, {1, 1}}, {{1}, {1, 1}}, {{1, 2}, {1, 1}}, {{1, 3}, {1, 1}}, {{1, 4}, {1, 1}}};
+  const std::vector<double> shares{0.05, 0.1, 0.3, 0.45, 0.1};
+  // 1 in 95 %, 2 in 30 %, 3 in 45 %.
+  EXPECT_EQ(LeastFirm({1}, {}, sets, shares), std::nullopt);
+  EXPECT_EQ(LeastFirm({1, 2}, {}, sets, shares), 2);
+  EXPECT_EQ(LeastFirm({1, 2, 3}, {}, sets, shares), 2);
+  // 2 or 3 in 75 %; 2, 3 or 4 in 85 %: one of them, whichever it is.
+  EXPECT_EQ(LeastFirm({1, 2}, {{2, 3}}, sets, shares), 2);
+  EXPECT_EQ(LeastFirm({1, 2}, {{2, 3}, {2, 4}}, sets, shares), std::nullopt);
+  EXPECT_EQ(LeastFirm({1, 2}, {{1, 3}, {1, 4}}, sets, shares), 2)
+      << "what may take another cause's place is none for this";
+  EXPECT_EQ(LeastFirm({}, {}, sets, shares), std::nullopt);
+}
+
 }  // namespace
 }  // namespace sinew::diagnosis
