@@ -131,7 +131,7 @@ def coverage(cases, key):
 
 
 # Outsiders that are a function of one signal that the model has: the others depend on two, on time or are periodic in it.
-OF_ONE_SIGNAL = ("cubic_spring", "torque_bump", "coarse_command", "cubic_drag", "eccentric_encoder")
+OF_ONE_SIGNAL = ("end_stop", "torque_bump", "coarse_command", "cubic_drag", "eccentric_encoder")
 
 
 def best_match(case):

@@ -30,6 +30,7 @@ const std::map<std::string, Plain>& PlainEffects() {
       {"actuation_delay", {kActuationDelay, 1e-3, 0.1, false}},
       {"gravity_imbalance", {kImbalance, 1e-3, 5, true}},
       {"parallel_spring", {kSpring, 1e-3, 20, false}},
+      {"stiffening_spring", {kCubicStiffness, 1e-3, 10, true}},
       {"torque_offset", {kOffsetTorque, 1e-3, 5, true}},
       {"gain_compression", {kCompression, 1e-3, 0.9, false}},
       {"supply_sag", {kThermalRate, 1e-4, 0.08, true}},
@@ -50,7 +51,6 @@ const std::map<std::string, Plain>& PlainEffects() {
       {"shifting_mass", {kShiftRate, 1e-4, 0.05, true}},
       {"slow_clock", {kClockRate, 1e-5, 9e-3, true}},
       {"drifting_damping", {kDampingRate, 1e-4, 1, false}},
-      {"cubic_spring", {kCubicStiffness, 1e-3, 10, false}},
       {"coarse_command", {kCommandStep, 1e-2, 2, false}},
       {"cubic_drag", {kCubicDrag, 1e-4, 10, false}},
   };
@@ -163,7 +163,8 @@ const std::vector<std::string>& LibraryEffects() {
                                                "position.time_offset",
                                                "position.low_pass",
                                                "position.saturation",
-                                               "position.quantisation"};
+                                               "position.quantisation",
+                                               "stiffening_spring"};
   return kNames;
 }
 
@@ -174,7 +175,7 @@ const std::vector<std::string>& OutsiderNames() {
                                                "hysteretic_spring",
                                                "slow_clock",
                                                "drifting_damping",
-                                               "cubic_spring",
+                                               "end_stop",
                                                "hum",
                                                "torque_bump",
                                                "coarse_command",
@@ -218,6 +219,10 @@ HiddenEffect DrawHidden(const std::string& name, const Extents& extents, Random&
   if (name == "hysteretic_spring") {
     return MakeWeighted(name, {{kHysteresisTorque, 1}}, {{kHysteresisWidth, random.Uniform(0.2, 0.6)}}, 1e-3,
                         10);
+  }
+  if (name == "end_stop") {
+    return MakeWeighted(name, {{kStopStiffness, 1}},
+                        {{kStopPosition, random.Uniform(0.1, 0.6) * extents.position}}, 1e-3, 100);
   }
   if (name == "hum") {
     const double frequency = LogUniform(0.5, 5, random);

@@ -12,7 +12,7 @@ CLASSES = (
     {"coulomb_friction", "asymmetric_friction"},  # the second contains the first
     {"supply_sag"},
 )
-OUTSIDERS = ("wear", "tight_spot", "hysteretic_spring", "cubic_spring", "torque_bump", "lost_load", "eccentric_encoder",
+OUTSIDERS = ("wear", "tight_spot", "hysteretic_spring", "end_stop", "torque_bump", "lost_load", "eccentric_encoder",
              "drifting_damping", "coarse_command", "hum")
 # Sizes of the drawn joint, filled in by joint().
 TORQUE = "gravity_torque"
@@ -96,7 +96,7 @@ def _outsider(name, draw, joint):
         "tight_spot": lambda: {"tight_spot_torque": u(0.1, 0.4) * torque, "tight_spot_position": u(-0.4, 0.4),
                                "tight_spot_width": u(0.05, 0.2)},
         "hysteretic_spring": lambda: {"hysteresis_torque": u(0.05, 0.2) * torque, "hysteresis_width": u(0.1, 0.4)},
-        "cubic_spring": lambda: {"cubic_stiffness": u(0.1, 0.5) * torque},
+        "end_stop": lambda: {"stop_stiffness": u(0.5, 3) * torque, "stop_position": u(0.1, 0.5)},
         "torque_bump": lambda: {"bump_torque": _either(draw, u(0.1, 0.3)) * torque, "bump_position": u(-0.4, 0.4),
                                 "bump_width": u(0.05, 0.2)},
         "lost_load": lambda: {"lost_load": u(0.05, 0.2), "lost_time": u(0.3, 0.7) * joint["duration"]},

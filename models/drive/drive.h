@@ -75,6 +75,7 @@ enum DriveSlot : int {
   kImbalance,
   kInertiaError,
   kSpring,
+  kCubicStiffness,
   kOffsetTorque,
   // Drive.
   kDeadZone,

@@ -29,6 +29,7 @@ struct DriveJoint {
   double largest_torque =
       1;                     ///< [N*m] about, of all trials; this and the next decide only how fine steps are
   double largest_speed = 1;  ///< [rad/s]
+  double largest_position = 1;  ///< [rad] from 0
   /// Of the unknown terms; terms without knots do not exist.
   std::array<std::vector<double>, kTerms> knots;
 };
@@ -161,6 +162,7 @@ class DriveDynamics {
     }
     if (uses_[kImbalance]) SubtractProduct(sum, numbers_[kImbalance], Cos(q));
     if (uses_[kSpring]) SubtractProduct(sum, numbers_[kSpring], q);
+    if (uses_[kCubicStiffness]) SubtractProduct(sum, numbers_[kCubicStiffness], q * q * q);
     if (uses_[kOffsetTorque]) sum += numbers_[kOffsetTorque];
     if (uses_.term[kTorqueOfPosition]) AddTerm(kTorqueOfPosition, q, sum);
     if (uses_.term[kTorqueOfVelocity]) AddTerm(kTorqueOfVelocity, v, sum);

@@ -66,6 +66,7 @@ double FastestRate(const DriveNumbers& p, const DriveJoint& joint, const DriveCo
   damping += std::abs(p[kViscousAsymmetry]);
   double stiffness = std::abs(p[kGravityTorque]) + joint.load_gravity + std::abs(p[kImbalance]) +
                      std::abs(p[kSpring]) +
+                     3 * std::abs(p[kCubicStiffness]) * joint.largest_position * joint.largest_position +
                      (std::abs(p[kCoggingCos]) + std::abs(p[kCoggingSin])) * 6.3 / p[kCoggingPeriod];
   double volts = 1;
   if (joint.electric) {

@@ -15,16 +15,16 @@ constexpr double kLongestSensingDelay = 0.1;  // [s]
 constexpr double kSensorReach = 0.1;          // [s] of time offsets and low-passes
 
 struct Units {
-  std::string position, speed, torque, inertia, viscous, drag, stiffness, compliance, per_torque, per_speed,
-      torque_constant;
+  std::string position, speed, torque, inertia, viscous, drag, stiffness, cubic_stiffness, compliance,
+      per_torque, per_speed, torque_constant;
 };
 
 Units UnitsOf(bool rotary) {
   if (rotary) {
-    return {"rad",     "rad/s",     "N*m",     "kg*m2", "N*m*s/rad", "N*m*s2/rad2",
-            "N*m/rad", "rad/(N*m)", "1/(N*m)", "s/rad", "N*m/A"};
+    return {"rad",     "rad/s",    "N*m",       "kg*m2",   "N*m*s/rad", "N*m*s2/rad2",
+            "N*m/rad", "N*m/rad3", "rad/(N*m)", "1/(N*m)", "s/rad",     "N*m/A"};
   }
-  return {"m", "m/s", "N", "kg", "N*s/m", "N*s2/m2", "N/m", "m/N", "1/N", "s/m", "N/A"};
+  return {"m", "m/s", "N", "kg", "N*s/m", "N*s2/m2", "N/m", "N/m3", "m/N", "1/N", "s/m", "N/A"};
 }
 
 // Also notes where a slot rests that has no parameter.
@@ -189,7 +189,9 @@ void AddOtherTorques(const DriveTraits& is, const DriveScales& s, const Units& u
   // In open loop the record holds what was left for the drive to do: what does not move by itself may be
   // larger, as a stretched spring at position 0 whose torque is small where the motion was. Behind a
   // controller the drive holds it, with what its largest command gives.
-  const double passive = (is.controller == DriveControllerKind::kNone ? 4 : 1) * s.torque;
+  const bool open_loop = is.controller == DriveControllerKind::kNone;
+  const double passive = (open_loop ? 4 : 1) * s.torque;
+  const double elastic = (open_loop ? 4 : 2) * s.torque;  // at half the width of the range
   if (is.rotary) {
     add.BeginEffect("gravity_imbalance", Level::kRobot, "the load does not hang straight down at position 0",
                     "holding several positions at rest, one of them an angle that is known by other means")
@@ -207,7 +209,13 @@ void AddOtherTorques(const DriveTraits& is, const DriveScales& s, const Units& u
                   "motion over a wider range of positions")
       .Is(Occurrence::kRare)
       .Positive(kSpring, "spring_stiffness", unit.stiffness, "torque per position",
-                4 * s.torque / s.position);
+                elastic / (0.5 * s.position));
+  add.BeginEffect("stiffening_spring", Level::kRobot,
+                  "an elastic element acts in parallel whose torque grows with the cube of the position",
+                  "motion over a wider range of positions, to both ends")
+      .Is(Occurrence::kRare)
+      .TwoSided(kCubicStiffness, "cubic_stiffness", unit.cubic_stiffness,
+                "torque per cubed position; negative: it softens", elastic / std::pow(0.5 * s.position, 3));
   add.BeginEffect("torque_offset", Level::kRobot, "a constant torque acts besides the drive's",
                   "holding several positions at rest, and a rest with the drive switched off")
       .Is(Occurrence::kCommon)

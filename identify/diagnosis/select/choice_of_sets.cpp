@@ -4,6 +4,7 @@
 #include <cmath>
 #include <limits>
 #include <tuple>
+#include <utility>
 
 #include "base/random.h"
 
@@ -18,7 +19,7 @@ constexpr double kLeastGainedFolds = 0.6;  // ... and share of the folds in whic
 constexpr double kLikely = 0.8;            // ... unless the error with the cause is below this share
 constexpr double kTie = 1.05;              // error over the least one, up to which sets of one size are equal
 constexpr int kResamples = 1000;
-constexpr double kFirmShare = 0.8;  // of resamples in which a cause is chosen, at least
+constexpr double kFirmShare = 0.8;  // of resamples that choose so many causes, at least
 
 double LogOf(double error) {
   return std::log(std::max(error, std::numeric_limits<double>::min()));
@@ -143,27 +144,27 @@ std::vector<double> ChosenShares(const std::vector<JudgedSet>& sets, std::uint64
   return shares;
 }
 
-std::optional<int> LeastFirm(const std::vector<int>& chosen,
-                             const std::vector<std::pair<int, int>>& exchanges,
-                             const std::vector<JudgedSet>& sets, const std::vector<double>& shares) {
-  std::optional<int> weakest;
-  double least = kFirmShare;
+std::vector<int> NotFirm(const std::vector<int>& chosen, const std::vector<JudgedSet>& sets,
+                         const std::vector<double>& shares) {
+  std::size_t firm = 0;
+  for (;; ++firm) {
+    double reached = 0;
+    for (std::size_t k = 0; k < sets.size(); ++k) reached += sets[k].released.size() > firm ? shares[k] : 0;
+    if (reached < kFirmShare) break;
+  }
+  std::vector<std::pair<double, int>> causes;
   for (const int c : chosen) {
     double share = 0;
     for (std::size_t k = 0; k < sets.size(); ++k) {
-      const auto has = [&](int candidate) {
-        return std::binary_search(sets[k].released.begin(), sets[k].released.end(), candidate);
-      };
-      if (has(c) || std::any_of(exchanges.begin(), exchanges.end(), [&](const std::pair<int, int>& other) {
-            return other.first == c && has(other.second);
-          }))
-        share += shares[k];
+      const std::vector<int>& released = sets[k].released;
+      share += std::binary_search(released.begin(), released.end(), c) ? shares[k] : 0;
     }
-    if (share >= least) continue;
-    least = share;
-    weakest = c;
+    causes.emplace_back(share, c);
   }
-  return weakest;
+  std::sort(causes.begin(), causes.end());
+  std::vector<int> weak;
+  for (std::size_t i = 0; i + firm < causes.size(); ++i) weak.push_back(causes[i].second);
+  return weak;
 }
 
 }  // namespace sinew::diagnosis

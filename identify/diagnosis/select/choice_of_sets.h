@@ -5,8 +5,6 @@
 
 #include <cstddef>
 #include <cstdint>
-#include <optional>
-#include <utility>
 #include <vector>
 
 namespace sinew::diagnosis {
@@ -39,15 +37,13 @@ struct JudgedSet {
 /// @pre all sets have the same number of folds
 [[nodiscard]] std::vector<double> ChosenShares(const std::vector<JudgedSet>& sets, std::uint64_t seed);
 
-/// The cause of the chosen set that is chosen in the smallest share of resamples, itself or a candidate that
-/// may take its place; nothing if every cause is chosen in 80 % of them. Where a model leaves a misfit, what
-/// is chosen beyond the firm causes changes with the recording. Source: stability selection, Meinshausen,
-/// Buehlmann (2010), J. R. Stat. Soc. B 72:417-473 (shares of 60 to 90 %).
-/// @param exchanges pairs of a cause and a candidate that may take its place
+/// The causes of the chosen set that are not firm, those that the fewest resamples choose first: as many as
+/// it has beyond the number of causes that at least 80 % of the resamples reach, whichever these are. Where a
+/// model leaves a misfit, what is chosen beyond the firm causes changes with the recording; of two causes
+/// that take turns one is firm. Source: stability selection, Meinshausen, Buehlmann (2010), J. R. Stat. Soc.
+/// B 72:417-473 (shares of 60 to 90 %).
 /// @param shares [sets] as of ChosenShares
-[[nodiscard]] std::optional<int> LeastFirm(const std::vector<int>& chosen,
-                                           const std::vector<std::pair<int, int>>& exchanges,
-                                           const std::vector<JudgedSet>& sets,
-                                           const std::vector<double>& shares);
+[[nodiscard]] std::vector<int> NotFirm(const std::vector<int>& chosen, const std::vector<JudgedSet>& sets,
+                                       const std::vector<double>& shares);
 
 }  // namespace sinew::diagnosis

@@ -314,19 +314,12 @@ CrossValidatedSearch::Shares CrossValidatedSearch::LeftOutShares(const FittedSet
   return shares;
 }
 
-// Without the causes that too few resamples of the folds choose (LeastFirm), fitted as an answer is.
+// Without the causes that too few resamples of the folds choose (NotFirm), fitted as an answer is.
 FittedSet CrossValidatedSearch::Firm(const FittedSet& chosen) {
-  // Shares are those of the choice: sets that are judged for what follows take none of them.
   const std::vector<JudgedSet> sets = Judged();
-  const std::vector<double> shares = ChosenShares(sets, options_.seed);
   FittedSet firm = chosen;
-  while (!fitter_.Interrupted()) {
-    std::vector<std::pair<int, int>> exchanges;
-    for (const ExchangedCause& other : FindExchanges(judged_, firm))
-      exchanges.emplace_back(other.cause, other.candidate);
-    const std::optional<int> weakest = LeastFirm(firm.released, exchanges, sets, shares);
-    if (!weakest) break;
-    const Set rest = Without(firm.released, *weakest);
+  for (const int weak : NotFirm(chosen.released, sets, ChosenShares(sets, options_.seed))) {
+    const Set rest = Without(firm.released, weak);
     Consider(fitter_.OneLess(firm, judged_));
     const auto known = std::find_if(judged_.begin(), judged_.end(),
                                     [&](const FittedSet& one) { return one.released == rest; });

@@ -11,8 +11,9 @@ constexpr double kSubstitute = 1.05;  // error of a substitute over that of the 
 
 }  // namespace
 
-std::vector<ExchangedCause> FindExchanges(const std::vector<FittedSet>& judged, const FittedSet& answer) {
-  std::vector<ExchangedCause> found;
+std::vector<Substitute> FindSubstitutes(const std::vector<FittedSet>& judged, const FittedSet& answer,
+                                        const Refitter& refitter, double tolerance) {
+  std::vector<Substitute> found;
   for (const FittedSet& one : judged) {
     const double share = one.left_out_error / answer.left_out_error;
     if (one.released.size() != answer.released.size() || !(share <= kSubstitute)) continue;
@@ -22,17 +23,9 @@ std::vector<ExchangedCause> FindExchanges(const std::vector<FittedSet>& judged, 
                         one.released.end(), std::back_inserter(gone));
     std::set_difference(one.released.begin(), one.released.end(), answer.released.begin(),
                         answer.released.end(), std::back_inserter(come));
-    if (gone.size() == 1) found.push_back({gone.front(), come.front(), share, &one});
-  }
-  return found;
-}
-
-std::vector<Substitute> FindSubstitutes(const std::vector<FittedSet>& judged, const FittedSet& answer,
-                                        const Refitter& refitter, double tolerance) {
-  std::vector<Substitute> found;
-  for (const ExchangedCause& other : FindExchanges(judged, answer)) {
-    Refit refit = refitter.FitOrdinary(other.set->released, {other.set->point}, tolerance);
-    if (refit.usable()) found.push_back({other.cause, other.candidate, other.error, std::move(refit)});
+    if (gone.size() != 1) continue;
+    Refit refit = refitter.FitOrdinary(one.released, {one.point}, tolerance);
+    if (refit.usable()) found.push_back({gone.front(), come.front(), share, std::move(refit)});
   }
   std::stable_sort(found.begin(), found.end(),
                    [](const Substitute& a, const Substitute& b) { return a.error < b.error; });

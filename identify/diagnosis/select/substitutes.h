@@ -19,20 +19,7 @@ struct Substitute {
   Refit refit;       ///< ordinary least squares
 };
 
-/// A set that could take the answer's place.
-struct ExchangedCause {
-  int cause = 0;
-  int candidate = 0;
-  double error = 0;                ///< of left-out data, as a share of that of the answer
-  const FittedSet* set = nullptr;  ///< one of those that are judged
-};
-
-/// Of sets whose error on left-out data is known, those that differ from the answer by one cause, in their
-/// order.
-[[nodiscard]] std::vector<ExchangedCause> FindExchanges(const std::vector<FittedSet>& judged,
-                                                        const FittedSet& answer);
-
-/// The same with their fits to all data.
+/// Of sets whose error on left-out data is known, those that differ from the answer by one cause.
 /// @param tolerance of their fits to all data
 /// @return best first
 [[nodiscard]] std::vector<Substitute> FindSubstitutes(const std::vector<FittedSet>& judged,

@@ -60,6 +60,7 @@ void MeasureScales(const std::vector<DriveMotion>& motions, DriveData& data) {
   s.torque = std::max({s.torque, 1e-3 * data.starts[kInertia] * s.speed / 0.1, 1e-12});
   data.joint.largest_torque = s.torque;
   data.joint.largest_speed = s.speed;
+  data.joint.largest_position = std::max(std::abs(low), std::abs(high));
   data.command.most_position = 1e5 * (std::max(std::abs(low), std::abs(high)) + s.position);
   data.command.most_speed = 1e5 * s.speed;
 }

@@ -90,8 +90,8 @@ class Bench {
                            truth[kExternalLoadFriction] > 0 || truth[kStribeckLoad] > 0 ||
                            truth[kQuadraticLoad] > 0),
         has_further_(truth[kSpring] != 0 || truth[kImbalance] != 0 || truth[kCoggingCos] != 0 ||
-                     truth[kCoggingSin] != 0 || truth[kCubicStiffness] != 0 || truth[kHumTorque] != 0 ||
-                     truth[kBumpTorque] != 0) {}
+                     truth[kCoggingSin] != 0 || truth[kCubicStiffness] != 0 || truth[kStopStiffness] != 0 ||
+                     truth[kHumTorque] != 0 || truth[kBumpTorque] != 0) {}
 
   // One step from t under a command u (before the drive's own faults), or without a motor.
   void Step(double t, double u, bool on) {
@@ -209,7 +209,9 @@ class Bench {
   }
 
   double Further(double q, double t) const {
-    double force = -p_[kSpring] * q - p_[kImbalance] * std::cos(q) - p_[kCubicStiffness] * q * q * q;
+    double force = -p_[kSpring] * q - p_[kImbalance] * std::cos(q);
+    force -= p_[kCubicStiffness] * q * q * q;
+    force -= p_[kStopStiffness] * std::max(0.0, q - p_[kStopPosition]);
     if (p_[kCoggingCos] != 0 || p_[kCoggingSin] != 0) {
       const double angle = 2 * kPi * q / p_[kCoggingPeriod];
       force += p_[kCoggingCos] * std::cos(angle) + p_[kCoggingSin] * std::sin(angle);

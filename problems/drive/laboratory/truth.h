@@ -32,7 +32,8 @@ enum DriveTruthSlot : int {
   kHysteresisWidth,    ///< [rad] travel after which it has turned over
   kClockRate,          ///< [1] the recorder's clock is slow by this fraction
   kDampingRate,        ///< [N*m/rad] growth of the viscous friction per second
-  kCubicStiffness,     ///< [N*m/rad3]
+  kStopStiffness,      ///< [N*m/rad] of an elastic stop beyond kStopPosition
+  kStopPosition,       ///< [rad]
   kHumTorque,          ///< [N*m] periodic in time
   kHumFrequency,       ///< [Hz]
   kHumPhase,           ///< [rad]

@@ -164,7 +164,7 @@ TEST(DriveLaboratory, EveryHiddenThingShowsInARecordingAndItsNullDoesNot) {
     if (shape || entry.parameter == "sensing_delay" || entry.parameter == "actuation_delay" ||
         entry.parameter == "tight_spot_position" || entry.parameter == "bump_position" ||
         entry.parameter == "hum_phase" || entry.parameter == "eccentricity_phase" ||
-        entry.parameter == "lost_time") {
+        entry.parameter == "lost_time" || entry.parameter == "stop_position") {
       continue;
     }
     double value = null + 0.02;
@@ -375,6 +375,7 @@ TEST(DriveSynthesis, EffectsOfDirectionCommandAndTimeAgreeWithTheFittedModel) {
   const std::vector<std::tuple<std::string, Numbers, double>> cases{
       {"asymmetric_viscous_friction", {{"viscous_asymmetry", -0.02}}, 0.01},
       {"supply_sag", {{"thermal_rate", -0.01}}, 0.01},
+      {"stiffening_spring", {{"cubic_stiffness", 0.3}}, 0.01},
       {"gain_warm_up", {{"warm_up_gain", 0.06}, {"warm_up_time", 2}}, 0.01},
       {"dead_zone", {{"dead_zone_width", 0.02}}, 0.15}};  // its kinks are not located
   for (const auto& [effect, numbers, share] : cases) {

@@ -8,8 +8,8 @@ namespace {
 
 constexpr double kTolerance = 1e-6;  // of differences, see CheckJacobian
 // CheckJacobian leaves columns out that are far from straight within its step. Those must agree too, as well
-// as differences can tell: curvature over 1e-6 of a range, and samples next to which something happens.
-constexpr double kStep = 1e-6;
+// as differences can tell: curvature over 1e-7 of a range, and samples next to which something happens.
+constexpr double kStep = 1e-7;
 constexpr double kLoose = 1e-4;
 constexpr double kFewSamples = 0.03;
 
@@ -80,6 +80,7 @@ std::map<std::string, double> EveryEffect() {
           {"cogging_sin", 0.03},
           {"imbalance_torque", 0.05},
           {"spring_stiffness", 0.1},
+          {"cubic_stiffness", 0.07},
           {"offset_torque", 0.02},
           {"compression", 0.1},
           {"thermal_rate", 0.01},
