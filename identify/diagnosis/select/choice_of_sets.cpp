@@ -4,7 +4,6 @@
 #include <cmath>
 #include <limits>
 #include <tuple>
-#include <utility>
 
 #include "base/random.h"
 
@@ -19,7 +18,6 @@ constexpr double kLeastGainedFolds = 0.6;  // ... and share of the folds in whic
 constexpr double kLikely = 0.8;            // ... unless the error with the cause is below this share
 constexpr double kTie = 1.05;              // error over the least one, up to which sets of one size are equal
 constexpr int kResamples = 1000;
-constexpr double kFirmShare = 0.8;  // of resamples that choose so many causes, at least
 
 double LogOf(double error) {
   return std::log(std::max(error, std::numeric_limits<double>::min()));
@@ -142,29 +140,6 @@ std::vector<double> ChosenShares(const std::vector<JudgedSet>& sets, std::uint64
     shares[choice.Choose(weights)] += 1.0 / kResamples;
   }
   return shares;
-}
-
-std::vector<int> NotFirm(const std::vector<int>& chosen, const std::vector<JudgedSet>& sets,
-                         const std::vector<double>& shares) {
-  std::size_t firm = 0;
-  for (;; ++firm) {
-    double reached = 0;
-    for (std::size_t k = 0; k < sets.size(); ++k) reached += sets[k].released.size() > firm ? shares[k] : 0;
-    if (reached < kFirmShare) break;
-  }
-  std::vector<std::pair<double, int>> causes;
-  for (const int c : chosen) {
-    double share = 0;
-    for (std::size_t k = 0; k < sets.size(); ++k) {
-      const std::vector<int>& released = sets[k].released;
-      share += std::binary_search(released.begin(), released.end(), c) ? shares[k] : 0;
-    }
-    causes.emplace_back(share, c);
-  }
-  std::sort(causes.begin(), causes.end());
-  std::vector<int> weak;
-  for (std::size_t i = 0; i + firm < causes.size(); ++i) weak.push_back(causes[i].second);
-  return weak;
 }
 
 }  // namespace sinew::diagnosis

@@ -37,13 +37,4 @@ struct JudgedSet {
 /// @pre all sets have the same number of folds
 [[nodiscard]] std::vector<double> ChosenShares(const std::vector<JudgedSet>& sets, std::uint64_t seed);
 
-/// The causes of the chosen set that are not firm, those that the fewest resamples choose first: as many as
-/// it has beyond the number of causes that at least 80 % of the resamples reach, whichever these are. Where a
-/// model leaves a misfit, what is chosen beyond the firm causes changes with the recording; of two causes
-/// that take turns one is firm. Source: stability selection, Meinshausen, Buehlmann (2010), J. R. Stat. Soc.
-/// B 72:417-473 (shares of 60 to 90 %).
-/// @param shares [sets] as of ChosenShares
-[[nodiscard]] std::vector<int> NotFirm(const std::vector<int>& chosen, const std::vector<JudgedSet>& sets,
-                                       const std::vector<double>& shares);
-
 }  // namespace sinew::diagnosis

@@ -262,7 +262,7 @@ void CrossValidatedSearch::Replace(const Set& idle, FittedSet acting) {
 
 // A set is the answer once it, and the sets with one of its causes less, have been fitted from many starts;
 // where it leaves more than noise also those with one more and with another one in the place of each.
-Result<FittedSet> CrossValidatedSearch::Choose() {
+Result<FittedSet> CrossValidatedSearch::Choose(Shares& shares) {
   std::set<Set> completed;
   std::set<Set> exchanged;
   for (;;) {
@@ -276,6 +276,12 @@ Result<FittedSet> CrossValidatedSearch::Choose() {
           Replace(chosen.released, acting);
           continue;
         }
+      }
+      shares.clear();
+      for (const FittedSet& less : judged_) {
+        if (IsOneLess(less.released, chosen.released))
+          shares.emplace_back(MemberBeyond(less.released, chosen.released),
+                              chosen.left_out_error / less.left_out_error);
       }
       return chosen;
     }
@@ -303,36 +309,6 @@ Result<FittedSet> CrossValidatedSearch::Choose() {
   }
 }
 
-// Per cause: error of left-out data with it over that without it. @pre the sets with one cause less are
-// judged
-CrossValidatedSearch::Shares CrossValidatedSearch::LeftOutShares(const FittedSet& of) const {
-  Shares shares;
-  for (const FittedSet& less : judged_) {
-    if (IsOneLess(less.released, of.released))
-      shares.emplace_back(MemberBeyond(less.released, of.released), of.left_out_error / less.left_out_error);
-  }
-  return shares;
-}
-
-// Without the causes that too few resamples of the folds choose (NotFirm), fitted as an answer is.
-FittedSet CrossValidatedSearch::Firm(const FittedSet& chosen) {
-  const std::vector<JudgedSet> sets = Judged();
-  FittedSet firm = chosen;
-  for (const int weak : NotFirm(chosen.released, sets, ChosenShares(sets, options_.seed))) {
-    const Set rest = Without(firm.released, weak);
-    Consider(fitter_.OneLess(firm, judged_));
-    const auto known = std::find_if(judged_.begin(), judged_.end(),
-                                    [&](const FittedSet& one) { return one.released == rest; });
-    if (known == judged_.end()) break;
-    firm = *known;
-  }
-  if (firm.released == chosen.released) return chosen;
-  firm = Polished(firm);
-  Consider({firm});
-  Consider(fitter_.OneLess(firm, judged_));
-  return firm;
-}
-
 bool CrossValidatedSearch::LeavesMisfit(const FittedSet& one) const {
   const Refit refit = refitter_.FitOrdinary(one.released, {one.point}, kTolerance);
   return refit.usable() && !scale_.At(refit).Resembles(refit.noise);
@@ -341,10 +317,8 @@ bool CrossValidatedSearch::LeavesMisfit(const FittedSet& one) const {
 Result<std::optional<CrossValidatedSearch::Outcome>> CrossValidatedSearch::Conclude() {
   Outcome outcome;
   outcome.base_error = judged_.front().left_out_error;
-  SINEW_ASSIGN(FittedSet best, Choose());
+  SINEW_ASSIGN(const FittedSet best, Choose(outcome.left_out_shares));
   Resample(outcome);
-  if (LeavesMisfit(best)) best = Firm(best);
-  outcome.left_out_shares = LeftOutShares(best);
   for (const FittedSet& one : judged_) {
     outcome.judged.push_back({one.released, one.left_out_error});
     const std::size_t size = one.released.size();

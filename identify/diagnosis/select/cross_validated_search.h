@@ -93,9 +93,7 @@ class CrossValidatedSearch {
   [[nodiscard]] Result<std::vector<FittedSet>> OneMore(const FittedSet& of) const;
   [[nodiscard]] Result<std::vector<FittedSet>> Exchanged(const FittedSet& of) const;
   [[nodiscard]] Result<std::vector<FittedSet>> Imitating(const FittedSet& of);
-  [[nodiscard]] Result<FittedSet> Choose();
-  [[nodiscard]] Shares LeftOutShares(const FittedSet& of) const;
-  [[nodiscard]] FittedSet Firm(const FittedSet& chosen);
+  [[nodiscard]] Result<FittedSet> Choose(Shares& shares);
   void Resample(Outcome& outcome) const;
   [[nodiscard]] Result<std::optional<Outcome>> Conclude();
   Status AddUnknownTerms(const FittedSet& best, Outcome& outcome) const;

@@ -66,21 +66,5 @@ TEST(ChoiceOfSets, SharesTellHowFirmTheChoiceIs) {
   EXPECT_EQ(unsure, ChosenShares(even, 1)) << "of one seed, the same";
 }
 
-TEST(ChoiceOfSets, CausesThatFewResamplesChooseAreNotFirm) {
-  using Causes = std::vector<int>;
-  const std::vector<JudgedSet> sets{
-      {{}, {1, 1}}, {{1}, {1, 1}}, {{1, 2}, {1, 1}}, {{1, 3}, {1, 1}}, {{1, 2, 4}, {1, 1}}};
-  // One cause or more in 95 %, two in 85 %, three in 30 %; 1 in 95 %, 2 in 50 %, 3 in 35 %, 4 in 30 %.
-  const std::vector<double> shares{0.05, 0.1, 0.2, 0.35, 0.3};
-  EXPECT_EQ(NotFirm({1, 2, 4}, sets, shares), Causes{4});
-  EXPECT_EQ(NotFirm({1, 2, 3, 4}, sets, shares), (Causes{4, 3}));
-  EXPECT_EQ(NotFirm({1, 3}, sets, shares), Causes{}) << "2 and 3 take turns: one of them is firm";
-  EXPECT_EQ(NotFirm({}, sets, shares), Causes{});
-  // Two causes in 75 %: one is firm.
-  EXPECT_EQ(NotFirm({1, 2}, sets, {0.05, 0.2, 0.1, 0.35, 0.3}), Causes{2});
-  // None in 25 %.
-  EXPECT_EQ(NotFirm({1, 2}, sets, {0.25, 0, 0.1, 0.35, 0.3}), (Causes{2, 1}));
-}
-
 }  // namespace
 }  // namespace sinew::diagnosis
