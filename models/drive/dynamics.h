@@ -27,8 +27,8 @@ struct DriveJoint {
   double gear_ratio = 1;
   double largest_command = 1;  ///< of all trials, for compression
   double largest_torque =
-      1;                     ///< [N*m] about, of all trials; this and the next decide only how fine steps are
-  double largest_speed = 1;  ///< [rad/s]
+      1;  ///< [N*m] about, of all trials; this and the next two decide only how fine steps are
+  double largest_speed = 1;     ///< [rad/s]
   double largest_position = 1;  ///< [rad] from 0
   /// Of the unknown terms; terms without knots do not exist.
   std::array<std::vector<double>, kTerms> knots;

@@ -20,6 +20,9 @@ constexpr double kRatherAgainst = -0.3;  // ... where the joint clearly gives en
 constexpr double kFollows = 0.8;         // correlation of reference and motion
 constexpr double kFarBetter = 0.25;      // of the squared residual
 constexpr double kAsGood = 1.2;
+// Of what follows a reference: it may lag behind, and overshoot a little.
+constexpr double kLeastFollowed = 1.0 / 3;
+constexpr double kMostFollowed = 1.5;
 constexpr double kBetterThanSpring = 0.5;
 constexpr double kLeastRange = 0.1;  // [rad] over which gravity has a shape
 constexpr double kMostRange = 100;   // [rad] of a unit that makes angles larger
@@ -146,7 +149,8 @@ void JudgeSign(const Equation& equation, bool rotary, DriveConventions& found) {
       (correlation < kAgainst && power < kNoPower) || (correlation < kRatherAgainst && power < kGivesBack);
 }
 
-void JudgeReference(const DriveCommand& command, const std::vector<DriveMotion>& motions,
+// @param angles the positions are measured angles
+void JudgeReference(const DriveCommand& command, const std::vector<DriveMotion>& motions, bool angles,
                     DriveConventions& found) {
   const bool of_speed = command.controller == DriveControllerKind::kPidSpeed;
   double rr = 0;
@@ -170,10 +174,10 @@ void JudgeReference(const DriveCommand& command, const std::vector<DriveMotion>&
   const double correlation = rm / std::sqrt(rr * mm);
   if (std::abs(correlation) < kFollows) return;
   found.opposite_input = correlation < 0;
-  const double factor = std::abs(rm / rr) * kDegree;
-  if (factor > 1.0 / 3 && factor < 3) found.angle_unit = kDegree;
-  const double inverse = std::abs(rm / rr) / kDegree;
-  if (inverse > 1.0 / 3 && inverse < 3) found.angle_unit = 1 / kDegree;
+  for (const double unit : {kDegree, 1 / kDegree}) {
+    const double followed = unit * std::abs(rm / rr);
+    if (angles && followed > kLeastFollowed && followed < kMostFollowed) found.angle_unit = unit;
+  }
 }
 
 }  // namespace
@@ -183,15 +187,15 @@ DriveConventions JudgeConventions(const DriveJoint& joint, const DriveCommand& c
   DriveConventions found;
   const double interval = UsualInterval(motions);
   if (interval >= kTooLong) found.interval = interval;
+  const bool angles =
+      joint.rotary && std::none_of(motions.begin(), motions.end(),
+                                   [](const DriveMotion& motion) { return motion.speed_measured; });
   if (command.input == DriveInput::kReference) {
-    JudgeReference(command, motions, found);
+    JudgeReference(command, motions, angles, found);
     return found;
   }
   Equation equation = WeakForm(joint, command, motions, 1);
   if (equation.command.size() < kFewRows || !equation.command.allFinite()) return found;
-  const bool angles =
-      joint.rotary && std::none_of(motions.begin(), motions.end(),
-                                   [](const DriveMotion& motion) { return motion.speed_measured; });
   if (angles) JudgeUnit(joint, command, motions, equation, found);
   JudgeSign(equation, joint.rotary, found);
   if (angles && !found.angle_unit) JudgeZero(equation, found);
@@ -203,15 +207,13 @@ std::vector<std::string> ConventionNotes(const DriveConventions& conventions, co
   if (conventions.interval) {
     notes.push_back(
         fmt::format("a sample every {:.3g} s is too seldom for a joint: are the times in milliseconds? The "
-                    "import map says "
-                    "so with time: {{unit: ms}}",
+                    "import map says so with time: {{unit: ms}}",
                     *conventions.interval));
   }
   if (conventions.opposite_input) {
     notes.push_back(
         fmt::format("the joint moves against '{}', as if one of the two had the opposite sign: scale: -1 in "
-                    "the import map "
-                    "turns it",
+                    "the import map turns it",
                     input));
   }
   if (conventions.angle_unit) {

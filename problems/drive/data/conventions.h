@@ -35,8 +35,8 @@ struct DriveConventions {
 ///  - gravity has its zero elsewhere if a cosine beside the sine leaves a quarter of the squared residual,
 ///  and
 ///    no more than a spring leaves beside the sine.
-/// From a reference by its correlation with what it commands, beyond 0.8: its sign, and factors between a
-/// third and three times that of degrees. The interval is too long from 0.5 s on.
+/// From a reference by its correlation with what it commands, beyond 0.8: its sign, and of measured angles
+/// factors between a third and one and a half times that of degrees. The interval is too long from 0.5 s on.
 [[nodiscard]] DriveConventions JudgeConventions(const DriveJoint& joint, const DriveCommand& command,
                                                 const std::vector<DriveMotion>& motions);
 

@@ -166,6 +166,12 @@ TEST(DriveConventions, WhatFollowsAReference) {
   found = Judged(data);
   EXPECT_FALSE(found.angle_unit);
   EXPECT_TRUE(found.opposite_input);
+  // Numbers of an axis are no angles, however large they are.
+  servo.rotary = false;
+  servo.input_unit = "m";
+  data = Recorded(servo, {{"inertia", 0.01}, {"viscous_friction", 0.01}, {"torque_constant", 1}});
+  Multiply(data, "position", 180 / kPi);
+  ExpectNothing(Judged(data));
 }
 
 }  // namespace
