@@ -61,6 +61,7 @@ def diagnose(options, data, folder):
     return {"verdict": d["verdict"], "causes": [c["effect"] for c in d["causes"]], "seconds": time.monotonic() - began,
             "alternatives": [[a["instead_of"], a["effect"]] for a in d["alternatives"]], "held_out": held_out(d["extended_fit"]),
             "chosen_shares": {one["effect"]: one["share"] for one in d["chosen_shares"]},
+            "ladder": [[step["effects"], step["error"]] for step in d["ladder"]],
             "unknown_terms": len(d["unknown_terms"]), "cross_validated": bool(d["left_out"]), "noise": noise,
             "base": {p["name"]: {"value": p["value"], "ci95": p.get("ci95")} for p in d["extended_parameters"]},
             "base_held_out": held_out(d["base"]["fit"]) if "fit" in d["base"] else math.nan}

@@ -261,6 +261,9 @@ std::vector<Finding> FindExcursions(const ChannelGroup& group) {
                                   : length <= 3 * kExcursionSpike ? FindingKind::kSpike
                                                                   : FindingKind::kDisplaced;
         if (which != kind) continue;
+        // A controller that differentiates an error answers its first one with a kick: that is a command.
+        if (kind == FindingKind::kSpike && signal.kind == ChannelKind::kInput && e.first <= kExcursionSpike)
+          continue;
         finding.spans.push_back(signal.Span(e.first, e.last));
         finding.size = std::max(finding.size, e.jump);
       }

@@ -10,6 +10,7 @@
 #include "base/constants.h"
 #include "identify/diagnosis/held_out_sensitivity.h"
 #include "identify/diagnosis/score/shortlist.h"
+#include "identify/diagnosis/select/substitutes.h"
 
 namespace sinew::diagnosis {
 namespace {
@@ -398,6 +399,7 @@ class HeldOutValidation {
     const auto before = Residuals(rejection.without.point);
     for (const Rival& rival : selection_.rivals) {
       if (rival.instead_of != cause.candidate || !before) continue;
+      if (selection_.cross_validated && rival.left_out > kSameError) continue;
       const auto with = Residuals(rival.refit.point);
       if (!with || state_.Loss(*before, rival.refit.noise) <= state_.Loss(*with, rival.refit.noise)) continue;
       const int next = rival.candidate;

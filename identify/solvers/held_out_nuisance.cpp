@@ -20,7 +20,6 @@ namespace sinew::solvers {
 namespace {
 
 constexpr long kEvaluations = 200;
-constexpr LocalFit::Tolerance kTolerance{0, 1e-9};
 // Of a further start, before it is clear that it ends lower.
 constexpr long kEvaluationsPerStart = 60;
 constexpr LocalFit::Tolerance kToleranceOfStarts{0.1, 1e-4};
@@ -40,8 +39,8 @@ double Between(const Parameter& parameter, double from, double to, double share)
 // One held-out trial as if it alone were fitted, by its own nuisance values.
 class TrialFit {
  public:
-  TrialFit(const Problem& problem, const Vector& parameters, std::string trial)
-      : trial_(std::move(trial)), alone_(problem, [this](const Block& block) {
+  TrialFit(const Problem& problem, const Vector& parameters, std::string trial, double tolerance)
+      : trial_(std::move(trial)), tolerance_{0, tolerance}, alone_(problem, [this](const Block& block) {
           const bool fitted = block.trial == trial_ && block.role == BlockRole::kValidate;
           return fitted ? BlockRole::kTrain : BlockRole::kPredicted;
         }) {
@@ -62,7 +61,7 @@ class TrialFit {
       best_.cost = CostOf(setup_.rest);
       if (!std::isfinite(best_.cost)) best_.failure = "no prediction";
     } else {
-      best_ = LocalFit(fit).Minimize(fit.Start(), -1, kTolerance, kEvaluations);
+      best_ = LocalFit(fit).Minimize(fit.Start(), -1, tolerance_, kEvaluations);
     }
     if (setup_.HasNuisancePriors()) {
       SearchMinima(fit, search);
@@ -85,7 +84,7 @@ class TrialFit {
     const Vector from = best_.failure.empty() ? fit.Parameters(best_.x) : setup_.rest;
     const auto improved = ImprovedStart(fit, from);
     if (!improved) return;
-    auto found = LocalFit(fit).Minimize(fit.Variables(*improved), -1, kTolerance, kEvaluations);
+    auto found = LocalFit(fit).Minimize(fit.Variables(*improved), -1, tolerance_, kEvaluations);
     if (found.failure.empty() && (!best_.failure.empty() || found.cost < best_.cost))
       best_ = std::move(found);
   }
@@ -95,7 +94,7 @@ class TrialFit {
     auto found = LocalFit(fit).Minimize(start, -1, kToleranceOfStarts, kEvaluationsPerStart);
     if (!found.failure.empty()) return;
     if (best_.failure.empty() && !(found.cost < best_.cost - kWorthTaking)) return;
-    found = LocalFit(fit).Minimize(found.x, -1, kTolerance, kEvaluations);
+    found = LocalFit(fit).Minimize(found.x, -1, tolerance_, kEvaluations);
     if (found.failure.empty()) best_ = std::move(found);
   }
 
@@ -152,6 +151,7 @@ class TrialFit {
   }
 
   std::string trial_;
+  LocalFit::Tolerance tolerance_;
   RoleView alone_;
   FitSetup setup_;
   LocalFit::Outcome best_;
@@ -163,6 +163,7 @@ std::optional<std::vector<double>> Answered(TrialFit& fit, FitRecord* record, co
   Digest question;
   fit.AddTo(question);
   question.Add("held out").Add(search.in_windows ? 1.0 : 0.0).Add(search.fitted ? 1.0 : 0.0);
+  question.Add(search.tolerance);
   for (const Vector& other : search.earlier)
     question.Add(other.data(), static_cast<std::size_t>(other.size()));
   if (const auto known = record->Find(question); known && known->numbers.size() == fit.free().size())
@@ -186,7 +187,7 @@ Vector FitHeldOutNuisance(const Problem& problem, const Vector& parameters, FitR
   const std::vector<std::string> trials(names.begin(), names.end());
   std::vector<std::vector<std::pair<int, double>>> found(trials.size());
   ForEachShared(record, search.threads, trials.size(), [&](std::size_t i, std::size_t) {
-    TrialFit fit(problem, parameters, trials[i]);
+    TrialFit fit(problem, parameters, trials[i], search.tolerance);
     if (fit.free().empty()) return;
     const auto values = Answered(fit, record, search);
     if (!values) return;

@@ -20,6 +20,7 @@ struct HeldOutSearch {
   std::vector<Vector> earlier;
   /// The given nuisance values are fitted: only others that cost less by kWorthTaking replace them.
   bool fitted = false;
+  double tolerance = 1e-9;  ///< relative, of a trial's cost
   int threads = 1;
 };
 

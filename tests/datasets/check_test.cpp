@@ -160,6 +160,21 @@ TEST(DataCheck, DropoutsAndSpikesAreFoundWhereTheyAre) {
   EXPECT_NEAR(spikes[0].size, 4, 0.1);
 }
 
+// A controller that differentiates an error answers its first one with a kick; of a sensor that is a fault.
+TEST(DataCheck, AnInputMayJumpWhenItsControllerIsSwitchedOn) {
+  const auto time = Clock(20, 100);
+  for (const ChannelKind kind : {ChannelKind::kInput, ChannelKind::kMeasured}) {
+    for (const std::size_t at : {1UL, 500UL}) {
+      Channel torque = Sampled(
+          time, [](double t) { return std::sin(3 * t) + 0.4 * std::sin(7.1 * t); }, "N*m", 0.002);
+      torque.kind = kind;
+      torque.values[at] += 4;
+      const bool command = kind == ChannelKind::kInput && at == 1;
+      EXPECT_EQ(OfKind(One(time, torque), FindingKind::kSpike).size(), command ? 0U : 1U) << at;
+    }
+  }
+}
+
 TEST(DataCheck, AStuckSensorIsFoundAlsoIfItRounds) {
   const auto time = Clock(20, 100);
   const auto motion = [](double t) { return std::sin(3 * t) + 0.4 * std::sin(7.1 * t); };

@@ -13,9 +13,10 @@ namespace sinew::diagnosis {
 namespace {
 
 constexpr std::size_t kMaxFolds = 10;
-constexpr std::size_t kMinTrials = 4;      // that are left out as a whole
-constexpr double kTiedInformation = 0.01;  // of all data
-constexpr std::size_t kWindows = 6;        // of fewer trials together, at least
+constexpr std::size_t kMinTrials = 4;        // that are left out as a whole
+constexpr double kTiedInformation = 0.01;    // of all data
+constexpr double kNuisanceTolerance = 1e-5;  // of a left-out trial's values, as of the fits to the others
+constexpr std::size_t kWindows = 6;          // of fewer trials together, at least
 
 double TimeOf(const Block& block, std::size_t i) {
   return block.prediction_time[static_cast<std::size_t>(block.sample[i])];
@@ -115,7 +116,9 @@ Result<Vector> LeftOutResiduals(const Problem& problem, const Fold& fold, const 
                                 FitRecord* record) {
   Vector at = parameters;
   if (!fold.window) {
-    at = solvers::FitHeldOutNuisance(FoldView(problem, fold), parameters, record);
+    solvers::HeldOutSearch search;
+    search.tolerance = kNuisanceTolerance;
+    at = solvers::FitHeldOutNuisance(FoldView(problem, fold), parameters, record, search);
   }
   const Layout& layout = problem.layout();
   std::vector<bool> wanted(layout.size(), false);

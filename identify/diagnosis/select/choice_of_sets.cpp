@@ -54,6 +54,11 @@ class Choice {
     for (std::size_t k = 0; k < sets_.size(); ++k) {
       if (means_[k] <= limit) size = std::min(size, sets_[k].released.size());
     }
+    return BestOfSize(size);
+  }
+
+  // The number of sets if there is none.
+  [[nodiscard]] std::size_t BestOfSize(std::size_t size) const {
     double least = std::numeric_limits<double>::infinity();
     for (std::size_t k = 0; k < sets_.size(); ++k) {
       if (sets_[k].released.size() == size) least = std::min(least, means_[k]);
@@ -71,12 +76,21 @@ class Choice {
   }
 
   [[nodiscard]] std::size_t Pruned(std::size_t chosen, const std::vector<double>& weights) const {
+    const auto is_worth = [&](std::size_t more, std::size_t less) {
+      return less == sets_.size() ||
+             Suffices(std::exp(means_[more] - means_[less]), GainedFolds(more, less, weights));
+    };
     for (;;) {
-      const std::size_t least = LeastWithoutOne(chosen);
-      if (least == sets_.size()) return chosen;
-      if (Suffices(std::exp(means_[chosen] - means_[least]), GainedFolds(chosen, least, weights)))
+      const std::size_t size = sets_[chosen].released.size();
+      const std::size_t smaller = size == 0 ? sets_.size() : BestOfSize(size - 1);
+      const std::size_t without = LeastWithoutOne(chosen);
+      if (!is_worth(chosen, smaller)) {
+        chosen = smaller;
+      } else if (!is_worth(chosen, without)) {
+        chosen = without;
+      } else {
         return chosen;
-      chosen = least;
+      }
     }
   }
 

@@ -28,8 +28,8 @@ struct JudgedSet {
 /// 1. the smallest of those whose error is at most 1.25 times the least one;
 /// 2. among sets of that size within 5 % of the least error of that size: the one with the fewest base
 /// parameters at a bound, then the one whose causes are most common, then the one with the least error;
-/// 3. without the causes whose removal costs less than 15 % of the smaller set's error, or, up to 25 %,
-/// improves 40 % of the folds.
+/// 3. instead of it the best set of one cause less, as long as that, or the set without one of the causes,
+/// costs less than 15 % of the smaller set's error, or, up to 20 %, improves 40 % of the folds.
 /// @pre not empty
 [[nodiscard]] std::size_t ChooseSet(const std::vector<JudgedSet>& sets);
 

@@ -33,9 +33,11 @@ constexpr std::size_t kIdleGrowths = 3;  // without a gain, before the search en
 constexpr int kMaxGrowths = 16;          // mostly as many as there are causes, and two
 constexpr std::size_t kMostCauses = 8;   // of the answer
 constexpr std::size_t kMaxChoices = 8;   // of a set, each after further fits around it; mostly 2 to 4
-constexpr double kStillGains = 0.97;     // error over the best one before, for the search to go on
-constexpr std::size_t kShrunk = 3;       // size from which causes are taken out again
-constexpr double kFarOff = 1.25;  // fitted error over the least one, from which left-out data need no look
+constexpr double kStillGains = 0.85;     // error over the best one before, for the search to go on
+constexpr std::size_t kShrunk = 3;       // size from which causes are taken out again ...
+constexpr double kShrunkGains = 0.97;    // ... to an error over the least one of the size before, at most
+constexpr double kFarOff = 1.25;  // error over that of the best set, from which a set needs no further look
+constexpr std::size_t kPolishedOthers = 3;  // sets with another effect in the place of a cause
 
 }  // namespace
 
@@ -135,14 +137,14 @@ Status CrossValidatedSearch::EndWith(std::vector<FittedSet> made) {
   std::size_t near = 1;
   while (near < std::min(made.size(), kMaxLeftOut) && made[near].fitted_error <= most) ++near;
   made.resize(near);
-  fitter_.LeaveOut(made, kTolerance);
+  fitter_.LeaveOut(made);
   Consider(std::move(made));
   return {};
 }
 
 // How firm the choice is: sets by the share of resamples of the folds in which they are chosen.
-void CrossValidatedSearch::Resample(Outcome& outcome) const {
-  const std::vector<double> shares = ChosenShares(Judged(), options_.seed);
+std::vector<double> CrossValidatedSearch::Resample(Outcome& outcome) const {
+  std::vector<double> shares = ChosenShares(Judged(), options_.seed);
   std::vector<double> of_candidates(candidates_.size(), 0);
   for (std::size_t k = 0; k < judged_.size(); ++k) {
     if (shares[k] == 0) continue;
@@ -152,10 +154,11 @@ void CrossValidatedSearch::Resample(Outcome& outcome) const {
   for (std::size_t c = 0; c < candidates_.size(); ++c) {
     if (of_candidates[c] > 0) outcome.chosen_shares.emplace_back(static_cast<int>(c), of_candidates[c]);
   }
+  return shares;
 }
 
-// The sets of the same size with another candidate in place of one cause, and their errors on left-out data.
-// @pre the sets with one cause less are judged
+// The sets of the same size with another candidate in place of one cause that fit best, and their errors of
+// left-out data. @pre the sets with one cause less are judged
 Result<std::vector<FittedSet>> CrossValidatedSearch::Exchanged(const FittedSet& of) const {
   std::vector<FittedSet> sets;
   std::vector<std::vector<Vector>> starts;
@@ -166,17 +169,23 @@ Result<std::vector<FittedSet>> CrossValidatedSearch::Exchanged(const FittedSet& 
   for (std::size_t i = 0; i < smaller.size(); ++i) {
     if (!scores[i]) continue;
     for (const int c : fitter_.Promising(*scores[i], of.released)) {
-      sets.push_back({With(smaller[i].released, c), {}, 0, 0, {}});
+      sets.emplace_back(With(smaller[i].released, c));
       starts.push_back(RefitStarts(*scores[i], candidates_, c));
+      // Without the cause the others may have moved to where this candidate is of no use.
+      fitter_.AddDraws(c, kMoreDraws, smaller[i].point, starts.back());
+      fitter_.AddDraws(c, kMoreDraws, of.point, starts.back());
     }
   }
   fitter_.Fit(sets, starts, kRoughTolerance, 1);
+  std::stable_sort(sets.begin(), sets.end(), FitsBetter);
+  sets.resize(std::min(sets.size(), kMaxLeftOut));
+  Polish(sets);
   // The fitted error is the smaller one: what is far off there is far off on left-out data, too.
   sets.erase(
       std::remove_if(sets.begin(), sets.end(),
                      [&](const FittedSet& one) { return !(one.fitted_error <= kFarOff * of.fitted_error); }),
       sets.end());
-  fitter_.LeaveOut(sets, kTolerance);
+  fitter_.LeaveOut(sets);
   return sets;
 }
 
@@ -187,7 +196,7 @@ Result<std::vector<FittedSet>> CrossValidatedSearch::Imitating(const FittedSet& 
   std::vector<std::vector<Vector>> starts;
   for (const auto& [released, points] : wanted) {
     if (seen_.count(released) > 0 || !imitating_.insert(released).second) continue;
-    sets.push_back({released, {}, 0, 0, {}});
+    sets.emplace_back(released);
     starts.push_back(points);
   }
   fitter_.Fit(sets, starts, kTolerance, kContinued);
@@ -224,7 +233,7 @@ FittedSet CrossValidatedSearch::Polished(FittedSet one) const {
   }
   if (!(best.fitted_error < one.fitted_error)) return one;
   std::vector<FittedSet> judged{std::move(best)};
-  fitter_.LeaveOut(judged, kTolerance);
+  fitter_.LeaveOut(judged);
   return PredictsBetter(judged.front(), one) ? judged.front() : one;
 }
 
@@ -237,14 +246,14 @@ Result<std::vector<FittedSet>> CrossValidatedSearch::OneMore(const FittedSet& of
   if (!scored) return larger;
   std::vector<std::vector<Vector>> starts;
   for (const int c : fitter_.Promising(*scored, of.released)) {
-    larger.push_back({With(of.released, c), {}, 0, 0, {}});
+    larger.emplace_back(With(of.released, c));
     starts.push_back(RefitStarts(*scored, candidates_, c));
     fitter_.AddDraws(c, kMoreDraws, of.point, starts.back());
   }
   fitter_.Fit(larger, starts, kTolerance, kContinued);
   std::stable_sort(larger.begin(), larger.end(), FitsBetter);
   larger.resize(std::min(larger.size(), kMaxLeftOut));
-  fitter_.LeaveOut(larger, kTolerance);
+  fitter_.LeaveOut(larger);
   return larger;
 }
 
@@ -256,7 +265,7 @@ void CrossValidatedSearch::Replace(const Set& idle, FittedSet acting) {
                                [&](const FittedSet& one) { return one.released == idle; }),
                 judged_.end());
   std::vector<FittedSet> judged{std::move(acting)};
-  fitter_.LeaveOut(judged, kTolerance);
+  fitter_.LeaveOut(judged);
   Consider(std::move(judged));
 }
 
@@ -288,9 +297,14 @@ Result<FittedSet> CrossValidatedSearch::Choose(Shares& shares) {
     if (again) {
       exchanged.insert(chosen.released);
       SINEW_ASSIGN(std::vector<FittedSet> others, Exchanged(chosen));
+      // Before they are compared with it, the best are fitted as thoroughly as the chosen set.
+      std::stable_sort(others.begin(), others.end(), PredictsBetter);
+      for (std::size_t i = 0; i < std::min(others.size(), kPolishedOthers); ++i) {
+        if (others[i].left_out_error <= kFarOff * chosen.left_out_error) others[i] = Polished(others[i]);
+      }
       Consider(std::move(others));
       SINEW_ASSIGN(std::vector<FittedSet> imitating, Imitating(chosen));
-      fitter_.LeaveOut(imitating, kTolerance);
+      fitter_.LeaveOut(imitating);
       Consider(std::move(imitating));
       continue;
     }
@@ -318,7 +332,7 @@ Result<std::optional<CrossValidatedSearch::Outcome>> CrossValidatedSearch::Concl
   Outcome outcome;
   outcome.base_error = judged_.front().left_out_error;
   SINEW_ASSIGN(const FittedSet best, Choose(outcome.left_out_shares));
-  Resample(outcome);
+  const std::vector<double> shares = Resample(outcome);
   for (const FittedSet& one : judged_) {
     outcome.judged.push_back({one.released, one.left_out_error});
     const std::size_t size = one.released.size();
@@ -332,7 +346,7 @@ Result<std::optional<CrossValidatedSearch::Outcome>> CrossValidatedSearch::Concl
   if (!outcome.model.usable()) return Fail("{}", outcome.model.failure);
   outcome.misfit_left = !scale_.At(outcome.model).Resembles(outcome.model.noise);
   if (outcome.misfit_left) {
-    outcome.substitutes = FindSubstitutes(judged_, best, refitter_, kFineTolerance);
+    outcome.substitutes = FindSubstitutes(judged_, shares, best, refitter_, kFineTolerance);
     SINEW_TRY(AddUnknownTerms(best, outcome));
   }
   return std::optional<Outcome>(std::move(outcome));
@@ -369,7 +383,7 @@ Status CrossValidatedSearch::AddUnknownTerms(const FittedSet& best, Outcome& out
 void CrossValidatedSearch::Shorten(std::vector<FittedSet>& made) const {
   if (made.size() <= kMaxLeftOut) return;
   made.resize(std::min(made.size(), kMaxRoughlyLeftOut));
-  fitter_.LeaveOut(made, kRoughTolerance);
+  fitter_.LeaveOutRoughly(made);
   std::stable_sort(made.begin() + 1, made.end(), PredictsBetter);
   made.resize(kMaxLeftOut);
 }
@@ -390,7 +404,7 @@ std::optional<FittedSet> CrossValidatedSearch::Shrunk(FittedSet from) {
     const std::vector<FittedSet> smaller = fitter_.OneLess(from, judged_, kFarOff * fitted_before);
     Consider(smaller);
     const auto least = std::min_element(smaller.begin(), smaller.end(), PredictsBetter);
-    if (!(least->left_out_error < kStillGains * before)) break;
+    if (!(least->left_out_error < kShrunkGains * before)) break;
     best = *least;
     from = *least;
   }
@@ -417,7 +431,7 @@ Result<std::vector<FittedSet>> CrossValidatedSearch::GrownFrom(const std::vector
     for (const int c : fitter_.Promising(*scored, from.released)) {
       Set next = With(from.released, c);
       if (!seen_.insert(next).second) continue;
-      trials.push_back({std::move(next), {}, 0, 0, {}});
+      trials.emplace_back(std::move(next));
       starts.push_back(RefitStarts(*scored, candidates_, c));
       // The linear prediction may start in the wrong basin: backlash beside a delay that has taken its place.
       fitter_.AddDraws(c, kGrownDraws, from.point, starts.back());
@@ -441,8 +455,9 @@ void CrossValidatedSearch::Tell(const FittedSet& best) const {
 }
 
 Result<std::optional<CrossValidatedSearch::Outcome>> CrossValidatedSearch::Run(const ScoredModel& base) {
-  std::vector<FittedSet> beam{{{}, base.refit.point, 0, kInfinite, {}}};
-  fitter_.LeaveOut(beam, kTolerance);
+  std::vector<FittedSet> beam(1);
+  beam.front().point = base.refit.point;
+  fitter_.LeaveOut(beam);
   if (!std::isfinite(beam.front().left_out_error)) return std::optional<Outcome>();
   judged_ = beam;
   double least = beam.front().left_out_error;
@@ -455,7 +470,7 @@ Result<std::optional<CrossValidatedSearch::Outcome>> CrossValidatedSearch::Run(c
       const Refit one = refitter_.FitOrdinary(made.front().released, {made.front().point}, kTolerance);
       if (one.usable() && scale_.At(one).Resembles(one.noise)) {
         made.resize(1);
-        fitter_.LeaveOut(made, kTolerance);
+        fitter_.LeaveOut(made);
         Consider(made);
         return Conclude();
       }
@@ -474,7 +489,7 @@ Result<std::optional<CrossValidatedSearch::Outcome>> CrossValidatedSearch::Run(c
       SINEW_TRY(EndWith(std::move(made)));
       return Conclude();
     }
-    fitter_.LeaveOut(made, kTolerance);
+    fitter_.LeaveOut(made);
     std::stable_sort(made.begin(), made.end(), PredictsBetter);
     Consider(made);
     beam.assign(made.begin(), made.begin() + static_cast<std::ptrdiff_t>(std::min(kBeam, made.size())));

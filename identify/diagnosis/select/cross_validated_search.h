@@ -94,7 +94,8 @@ class CrossValidatedSearch {
   [[nodiscard]] Result<std::vector<FittedSet>> Exchanged(const FittedSet& of) const;
   [[nodiscard]] Result<std::vector<FittedSet>> Imitating(const FittedSet& of);
   [[nodiscard]] Result<FittedSet> Choose(Shares& shares);
-  void Resample(Outcome& outcome) const;
+  /// Returns the share of each judged set.
+  std::vector<double> Resample(Outcome& outcome) const;
   [[nodiscard]] Result<std::optional<Outcome>> Conclude();
   Status AddUnknownTerms(const FittedSet& best, Outcome& outcome) const;
   void Tell(const FittedSet& best) const;

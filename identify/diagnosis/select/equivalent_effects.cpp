@@ -20,6 +20,8 @@ constexpr double kLeftOfTrace = 0.141;    // sqrt(1 - 0.99^2)
 constexpr double kSameOfResidual = 0.05;  // difference of two predictions over the residual, at most
 constexpr double kSingular = 1e-7;
 constexpr double kWorthExchanging = 1;  // penalised deviance
+constexpr double kTiedDeviance = 0.01;  // of two models that only rounding tells apart
+constexpr double kTiedShare = 1e-4;     // the same of errors of left-out data
 constexpr int kMaxReplaced = 8;         // each lowers it, so that the loop would end without this limit
 
 class Exchange {
@@ -182,6 +184,30 @@ void PutInPlace(const Rival& better, Selection& selection) {
   selection.rivals = std::move(others);
 }
 
+// Of a cause and an alternative that are equally common and that only rounding tells apart, the cause is the
+// one that the library has first, so that names do not depend on rounding.
+void OrderTies(const DiagnosisState& state, Selection& selection) {
+  const auto is_tied_and_first = [&](const Rival& rival) {
+    return rival.candidate < rival.instead_of &&
+           PriceOf(state, rival.candidate) == PriceOf(state, rival.instead_of) &&
+           state.candidate(rival.candidate).occurrence == state.candidate(rival.instead_of).occurrence &&
+           (selection.cross_validated ? std::abs(rival.left_out - 1) < kTiedShare
+                                      : std::abs(rival.delta_lr) < kTiedDeviance);
+  };
+  for (;;) {
+    const auto found = std::find_if(selection.rivals.begin(), selection.rivals.end(), is_tied_and_first);
+    if (found == selection.rivals.end()) return;
+    const Rival first = *found;
+    Rival second = first;
+    second.candidate = first.instead_of;
+    second.instead_of = first.candidate;
+    second.refit = selection.model;
+    second.delta_lr = -first.delta_lr;
+    PutInPlace(first, selection);
+    selection.rivals.push_back(std::move(second));
+  }
+}
+
 }  // namespace
 
 Status AddEquivalentEffects(DiagnosisState& state) {
@@ -201,6 +227,7 @@ Status AddEquivalentEffects(DiagnosisState& state) {
     std::move(rivals.begin(), rivals.end(), std::back_inserter(selection.rivals));
     break;
   }
+  OrderTies(state, selection);
   std::stable_sort(selection.rivals.begin(), selection.rivals.end(), [&](const Rival& a, const Rival& b) {
     return selection.cross_validated ? a.left_out < b.left_out : a.delta_lr < b.delta_lr;
   });

@@ -24,6 +24,8 @@ constexpr int kDraws = 20;
 constexpr double kFewTrials = 6;
 constexpr std::size_t kMaxSearchedTrials = 20;  // two in each fold
 constexpr int kMaxSearchedSamples = 6000;
+constexpr long kFoldEvaluations = 80;      // of a fit without a fold ...
+constexpr long kRoughFoldEvaluations = 8;  // ... a few steps: most of the way
 constexpr double kIdle = 1e-4;  // relative change of the fitted error without a member that changes nothing
 
 std::set<std::string> SearchedTrials(const Problem& problem) {
@@ -141,20 +143,34 @@ Vector SetFitter::ColumnNorms(const FitSetup& setup) const {
   return squares.cwiseSqrt();
 }
 
-// The error of what one fold leaves out of the fit, or nothing if that has no samples.
+// The lower cost of the two.
+Vector BetterStart(const LeastSquares& fit, const Vector& start, const Vector* before) {
+  const Vector here = fit.Variables(start);
+  if (before == nullptr) return here;
+  const Vector there = fit.Variables(*before);
+  auto workspace = fit.NewWorkspace();
+  const auto cost_here = fit.Cost(here, workspace);
+  const auto cost_there = fit.Cost(there, workspace);
+  return cost_there && !(cost_here && *cost_here <= *cost_there) ? there : here;
+}
+
+// A fit without a fold, and the error of what that leaves out.
 // @param all as released, at the point from which the fit starts @param norms ColumnNorms of it
-Result<std::optional<double>> SetFitter::LeftOutError(const FitSetup& all, const Vector& norms,
-                                                      const Fold& fold, double tolerance) const {
+// @param before [P] where a fit without the fold ended before, may be null
+Result<SetFitter::LeftOut> SetFitter::LeaveOutFold(const FitSetup& all, const Vector& norms, const Fold& fold,
+                                                   const Vector* before, const Effort& effort) const {
   const FoldView view(searched_, fold);
   const FitSetup setup = WithTiedNuisance(WithoutLeftOut(all, fold), fold, norms, all.rest);
   const LeastSquares fit(view, setup);
-  const auto found = FitFromStarts(fit, {all.rest}, tolerance);
+  solvers::LocalFit search(fit);
+  const auto found =
+      search.Minimize(BetterStart(fit, all.rest, before), -1, {0, effort.tolerance}, effort.evaluations);
   if (!found.failure.empty()) return Fail("{}", found.failure);
   if (!std::isfinite(found.cost)) return Fail("the fit has no cost");
-  SINEW_ASSIGN(const Vector residuals,
-               LeftOutResiduals(searched_, fold, fit.Parameters(found.x), setup.record));
-  if (residuals.size() == 0) return std::optional<double>();
-  return std::optional<double>(residuals.norm() / std::sqrt(static_cast<double>(residuals.size())));
+  LeftOut out{{}, fit.Parameters(found.x)};
+  SINEW_ASSIGN(const Vector residuals, LeftOutResiduals(searched_, fold, out.point, setup.record));
+  if (residuals.size() > 0) out.error = residuals.norm() / std::sqrt(static_cast<double>(residuals.size()));
+  return out;
 }
 
 void SetFitter::Fit(std::vector<FittedSet>& sets, const std::vector<std::vector<Vector>>& starts,
@@ -191,7 +207,15 @@ void SetFitter::Fit(std::vector<FittedSet>& sets, const std::vector<std::vector<
   }
 }
 
-void SetFitter::LeaveOut(std::vector<FittedSet>& sets, double tolerance) const {
+void SetFitter::LeaveOut(std::vector<FittedSet>& sets) const {
+  LeaveOutWith({kTolerance, kFoldEvaluations}, sets);
+}
+
+void SetFitter::LeaveOutRoughly(std::vector<FittedSet>& sets) const {
+  LeaveOutWith({kRoughTolerance, kRoughFoldEvaluations}, sets);
+}
+
+void SetFitter::LeaveOutWith(const Effort& effort, std::vector<FittedSet>& sets) const {
   std::vector<std::size_t> fitted;
   std::vector<FitSetup> setups;
   for (std::size_t i = 0; i < sets.size(); ++i) {
@@ -206,20 +230,23 @@ void SetFitter::LeaveOut(std::vector<FittedSet>& sets, double tolerance) const {
   MakeExecutor(options_.threads)->ForEach(fitted.size(), [&](std::size_t k, std::size_t) {
     norms[k] = ColumnNorms(setups[k]);
   });
-  std::vector<std::vector<Result<std::optional<double>>>> errors(
-      fitted.size(), std::vector<Result<std::optional<double>>>(folds_.size()));
+  std::vector<std::vector<Result<LeftOut>>> folds(fitted.size(), std::vector<Result<LeftOut>>(folds_.size()));
   ForEachPart(
       fitted.size(), [&](std::size_t) { return folds_.size(); },
       [&](std::size_t k, std::size_t f) {
-        errors[k][f] = LeftOutError(setups[k], norms[k], folds_[f], tolerance);
+        const std::vector<Vector>& before = sets[fitted[k]].fold_points;
+        folds[k][f] =
+            LeaveOutFold(setups[k], norms[k], folds_[f], before.empty() ? nullptr : &before[f], effort);
       });
   if (Interrupted()) return;
   for (std::size_t k = 0; k < fitted.size(); ++k) {
     FittedSet& one = sets[fitted[k]];
-    const bool predicted =
-        std::all_of(errors[k].begin(), errors[k].end(), [](const auto& error) { return error.has_value(); });
-    for (const auto& error : errors[k]) {
-      if (predicted && *error) one.fold_errors.push_back(**error);
+    one.fold_points.clear();
+    if (!std::all_of(folds[k].begin(), folds[k].end(), [](const auto& fold) { return fold.has_value(); }))
+      continue;
+    for (Result<LeftOut>& fold : folds[k]) {
+      if (fold->error) one.fold_errors.push_back(*fold->error);
+      one.fold_points.push_back(std::move(fold->point));
     }
     one.left_out_error = GeometricMean(one.fold_errors);
   }
@@ -231,7 +258,7 @@ FittedSet SetFitter::WithoutMember(const FittedSet& of, int c, std::vector<Vecto
   for (const int index : candidates_[static_cast<std::size_t>(c)].parameters)
     start[index] = refitter_.base().rest[index];
   starts.push_back(std::move(start));
-  return {Without(of.released, c), {}, 0, 0, {}};
+  return FittedSet(Without(of.released, c));
 }
 
 std::vector<FittedSet> SetFitter::OneLess(const FittedSet& of, const std::vector<FittedSet>& known,
@@ -252,7 +279,7 @@ std::vector<FittedSet> SetFitter::OneLess(const FittedSet& of, const std::vector
     index.push_back(i);
     near.push_back(smaller[i]);
   }
-  LeaveOut(near, kTolerance);
+  LeaveOut(near);
   for (std::size_t k = 0; k < near.size(); ++k) smaller[index[k]] = std::move(near[k]);
   return smaller;
 }
@@ -270,7 +297,9 @@ FittedSet SetFitter::WithoutIdle(const FittedSet& of) const {
     if (!cost) continue;
     const double error = std::sqrt(2 * *cost / Rows());
     if (!(error <= (1 + kIdle) * of.fitted_error)) continue;
-    rest = {Without(rest.released, c), setup.rest, error, 0, {}};
+    rest = FittedSet(Without(rest.released, c));
+    rest.point = setup.rest;
+    rest.fitted_error = error;
   }
   return rest;
 }
@@ -300,7 +329,7 @@ std::vector<FittedSet> SetFitter::OneLessByContinuation(const FittedSet& of) con
     if (!Interrupted()) starts[i].push_back(Continued(of, of.released[i]));
   });
   Fit(smaller, starts, kTolerance, kContinued);
-  LeaveOut(smaller, kTolerance);
+  LeaveOut(smaller);
   return smaller;
 }
 

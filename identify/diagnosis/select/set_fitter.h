@@ -9,6 +9,7 @@
 #include <map>
 #include <optional>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include "identify/diagnosis/diagnosis.h"
@@ -22,11 +23,16 @@ namespace sinew::diagnosis {
 
 /// A set of released candidates with what is known of it.
 struct FittedSet {
+  FittedSet() = default;
+  /// Not fitted yet. @param causes increasing
+  explicit FittedSet(std::vector<int> causes) : released(std::move(causes)) {}
+
   std::vector<int> released;  ///< increasing
   Vector point;               ///< [P]
   double fitted_error = 0;    ///< root mean square of the weighted residuals; infinite if the fit failed
   double left_out_error = 0;  ///< geometric mean of ...
   std::vector<double> fold_errors;  ///< ... these, see SetFitter::LeaveOut
+  std::vector<Vector> fold_points;  ///< [folds] of [P], fitted without each fold; empty before LeaveOut
 };
 
 /// By the error of left-out data; sets of the same error, as of an effect that changes nothing, by size.
@@ -60,10 +66,11 @@ class SetFitter {
   void Fit(std::vector<FittedSet>& sets, const std::vector<std::vector<Vector>>& starts, double tolerance,
            std::size_t continued) const;
   /// Fills the errors of left-out data, of sets that are fitted: the root mean square of the weighted
-  /// residuals of each fold, left out of a fit that starts at the set's point (none if a fit failed), and
-  /// their geometric mean (infinite if a fit failed, or after an interruption). @param tolerance relative, of
-  /// the cost
-  void LeaveOut(std::vector<FittedSet>& sets, double tolerance) const;
+  /// residuals of each fold, left out of a fit that starts at the set's point, or where it ended before (none
+  /// if a fit failed), and their geometric mean (infinite if a fit failed, or after an interruption).
+  void LeaveOut(std::vector<FittedSet>& sets) const;
+  /// The same by fits of a few steps, to tell which sets are worth more.
+  void LeaveOutRoughly(std::vector<FittedSet>& sets) const;
 
   /// Norm of the weighted residuals of the searched data. @pre the set is fitted
   [[nodiscard]] double Residual(const FittedSet& one) const { return one.fitted_error * std::sqrt(Rows()); }
@@ -109,8 +116,17 @@ class SetFitter {
  private:
   void ForEachPart(std::size_t sets, const std::function<std::size_t(std::size_t)>& parts,
                    const std::function<void(std::size_t, std::size_t)>& work) const;
-  [[nodiscard]] Result<std::optional<double>> LeftOutError(const FitSetup& all, const Vector& norms,
-                                                           const Fold& fold, double tolerance) const;
+  struct LeftOut {
+    std::optional<double> error;  ///< nothing if the fold has no samples
+    Vector point;                 ///< [P] of the fit without it
+  };
+  struct Effort {
+    double tolerance = 0;  ///< relative, of the cost
+    long evaluations = 0;  ///< at most
+  };
+  [[nodiscard]] Result<LeftOut> LeaveOutFold(const FitSetup& all, const Vector& norms, const Fold& fold,
+                                             const Vector* before, const Effort& effort) const;
+  void LeaveOutWith(const Effort& effort, std::vector<FittedSet>& sets) const;
   [[nodiscard]] double Rows() const;
   [[nodiscard]] Vector ColumnNorms(const FitSetup& setup) const;
   [[nodiscard]] FittedSet WithoutMember(const FittedSet& of, int c, std::vector<Vector>& starts) const;

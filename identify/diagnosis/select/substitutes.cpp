@@ -7,16 +7,33 @@
 namespace sinew::diagnosis {
 namespace {
 
-constexpr double kSubstitute = 1.05;  // error of a substitute over that of the answer, at most
+constexpr double kNearError = 1.25;      // over that of the answer, of what takes turns with a cause
+constexpr double kOftenChosen = 0.1;     // share of the resamples
+constexpr double kHardlyTogether = 0.1;  // of the share in which it is chosen alone
+
+bool Contains(const FittedSet& set, int c) {
+  return std::binary_search(set.released.begin(), set.released.end(), c);
+}
 
 }  // namespace
 
-std::vector<Substitute> FindSubstitutes(const std::vector<FittedSet>& judged, const FittedSet& answer,
+bool TakesTurns(int candidate, int cause, const std::vector<FittedSet>& judged,
+                const std::vector<double>& shares) {
+  double alone = 0;
+  double together = 0;
+  for (std::size_t k = 0; k < judged.size(); ++k) {
+    if (Contains(judged[k], candidate)) (Contains(judged[k], cause) ? together : alone) += shares[k];
+  }
+  return alone >= kOftenChosen && together < kHardlyTogether * alone;
+}
+
+std::vector<Substitute> FindSubstitutes(const std::vector<FittedSet>& judged,
+                                        const std::vector<double>& shares, const FittedSet& answer,
                                         const Refitter& refitter, double tolerance) {
   std::vector<Substitute> found;
   for (const FittedSet& one : judged) {
     const double share = one.left_out_error / answer.left_out_error;
-    if (one.released.size() != answer.released.size() || !(share <= kSubstitute)) continue;
+    if (one.released.size() != answer.released.size() || !(share <= kNearError)) continue;
     std::vector<int> gone;
     std::vector<int> come;
     std::set_difference(answer.released.begin(), answer.released.end(), one.released.begin(),
@@ -24,6 +41,7 @@ std::vector<Substitute> FindSubstitutes(const std::vector<FittedSet>& judged, co
     std::set_difference(one.released.begin(), one.released.end(), answer.released.begin(),
                         answer.released.end(), std::back_inserter(come));
     if (gone.size() != 1) continue;
+    if (share > kSameError && !TakesTurns(come.front(), gone.front(), judged, shares)) continue;
     Refit refit = refitter.FitOrdinary(one.released, {one.point}, tolerance);
     if (refit.usable()) found.push_back({gone.front(), come.front(), share, std::move(refit)});
   }
@@ -52,15 +70,15 @@ std::vector<Substitute> SubstitutesBeside(const BesideUnknown& terms,
       for (const int index : candidates[static_cast<std::size_t>(c)].parameters)
         start[index] = other.refit.point[index];
     }
-    sets.push_back({With(Without(terms.set.released, other.cause), other.candidate), {}, 0, 0, {}});
+    sets.emplace_back(With(Without(terms.set.released, other.cause), other.candidate));
     starts.push_back({std::move(start)});
   }
   fitter.Fit(sets, starts, SetFitter::kTolerance, SetFitter::kContinued);
-  fitter.LeaveOut(sets, SetFitter::kTolerance);
+  fitter.LeaveOut(sets);
   std::vector<Substitute> found;
   for (std::size_t i = 0; i < sets.size(); ++i) {
     const double share = sets[i].left_out_error / terms.set.left_out_error;
-    if (!(share <= kSubstitute)) continue;
+    if (!(share <= (before[i].error <= kSameError ? kSameError : kNearError))) continue;
     Refit refit = refitter.FitOrdinary(sets[i].released, {sets[i].point}, tolerance);
     if (refit.usable()) found.push_back({before[i].cause, before[i].candidate, share, std::move(refit)});
   }

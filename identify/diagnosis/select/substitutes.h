@@ -1,5 +1,6 @@
 // Causes that data cannot tell from others after a selection by cross-validation: with another candidate in
-// their place the model predicts left-out data nearly as well (within 5 %).
+// their place the model predicts left-out data nearly as well (within 5 %), or less well (within 25 %), but
+// which of the two is chosen depends on the resample of the folds.
 #pragma once
 
 #include <vector>
@@ -11,6 +12,9 @@
 
 namespace sinew::diagnosis {
 
+/// Error of left-out data over that of the answer, up to which the two predict equally well.
+inline constexpr double kSameError = 1.05;
+
 /// A set with another candidate in place of a cause that predicts left-out data nearly as well.
 struct Substitute {
   int cause = 0;
@@ -19,10 +23,19 @@ struct Substitute {
   Refit refit;       ///< ordinary least squares
 };
 
-/// Of sets whose error on left-out data is known, those that differ from the answer by one cause.
+/// Whether the candidate is chosen without the cause in a tenth of the resamples or more, and hardly ever
+/// (less than a tenth as often) together with it.
+/// @param judged sets @param shares [judged] of the resamples of the folds in which each is chosen
+[[nodiscard]] bool TakesTurns(int candidate, int cause, const std::vector<FittedSet>& judged,
+                              const std::vector<double>& shares);
+
+/// Of sets whose error on left-out data is known, those that differ from the answer by one cause and predict
+/// as well (kSameError), or up to 25 % worse where the candidate takes turns with the cause (TakesTurns).
+/// @param judged sets @param shares [judged] of the resamples of the folds in which each is chosen
 /// @param tolerance of their fits to all data
 /// @return best first
 [[nodiscard]] std::vector<Substitute> FindSubstitutes(const std::vector<FittedSet>& judged,
+                                                      const std::vector<double>& shares,
                                                       const FittedSet& answer, const Refitter& refitter,
                                                       double tolerance);
 

@@ -55,14 +55,14 @@ class Search {
     std::vector<FittedSet> sets;
     std::vector<std::vector<Vector>> starts;
     for (const int c : by) {
-      sets.push_back({With(from.released, c), {}, 0, 0, {}});
+      sets.emplace_back(With(from.released, c));
       starts.push_back(RefitStarts(scored, candidates_, c));
       starts.back().push_back(from.point);
     }
     fitter_.Fit(sets, starts, SetFitter::kTolerance, SetFitter::kContinued);
     std::stable_sort(sets.begin(), sets.end(), FitsBetter);
     sets.resize(std::min(sets.size(), left_out));
-    fitter_.LeaveOut(sets, SetFitter::kTolerance);
+    fitter_.LeaveOut(sets);
     std::stable_sort(sets.begin(), sets.end(), PredictsBetter);
     return sets;
   }

@@ -46,6 +46,18 @@ TEST(ChoiceOfSets, CausesThatBringLittleAreRemoved) {
   EXPECT_EQ(ChooseSet({none, least, pair, {{3}, {1.2, 1.44, 1.44, 1.5, 1.6}}}), 2U);
 }
 
+// Without either of {1, 2} the error is three times as large, but another single cause does nearly as well as
+// both.
+TEST(ChoiceOfSets, ALargerSetMustPredictBetterThanEverySmallerOne) {
+  const JudgedSet none{{}, {10, 10, 10}};
+  const JudgedSet least{{5, 6, 7}, {1, 1, 1}};
+  const JudgedSet pair{{1, 2}, {1.2, 1.2, 1.2}};
+  const JudgedSet first{{1}, {3, 3, 3}};
+  const JudgedSet second{{2}, {3, 3, 3}};
+  EXPECT_EQ(ChooseSet({none, least, pair, first, second, {{3}, {1.35, 1.35, 1.35}}}), 5U);
+  EXPECT_EQ(ChooseSet({none, least, pair, first, second, {{3}, {1.6, 1.6, 1.6}}}), 2U);
+}
+
 // A cause that halves the error stays, in how few folds it may do so: without it a cascade of removals can
 // end with no cause at all.
 TEST(ChoiceOfSets, ACauseThatBringsMuchIsKept) {

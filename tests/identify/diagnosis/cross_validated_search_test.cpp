@@ -28,8 +28,9 @@ struct Case {
     return ScoreModel(problem, candidates, Base(), 0.05, 1);
   }
   [[nodiscard]] FittedSet LeftOut(const std::vector<int>& released, const Vector& start) const {
-    std::vector<FittedSet> sets{{released, start, 0, 0, {}}};
-    search->fitter().LeaveOut(sets, SetFitter::kTolerance);
+    std::vector<FittedSet> sets{FittedSet(released)};
+    sets.front().point = start;
+    search->fitter().LeaveOut(sets);
     return sets.front();
   }
   [[nodiscard]] std::vector<int> SetOf(const std::vector<std::string>& effects) const {
@@ -214,7 +215,7 @@ TEST(CrossValidatedSearch, AMemberThatChangesNothingIsTakenOut) {
   const LinearLaws problem(truth, 1, 6, 0, 100);
   Case one(problem);
   const auto fitted = [&](const std::vector<std::string>& effects) {
-    std::vector<FittedSet> sets{{one.SetOf(effects), {}, 0, 0, {}}};
+    std::vector<FittedSet> sets{FittedSet(one.SetOf(effects))};
     one.search->fitter().Fit(sets, {{one.setup.rest}}, SetFitter::kTolerance, 1);
     return sets.front();
   };

@@ -23,8 +23,9 @@ using testing::Pair;
 /// A diagnosis whose selection has ended with these causes, and without any rival.
 class Selected {
  public:
+  /// @param tied another effect that counts as fitting as well as the last cause
   Selected(const LinearLaws::Truth& truth, const std::vector<std::string>& causes,
-           bool cross_validated = false)
+           bool cross_validated = false, const std::string& tied = "")
       : problem_(truth, 3), state(problem_, options_) {
     const FitSetup setup = MakeFitSetup(problem_, {}).value();
     state.candidates = ListCandidates(problem_, setup);
@@ -36,6 +37,11 @@ class Selected {
     std::sort(released.begin(), released.end());
     state.selection.model = state.Fit(released, {state.base.refit.point});
     for (const std::string& name : causes) state.selection.causes.push_back({Candidate(name), 100, 0, 0});
+    if (!tied.empty()) {
+      Rival rival{Candidate(tied), Candidate(causes.back()), state.selection.model, 1e-5, 1};
+      rival.left_out = 1 + 1e-7;
+      state.selection.rivals.push_back(std::move(rival));
+    }
     EXPECT_EQ(ErrorOf(AddEquivalentEffects(state)), "");
   }
 
@@ -89,6 +95,18 @@ TEST(EquivalentEffects, WhereCausesAreCrossValidatedThePredictionsAreCompared) {
   ASSERT_THAT(one.Rivals(), ElementsAre(Pair("step", "twin")));
   EXPECT_NEAR(one.state.selection.rivals.front().left_out, 1, 0.05);
   EXPECT_TRUE(std::isnan(one.state.selection.rivals.front().delta_lr));
+}
+
+TEST(EquivalentEffects, OfTwoThatOnlyRoundingTellsApartTheFirstOfTheLibraryIsTheCause) {
+  for (const bool cross_validated : {false, true}) {
+    for (const bool twin_first : {false, true}) {
+      const Selected one(StepOf(2, 0.1), {"drift", twin_first ? "twin" : "step"}, cross_validated,
+                         twin_first ? "step" : "twin");
+      ASSERT_LT(one.Candidate("step"), one.Candidate("twin"));
+      EXPECT_EQ(one.state.selection.causes.back().candidate, one.Candidate("step"));
+      EXPECT_THAT(one.Rivals(), testing::Contains(Pair("step", "twin")));
+    }
+  }
 }
 
 TEST(EquivalentEffects, ASimplerOneThatExplainsAsMuchTakesTheCausesPlace) {
