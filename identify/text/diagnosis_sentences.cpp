@@ -156,13 +156,19 @@ Sentence CauseSentence(const Cause& cause) {
 Sentence AlternativeSentence(const Cause& cause, const Alternative& other) {
   Sentence sentence{SentenceKind::kAlternative, {}, {other.effect, cause.effect}};
   std::string& text = sentence.text;
-  const std::string comparison =
+  constexpr double kAsWell = 1.05;  // error of left-out data over that with the cause
+  const bool worse = other.left_out > kAsWell;
+  std::string comparison =
       other.left_out > 0 ? fmt::format("the error of data left out of the fit is {} of that with the cause",
                                        Percent(other.left_out))
                          : fmt::format("delta LR {:.1f}", other.delta_lr);
-  text = fmt::format(
-      "{} [{}]: {} ({}); {}; {}.", other.contains_cause ? "A more general law fits as well" : "Could also be",
-      ToString(other.level), other.description, other.effect, ParametersText(other.parameters), comparison);
+  if (worse) comparison += ", but which of the two is chosen changes with the data that are left out";
+  text = fmt::format("{} [{}]: {} ({}); {}; {}.",
+                     !other.contains_cause ? "Could also be"
+                     : worse               ? "A more general law fits nearly as well"
+                                           : "A more general law fits as well",
+                     ToString(other.level), other.description, other.effect, ParametersText(other.parameters),
+                     comparison);
   if (other.contains_cause) {
     sentence.kind = SentenceKind::kMoreGeneralLaw;
     text += " It contains the cause as a special case and is not needed.";

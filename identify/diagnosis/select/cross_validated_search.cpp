@@ -6,9 +6,7 @@
 #include <limits>
 #include <string>
 
-#include "base/random.h"
-#include "identify/diagnosis/select/choice_of_sets.h"
-#include "identify/diagnosis/select/many_starts.h"
+#include "identify/diagnosis/select/further_fits.h"
 
 namespace sinew::diagnosis {
 namespace {
@@ -22,11 +20,6 @@ constexpr std::size_t kMaxLeftOut = 6;          // sets of one size whose error 
 constexpr std::size_t kMaxRoughlyLeftOut = 16;  // ... by fits that end early
 constexpr int kMoreDraws = 6;                   // of another cause beside those of the answer
 constexpr int kGrownDraws = 3;                  // of a set that is made, besides the linear prediction
-constexpr std::size_t kDrawnSets = 3;           // of one size, those that fit best
-constexpr std::size_t kGroups = 4;              // of starts of the answer, each by one thread
-constexpr int kMaxRounds = 8;                   // of starts around the best solution of the answer so far ...
-constexpr int kIdleRounds = 2;                  // ... until so many have found none ...
-constexpr double kLower = 0.999;                // ... with a fitted error below this share
 constexpr std::size_t kBeam = 3;                // sets that are extended
 constexpr std::size_t kMaxSearchedCauses = 8;
 constexpr std::size_t kIdleGrowths = 3;  // without a gain, before the search ends
@@ -49,82 +42,22 @@ CrossValidatedSearch::CrossValidatedSearch(const Problem& problem, const Refitte
       candidates_(candidates),
       scale_(scale),
       options_(options),
-      fitter_(problem, refitter, candidates, options) {}
-
-// Local searches end in local minima: every set is fitted again from the values that the other sets found for
-// the parameters they share, and those that fit best also from random points around their own solution.
-// @pre the sets are sorted by fitted error
-void CrossValidatedSearch::Polish(std::vector<FittedSet>& sets) const {
-  std::vector<FittedSet> again = sets;
-  std::vector<std::vector<Vector>> starts(sets.size());
-  for (std::size_t i = 0; i < sets.size(); ++i) {
-    const FitSetup setup = refitter_.SetupWith(sets[i].released);
-    for (std::size_t other = 0; other < sets.size(); ++other) {
-      if (other == i) continue;
-      const FitSetup theirs = refitter_.SetupWith(sets[other].released);
-      Vector start = sets[i].point;
-      for (const int index : setup.free) {
-        if (theirs.IsFree(index)) start[index] = sets[other].point[index];
-      }
-      starts[i].push_back(std::move(start));
-    }
-    for (const FittedSet& smaller : judged_) {
-      if (!IsOneLess(smaller.released, sets[i].released)) continue;
-      // The parameters of the further cause as they are.
-      const FitSetup theirs = refitter_.SetupWith(smaller.released);
-      Vector start = smaller.point;
-      for (const int index : setup.free) {
-        if (!theirs.IsFree(index)) start[index] = sets[i].point[index];
-      }
-      starts[i].push_back(std::move(start));
-      starts[i].push_back(smaller.point);
-    }
-    Random random(Random::StreamSeed(options_.seed, i));
-    for (int draw = 0; i < kDrawnSets && draw < fitter_.draws(); ++draw)
-      starts[i].push_back(DrawStart(setup, sets[i].point, draw, random));
-  }
-  fitter_.Fit(again, starts, kTolerance, kContinued);
-  for (std::size_t i = 0; i < sets.size(); ++i) {
-    if (again[i].fitted_error < sets[i].fitted_error) sets[i] = std::move(again[i]);
-  }
-}
-
-// Of fits of the same set, the one that predicts left-out data better.
-void CrossValidatedSearch::Consider(std::vector<FittedSet> made) {
-  for (FittedSet& one : made) {
-    if (!std::isfinite(one.left_out_error)) continue;
-    if (barred_.count(one.released) > 0) continue;
-    const auto known = std::find_if(judged_.begin(), judged_.end(),
-                                    [&](const FittedSet& other) { return other.released == one.released; });
-    if (known == judged_.end()) {
-      judged_.push_back(std::move(one));
-    } else if (PredictsBetter(one, *known)) {
-      *known = std::move(one);
-    }
-  }
-}
-
-// What the choice depends on, of every set that was judged.
-std::vector<JudgedSet> CrossValidatedSearch::Judged() const {
-  std::vector<JudgedSet> sets;
-  for (const FittedSet& one : judged_) {
-    JudgedSet set{one.released, one.fold_errors};
-    for (const int index : refitter_.base().free) {
-      const Parameter& p = refitter_.base().parameters[static_cast<std::size_t>(index)];
-      const double value = one.point[index];
-      if (p.kind == ParameterKind::kBase && (value <= p.lower || value >= p.upper)) ++set.at_bound;
-    }
-    for (const int c : one.released)
-      set.rarity += static_cast<int>(candidates_[static_cast<std::size_t>(c)].occurrence);
-    sets.push_back(std::move(set));
-  }
-  return sets;
-}
+      fitter_(problem, refitter, candidates, options),
+      judged_(refitter, candidates) {}
 
 bool CrossValidatedSearch::LeavesOnlyNoise(const FittedSet& one) const {
   if (!std::isfinite(one.fitted_error)) return false;
   const Refit refit = refitter_.FitOrdinary(one.released, {one.point}, kTolerance);
   return refit.usable() && scale_.At(refit).IsNoMore(refit.noise);
+}
+
+bool CrossValidatedSearch::LeavesMisfit(const FittedSet& one) const {
+  const Refit refit = refitter_.FitOrdinary(one.released, {one.point}, kTolerance);
+  return refit.usable() && !scale_.At(refit).Resembles(refit.noise);
+}
+
+FittedSet CrossValidatedSearch::Polished(const FittedSet& one) const {
+  return LeavesOnlyNoise(one) ? one : FitAround(fitter_, options_.seed, one);
 }
 
 // Judges the sets that fit nearly as well as the best one, and those that imitate it.
@@ -138,18 +71,18 @@ Status CrossValidatedSearch::EndWith(std::vector<FittedSet> made) {
   while (near < std::min(made.size(), kMaxLeftOut) && made[near].fitted_error <= most) ++near;
   made.resize(near);
   fitter_.LeaveOut(made);
-  Consider(std::move(made));
+  judged_.Add(std::move(made));
   return {};
 }
 
 // How firm the choice is: sets by the share of resamples of the folds in which they are chosen.
 std::vector<double> CrossValidatedSearch::Resample(Outcome& outcome) const {
-  std::vector<double> shares = ChosenShares(Judged(), options_.seed);
+  std::vector<double> shares = judged_.Shares(options_.seed);
   std::vector<double> of_candidates(candidates_.size(), 0);
-  for (std::size_t k = 0; k < judged_.size(); ++k) {
+  for (std::size_t k = 0; k < judged_.all().size(); ++k) {
     if (shares[k] == 0) continue;
-    outcome.resampled.push_back({judged_[k].released, judged_[k].point, shares[k]});
-    for (const int c : judged_[k].released) of_candidates[static_cast<std::size_t>(c)] += shares[k];
+    outcome.resampled.push_back({judged_.all()[k].released, judged_.all()[k].point, shares[k]});
+    for (const int c : judged_.all()[k].released) of_candidates[static_cast<std::size_t>(c)] += shares[k];
   }
   for (std::size_t c = 0; c < candidates_.size(); ++c) {
     if (of_candidates[c] > 0) outcome.chosen_shares.emplace_back(static_cast<int>(c), of_candidates[c]);
@@ -163,7 +96,7 @@ Result<std::vector<FittedSet>> CrossValidatedSearch::Exchanged(const FittedSet& 
   std::vector<FittedSet> sets;
   std::vector<std::vector<Vector>> starts;
   std::vector<FittedSet> smaller;
-  std::copy_if(judged_.begin(), judged_.end(), std::back_inserter(smaller),
+  std::copy_if(judged_.all().begin(), judged_.all().end(), std::back_inserter(smaller),
                [&](const FittedSet& one) { return IsOneLess(one.released, of.released); });
   SINEW_ASSIGN(const auto scores, fitter_.Score(smaller));
   for (std::size_t i = 0; i < smaller.size(); ++i) {
@@ -179,7 +112,7 @@ Result<std::vector<FittedSet>> CrossValidatedSearch::Exchanged(const FittedSet& 
   fitter_.Fit(sets, starts, kRoughTolerance, 1);
   std::stable_sort(sets.begin(), sets.end(), FitsBetter);
   sets.resize(std::min(sets.size(), kMaxLeftOut));
-  Polish(sets);
+  FitFromEachOther(fitter_, judged_.all(), options_.seed, sets);
   // The fitted error is the smaller one: what is far off there is far off on left-out data, too.
   sets.erase(
       std::remove_if(sets.begin(), sets.end(),
@@ -209,34 +142,6 @@ Result<std::vector<FittedSet>> CrossValidatedSearch::Imitating(const FittedSet& 
   return sets;
 }
 
-// Rounds of random starts around the best solution so far (basin hopping: Wales, Doye 1997, J. Phys. Chem. A
-// 101:5111-5116), so that the answer does not depend on where the search came from.
-FittedSet CrossValidatedSearch::Polished(FittedSet one) const {
-  if (LeavesOnlyNoise(one)) return one;
-  const FitSetup setup = refitter_.SetupWith(one.released);
-  const int draws = (fitter_.draws() + static_cast<int>(kGroups) - 1) / static_cast<int>(kGroups);
-  FittedSet best = one;
-  int idle = 0;
-  for (int round = 0; draws > 0 && round < kMaxRounds && idle < kIdleRounds && !fitter_.Interrupted();
-       ++round) {
-    std::vector<FittedSet> groups(kGroups, best);
-    std::vector<std::vector<Vector>> starts(kGroups);
-    for (std::size_t g = 0; g < kGroups; ++g) {
-      Random random(Random::StreamSeed(options_.seed, static_cast<std::size_t>(round) * kGroups + g));
-      for (int draw = 0; draw < draws; ++draw)
-        starts[g].push_back(DrawStart(setup, best.point, static_cast<int>(g) + 2 * draw, random));
-    }
-    fitter_.Fit(groups, starts, kTolerance, 1);
-    const auto lowest = std::min_element(groups.begin(), groups.end(), FitsBetter);
-    idle = lowest->fitted_error < kLower * best.fitted_error ? 0 : idle + 1;
-    if (lowest->fitted_error < best.fitted_error) best = *lowest;
-  }
-  if (!(best.fitted_error < one.fitted_error)) return one;
-  std::vector<FittedSet> judged{std::move(best)};
-  fitter_.LeaveOut(judged);
-  return PredictsBetter(judged.front(), one) ? judged.front() : one;
-}
-
 // Sets with another cause each, from more starts than while the sets grow: with the right causes a model that
 // lacks one may have taken values from which no search leads on.
 Result<std::vector<FittedSet>> CrossValidatedSearch::OneMore(const FittedSet& of) const {
@@ -260,13 +165,10 @@ Result<std::vector<FittedSet>> CrossValidatedSearch::OneMore(const FittedSet& of
 // An answer of which a member does nothing on all data is the set without it, although in folds that member
 // may act.
 void CrossValidatedSearch::Replace(const Set& idle, FittedSet acting) {
-  barred_.insert(idle);
-  judged_.erase(std::remove_if(judged_.begin(), judged_.end(),
-                               [&](const FittedSet& one) { return one.released == idle; }),
-                judged_.end());
+  judged_.Bar(idle);
   std::vector<FittedSet> judged{std::move(acting)};
   fitter_.LeaveOut(judged);
-  Consider(std::move(judged));
+  judged_.Add(std::move(judged));
 }
 
 // A set is the answer once it, and the sets with one of its causes less, have been fitted from many starts;
@@ -275,7 +177,7 @@ Result<FittedSet> CrossValidatedSearch::Choose(Shares& shares) {
   std::set<Set> completed;
   std::set<Set> exchanged;
   for (;;) {
-    const FittedSet chosen = judged_[ChooseSet(Judged())];
+    const FittedSet chosen = judged_.Chosen();
     const bool again = completed.count(chosen.released) > 0;
     const bool done = again && (exchanged.count(chosen.released) > 0 || !LeavesMisfit(chosen));
     if (done || completed.size() >= kMaxChoices || fitter_.Interrupted()) {
@@ -287,7 +189,7 @@ Result<FittedSet> CrossValidatedSearch::Choose(Shares& shares) {
         }
       }
       shares.clear();
-      for (const FittedSet& less : judged_) {
+      for (const FittedSet& less : judged_.all()) {
         if (IsOneLess(less.released, chosen.released))
           shares.emplace_back(MemberBeyond(less.released, chosen.released),
                               chosen.left_out_error / less.left_out_error);
@@ -302,10 +204,10 @@ Result<FittedSet> CrossValidatedSearch::Choose(Shares& shares) {
       for (std::size_t i = 0; i < std::min(others.size(), kPolishedOthers); ++i) {
         if (others[i].left_out_error <= kFarOff * chosen.left_out_error) others[i] = Polished(others[i]);
       }
-      Consider(std::move(others));
+      judged_.Add(std::move(others));
       SINEW_ASSIGN(std::vector<FittedSet> imitating, Imitating(chosen));
       fitter_.LeaveOut(imitating);
-      Consider(std::move(imitating));
+      judged_.Add(std::move(imitating));
       continue;
     }
     completed.insert(chosen.released);
@@ -315,25 +217,20 @@ Result<FittedSet> CrossValidatedSearch::Choose(Shares& shares) {
       Replace(chosen.released, acting);
       continue;
     }
-    Consider({polished});
-    Consider(fitter_.OneLess(polished, judged_));
+    judged_.Add({polished});
+    judged_.Add(fitter_.OneLess(polished, judged_.all()));
     if (!LeavesMisfit(polished)) continue;
     SINEW_ASSIGN(std::vector<FittedSet> larger, OneMore(polished));
-    Consider(std::move(larger));
+    judged_.Add(std::move(larger));
   }
-}
-
-bool CrossValidatedSearch::LeavesMisfit(const FittedSet& one) const {
-  const Refit refit = refitter_.FitOrdinary(one.released, {one.point}, kTolerance);
-  return refit.usable() && !scale_.At(refit).Resembles(refit.noise);
 }
 
 Result<std::optional<CrossValidatedSearch::Outcome>> CrossValidatedSearch::Conclude() {
   Outcome outcome;
-  outcome.base_error = judged_.front().left_out_error;
+  outcome.base_error = judged_.all().front().left_out_error;
   SINEW_ASSIGN(const FittedSet best, Choose(outcome.left_out_shares));
   const std::vector<double> shares = Resample(outcome);
-  for (const FittedSet& one : judged_) {
+  for (const FittedSet& one : judged_.all()) {
     outcome.judged.push_back({one.released, one.left_out_error});
     const std::size_t size = one.released.size();
     if (outcome.ladder.size() <= size) outcome.ladder.resize(size + 1, {{}, kInfinite});
@@ -346,7 +243,7 @@ Result<std::optional<CrossValidatedSearch::Outcome>> CrossValidatedSearch::Concl
   if (!outcome.model.usable()) return Fail("{}", outcome.model.failure);
   outcome.misfit_left = !scale_.At(outcome.model).Resembles(outcome.model.noise);
   if (outcome.misfit_left) {
-    outcome.substitutes = FindSubstitutes(judged_, shares, best, refitter_, kFineTolerance);
+    outcome.substitutes = FindSubstitutes(judged_.all(), shares, best, refitter_, kFineTolerance);
     SINEW_TRY(AddUnknownTerms(best, outcome));
   }
   return std::optional<Outcome>(std::move(outcome));
@@ -396,13 +293,13 @@ std::optional<FittedSet> CrossValidatedSearch::Shrunk(FittedSet from) {
   while (from.released.size() >= kShrunk && !fitter_.Interrupted()) {
     double before = kInfinite;
     double fitted_before = kInfinite;
-    for (const FittedSet& one : judged_) {
+    for (const FittedSet& one : judged_.all()) {
       if (one.released.size() + 1 != from.released.size()) continue;
       before = std::min(before, one.left_out_error);
       fitted_before = std::min(fitted_before, one.fitted_error);
     }
-    const std::vector<FittedSet> smaller = fitter_.OneLess(from, judged_, kFarOff * fitted_before);
-    Consider(smaller);
+    const std::vector<FittedSet> smaller = fitter_.OneLess(from, judged_.all(), kFarOff * fitted_before);
+    judged_.Add(smaller);
     const auto least = std::min_element(smaller.begin(), smaller.end(), PredictsBetter);
     if (!(least->left_out_error < kShrunkGains * before)) break;
     best = *least;
@@ -448,7 +345,7 @@ Result<std::vector<FittedSet>> CrossValidatedSearch::GrownFrom(const std::vector
 void CrossValidatedSearch::Tell(const FittedSet& best) const {
   if (!options_.progress) return;
   DiagnosisProgress progress{DiagnosisStep::kCrossValidate};
-  progress.left_out_share = best.left_out_error / judged_.front().left_out_error;
+  progress.left_out_share = best.left_out_error / judged_.all().front().left_out_error;
   for (const int c : best.released)
     progress.effects.push_back(candidates_[static_cast<std::size_t>(c)].effect);
   options_.progress(progress);
@@ -459,7 +356,7 @@ Result<std::optional<CrossValidatedSearch::Outcome>> CrossValidatedSearch::Run(c
   beam.front().point = base.refit.point;
   fitter_.LeaveOut(beam);
   if (!std::isfinite(beam.front().left_out_error)) return std::optional<Outcome>();
-  judged_ = beam;
+  judged_.Add(beam);
   double least = beam.front().left_out_error;
   std::size_t without_gain = 0;
   for (int growth = 0; growth < kMaxGrowths && without_gain < kIdleGrowths; ++growth) {
@@ -471,7 +368,7 @@ Result<std::optional<CrossValidatedSearch::Outcome>> CrossValidatedSearch::Run(c
       if (one.usable() && scale_.At(one).Resembles(one.noise)) {
         made.resize(1);
         fitter_.LeaveOut(made);
-        Consider(made);
+        judged_.Add(made);
         return Conclude();
       }
     }
@@ -481,7 +378,7 @@ Result<std::optional<CrossValidatedSearch::Outcome>> CrossValidatedSearch::Run(c
       return Conclude();
     }
     Shorten(made);
-    Polish(made);
+    FitFromEachOther(fitter_, judged_.all(), options_.seed, made);
     SINEW_ASSIGN(std::vector<FittedSet> others,
                  Imitating(*std::min_element(made.begin(), made.end(), FitsBetter)));
     std::move(others.begin(), others.end(), std::back_inserter(made));
@@ -491,7 +388,7 @@ Result<std::optional<CrossValidatedSearch::Outcome>> CrossValidatedSearch::Run(c
     }
     fitter_.LeaveOut(made);
     std::stable_sort(made.begin(), made.end(), PredictsBetter);
-    Consider(made);
+    judged_.Add(made);
     beam.assign(made.begin(), made.begin() + static_cast<std::ptrdiff_t>(std::min(kBeam, made.size())));
     // One that fits best may need another cause before it predicts well.
     const auto fits_best = std::min_element(made.begin(), made.end(), FitsBetter);

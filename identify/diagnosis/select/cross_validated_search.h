@@ -17,7 +17,7 @@
 #include "identify/diagnosis/diagnosis.h"
 #include "identify/diagnosis/fit/refit.h"
 #include "identify/diagnosis/score/scored_model.h"
-#include "identify/diagnosis/select/choice_of_sets.h"
+#include "identify/diagnosis/select/judged_sets.h"
 #include "identify/diagnosis/select/misfit_scale.h"
 #include "identify/diagnosis/select/set_fitter.h"
 #include "identify/diagnosis/select/substitutes.h"
@@ -81,15 +81,12 @@ class CrossValidatedSearch {
   [[nodiscard]] Result<std::vector<FittedSet>> GrownFrom(const std::vector<FittedSet>& beam,
                                                          const ScoredModel& base);
   void Shorten(std::vector<FittedSet>& made) const;
-  void Polish(std::vector<FittedSet>& sets) const;
   [[nodiscard]] std::optional<FittedSet> Shrunk(FittedSet from);
-  void Consider(std::vector<FittedSet> made);
   void Replace(const Set& idle, FittedSet acting);
   Status EndWith(std::vector<FittedSet> made);
   [[nodiscard]] bool LeavesOnlyNoise(const FittedSet& one) const;
   [[nodiscard]] bool LeavesMisfit(const FittedSet& one) const;
-  [[nodiscard]] std::vector<JudgedSet> Judged() const;
-  [[nodiscard]] FittedSet Polished(FittedSet one) const;
+  [[nodiscard]] FittedSet Polished(const FittedSet& one) const;
   [[nodiscard]] Result<std::vector<FittedSet>> OneMore(const FittedSet& of) const;
   [[nodiscard]] Result<std::vector<FittedSet>> Exchanged(const FittedSet& of) const;
   [[nodiscard]] Result<std::vector<FittedSet>> Imitating(const FittedSet& of);
@@ -106,10 +103,9 @@ class CrossValidatedSearch {
   const MisfitScale& scale_;
   const DiagnosisOptions& options_;
   SetFitter fitter_;
-  std::set<Set> seen_;             // made by GrownFrom, or by Imitating with a fair fit
-  std::set<Set> imitating_;        // made by Imitating
-  std::vector<FittedSet> judged_;  // every set whose error of left-out data is known
-  std::set<Set> barred_;           // with a member that does nothing
+  std::set<Set> seen_;       // made by GrownFrom, or by Imitating with a fair fit
+  std::set<Set> imitating_;  // made by Imitating
+  JudgedSets judged_;
 };
 
 }  // namespace sinew::diagnosis

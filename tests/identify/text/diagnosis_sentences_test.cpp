@@ -69,6 +69,21 @@ TEST(DiagnosisSentences, ALawThatContainsTheCauseIsNoAlternative) {
               Contains("more_general_law y.delay friction"));
 }
 
+TEST(DiagnosisSentences, AnAlternativeThatTakesTurnsWithTheCauseSaysSo) {
+  const auto text = [](double left_out) {
+    const toy::ToyProblem problem = toy::JointProblem();
+    Diagnosis d = toy::JointDiagnosis(problem);
+    d.alternatives[0].left_out = left_out;
+    for (const Sentence& sentence : Sentences(d)) {
+      if (sentence.kind == SentenceKind::kAlternative) return sentence.text;
+    }
+    return std::string();
+  };
+  EXPECT_THAT(text(1.1),
+              testing::HasSubstr("is 110 % of that with the cause, but which of the two is chosen"));
+  EXPECT_THAT(text(1.04), Not(testing::HasSubstr("which of the two")));
+}
+
 TEST(DiagnosisSentences, AVerdictSaysOfWhichChannelsTheNoiseIsUnknown) {
   const auto verdict = [](DiagnosisVerdict is, std::vector<std::string> unknown) {
     const toy::ToyProblem problem = toy::JointProblem();
