@@ -8,6 +8,7 @@ usage: invariance.py --sinew PATH --seeds 620:649 [--jobs 1] [--variants perturb
 """
 import argparse
 import json
+import math
 import sys
 import tempfile
 from concurrent.futures import ThreadPoolExecutor
@@ -66,6 +67,10 @@ def variant(name, program, case, data, folder):
                   seed=int(name.split("_")[1]) if name.startswith("seed") else 1)
 
 
+def samples(case):
+    return case.settings["train"] * case.settings["rate"] * case.settings["duration"]
+
+
 def study(options, seed):
     case = cases.draw_case(seed)
     result = {"seed": seed, "effects": sorted(case.effects), "outsider": next(iter(case.outsider), ""), "variants": {}}
@@ -121,6 +126,7 @@ def main():
     parser.add_argument("--sinew", type=Path)
     parser.add_argument("--seeds", default="620:649", help="first:last")
     parser.add_argument("--variants", type=lambda text: text.split(","), default=[*SAME, *OTHER])
+    parser.add_argument("--most-samples", type=float, default=math.inf, help="of the training data; larger cases are left out")
     parser.add_argument("--jobs", type=int, default=1)
     parser.add_argument("--out", type=Path)
     parser.add_argument("--resume", action="store_true", help="without the seeds that --out has already")
@@ -132,9 +138,10 @@ def main():
         return
     first, last = map(int, options.seeds.split(":"))
     done = {r["seed"]: r for r in json.loads(options.out.read_text())} if options.resume and options.out.exists() else {}
+    seeds = [seed for seed in range(first, last + 1) if samples(cases.draw_case(seed)) <= options.most_samples]
     results = []
     with ThreadPoolExecutor(options.jobs) as pool:
-        for result in pool.map(lambda seed: done.get(seed) or study(options, seed), range(first, last + 1)):
+        for result in pool.map(lambda seed: done.get(seed) or study(options, seed), seeds):
             results.append(result)
             write_whole(options.out, json.dumps(results, indent=1))
             print(result["seed"], result.get("error", "")[-200:] or result["first"]["causes"], flush=True)
