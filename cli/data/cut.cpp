@@ -60,6 +60,7 @@ struct SplitWords {
 };
 
 Result<int> SplitTrials(const SplitWords& words) {
+  if (!(*words.every > 0)) return Fail("--every {}: expected more than 0 s", *words.every);
   SINEW_ASSIGN(const FileLocks locks, ClaimInPlace(words.path, "", {}, words.json));
   SINEW_ASSIGN(Dataset data, ReadDataset(words.path));
   std::vector<std::string> trials{words.trial};

@@ -133,6 +133,10 @@ class Values(ProgramTest):
         self.fails("--window 0.3: expected FROM:TO in seconds, such as 0.6:1.3", *cut, "--window", "0.3")
         self.fails("stances.h5: there is a trial 'train_2' already", *cut[:-1], "train_2", "--window", "0.1:0.3")
 
+    def test_pieces(self):
+        for length in ("0", "-1"):
+            self.fails(f"--every {length}: expected more than 0 s", "data", "split", "stances.h5", f"--every={length}")
+
     def test_plates_and_roles(self):
         cut = ("data", "cut", "stances.h5", "--trial", "train_1", "--as", "new", "--window", "0.1:0.3")
         self.fails("--plate: trial 'train_1' has no channel left_force_y", *cut, "--plate", "left")
