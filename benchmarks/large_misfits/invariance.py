@@ -11,7 +11,6 @@ import json
 import math
 import sys
 import tempfile
-from concurrent.futures import ThreadPoolExecutor
 from pathlib import Path
 
 import h5py
@@ -19,7 +18,7 @@ import numpy
 
 sys.path.insert(0, str(Path(__file__).resolve().parent))
 import cases  # noqa: E402
-from run import share, sinew, held_out, write_whole  # noqa: E402
+from run import held_out, share, sinew, study_all  # noqa: E402
 
 SAME = ("perturbed", "two_threads", "seed_2", "seed_3", "seed_4", "seed_5")  # the same data: names equal, held-out error within 1 %
 OTHER = ("half_rate", "double_rate", "cut")                                  # other data of the same joint: names equal
@@ -137,14 +136,8 @@ def main():
         tell(json.loads(options.report.read_text()), options.each)
         return
     first, last = map(int, options.seeds.split(":"))
-    done = {r["seed"]: r for r in json.loads(options.out.read_text())} if options.resume and options.out.exists() else {}
     seeds = [seed for seed in range(first, last + 1) if samples(cases.draw_case(seed)) <= options.most_samples]
-    results = []
-    with ThreadPoolExecutor(options.jobs) as pool:
-        for result in pool.map(lambda seed: done.get(seed) or study(options, seed), seeds):
-            results.append(result)
-            write_whole(options.out, json.dumps(results, indent=1))
-            print(result["seed"], result.get("error", "")[-200:] or result["first"]["causes"], flush=True)
+    results = study_all(options, seeds, lambda seed: study(options, seed), lambda r: r["first"])
     tell(results, options.each)
 
 

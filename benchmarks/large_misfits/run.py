@@ -148,6 +148,20 @@ def write_whole(path, text):
     part.replace(path)
 
 
+def study_all(options, seeds, study_one, answer_of):
+    """The results of all seeds, written to --out after each; with --resume those that it has are not done again."""
+    done = {r["seed"]: r for r in json.loads(options.out.read_text())} if options.resume and options.out.exists() else {}
+    results = []
+    with ThreadPoolExecutor(options.jobs) as pool:
+        for result in pool.map(lambda seed: done.get(seed) or study_one(seed), seeds):
+            results.append(result)
+            # What an earlier run has found of later seeds stays until these are reached.
+            later = [r for seed, r in sorted(done.items()) if seed > result["seed"]]
+            write_whole(options.out, json.dumps(results + later, indent=1))
+            print(result["seed"], result.get("error", "")[-200:] or answer_of(result)["causes"], flush=True)
+    return results
+
+
 def main():
     parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
     parser.add_argument("--sinew", type=Path)
@@ -166,15 +180,7 @@ def main():
         return
     first, last = map(int, options.seeds.split(":"))
     oracles = {r["seed"]: r["oracle"] for r in json.loads(options.reuse.read_text()) if "oracle" in r} if options.reuse else {}
-    done = {r["seed"]: r for r in json.loads(options.out.read_text())} if options.resume and options.out.exists() else {}
-    results = []
-    with ThreadPoolExecutor(options.jobs) as pool:
-        for result in pool.map(lambda seed: done.get(seed) or study(options, seed, oracles), range(first, last + 1)):
-            results.append(result)
-            # What an earlier run has found of later seeds stays until these are reached.
-            later = [r for seed, r in sorted(done.items()) if seed > result["seed"]]
-            write_whole(options.out, json.dumps(results + later, indent=1))
-            print(result["seed"], result.get("error", "")[-200:] or result["diagnosis"]["causes"], flush=True)
+    results = study_all(options, range(first, last + 1), lambda seed: study(options, seed, oracles), lambda r: r["diagnosis"])
     tell(results, options.each)
 
 

@@ -106,6 +106,10 @@ struct EffectScore {
   std::string detectable_unit;
 };
 
+/// Error of left-out data with an alternative over that with the cause (Alternative::left_out), up to which
+/// the two predict equally well.
+inline constexpr double kSameError = 1.05;
+
 /// An effect that these data cannot distinguish from a named cause.
 struct Alternative {
   std::string instead_of;

@@ -10,7 +10,6 @@
 #include "base/constants.h"
 #include "identify/diagnosis/held_out_sensitivity.h"
 #include "identify/diagnosis/score/shortlist.h"
-#include "identify/diagnosis/select/substitutes.h"
 
 namespace sinew::diagnosis {
 namespace {

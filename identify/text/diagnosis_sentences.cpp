@@ -156,8 +156,7 @@ Sentence CauseSentence(const Cause& cause) {
 Sentence AlternativeSentence(const Cause& cause, const Alternative& other) {
   Sentence sentence{SentenceKind::kAlternative, {}, {other.effect, cause.effect}};
   std::string& text = sentence.text;
-  constexpr double kAsWell = 1.05;  // error of left-out data over that with the cause
-  const bool worse = other.left_out > kAsWell;
+  const bool worse = other.left_out > kSameError;
   std::string comparison =
       other.left_out > 0 ? fmt::format("the error of data left out of the fit is {} of that with the cause",
                                        Percent(other.left_out))

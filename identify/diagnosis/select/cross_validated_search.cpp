@@ -32,6 +32,15 @@ constexpr double kShrunkGains = 0.97;    // ... to an error over the least one o
 constexpr double kFarOff = 1.25;  // error over that of the best set, from which a set needs no further look
 constexpr std::size_t kPolishedOthers = 3;  // sets with another effect in the place of a cause
 
+// Those whose fit did not fail and was not interrupted, by fitted error.
+std::vector<FittedSet> BestFitted(std::vector<FittedSet> sets) {
+  sets.erase(std::remove_if(sets.begin(), sets.end(),
+                            [](const FittedSet& one) { return !std::isfinite(one.fitted_error); }),
+             sets.end());
+  std::stable_sort(sets.begin(), sets.end(), FitsBetter);
+  return sets;
+}
+
 }  // namespace
 
 CrossValidatedSearch::CrossValidatedSearch(const Problem& problem, const Refitter& refitter,
@@ -110,7 +119,7 @@ Result<std::vector<FittedSet>> CrossValidatedSearch::Exchanged(const FittedSet& 
     }
   }
   fitter_.Fit(sets, starts, kRoughTolerance, 1);
-  std::stable_sort(sets.begin(), sets.end(), FitsBetter);
+  sets = BestFitted(std::move(sets));
   sets.resize(std::min(sets.size(), kMaxLeftOut));
   FitFromEachOther(fitter_, judged_.all(), options_.seed, sets);
   // The fitted error is the smaller one: what is far off there is far off on left-out data, too.
@@ -335,11 +344,7 @@ Result<std::vector<FittedSet>> CrossValidatedSearch::GrownFrom(const std::vector
     }
   }
   fitter_.Fit(trials, starts, kRoughTolerance, 1);
-  std::vector<FittedSet> made;
-  std::copy_if(trials.begin(), trials.end(), std::back_inserter(made),
-               [](const FittedSet& one) { return std::isfinite(one.fitted_error); });
-  std::stable_sort(made.begin(), made.end(), FitsBetter);
-  return made;
+  return BestFitted(std::move(trials));
 }
 
 void CrossValidatedSearch::Tell(const FittedSet& best) const {

@@ -10,8 +10,8 @@ namespace sinew::diagnosis {
 
 /// From the values that the other sets, and the judged sets with one cause less, have found for the
 /// parameters they share; those that fit best also from random points around their own solution. A set that
-/// fits no better stays as it is. @param sets by fitted error; errors of left-out data become unknown where
-/// it fits better
+/// fits no better stays as it is. @param sets fitted, by fitted error; errors of left-out data become unknown
+/// where it fits better
 void FitFromEachOther(const SetFitter& fitter, const std::vector<FittedSet>& judged, std::uint64_t seed,
                       std::vector<FittedSet>& sets);
 

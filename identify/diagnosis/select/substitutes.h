@@ -5,15 +5,13 @@
 
 #include <vector>
 
+#include "identify/diagnosis/diagnosis.h"
 #include "identify/diagnosis/fit/refit.h"
 #include "identify/diagnosis/score/candidate.h"
 #include "identify/diagnosis/select/set_fitter.h"
 #include "identify/diagnosis/select/unknown_terms.h"
 
 namespace sinew::diagnosis {
-
-/// Error of left-out data over that of the answer, up to which the two predict equally well.
-inline constexpr double kSameError = 1.05;
 
 /// A set with another candidate in place of a cause that predicts left-out data nearly as well.
 struct Substitute {

@@ -374,11 +374,8 @@ class Impatient final : public Problem {
   mutable std::atomic<bool> pressed_{false};
 };
 
-TEST(Diagnose, AnInterruptedDiagnosisIsAnError) {
-  LinearLaws::Truth truth;
-  truth.effects = {{"quadratic_size", 0.05}, {"drift_size", 0.01}};
-  const LinearLaws laws(truth, 5);
-  constexpr long kNever = 1000000;
+void ExpectThatItCanBeInterrupted(const LinearLaws& laws, int stops) {
+  constexpr long kNever = 100000000;
   const Impatient patient(laws, kNever);
   const auto setup = MakeFitSetup(patient, {});
   ASSERT_TRUE(setup);
@@ -386,7 +383,7 @@ TEST(Diagnose, AnInterruptedDiagnosisIsAnError) {
   ASSERT_TRUE(whole);
   const long predictions = kNever - patient.left();
   ASSERT_GT(predictions, 100);
-  for (long stop = 1; stop < predictions; stop += predictions / 40) {
+  for (long stop = 1; stop < predictions; stop += predictions / stops) {
     const Impatient problem(laws, stop);
     DiagnosisOptions options;
     options.interrupt = &problem.pressed();
@@ -400,6 +397,21 @@ TEST(Diagnose, AnInterruptedDiagnosisIsAnError) {
     }
     EXPECT_GT(problem.left(), -100) << "it goes on after " << stop;
   }
+}
+
+TEST(Diagnose, AnInterruptedDiagnosisIsAnError) {
+  LinearLaws::Truth truth;
+  truth.effects = {{"quadratic_size", 0.05}, {"drift_size", 0.01}};
+  ExpectThatItCanBeInterrupted(LinearLaws(truth, 5), 40);
+}
+
+// Also where causes are searched by cross-validation, and fits of whole groups of sets are left undone.
+TEST(Diagnose, AnInterruptedSearchIsAnError) {
+  LinearLaws::Truth truth;
+  truth.noise = 0.005;
+  truth.effects = {{"drift_size", 0.3}, {"offset_size", 0.9}};
+  truth.slow_error = 0.15;
+  ExpectThatItCanBeInterrupted(LinearLaws(truth, 1, 6, 0, 100), 60);
 }
 
 TEST(Diagnose, EffectsWithoutInfluenceOnTheDataAreNotJudged) {
