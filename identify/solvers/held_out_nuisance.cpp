@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <cstdint>
 #include <optional>
 #include <set>
 #include <string>
@@ -14,11 +15,12 @@
 #include "identify/role_view.h"
 #include "identify/solvers/improved_start.h"
 #include "identify/solvers/local_fit.h"
-#include "identify/solvers/window_search.h"
+#include "identify/solvers/trial_search.h"
 
 namespace sinew::solvers {
 namespace {
 
+constexpr std::uint64_t kRedrawSeed = 1;
 constexpr long kEvaluations = 200;
 // Of a further start, before it is clear that it ends lower.
 constexpr long kEvaluationsPerStart = 60;
@@ -113,8 +115,8 @@ class TrialFit {
     const auto settled = [&] { return best_.failure.empty() && best_.cost <= reference + kAsGood; };
     if (closest != nullptr && !settled()) TryFrom(fit, Follow(*closest));
     if (search.in_windows && best_.failure.empty() && (closest == nullptr || !settled())) {
-      LeastSquares in_windows(alone_, setup_);
-      TryFrom(fit, SearchInWindows(in_windows, best_.x, {}, {}).x);
+      LeastSquares alone(alone_, setup_);
+      TryFrom(fit, SearchTrial(alone, best_.x, {}, kRedrawSeed, {}).x);
     }
   }
 

@@ -8,12 +8,13 @@
 
 #include "base/constants.h"
 #include "base/numbers.h"
+#include "base/random.h"
 #include "identify/solvers/continuation.h"
 #include "identify/solvers/independent_starts.h"
 #include "identify/solvers/levenberg_marquardt.h"
 #include "identify/solvers/marginal_cost.h"
 #include "identify/solvers/polishing.h"
-#include "identify/solvers/window_search.h"
+#include "identify/solvers/trial_search.h"
 
 namespace sinew::solvers {
 namespace {
@@ -30,10 +31,12 @@ constexpr Schedule kSchedules[] = {
     {1.0 / 256, 2, true},   {1.0 / 96, 1.6, true},   {1.0 / 1024, 1.4, true}, {1.0 / 2048, 2, true}};
 // The others are for data that the best end does not explain as noise.
 constexpr std::size_t kUsual = 8;
-// Schedules that have to end at the same minimum; one more where more than noise is left, which a wrong
-// minimum leaves as well as a wrong model.
+// Improved ends that have to agree, one more where more than noise is left, which a wrong minimum leaves as
+// well as a wrong model; and by how much their costs and MarginalCosts may differ then.
 constexpr int kAgreeing = 2;
-constexpr int kMostRounds = 5;
+constexpr double kAgreement = 3;
+constexpr double kAgreementShare = 0.05;  // of the cost, at most
+constexpr int kMostRounds = 12;
 constexpr long kEvaluationsPerSearch = 400;
 constexpr long kEvaluationsOfTrials = 150;  // of all values together, after those of trials
 constexpr long kEvaluationsOfAnswer = 5000;
@@ -41,6 +44,10 @@ constexpr double kFirstDamping = 1e-3;
 
 double SameAs(double cost) {
   return std::max(kSameMinimum * cost, kSamePosterior);
+}
+
+double AgreementAt(double cost) {
+  return std::max(SameAs(cost), std::min(kAgreement, kAgreementShare * cost));
 }
 
 }  // namespace
@@ -51,27 +58,39 @@ ScheduledStarts::ScheduledStarts(Evaluator& evaluator, const SolverOptions& opti
 Search ScheduledStarts::Run(const Vector& start) {
   Attempt(0, start);
   if (!Done()) Attempt(1, start);
-  if (!Agrees() || !LeavesNoise()) {
-    for (End& end : ends_) ImproveTrials(end);
-    for (std::size_t i = 2; i < std::size(kSchedules) && !Done() && !Agrees(); ++i) {
-      if (i >= kUsual && LeavesNoise()) break;
-      Attempt(i, start);
-      ImproveTrials(ends_.back());
+  std::size_t next = 2;
+  while (next < kUsual && !Done() && !LeavesNoise()) Attempt(next++, start);
+  while (!Done() && !Agrees()) {
+    if (End* const unimproved = NextToImprove(); unimproved != nullptr) {
+      Improve(*unimproved);
+    } else if (next < (LeavesNoise() ? kUsual : std::size(kSchedules))) {
+      Attempt(next++, start);
+    } else {
+      break;
     }
-    // With the values that other ends have found for single trials.
-    if (Agreeing() == 1)
-      ImproveTrials(
-          *std::find_if(ends_.begin(), ends_.end(), [&](const End& end) { return &end == Best(); }));
   }
   return Finish();
 }
 
-bool ScheduledStarts::Agrees() const {
+ScheduledStarts::End* ScheduledStarts::NextToImprove() {
+  End* best = nullptr;
+  for (End& end : ends_) {
+    if (end.given_up || end.improved) continue;
+    if (best == nullptr || end.marginal < best->marginal) best = &end;
+  }
+  return best;
+}
+
+bool ScheduledStarts::Agrees() {
   return Agreeing() >= kAgreeing + (LeavesNoise() ? 0 : 1);
 }
 
-bool ScheduledStarts::LeavesNoise() const {
-  return Best() != nullptr && Best()->stage.cost <= 0.5 * evaluator_.fit().data_rows();
+double ScheduledStarts::NoiseCost() const {
+  return 0.5 * evaluator_.fit().data_rows();
+}
+
+bool ScheduledStarts::LeavesNoise() {
+  return Best() != nullptr && Best()->stage.cost <= NoiseCost();
 }
 
 bool ScheduledStarts::Done() {
@@ -111,47 +130,89 @@ void ScheduledStarts::Attempt(std::size_t which, const Vector& start) {
   ends_.push_back(std::move(end));
 }
 
-void ScheduledStarts::ImproveTrials(End& end) {
-  const LevenbergMarquardt local(options_.cost_tolerance, kFirstDamping);
+// Single trials cost the least, all together find what single ones cannot; windows only serve ends that are
+// far from a good one.
+void ScheduledStarts::Improve(End& end) {
+  end.improved = true;
+  if (!HasCurves(evaluator_.fit())) return;
   for (int round = 0; round < kMostRounds && !end.given_up && !Done(); ++round) {
-    std::vector<Vector> others;
-    for (const End& other : ends_) {
-      if (&other != &end && !other.given_up) others.push_back(other.stage.x);
+    while (!Done() && !Confirms(end) && Gains(end, [&] { ImproveTrials(end, false); })) {
     }
-    const Vector x = SearchTrials(evaluator_.fit(), end.stage.x, others, options_.threads, [&] {
-      const Evaluator::Options& limits = evaluator_.options();
-      return (limits.interrupt != nullptr && limits.interrupt->load()) ||
-             evaluator_.seconds() >= limits.budget.max_seconds;
-    });
-    if (x == end.stage.x || Done()) return;
-    Stage joint = Polish(local, "lm", x, kEvaluationsOfTrials);
-    const double marginal = MarginalCost(evaluator_.fit(), joint.x);
-    if (!(marginal < end.marginal - kWorthTaking)) return;
-    joint.evaluations += end.stage.evaluations;
-    joint.solver = end.stage.solver;
-    end.stage = std::move(joint);
-    end.marginal = marginal;
+    if (Done() || Confirms(end)) return;
+    if (Gains(end, [&] { Redraw(end, round); })) continue;
+    const bool noise = end.stage.cost <= NoiseCost();
+    if (noise || Done() || Confirms(end) || !Gains(end, [&] { ImproveTrials(end, true); })) return;
   }
 }
 
-const ScheduledStarts::End* ScheduledStarts::Best() const {
+bool ScheduledStarts::Agree(const End& a, const End& b) {
+  return a.improved && b.improved && std::abs(a.marginal - b.marginal) <= kAgreement &&
+         std::abs(a.stage.cost - b.stage.cost) <= AgreementAt(std::min(a.stage.cost, b.stage.cost));
+}
+
+bool ScheduledStarts::Confirms(const End& end) {
+  const End* const best = Best();
+  return best != &end && best != nullptr && Agree(end, *best);
+}
+
+bool ScheduledStarts::Gains(const End& end, const std::function<void()>& improve) {
+  const double before = end.marginal;
+  improve();
+  return end.marginal < before - kWorthGoingOn;
+}
+
+void ScheduledStarts::ImproveTrials(End& end, bool in_windows) {
+  TrialSearch search{options_.seed, options_.threads, in_windows, {}};
+  for (const End& other : ends_) {
+    if (&other != &end && !other.given_up) search.others.push_back(other.stage.x);
+  }
+  const Vector x = SearchTrials(evaluator_.fit(), end.stage.x, search, [&] { return MustStop(); });
+  if (x != end.stage.x && !Done()) Take(end, x);
+}
+
+void ScheduledStarts::Redraw(End& end, int round) {
+  const End* const best = Best();
+  const double enough =
+      best != nullptr && best->improved && best->marginal < end.marginal ? best->marginal : -kInfinity;
+  const WindowEnd found = RedrawTrials(evaluator_.fit(), {end.stage.x, end.stage.cost, end.marginal},
+                                       Random::StreamSeed(options_.seed, static_cast<std::uint64_t>(round)),
+                                       options_.threads, enough, [&] { return MustStop(); });
+  if (found.x != end.stage.x && !Done()) Take(end, found.x);
+}
+
+void ScheduledStarts::Take(End& end, const Vector& x) {
+  const LevenbergMarquardt local(options_.cost_tolerance, kFirstDamping);
+  Stage joint = Polish(local, "lm", x, kEvaluationsOfTrials);
+  const double marginal = MarginalCost(evaluator_.fit(), joint.x);
+  if (!(marginal < end.marginal - kWorthTaking)) return;
+  joint.evaluations += end.stage.evaluations;
+  joint.solver = end.stage.solver;
+  end.stage = std::move(joint);
+  end.marginal = marginal;
+}
+
+bool ScheduledStarts::MustStop() const {
+  const Evaluator::Options& limits = evaluator_.options();
+  return (limits.interrupt != nullptr && limits.interrupt->load()) ||
+         evaluator_.seconds() >= limits.budget.max_seconds;
+}
+
+ScheduledStarts::End* ScheduledStarts::Best() {
   double least = kInfinity;
   for (const End& end : ends_) least = std::min(least, end.marginal);
-  const End* best = nullptr;
-  for (const End& end : ends_) {
+  End* best = nullptr;
+  for (End& end : ends_) {
     if (end.given_up || !(end.marginal <= least + kSameEvidence)) continue;
     if (best == nullptr || end.stage.cost < best->stage.cost) best = &end;
   }
   return best;
 }
 
-int ScheduledStarts::Agreeing() const {
+int ScheduledStarts::Agreeing() {
   const End* const best = Best();
   if (best == nullptr) return 0;
-  return static_cast<int>(std::count_if(ends_.begin(), ends_.end(), [&](const End& end) {
-    return !end.given_up && end.marginal <= best->marginal + kSameEvidence &&
-           std::abs(end.stage.cost - best->stage.cost) <= SameAs(best->stage.cost);
-  }));
+  return static_cast<int>(
+      std::count_if(ends_.begin(), ends_.end(), [&](const End& end) { return Agree(end, *best); }));
 }
 
 Search ScheduledStarts::Finish() {
@@ -167,8 +228,11 @@ Search ScheduledStarts::Finish() {
   const int agreeing = Agreeing();
   double next = kInfinity;  // lowest cost of the other minima that are higher
   int narrow = 0;           // minima of a lower cost
+  int improved = 0;
   for (const End& end : ends_) {
-    if (end.stage.cost > answer.cost + SameAs(answer.cost)) next = std::min(next, end.stage.cost);
+    if (!end.improved) continue;
+    ++improved;
+    if (end.stage.cost > answer.cost + AgreementAt(answer.cost)) next = std::min(next, end.stage.cost);
     if (!end.given_up && end.stage.cost < answer.cost - SameAs(answer.cost)) ++narrow;
   }
   if (!evaluator_.MustStop()) {
@@ -183,10 +247,13 @@ Search ScheduledStarts::Finish() {
   search_.answer = {0, answer.cost, answer.x};
   search_.stop.kind = Termination::kStartsDone;
   search_.stop.test =
-      fmt::format("{} of {} independent starts of continuation end at this minimum", agreeing, ends_.size());
+      fmt::format("{} of {} independent starts of continuation end at this minimum", agreeing, improved);
   if (std::isfinite(next) && answer.cost > 0)
     search_.stop.test +=
         fmt::format("; the next best is {} % worse", Readable(100 * (next / answer.cost - 1), 2));
+  if (HasCurves(evaluator_.fit()))
+    search_.stop.test += "; with stretches of time fitted anew none ends lower";
+  if (answer.cost > NoiseCost()) search_.stop.test += "; more than noise is left";
   if (narrow > 0) search_.stop.test += "; a minimum of lower cost is so narrow that it is less probable";
   const std::ptrdiff_t at = best - ends_.data();
   for (std::size_t i = 0; i < ends_.size(); ++i) {

@@ -1,6 +1,7 @@
 // Solver `restarts` where nuisance parameters have priors: searches under different schedules of the noise.
 #pragma once
 
+#include <functional>
 #include <vector>
 
 #include "base/random.h"
@@ -13,17 +14,19 @@ namespace sinew::solvers {
 /// the starts are searches by `continuation` with different schedules, first from the given start, then from
 /// starts near it.
 ///
-/// 1. Two schedules. Where they end at the same minimum, and its cost is one of noise (at most half the
-/// number
-///    of data rows), this is the answer.
-/// 2. Else every trial's own values are searched in growing windows (SearchTrials), all values from there,
-///    and so on while that helps; then by further schedules, each given up when its cost exceeds that of the
-///    best end, until two schedules end at the same minimum or eight are done; three and sixteen, where the
-///    best end leaves more than noise.
+/// 1. Two schedules; up to eight while none ends at a cost of noise (at most half the number of data rows).
+///    From the third on one whose cost exceeds that of the best end is given up.
+/// 2. The best end is improved: stretches of single trials are redrawn (SearchTrials), all values searched
+///    from there, then stretches are redrawn with all values free (RedrawTrials), until these bring little.
+///    Where more than noise is left, trials are searched in growing windows, too. Then the next best end,
+///    until two are at the same minimum, three where more than noise is left.
+/// 3. Where none is left to be improved, further schedules: up to eight in all, sixteen where more than noise
+///    is left.
 ///
 /// Ends are ranked by MarginalCost; of those within kSameEvidence of the best one the lowest cost counts. The
 /// best end is the start of one local search without a limit. The stages are the ends, best first. What is
-/// evaluated does not depend on the number of threads. Windows are not counted as evaluations.
+/// evaluated does not depend on the number of threads. Searches of trials and redrawn stretches are not
+/// counted as evaluations.
 class ScheduledStarts {
  public:
   ScheduledStarts(Evaluator& evaluator, const SolverOptions& options);
@@ -35,16 +38,28 @@ class ScheduledStarts {
     Stage stage;
     double marginal = 0;
     bool given_up = false;
+    bool improved = false;
   };
 
   void Attempt(std::size_t which, const Vector& start);
-  void ImproveTrials(End& end);
+  [[nodiscard]] End* NextToImprove();
+  void Improve(End& end);
+  void ImproveTrials(End& end, bool in_windows);
+  void Redraw(End& end, int round);
+  void Take(End& end, const Vector& x);
+  // Whether the end gained enough to go on.
+  [[nodiscard]] static bool Gains(const End& end, const std::function<void()>& improve);
+  [[nodiscard]] bool MustStop() const;
   [[nodiscard]] Stage Polish(const Solver& solver, const std::string& name, const Vector& x,
                              long evaluations);
-  [[nodiscard]] const End* Best() const;
-  [[nodiscard]] int Agreeing() const;
-  [[nodiscard]] bool Agrees() const;
-  [[nodiscard]] bool LeavesNoise() const;
+  [[nodiscard]] End* Best();
+  [[nodiscard]] static bool Agree(const End& a, const End& b);
+  // Whether an end that is not the best one is at its minimum.
+  [[nodiscard]] bool Confirms(const End& end);
+  [[nodiscard]] int Agreeing();
+  [[nodiscard]] bool Agrees();
+  [[nodiscard]] double NoiseCost() const;
+  [[nodiscard]] bool LeavesNoise();
   [[nodiscard]] bool Done();
   Search Finish();
 

@@ -34,11 +34,8 @@ struct WindowEnd {
 
 /// Difference of two MarginalCosts below which two points are taken for the same.
 inline constexpr double kWorthTaking = 0.25;
-
-/// Of a fit of several trials: the own nuisance values with priors of every trial in turn are searched, the
-/// other values held, and the trials put together. @param x [n] @param others [n] each, ends of other
-/// searches @return x, with other values of the trials for which better ones were found [n]
-[[nodiscard]] Vector SearchTrials(const LeastSquares& fit, const Vector& x, const std::vector<Vector>& others,
-                                  int threads, const std::function<bool()>& stop);
+/// Gain of MarginalCost for which a search goes on: half of what a parameter more usually gains in
+/// -2 log likelihood.
+inline constexpr double kWorthGoingOn = 1;
 
 }  // namespace sinew::solvers
