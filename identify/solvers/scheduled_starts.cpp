@@ -14,21 +14,35 @@
 #include "identify/solvers/levenberg_marquardt.h"
 #include "identify/solvers/marginal_cost.h"
 #include "identify/solvers/polishing.h"
+#include "identify/solvers/regularised_start.h"
 #include "identify/solvers/trial_search.h"
 
 namespace sinew::solvers {
 namespace {
 
+enum class From { kStart, kNear, kRegularised, kRegularisedNear };
+
 struct Schedule {
   double first_weight;  // 0: that of the misfit
   double ratio;
-  bool near;  // from a start near the given one
+  From from;
 };
-constexpr Schedule kSchedules[] = {
-    {0, 0, false},          {1.0 / 256, 1.4, false}, {1.0 / 1024, 2, false},  {0, 0, true},
-    {1.0 / 256, 1.4, true}, {1.0 / 128, 1.4, true},  {1.0 / 512, 2, true},    {1.0 / 64, 1.4, true},
-    {1.0 / 384, 1.6, true}, {1.0 / 192, 1.3, true},  {1.0 / 768, 1.8, true},  {0, 0, true},
-    {1.0 / 256, 2, true},   {1.0 / 96, 1.6, true},   {1.0 / 1024, 1.4, true}, {1.0 / 2048, 2, true}};
+constexpr Schedule kSchedules[] = {{0, 0, From::kStart},
+                                   {1.0 / 256, 1.4, From::kStart},
+                                   {0, 0, From::kRegularised},
+                                   {1.0 / 1024, 2, From::kStart},
+                                   {1.0 / 256, 1.4, From::kRegularisedNear},
+                                   {0, 0, From::kNear},
+                                   {1.0 / 256, 1.4, From::kNear},
+                                   {1.0 / 128, 1.4, From::kNear},
+                                   {0, 0, From::kRegularisedNear},
+                                   {1.0 / 512, 2, From::kNear},
+                                   {1.0 / 64, 1.4, From::kNear},
+                                   {1.0 / 256, 1.4, From::kRegularisedNear},
+                                   {1.0 / 384, 1.6, From::kNear},
+                                   {1.0 / 192, 1.3, From::kNear},
+                                   {1.0 / 256, 2, From::kNear},
+                                   {1.0 / 2048, 2, From::kNear}};
 // The others are for data that the best end does not explain as noise.
 constexpr std::size_t kUsual = 8;
 // Improved ends that have to agree, one more where more than noise is left, which a wrong minimum leaves as
@@ -116,18 +130,38 @@ void ScheduledStarts::Attempt(std::size_t which, const Vector& start) {
   const Schedule& schedule = kSchedules[which];
   // Drawn also where it is not used: what follows must not depend on it.
   const Vector near = sampler_.Near(start, random_);
-  const double most = which < 2 || Best() == nullptr ? kInfinity : Best()->stage.cost;
-  const Continuation solver(options_.cost_tolerance, kFirstDamping,
-                            {schedule.first_weight, schedule.ratio, most});
   End end;
   // The name tells searches of one start apart when a run is resumed.
-  end.stage = Polish(solver, fmt::format("continuation {}", which + 1), schedule.near ? near : start,
-                     kEvaluationsPerSearch);
+  const std::string name = fmt::format("continuation {}", which + 1);
+  if (schedule.from == From::kRegularised || schedule.from == From::kRegularisedNear) {
+    end.stage = Polish(LevenbergMarquardt(options_.cost_tolerance, kFirstDamping), name,
+                       Regularised(which, start), kEvaluationsPerSearch);
+    end.given_up = !std::isfinite(end.stage.cost);
+  } else {
+    const double most = which < 2 || Best() == nullptr ? kInfinity : Best()->stage.cost;
+    const Continuation solver(options_.cost_tolerance, kFirstDamping,
+                              {schedule.first_weight, schedule.ratio, most});
+    end.stage = Polish(solver, name, schedule.from == From::kNear ? near : start, kEvaluationsPerSearch);
+    end.given_up = !std::isfinite(end.stage.cost) ||
+                   (end.stage.stop.kind == Termination::kSolverFailed && end.stage.cost > most);
+  }
   end.stage.solver = "continuation";
-  end.given_up = !std::isfinite(end.stage.cost) ||
-                 (end.stage.stop.kind == Termination::kSolverFailed && end.stage.cost > most);
   end.marginal = end.given_up ? kInfinity : MarginalCost(evaluator_.fit(), end.stage.x);
   ends_.push_back(std::move(end));
+}
+
+Vector ScheduledStarts::Regularised(std::size_t which, const Vector& start) const {
+  const Schedule& schedule = kSchedules[which];
+  const LeastSquares& fit = evaluator_.fit();
+  const std::uint64_t seed = Random::StreamSeed(options_.seed, 1000 + which);
+  Vector from = fit.Parameters(start);
+  if (schedule.from == From::kRegularisedNear) {
+    Random random(seed);
+    from = DrawnStart(fit.setup(), from, random);
+  }
+  return RegularisedStart(
+      evaluator_, from,
+      {{schedule.first_weight, schedule.ratio}, options_.cost_tolerance, seed, options_.threads});
 }
 
 // Single trials cost the least, all together find what single ones cannot; windows only serve ends that are

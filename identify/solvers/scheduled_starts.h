@@ -15,7 +15,8 @@ namespace sinew::solvers {
 /// starts near it.
 ///
 /// 1. Two schedules; up to eight while none ends at a cost of noise (at most half the number of data rows).
-///    From the third on one whose cost exceeds that of the best end is given up.
+///    From the third on one whose cost exceeds that of the best end is given up. Two of the eight, and two
+///    more of sixteen, begin where a search with priors about the start ends (RegularisedStart).
 /// 2. The best end is improved: stretches of single trials are redrawn (SearchTrials), all values searched
 ///    from there, then stretches are redrawn with all values free (RedrawTrials), until these bring little.
 ///    Where more than noise is left, trials are searched in growing windows, too. Then the next best end,
@@ -42,6 +43,8 @@ class ScheduledStarts {
   };
 
   void Attempt(std::size_t which, const Vector& start);
+  // Where a search with priors on all parameters ends.
+  [[nodiscard]] Vector Regularised(std::size_t which, const Vector& start) const;
   [[nodiscard]] End* NextToImprove();
   void Improve(End& end);
   void ImproveTrials(End& end, bool in_windows);
