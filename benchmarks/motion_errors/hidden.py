@@ -20,7 +20,7 @@ import numpy as np
 
 sys.path.append(str(Path(__file__).resolve().parents[1]))
 from wilson import wilson  # noqa: E402
-from run import POSITION, ROTATION, draw, write_settings  # noqa: E402
+from run import POSITION, ROTATION, draw, load, seeds_of, write_settings  # noqa: E402
 
 DETECTABLE = 3.605  # length of a signature that a test for it alone at 5 % detects with 95 %
 LONGEST = 900       # [s] of one diagnosis
@@ -182,10 +182,9 @@ def main():
     parser.add_argument("--report", type=Path, nargs="*")
     options = parser.parse_args()
     if options.report:
-        show([one for path in options.report for one in json.loads(path.read_text())])
+        show(load(options.report))
         return
     options.sinew = options.sinew.resolve()
-    first, last = map(int, options.seeds.split(":"))
     began = time.monotonic()
     results = []
 
@@ -200,7 +199,7 @@ def main():
             options.out.write_text(json.dumps(results))
 
     with ThreadPoolExecutor(options.jobs) as pool:
-        list(pool.map(work, range(first, last + 1)))
+        list(pool.map(work, seeds_of(options.seeds)))
     if results:
         show(results)
 

@@ -167,6 +167,16 @@ def show(results):
         print("  warnings:", {k: kinds.count(k) for k in sorted(set(kinds))})
 
 
+def load(paths):
+    return [one for path in paths for one in json.loads(path.read_text())]
+
+
+def seeds_of(text):
+    """Of first:last."""
+    first, last = map(int, text.split(":"))
+    return range(first, last + 1)
+
+
 def main():
     parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
     parser.add_argument("--sinew", type=Path)
@@ -177,12 +187,11 @@ def main():
     parser.add_argument("--report", type=Path, nargs="*")
     options = parser.parse_args()
     if options.report:
-        show([one for path in options.report for one in json.loads(path.read_text())])
+        show(load(options.report))
         return
     options.sinew = options.sinew.resolve()
-    first, last = map(int, options.seeds.split(":"))
     results = []
-    for seed in range(first, last + 1):
+    for seed in seeds_of(options.seeds):
         if options.starts:
             starts(options, seed)
             continue

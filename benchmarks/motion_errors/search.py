@@ -14,7 +14,7 @@ from pathlib import Path
 
 import numpy as np
 
-from run import NAMES, cpu_seconds, draw, sinew, synthesize, write_settings
+from run import NAMES, cpu_seconds, draw, load, seeds_of, sinew, synthesize, write_settings
 
 MISSED = 2  # of the cost
 
@@ -54,13 +54,12 @@ def main():
     parser.add_argument("--report", type=Path, nargs="*")
     options = parser.parse_args()
     if options.report:
-        show([one for path in options.report for one in json.loads(path.read_text())])
+        show(load(options.report))
         return
     options.sinew = options.sinew.resolve()
     options.from_truth = options.from_truth.resolve()
-    first, last = map(int, options.seeds.split(":"))
     results = []
-    for seed in range(first, last + 1):
+    for seed in seeds_of(options.seeds):
         results.append(study(options, seed))
         one = results[-1]
         print(f"{seed}: {one['cost']:.1f}, from the true motion {one['from_truth']['cost']:.1f}; {one['cpu']:.1f} s; {one['stop']}", flush=True)

@@ -89,6 +89,11 @@ bool Evaluator::MustStop() {
   return stop_cause_ != StopCause::kNone;
 }
 
+bool Evaluator::StopRequested() const {
+  return (options_.interrupt != nullptr && options_.interrupt->load(std::memory_order_relaxed)) ||
+         seconds() >= options_.budget.max_seconds;
+}
+
 const EvaluationOutcome* Evaluator::Replayed(const Vector& x) const {
   return options_.replay.Find(evaluations(), x);
 }

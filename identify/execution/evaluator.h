@@ -110,6 +110,9 @@ class Evaluator {
 
   /// True if no further evaluation is allowed; stop_cause() then gives the reason.
   bool MustStop();
+  /// True if the search was interrupted or its time is over. Unlike MustStop it may be asked in any thread,
+  /// by work beside the evaluations.
+  [[nodiscard]] bool StopRequested() const;
   /// Name of the first constraint that x violates by more than rounding. Empty also where a constraint cannot
   /// be evaluated because there is no prediction: such a point is rejected for that reason.
   [[nodiscard]] std::optional<std::string> Violated(const Vector& x) const;

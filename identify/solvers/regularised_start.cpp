@@ -69,7 +69,7 @@ Vector RegularisedStart(const Evaluator& parent, const Vector& start, const Regu
   options.interrupt = parent.options().interrupt;
   options.budget.max_seconds = parent.options().budget.max_seconds - parent.seconds();
   Evaluator evaluator(regularised, std::move(options));
-  const auto stop = [&] { return evaluator.MustStop(); };
+  const auto stop = [&] { return parent.StopRequested(); };
   const Continuation continuation(search.cost_tolerance, kDampingOfStart, search.schedule);
   Vector x = continuation.Solve(evaluator, regularised.Start()).x;
   if (!HasCurves(regularised)) return x;

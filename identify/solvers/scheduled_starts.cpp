@@ -73,7 +73,8 @@ Search ScheduledStarts::Run(const Vector& start) {
   Attempt(0, start);
   if (!Done()) Attempt(1, start);
   std::size_t next = 2;
-  while (next < kUsual && !Done() && !LeavesNoise()) Attempt(next++, start);
+  // Ends that are improved should be as good as possible; without curves there is nothing to improve.
+  while (HasCurves(evaluator_.fit()) && next < kUsual && !Done() && !LeavesNoise()) Attempt(next++, start);
   while (!Done() && !Agrees()) {
     if (End* const unimproved = NextToImprove(); unimproved != nullptr) {
       Improve(*unimproved);
@@ -200,7 +201,8 @@ void ScheduledStarts::ImproveTrials(End& end, bool in_windows) {
   for (const End& other : ends_) {
     if (&other != &end && !other.given_up) search.others.push_back(other.stage.x);
   }
-  const Vector x = SearchTrials(evaluator_.fit(), end.stage.x, search, [&] { return MustStop(); });
+  const Vector x =
+      SearchTrials(evaluator_.fit(), end.stage.x, search, [&] { return evaluator_.StopRequested(); });
   if (x != end.stage.x && !Done()) Take(end, x);
 }
 
@@ -210,7 +212,7 @@ void ScheduledStarts::Redraw(End& end, int round) {
       best != nullptr && best->improved && best->marginal < end.marginal ? best->marginal : -kInfinity;
   const WindowEnd found = RedrawTrials(evaluator_.fit(), {end.stage.x, end.stage.cost, end.marginal},
                                        Random::StreamSeed(options_.seed, static_cast<std::uint64_t>(round)),
-                                       options_.threads, enough, [&] { return MustStop(); });
+                                       options_.threads, enough, [&] { return evaluator_.StopRequested(); });
   if (found.x != end.stage.x && !Done()) Take(end, found.x);
 }
 
@@ -223,12 +225,6 @@ void ScheduledStarts::Take(End& end, const Vector& x) {
   joint.solver = end.stage.solver;
   end.stage = std::move(joint);
   end.marginal = marginal;
-}
-
-bool ScheduledStarts::MustStop() const {
-  const Evaluator::Options& limits = evaluator_.options();
-  return (limits.interrupt != nullptr && limits.interrupt->load()) ||
-         evaluator_.seconds() >= limits.budget.max_seconds;
 }
 
 ScheduledStarts::End* ScheduledStarts::Best() {

@@ -14,13 +14,15 @@ namespace sinew::solvers {
 /// the starts are searches by `continuation` with different schedules, first from the given start, then from
 /// starts near it.
 ///
-/// 1. Two schedules; up to eight while none ends at a cost of noise (at most half the number of data rows).
+/// 1. Two schedules; where trials have curves, up to eight while none ends at a cost of noise (at most half
+/// the number of data rows).
 ///    From the third on one whose cost exceeds that of the best end is given up. Two of the eight, and two
 ///    more of sixteen, begin where a search with priors about the start ends (RegularisedStart).
 /// 2. The best end is improved: stretches of single trials are redrawn (SearchTrials), all values searched
 ///    from there, then stretches are redrawn with all values free (RedrawTrials), until these bring little.
 ///    Where more than noise is left, trials are searched in growing windows, too. Then the next best end,
 ///    until two are at the same minimum, three where more than noise is left.
+///    Without curves (HasCurves) an end is as good as it gets.
 /// 3. Where none is left to be improved, further schedules: up to eight in all, sixteen where more than noise
 ///    is left.
 ///
@@ -52,7 +54,6 @@ class ScheduledStarts {
   void Take(End& end, const Vector& x);
   // Whether the end gained enough to go on.
   [[nodiscard]] static bool Gains(const End& end, const std::function<void()>& improve);
-  [[nodiscard]] bool MustStop() const;
   [[nodiscard]] Stage Polish(const Solver& solver, const std::string& name, const Vector& x,
                              long evaluations);
   [[nodiscard]] End* Best();

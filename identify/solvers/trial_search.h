@@ -35,8 +35,7 @@ struct TrialSearch {
                                   const std::function<bool()>& stop);
 
 /// All trials and what they have in common, together: with stretches redrawn (RedrawStretches). @param end a
-/// minimum of the fit
-/// @param enough of Redraws
+/// minimum of the fit @param enough of Redraws
 [[nodiscard]] WindowEnd RedrawTrials(const LeastSquares& fit, const WindowEnd& end, std::uint64_t seed,
                                      int threads, double enough, const std::function<bool()>& stop);
 

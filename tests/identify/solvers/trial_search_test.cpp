@@ -48,17 +48,21 @@ struct TwoWalks {
   FunctionProblem problem;
 };
 
+solvers::WindowEnd AtOnce(const LeastSquares& fit) {
+  const auto local = solvers::LocalFit(fit).Minimize(fit.Start(), -1, {0, 1e-9}, 500);
+  return {local.x, local.cost, solvers::MarginalCost(fit, local.x)};
+}
+
 TEST(TrialSearch, RedrawnWithTheSpeedFreeItEndsLower) {
   const TwoWalks walks;
   FitSetup setup = MakeFitSetup(walks.problem, {}).value();
   FitRecord record;
   setup.record = &record;
   const LeastSquares fit(walks.problem, setup);
-  const auto local = solvers::LocalFit(fit).Minimize(fit.Start(), -1, {0, 1e-9}, 500);
-  const solvers::WindowEnd end{local.x, local.cost, solvers::MarginalCost(fit, local.x)};
+  const solvers::WindowEnd end = AtOnce(fit);
   const std::size_t before = record.size();
   const solvers::WindowEnd found = solvers::RedrawTrials(fit, end, 1, 1, kNever, {});
-  EXPECT_LT(found.cost, 0.5 * local.cost);
+  EXPECT_LT(found.cost, 0.5 * end.cost);
   EXPECT_EQ(found.marginal, solvers::MarginalCost(fit, found.x));
   EXPECT_EQ(record.size(), before + 1) << "the answer as a whole is kept, its fits are not";
 
@@ -73,8 +77,7 @@ TEST(TrialSearch, RedrawnUntilThatIsEnough) {
   const TwoWalks walks;
   const FitSetup setup = MakeFitSetup(walks.problem, {}).value();
   const LeastSquares fit(walks.problem, setup);
-  const auto local = solvers::LocalFit(fit).Minimize(fit.Start(), -1, {0, 1e-9}, 500);
-  const solvers::WindowEnd end{local.x, local.cost, solvers::MarginalCost(fit, local.x)};
+  const solvers::WindowEnd end = AtOnce(fit);
   const double all = solvers::RedrawTrials(fit, end, 1, 1, kNever, {}).marginal;
   const double enough = 0.5 * (all + end.marginal);
   const double found = solvers::RedrawTrials(fit, end, 1, 1, enough, {}).marginal;
