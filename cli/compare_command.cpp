@@ -3,6 +3,7 @@
 #include <cmath>
 #include <cstdio>
 #include <filesystem>
+#include <utility>
 
 #include "base/numbers.h"
 #include "base/text.h"
@@ -18,6 +19,7 @@
 #include "identify/files/origin.h"
 #include "identify/files/study_file.h"
 #include "identify/files/study_resume.h"
+#include "identify/solvers/prior_choice.h"
 
 namespace sinew {
 namespace {
@@ -95,10 +97,13 @@ Result<int> RunCompare(const CompareWords& words) {
                  IfBusy::kRefuse));
   SINEW_ASSIGN(const Binding binding, BindToFit(words.binding, !words.fit.release.empty()));
   SINEW_ASSIGN(const FitRequest request, words.fit.Request());
-  SINEW_ASSIGN(const FitSetup setup, MakeFitSetup(binding.problem(), request));
-  const LeastSquares problem(binding.problem(), setup);
+  SINEW_ASSIGN(FitSetup setup, MakeFitSetup(binding.problem(), request));
   const Provenance provenance = binding.ToProvenance(words.binding);
   const Hdf5Node origin = files::OriginTree(provenance, setup, FactsOf(words));
+  // Every solver fits with the same priors, from the same starts.
+  setup = solvers::WithPriorsOf(solvers::ChoosePriors(binding.problem(), setup, {&InterruptFlag()}).setup,
+                                std::move(setup));
+  const LeastSquares problem(binding.problem(), setup);
 
   ProgressLine line("compare", words.fit.quiet);
   StudyOptions options = ToOptions(words);

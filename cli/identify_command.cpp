@@ -67,6 +67,17 @@ Status CheckSameParameters(const std::string& path, const Hdf5Node& recorded, co
   return {};
 }
 
+// Parameters of priors, which that run has chosen.
+std::vector<std::pair<std::string, double>> PriorsOf(const RecordedRun& run, const FitSetup& setup) {
+  std::vector<std::pair<std::string, double>> priors;
+  for (const auto& [name, value] : run.values) {
+    const auto index = FindParameter(setup.parameters, name);
+    if (index && setup.parameters[static_cast<std::size_t>(*index)].kind == ParameterKind::kPrior)
+      priors.emplace_back(name, value);
+  }
+  return priors;
+}
+
 // The evaluations of the run that is resumed. Errors: no such run; it was made from something else, so that
 // its evaluations are not those of this one.
 Result<RecordedRun> Recorded(const IdentifyWords& words, const std::string& solver,
@@ -97,7 +108,12 @@ Result<RecordedRun> Recorded(const IdentifyWords& words, const std::string& solv
     return Fail("--resume: {} was made with other settings (--config); they are in its /run/config",
                 words.out);
   if (tree.Find("parameters") != nullptr) SINEW_TRY(CheckSameParameters(words.out, tree, setup));
-  SINEW_TRY(files::CheckBestCost(words.out, *recorded, LeastSquares(problem, setup)));
+  FitSetup then = setup;
+  for (const auto& [name, value] : PriorsOf(*recorded, setup)) {
+    SINEW_ASSIGN(const int index, FindParameter(setup.parameters, name));
+    then.rest[index] = value;
+  }
+  SINEW_TRY(files::CheckBestCost(words.out, *recorded, LeastSquares(problem, then)));
   return recorded;
 }
 
@@ -172,6 +188,7 @@ Result<int> RunIdentify(const IdentifyWords& words) {
     NoteBeginning(words.out);
   } else if (words.resume) {
     SINEW_ASSIGN(RecordedRun recorded, Recorded(words, options.solver, provenance, binding.problem(), setup));
+    options.replayed_priors = PriorsOf(recorded, setup);
     options.evaluator.replay = std::move(recorded.record);
     options.evaluator.finished = std::move(recorded.finished_searches);
     options.evaluator.replayed_residuals = std::move(recorded.kept_residuals);

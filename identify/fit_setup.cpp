@@ -67,6 +67,9 @@ Result<FitSetup> MakeFitSetup(const Problem& problem, const FitRequest& request)
   }
   for (const std::string& name : request.free) {
     SINEW_ASSIGN(const int index, FindParameter(setup.parameters, name));
+    if (setup.parameters[static_cast<std::size_t>(index)].kind == ParameterKind::kPrior)
+      return Fail("parameter '{}' belongs to a prior: it is chosen before the search, or held by --fix",
+                  name);
     free.insert(index);
   }
   std::vector<int> flat_at_null;  // of effects whose parameters all have probe values: no slope at the null

@@ -21,8 +21,10 @@ struct GaussianPrior {
 
 /// Base parameters are what `identify` fits. Nuisance parameters (an initial state, a per-trial offset) are
 /// fitted too but not reported as results. Effect parameters are held at their null value, where the effect
-/// vanishes, until the effect is released.
-enum class ParameterKind { kBase, kNuisance, kEffect };
+/// vanishes, until the effect is released. Parameters of priors say what is expected of nuisance values (how
+/// smooth an error is); no least squares can fit them: they are held, or chosen by the marginal likelihood
+/// before the search (solvers::ChoosePriors).
+enum class ParameterKind { kBase, kNuisance, kEffect, kPrior };
 
 struct Parameter {
   std::string name;
@@ -33,7 +35,7 @@ struct Parameter {
   double start = 0;     ///< within the bounds; stated by the problem, never the middle by default
   Scale scale = Scale::kLinear;
   /// Where searches should begin as well, because the cost has several minima along this parameter (a lag);
-  /// within the bounds. Solver `starts` uses them.
+  /// within the bounds. Solver `starts` uses them. kPrior: the value is chosen, unless there are none.
   std::vector<double> other_starts;
   std::string source;  ///< author, year, equation
   std::string

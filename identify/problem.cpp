@@ -74,6 +74,15 @@ std::vector<AlternativePrediction> Problem::Alternatives(const Vector& /*paramet
   return {};
 }
 
+Vector Problem::AtPriors(const Vector& parameters, const Vector& priors) const {
+  Vector at = parameters;
+  for (std::size_t i = 0; i < this->parameters().size(); ++i) {
+    const auto index = static_cast<Eigen::Index>(i);
+    if (this->parameters()[i].kind == ParameterKind::kPrior) at[index] = priors[index];
+  }
+  return at;
+}
+
 std::optional<UnmeasuredEstimate> Problem::EstimateUnmeasured(const Vector& /*parameters*/) const {
   return {};
 }

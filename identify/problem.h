@@ -95,7 +95,8 @@ class Problem {
   /// point is set to zero, not left out. Columns that are not wanted are left as they are and are not read.
   ///
   /// A parameter that is not in Block::columns must not change the block; otherwise its effect on the cost is
-  /// missing from the gradient. Derivatives are those of the values returned: solvers stop too early, or
+  /// missing from the gradient. (Those of priors may, ParameterKind::kPrior: no gradient moves them.)
+  /// Derivatives are those of the values returned: solvers stop too early, or
   /// reject every step, where they are not. Documented departures: Parameter::null_step and
   /// Parameter::is_rounding_step.
   ///
@@ -158,6 +159,11 @@ class Problem {
   [[nodiscard]] virtual std::optional<Vector> ImprovedStart(const std::vector<int>& free,
                                                             const std::vector<bool>& compared,
                                                             const Vector& parameters) const;
+
+  /// Parameters [P] at which the prediction is nearly the same with the parameters of the priors
+  /// (ParameterKind::kPrior) that `priors` [P] has: where the meaning of nuisance values depends on them,
+  /// with other nuisance values. Default: the others unchanged.
+  [[nodiscard]] virtual Vector AtPriors(const Vector& parameters, const Vector& priors) const;
 
   /// Warnings about the model at these parameters [P], such as a muscle outside its working range: kind
   /// kOther, one sentence in `message`; `names` and `numbers`, of equal length or empty, state its facts for

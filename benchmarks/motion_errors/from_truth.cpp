@@ -55,7 +55,8 @@ Pose Deviation(const Stance& recorded, const Stance& exact, std::size_t t) {
 }
 
 // Adds the normal equations of the weights of a stance's curves.
-void AddStance(const Stance& recorded, const Stance& exact, Matrix& normal, Vector& pull) {
+void AddStance(const Stance& recorded, const Stance& exact, const DeviationBases& bases, Matrix& normal,
+               Vector& pull) {
   const auto add = [&](const Vector& row, double value, double closeness) {
     normal += row * row.transpose() / (closeness * closeness);
     pull += row * value / (closeness * closeness);
@@ -72,8 +73,8 @@ void AddStance(const Stance& recorded, const Stance& exact, Matrix& normal, Vect
       Vector by_rate = Vector::Zero(pull.size());
       for (const PoseTerm& term : recorded.motion_errors.terms) {
         const auto row = static_cast<Eigen::Index>(t);
-        by_value.segment(term.first, term.weights()) += term.basis.value.row(row) * term.direction[k];
-        by_rate.segment(term.first, term.weights()) += term.basis.rate.row(row) * term.direction[k];
+        by_value.segment(term.first, term.weights) += bases.Of(term).value.row(row) * term.direction[k];
+        by_rate.segment(term.first, term.weights) += bases.Of(term).rate.row(row) * term.direction[k];
       }
       add(by_value, pose[k], kCloseness[k]);
       if (t > 0 && t < last) add(by_rate, rate[k], kRate * kCloseness[k]);
@@ -95,7 +96,7 @@ Status Run(int count, char** words) {
                                    [&](const Stance& other) { return other.trial == stance.trial; });
     if (same == others.end() || same->time != stance.time)
       return Fail("the two files differ in their stances");
-    AddStance(stance, *same, normal, pull);
+    AddStance(stance, *same, stance.motion_errors.BasesAt(setup.rest), normal, pull);
   }
   const Vector weights = normal.ldlt().solve(pull);
   for (const int index : setup.free) {

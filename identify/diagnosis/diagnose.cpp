@@ -24,6 +24,7 @@
 #include "identify/equal_noise_view.h"
 #include "identify/error_concentration.h"
 #include "identify/solvers/improved_start.h"
+#include "identify/solvers/prior_choice.h"
 
 namespace sinew {
 namespace diagnosis {
@@ -86,8 +87,8 @@ class DiagnosisRun {
     SINEW_TRY(CheckProblem(problem_, setup));
     SINEW_TRY(Continue());
     SINEW_TRY(CheckThatDataSuffice(problem_, setup));
-    out_.setup = std::move(setup);
-    out_.setup.record = options_.record;
+    setup.record = options_.record;
+    out_.setup = solvers::ChoosePriors(problem_, setup, {options_.interrupt}).setup;
     out_.has_held_out = state_.held_out.exists();
     state_.candidates = ListCandidates(problem_, out_.setup);
     RemoveQuantisation(problem_, state_.candidates);

@@ -34,6 +34,7 @@ void WriteParameters(const FitSetup& setup, const Vector& values, Hdf5Node& node
     source.push_back(p.source);
     kind.emplace_back(p.kind == ParameterKind::kBase       ? "base"
                       : p.kind == ParameterKind::kNuisance ? "nuisance"
+                      : p.kind == ParameterKind::kPrior    ? "prior"
                                                            : "effect");
     effect.push_back(p.effect);
     trial.push_back(p.trial);

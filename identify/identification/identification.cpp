@@ -1,5 +1,6 @@
 #include "identify/identification/identification.h"
 
+#include <algorithm>
 #include <utility>
 
 #include "identify/check_problem.h"
@@ -7,6 +8,7 @@
 #include "identify/identification/odd_trials.h"
 #include "identify/solvers/held_out_nuisance.h"
 #include "identify/solvers/improved_start.h"
+#include "identify/solvers/prior_choice.h"
 
 namespace sinew {
 namespace {
@@ -41,6 +43,13 @@ Status AnalyseAndImprove(const LeastSquares& least_squares, UncertaintyOptions h
   return {};
 }
 
+bool HasPriors(const FitSetup& setup, const std::vector<std::pair<std::string, double>>& priors) {
+  return std::all_of(priors.begin(), priors.end(), [&](const auto& prior) {
+    const auto index = FindParameter(setup.parameters, prior.first);
+    return index && setup.rest[*index] == prior.second;
+  });
+}
+
 Warning FailuresOf(const Evaluator& search) {
   constexpr std::size_t kMostReasons = 5;
   Warning warning{WarningKind::kFailedEvaluations,
@@ -64,7 +73,12 @@ Result<Identification> Identify(const Problem& problem, FitSetup setup, Identifi
   Identification out;
   out.solver = options.solver;
   out.solver_options = options.solver_options;
-  out.setup = std::move(setup);
+  out.setup = solvers::ChoosePriors(problem, setup, {options.evaluator.interrupt}).setup;
+  if (!HasPriors(out.setup, options.replayed_priors)) {
+    options.evaluator.replay = {};
+    options.evaluator.finished.clear();
+    options.evaluator.replayed_residuals.clear();
+  }
 
   const LeastSquares least_squares(problem, out.setup);
   options.evaluator.began = std::chrono::steady_clock::now();

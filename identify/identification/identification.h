@@ -4,6 +4,7 @@
 #include <atomic>
 #include <functional>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include "base/error.h"
@@ -23,6 +24,9 @@ struct IdentificationOptions {
   std::string solver;  ///< empty: Problem::default_solver()
   SolverOptions solver_options;
   Evaluator::Options evaluator;
+  /// The parameters of priors in the run that is resumed, by name. Where others are chosen now, because that
+  /// run was stopped while it chose, its evaluations are of another fit, and are done again.
+  std::vector<std::pair<std::string, double>> replayed_priors;
   bool profiles = true;  ///< false: intervals are linear
   /// Called once the search has ended, before the intervals; may be empty.
   std::function<void(const SolverResult&)> after_search;

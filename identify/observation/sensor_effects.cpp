@@ -359,6 +359,13 @@ std::vector<AlternativePrediction> SensorEffects::Alternatives(const Vector& par
   return alternatives;
 }
 
+Vector SensorEffects::AtPriors(const Vector& parameters, const Vector& priors) const {
+  Vector all = parameters;
+  all.head(inner_parameters_) =
+      inner_->AtPriors(parameters.head(inner_parameters_), priors.head(inner_parameters_));
+  return all;
+}
+
 std::optional<UnmeasuredEstimate> SensorEffects::EstimateUnmeasured(const Vector& parameters) const {
   auto estimate = inner_->EstimateUnmeasured(parameters.head(inner_parameters_));
   if (!estimate) return {};

@@ -13,6 +13,7 @@
 #include "identify/solvers/independent_starts.h"
 #include "identify/solvers/levenberg_marquardt.h"
 #include "identify/solvers/marginal_cost.h"
+#include "identify/solvers/noise_cost.h"
 #include "identify/solvers/polishing.h"
 #include "identify/solvers/regularised_start.h"
 #include "identify/solvers/trial_search.h"
@@ -101,7 +102,7 @@ bool ScheduledStarts::Agrees() {
 }
 
 double ScheduledStarts::NoiseCost() const {
-  return 0.5 * evaluator_.fit().data_rows();
+  return LargestNoiseCost(evaluator_.fit());
 }
 
 bool ScheduledStarts::LeavesNoise() {

@@ -143,9 +143,25 @@ Status ContactProblem::WriteDetails(const Vector& parameters, Hdf5Node& details)
   return {};
 }
 
+std::vector<FigureOfMerit> ContactProblem::PriorFigures(const Vector& parameters) const {
+  if (!settings_.motion_errors || data_.stances.empty()) return {};
+  const CurveSpectrum spectrum = data_.stances.front().motion_errors.SpectrumAt(parameters);
+  const auto source = [](const std::optional<double>& set) {
+    return set ? "as set" : "chosen by the marginal likelihood, and held as known by the intervals";
+  };
+  return {{"correlation time",
+           fmt::format("s, standard deviation of the pose's errors over that of their rates; {}",
+                       source(settings_.motion_errors->correlation_time)),
+           spectrum.correlation_time},
+          {"roughness",
+           fmt::format("share of the variance of the pose's errors whose rate may jump; {}",
+                       source(settings_.motion_errors->roughness)),
+           spectrum.roughness}};
+}
+
 std::vector<FigureOfMerit> ContactProblem::FiguresOfMerit(const Vector& parameters,
                                                           const std::vector<Vector>& /*predicted*/) const {
-  std::vector<FigureOfMerit> figures;
+  std::vector<FigureOfMerit> figures = PriorFigures(parameters);
   for (const Stance& stance : data_.stances) {
     const StanceMotionErrors& errors = stance.motion_errors;
     if (errors.terms.empty()) continue;

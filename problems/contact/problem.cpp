@@ -70,12 +70,15 @@ ParameterList List(const ContactSettings& settings, const ContactEffectList& eff
     }
   }
   effects.Declare(add);
+  if (settings.motion_errors) {
+    for (Parameter& p : DeclareSpectrum(*settings.motion_errors)) add.Add(std::move(p));
+  }
   if (!stances.empty()) {
     const StanceMotionErrors& errors = stances.front().motion_errors;
     for (int i = 0; i < errors.own; ++i) {
       const auto component = static_cast<PoseComponent>(errors.components[static_cast<std::size_t>(i)]);
       for (Parameter& p :
-           DeclareWeights(component, errors.terms[static_cast<std::size_t>(i)].weights(), "", ""))
+           DeclareWeights(component, errors.terms[static_cast<std::size_t>(i)].weights, "", ""))
         add.Add(std::move(p));
     }
   }
@@ -88,7 +91,7 @@ ParameterList List(const ContactSettings& settings, const ContactEffectList& eff
     for (std::size_t i = static_cast<std::size_t>(errors.own); i < errors.terms.size(); ++i) {
       const auto component =
           static_cast<PoseComponent>(errors.components[i - static_cast<std::size_t>(errors.own)]);
-      for (Parameter& p : DeclareWeights(component, errors.terms[i].weights(), stance.trial, name))
+      for (Parameter& p : DeclareWeights(component, errors.terms[i].weights, stance.trial, name))
         add.Add(std::move(p));
     }
   }
@@ -111,7 +114,8 @@ struct ContactProblem::Scratch {
   std::vector<ElasticFoundation> beds;       // per part
   EffectLoad with_effects;
   std::optional<PosedFoot> posed;  // where springs move
-  std::vector<Vec3> places;        // of the soles, per part
+  DeviationBases curves;
+  std::vector<Vec3> places;  // of the soles, per part
   ContactPoseJacobian by_pose;
   std::vector<ContactPlaceJacobian> by_place;  // per part
   ContactEffectValues effects{};
@@ -206,6 +210,7 @@ Status ContactProblem::Predict(const Query& query, Workspace& workspace, Predict
     scratch.differentiates_edges = query.Differentiates(first + static_cast<int>(kToeRegion)) ||
                                    query.Differentiates(first + static_cast<int>(kHeelRegion));
     SolePlacesInto(stance, query.parameters, scratch.places);
+    scratch.curves = stance.motion_errors.BasesAt(query.parameters);
     for (int t = 0; t < static_cast<int>(stance.time.size()); ++t) {
       PredictInstant(stance, t, wanted, query, scratch, prediction);
     }
@@ -217,7 +222,7 @@ void ContactProblem::PredictInstant(const Stance& stance, int t, const std::arra
                                     const Query& query, Scratch& scratch, Prediction& prediction) const {
   const bool posed = scratch.posed.has_value();
   if (posed) {
-    const PoseDeviation deviation = stance.motion_errors.At(query.parameters, t);
+    const PoseDeviation deviation = stance.motion_errors.At(scratch.curves, query.parameters, t);
     scratch.posed->Place(stance.kinematics, stance.foot, settings_.floor.height, t, deviation, scratch.places,
                          stance.side, query.derivatives);
     // Without effects the load comes in one pass, with or without their derivatives.
@@ -303,20 +308,37 @@ void ContactProblem::DifferentiatePose(const Stance& stance, int t, const std::a
   if (errors.terms.empty()) return;
   at += static_cast<Eigen::Index>(kContactEffects) + (data_.effects.OwnHeight(stance.plate) >= 0 ? 1 : 0);
   for (const PoseTerm& term : errors.terms) {
-    const Eigen::Index weights = term.weights();
+    const Eigen::Index weights = term.weights;
     if (query.Differentiates(term.first)) {
       const ContactLoad value = scratch.by_pose.leftCols<kPoseComponents>() * term.direction;
       const ContactLoad rate = scratch.by_pose.rightCols<kPoseComponents>() * term.direction;
       const auto by_value = channels.Derivative(value);
       const auto by_rate = channels.Derivative(rate);
+      const CurveBasis& curves = scratch.curves.Of(term);
       for (std::size_t c = 0; c < kChannels; ++c) {
         if (!wanted[c]) continue;
         prediction.derivatives(stance.blocks[c]).row(t).segment(parts * kColumnsPerGroup[c] + at, weights) =
-            by_value[c] * term.basis.value.row(t) + by_rate[c] * term.basis.rate.row(t);
+            by_value[c] * curves.value.row(t) + by_rate[c] * curves.rate.row(t);
       }
     }
     at += weights;
   }
+}
+
+Vector ContactProblem::AtPriors(const Vector& parameters, const Vector& priors) const {
+  Vector at = Problem::AtPriors(parameters, priors);
+  for (const Stance& stance : data_.stances) {
+    const StanceMotionErrors& errors = stance.motion_errors;
+    if (errors.terms.empty()) continue;
+    const CurveSpectrum from = errors.SpectrumAt(parameters);
+    const CurveSpectrum to = errors.SpectrumAt(at);
+    for (const PoseTerm& term : errors.terms) {
+      const DeviationCurves& curves = term.is_own ? *errors.own_curves : *errors.common_curves;
+      at.segment(term.first, term.weights) =
+          curves.Carried(parameters.segment(term.first, term.weights), from, to);
+    }
+  }
+  return at;
 }
 
 std::vector<Problem::Signal> ContactProblem::ResidualCovariates(int block) const {

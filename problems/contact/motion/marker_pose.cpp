@@ -15,7 +15,8 @@ constexpr double kPlaceError = 0.01;    // [m] between a marker's place on the f
 constexpr double kWideShift = 0.02;
 constexpr double kWideTurn = 0.2;
 constexpr double kWideJoint = 0.3;
-constexpr double kPoseCorrelationTime = 0.1;  // [s]
+// The correlation falls to a half within a tenth of a second.
+constexpr CurveSpectrum kPoseSpectrum{0.0577, 1};
 // Of the frames: the foot stops within a few of them.
 constexpr double kFramesPerKnot = 2;
 
@@ -25,15 +26,16 @@ class MarkerFit {
   MarkerFit(const std::vector<double>& times, const FootMotion& foot, const FootMarkers& markers)
       : foot_(foot), markers_(markers) {
     const double step = (times.back() - times.front()) / static_cast<double>(times.size() - 1);
-    const auto basis = MotionErrorBasis::Make(times, times.front(), times.back(), kPoseCorrelationTime,
-                                              1 / (2 * kFramesPerKnot * step));
+    const DeviationCurves curves(times, times.front(), times.back(), 1 / (2 * kFramesPerKnot * step));
+    bases_.own = curves.With(kPoseSpectrum);
     for (int c = 0; c < (foot.has_joint ? kPoseComponents : kJointAngle); ++c) {
       PoseTerm term;
       term.direction.setZero();
       term.direction[c] = c <= kShiftZ ? kWideShift : c <= kTurnZ ? kWideTurn : kWideJoint;
-      term.basis = basis;
+      term.is_own = true;
       term.first = static_cast<int>(size_);
-      size_ += term.weights();
+      term.weights = curves.weights();
+      size_ += term.weights;
       curves_.terms.push_back(std::move(term));
     }
     places_ = size_;
@@ -41,7 +43,7 @@ class MarkerFit {
   }
 
   [[nodiscard]] PoseDeviation At(const Vector& x, std::size_t instant) const {
-    return curves_.At(x, static_cast<int>(instant));
+    return curves_.At(bases_, x, static_cast<int>(instant));
   }
   [[nodiscard]] Vec3 Place(const Vector& x, std::size_t marker) const {
     return markers_.markers[marker].location +
@@ -77,8 +79,8 @@ class MarkerFit {
         const Eigen::Matrix<double, 6, 1> moved =
             jacobian.topLeftCorner<6, kPoseComponents>() * term.direction;
         const Vec3 slope = moved.head<3>() + Vec3(moved.tail<3>()).cross(arm);
-        rows.middleCols(term.first, term.weights()) =
-            slope / kMarkerNoise * term.basis.value.row(static_cast<Eigen::Index>(t));
+        rows.middleCols(term.first, term.weights) =
+            slope / kMarkerNoise * bases_.own->value.row(static_cast<Eigen::Index>(t));
       }
       rows.middleCols<3>(places_ + 3 * static_cast<Eigen::Index>(m)) =
           kPlaceError / kMarkerNoise * body.rotation;
@@ -91,6 +93,7 @@ class MarkerFit {
   const FootMotion& foot_;
   const FootMarkers& markers_;
   StanceMotionErrors curves_;
+  DeviationBases bases_;
   Eigen::Index places_ = 0;
   Eigen::Index size_ = 0;
 };

@@ -2,7 +2,6 @@
 
 #include <fmt/format.h>
 
-#include <Eigen/Cholesky>
 #include <Eigen/Geometry>
 #include <algorithm>
 #include <cmath>
@@ -11,27 +10,6 @@
 
 namespace sinew {
 namespace {
-
-constexpr int kOrder = 4;  // cubic
-
-// Values and slopes of the four cubic B-splines that are not zero at u in [0, 1] between two knots, over
-// knots one apart.
-struct LocalSplines {
-  std::array<double, kOrder> value;
-  std::array<double, kOrder> slope;
-};
-
-LocalSplines SplinesAt(double u) {
-  const double v = 1 - u;
-  return {{v * v * v / 6, (3 * u * u * u - 6 * u * u + 4) / 6, (3 * v * v * v - 6 * v * v + 4) / 6,
-           u * u * u / 6},
-          {-v * v / 2, (9 * u * u - 12 * u) / 6, -(9 * v * v - 12 * v) / 6, u * u / 2}};
-}
-
-// Between equidistant knots half a period of the cutoff apart.
-int Intervals(double length, double cutoff) {
-  return std::max(1, static_cast<int>(std::ceil(2 * cutoff * length - 1e-9)));
-}
 
 Result<std::optional<double>> Positive(const YamlReader& yaml, const std::string& key) {
   if (!yaml.Has(key)) return std::optional<double>();
@@ -50,7 +28,8 @@ const char* ToString(PoseComponent component) {
 }
 
 Result<MotionErrorSettings> ReadMotionErrors(const YamlReader& yaml) {
-  SINEW_TRY(yaml.OnlyKeys({"position", "rotation", "joint", "between_steps", "correlation_time", "cutoff"}));
+  SINEW_TRY(yaml.OnlyKeys(
+      {"position", "rotation", "joint", "between_steps", "correlation_time", "roughness", "cutoff"}));
   MotionErrorSettings settings;
   SINEW_ASSIGN(settings.position, Positive(yaml, "position"));
   SINEW_ASSIGN(settings.rotation, Positive(yaml, "rotation"));
@@ -59,7 +38,12 @@ Result<MotionErrorSettings> ReadMotionErrors(const YamlReader& yaml) {
   SINEW_ASSIGN(const auto cutoff, Positive(yaml, "cutoff"));
   SINEW_ASSIGN(const auto between_steps, Positive(yaml, "between_steps"));
   settings.between_steps = between_steps.value_or(settings.between_steps);
-  settings.correlation_time = correlation_time.value_or(settings.correlation_time);
+  settings.correlation_time = correlation_time;
+  SINEW_ASSIGN(settings.roughness, Positive(yaml, "roughness"));
+  if (settings.roughness && *settings.roughness > 1) {
+    SINEW_ASSIGN(const YamlReader entry, yaml.At("roughness"));
+    return FailAt(entry.file(), entry.line(), "roughness: {}, expected at most 1", *settings.roughness);
+  }
   settings.cutoff = cutoff.value_or(settings.cutoff);
   constexpr double kHighest = 200;  // [Hz]: an hour of such curves would fill any memory
   if (settings.cutoff > kHighest)
@@ -67,80 +51,46 @@ Result<MotionErrorSettings> ReadMotionErrors(const YamlReader& yaml) {
   return settings;
 }
 
-MotionErrorBasis MotionErrorBasis::Splines(const std::vector<double>& times, double from, double to,
-                                           double cutoff, double stretch) {
-  const int intervals = Intervals(to - from, cutoff);
-  const double spacing = (to - from) / intervals;
-  const auto rows = static_cast<Eigen::Index>(times.size());
-  MotionErrorBasis basis{Matrix::Zero(rows, intervals + kOrder - 1),
-                         Matrix::Zero(rows, intervals + kOrder - 1)};
-  for (Eigen::Index t = 0; t < rows; ++t) {
-    const double time = times[static_cast<std::size_t>(t)];
-    const double at = std::clamp((time - from) / spacing, 0.0, static_cast<double>(intervals));
-    const int interval = std::min(static_cast<int>(at), intervals - 1);
-    const LocalSplines local = SplinesAt(at - interval);
-    const bool inside = time >= from && time <= to;
-    for (int k = 0; k < kOrder; ++k) {
-      basis.value(t, interval + k) = local.value[static_cast<std::size_t>(k)];
-      if (inside) basis.rate(t, interval + k) = stretch * local.slope[static_cast<std::size_t>(k)] / spacing;
-    }
-  }
-  return basis;
-}
-
-MotionErrorBasis MotionErrorBasis::Make(const std::vector<double>& times, double from, double to,
-                                        double correlation_time, double cutoff, double stretch) {
-  const int intervals = Intervals(to - from, cutoff);
-  const double spacing = (to - from) / intervals;
-  const int count = intervals + kOrder - 1;
-  Matrix covariance(count, count);
-  for (int i = 0; i < count; ++i) {
-    for (int j = 0; j < count; ++j) {
-      const double lag = std::sqrt(3.0) * spacing * std::abs(i - j) / correlation_time;
-      covariance(i, j) = (1 + lag) * std::exp(-lag);
-    }
-  }
-  const Matrix root = Eigen::LLT<Matrix>(covariance).matrixL();
-  // Splines smooth what their weights do; the curve's mean variance is to be 1.
-  constexpr int kGrid = 200;
-  std::vector<double> grid;
-  for (int i = 0; i < kGrid; ++i) grid.push_back(from + (i + 0.5) * (to - from) / kGrid);
-  const double scale =
-      std::sqrt(static_cast<double>(kGrid)) / (Splines(grid, from, to, cutoff).value * root).norm();
-  MotionErrorBasis basis = Splines(times, from, to, cutoff, stretch);
-  basis.value = scale * basis.value * root;
-  basis.rate = scale * basis.rate * root;
-  return basis;
-}
-
 std::vector<int> StanceMotionErrors::Columns() const {
   std::vector<int> columns;
   for (const PoseTerm& term : terms) {
-    for (int k = 0; k < term.weights(); ++k) columns.push_back(term.first + k);
+    for (int k = 0; k < term.weights; ++k) columns.push_back(term.first + k);
   }
   return columns;
 }
 
 int StanceMotionErrors::weights() const {
   int count = 0;
-  for (const PoseTerm& term : terms) count += term.weights();
+  for (const PoseTerm& term : terms) count += term.weights;
   return count;
 }
 
 std::array<int, 2> StanceMotionErrors::OwnRange() const {
   if (terms.empty()) return {0, 0};
   const PoseTerm& last = terms.back();
-  return {terms[static_cast<std::size_t>(own)].first, last.first + last.weights()};
+  return {terms[static_cast<std::size_t>(own)].first, last.first + last.weights};
 }
 
-PoseDeviation StanceMotionErrors::At(const Vector& parameters, int instant) const {
+CurveSpectrum StanceMotionErrors::SpectrumAt(const Vector& parameters) const {
+  return {parameters[spectrum], parameters[spectrum + 1]};
+}
+
+DeviationBases StanceMotionErrors::BasesAt(const Vector& parameters) const {
+  if (terms.empty()) return {};
+  const CurveSpectrum at = SpectrumAt(parameters);
+  return {common_curves->With(at), own_curves->With(at)};
+}
+
+PoseDeviation StanceMotionErrors::At(const DeviationBases& bases, const Vector& parameters,
+                                     int instant) const {
   PoseDeviation pose;
   Eigen::Map<Eigen::Matrix<double, kPoseComponents, 1>> value(pose.value.data());
   Eigen::Map<Eigen::Matrix<double, kPoseComponents, 1>> rate(pose.rate.data());
   for (const PoseTerm& term : terms) {
-    const auto weights_of = parameters.segment(term.first, term.weights());
-    value += term.basis.value.row(instant).dot(weights_of) * term.direction;
-    rate += term.basis.rate.row(instant).dot(weights_of) * term.direction;
+    const auto weights_of = parameters.segment(term.first, term.weights);
+    const CurveBasis& basis = bases.Of(term);
+    value += basis.value.row(instant).dot(weights_of) * term.direction;
+    rate += basis.rate.row(instant).dot(weights_of) * term.direction;
   }
   return pose;
 }
@@ -159,6 +109,27 @@ std::vector<Parameter> DeclareWeights(PoseComponent component, int weights, cons
     declared.push_back(std::move(p));
   }
   return declared;
+}
+
+std::vector<Parameter> DeclareSpectrum(const MotionErrorSettings& settings) {
+  const auto make = [](std::string name, std::string unit, std::string meaning, double lower, double upper,
+                       double start, std::optional<double> set, std::vector<double> others) {
+    Parameter p = BaseParameter(std::move(name), std::move(unit), std::move(meaning), lower, upper,
+                                set.value_or(start));
+    p.kind = ParameterKind::kPrior;
+    p.scale = Scale::kLog;
+    p.source = "Rasmussen and Williams 2006, eq. 4.9, 4.17 and 5.30";
+    p.lower = std::min(p.lower, p.start);
+    p.upper = std::max(p.upper, p.start);
+    if (!set) p.other_starts = std::move(others);
+    return p;
+  };
+  const auto& [lowest, highest, start] = kSpectrumRange;
+  return {make("deviation_time", "s", "standard deviation of the pose's errors over that of their rates",
+               lowest.correlation_time, highest.correlation_time, start.correlation_time,
+               settings.correlation_time, {0.2, 0.1}),
+          make("deviation_roughness", "1", "share of the variance of the pose's errors whose rate may jump",
+               lowest.roughness, highest.roughness, start.roughness, settings.roughness, {1e-4, 1})};
 }
 
 std::array<Eigen::Matrix<double, kPoseComponents, 1>, kPoseComponents> FootDirections(const Vec3& forward,

@@ -3,6 +3,7 @@
 #pragma once
 
 #include <array>
+#include <memory>
 #include <optional>
 #include <string>
 #include <vector>
@@ -11,6 +12,7 @@
 #include "base/yaml_reader.h"
 #include "identify/parameter.h"
 #include "models/contact/pose_deviation.h"
+#include "problems/contact/motion/deviation_curves.h"
 
 namespace sinew {
 
@@ -21,36 +23,36 @@ struct MotionErrorSettings {
   std::optional<double> joint;     ///< of the angle of the foot's joint [rad]
   /// Standard deviation of what differs from step to step over that of what all steps have in common.
   double between_steps = 1;
-  double correlation_time = 0.2;  ///< [s] after which errors have a correlation of 0.48
-  double cutoff = 20;             ///< [Hz] highest frequency: knots are half its period apart
+  /// Of CurveSpectrum; without a number it is chosen by the marginal likelihood of the fitted stances.
+  std::optional<double> correlation_time;
+  std::optional<double> roughness;
+  double cutoff = 20;  ///< [Hz] highest frequency: knots are half its period apart
 };
 
 /// Of the map under `motion_errors`. Errors: unknown keys, numbers not above 0, with file and line.
 Result<MotionErrorSettings> ReadMotionErrors(const YamlReader& yaml);
 
-/// Cubic B-splines with equidistant knots, weighted so that independent standard normal weights make a curve
-/// with unit variance and the correlation (1 + s) exp(-s), s = sqrt(3) lag / correlation_time (Matern, order
-/// 3/2: errors have a rate, which may jump). Sources: de Boor, A Practical Guide to Splines (1978), ch. IX;
-/// Rasmussen, Williams, Gaussian Processes for Machine Learning (2006), eq. 4.17.
-struct MotionErrorBasis {
-  Matrix value;  ///< [T x K]
-  Matrix rate;   ///< [T x K, 1/s]
-
-  /// @param times [T, increasing, s] within `from` .. `to`; those outside have the value at that end, and no
-  /// rate @param stretch by which `rate` is multiplied, for times that are phases of a movement
-  static MotionErrorBasis Make(const std::vector<double>& times, double from, double to,
-                               double correlation_time, double cutoff, double stretch = 1);
-  /// The splines themselves, without weights: values, and rates times `stretch`.
-  static MotionErrorBasis Splines(const std::vector<double>& times, double from, double to, double cutoff,
-                                  double stretch = 1);
+/// Range of the parameters of the prior, and where a search for them begins.
+struct SpectrumRange {
+  CurveSpectrum lowest;
+  CurveSpectrum highest;
+  CurveSpectrum start;
 };
+inline constexpr SpectrumRange kSpectrumRange{{0.02, 1e-6}, {1, 1}, {0.1, 0.01}};
 
 /// A smooth curve in one direction of the pose.
 struct PoseTerm {
   Eigen::Matrix<double, kPoseComponents, 1> direction;  ///< for a weight of one standard deviation [m, rad]
-  MotionErrorBasis basis;                               ///< at the stance's instants
-  int first = -1;                                       ///< index of its first weight
-  [[nodiscard]] int weights() const { return static_cast<int>(basis.value.cols()); }
+  bool is_own = false;  ///< of the stance; otherwise all stances have it in common
+  int first = -1;       ///< index of its first weight
+  int weights = 0;
+};
+
+/// Of the two kinds of curves at one prior.
+struct DeviationBases {
+  std::shared_ptr<const CurveBasis> common;
+  std::shared_ptr<const CurveBasis> own;
+  [[nodiscard]] const CurveBasis& Of(const PoseTerm& term) const { return term.is_own ? *own : *common; }
 };
 
 /// Deviations of one stance: those that all stances have in common, then its own.
@@ -60,6 +62,9 @@ struct StanceMotionErrors {
   std::array<double, kPoseComponents> common{};     ///< of the part that all stances have in common
   std::vector<PoseTerm> terms;                      ///< weights in increasing order
   int own = 0;                                      ///< index of the first own term
+  int spectrum = -1;  ///< index of the parameter `deviation_time`, before `deviation_roughness`
+  std::shared_ptr<const DeviationCurves> common_curves;  ///< at the stance's instants
+  std::shared_ptr<const DeviationCurves> own_curves;
 
   /// Indices of all weights, increasing.
   [[nodiscard]] std::vector<int> Columns() const;
@@ -68,14 +73,23 @@ struct StanceMotionErrors {
   /// Indices of its own weights: from the first to before the second.
   [[nodiscard]] std::array<int, 2> OwnRange() const;
 
-  /// At one instant. @param parameters [P] @param own false: only what all stances have in common
-  [[nodiscard]] PoseDeviation At(const Vector& parameters, int instant) const;
+  [[nodiscard]] CurveSpectrum SpectrumAt(const Vector& parameters) const;
+  /// At the prior that the parameters [P] state.
+  [[nodiscard]] DeviationBases BasesAt(const Vector& parameters) const;
+  /// At one instant. @param bases at these parameters
+  [[nodiscard]] PoseDeviation At(const DeviationBases& bases, const Vector& parameters, int instant) const;
+  [[nodiscard]] PoseDeviation At(const Vector& parameters, int instant) const {
+    return At(BasesAt(parameters), parameters, instant);
+  }
 };
 
 /// Nuisance parameters of one curve, each a standard normal weight: NAME[k], and @STANCE after it if it is a
 /// stance's own. @param trial empty: of all stances
 [[nodiscard]] std::vector<Parameter> DeclareWeights(PoseComponent component, int weights,
                                                     const std::string& trial, const std::string& stance);
+
+/// `deviation_time` and `deviation_roughness`: those that are set are held, the others chosen.
+[[nodiscard]] std::vector<Parameter> DeclareSpectrum(const MotionErrorSettings& settings);
 
 /// The directions, in ground axes, of components in the frame of a foot that looks along a heading, mirrored
 /// for a left foot. @param forward horizontal unit vector @param side 1 or -1

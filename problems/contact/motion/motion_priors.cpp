@@ -61,6 +61,8 @@ void AddMotionErrors(const MotionErrorSettings& settings, std::vector<Stance>& s
     if (stance.measured) duration += (stance.loaded[1] - stance.loaded[0]) / static_cast<double>(measured);
   }
 
+  const int spectrum = next_parameter;
+  next_parameter += 2;
   std::vector<int> components;
   for (int c = 0; c < (has_joint ? kPoseComponents : kJointAngle); ++c) components.push_back(c);
   for (Stance& stance : stances) {
@@ -71,10 +73,11 @@ void AddMotionErrors(const MotionErrorSettings& settings, std::vector<Stance>& s
     std::vector<double> phase_time;  // phase times the mean duration
     const double stretch = duration / (stance.loaded[1] - stance.loaded[0]);
     for (const double t : stance.time) phase_time.push_back((t - stance.loaded[0]) * stretch);
-    const auto common = MotionErrorBasis::Make(phase_time, 0, duration, settings.correlation_time,
-                                               kCommonCutoff * settings.cutoff, stretch);
-    const auto own = MotionErrorBasis::Make(stance.time, stance.recorded[0], stance.recorded[1],
-                                            settings.correlation_time, settings.cutoff);
+    errors.spectrum = spectrum;
+    errors.common_curves = std::make_shared<const DeviationCurves>(phase_time, 0, duration,
+                                                                   kCommonCutoff * settings.cutoff, stretch);
+    errors.own_curves = std::make_shared<const DeviationCurves>(stance.time, stance.recorded[0],
+                                                                stance.recorded[1], settings.cutoff);
     int first = next_parameter;
     for (const bool is_own : {false, true}) {
       for (const int component : components) {
@@ -83,7 +86,8 @@ void AddMotionErrors(const MotionErrorSettings& settings, std::vector<Stance>& s
                                                                         : component <= kTurnZ ? rotation
                                                                                               : joint);
         PoseTerm term;
-        term.basis = is_own ? own : common;
+        term.is_own = is_own;
+        term.weights = (is_own ? errors.own_curves : errors.common_curves)->weights();
         if (is_own) {
           term.direction.setZero();
           term.direction[component] = deviation;
@@ -92,19 +96,19 @@ void AddMotionErrors(const MotionErrorSettings& settings, std::vector<Stance>& s
         }
         (is_own ? errors.deviation : errors.common)[c] = deviation;
         term.first = first;
-        first += term.weights();
+        first += term.weights;
         errors.terms.push_back(std::move(term));
       }
     }
   }
   // The common weights once, then the own ones of each stance and the places of its markers.
   for (int i = 0; i < stances.front().motion_errors.own; ++i)
-    next_parameter += stances.front().motion_errors.terms[static_cast<std::size_t>(i)].weights();
+    next_parameter += stances.front().motion_errors.terms[static_cast<std::size_t>(i)].weights;
   for (Stance& stance : stances) {
     StanceMotionErrors& errors = stance.motion_errors;
     for (std::size_t i = static_cast<std::size_t>(errors.own); i < errors.terms.size(); ++i) {
       errors.terms[i].first = next_parameter;
-      next_parameter += errors.terms[i].weights();
+      next_parameter += errors.terms[i].weights;
     }
   }
   notes.push_back(fmt::format(

@@ -6,7 +6,7 @@
 #include <cmath>
 #include <limits>
 
-#include "problems/contact/motion/motion_errors.h"
+#include "problems/contact/motion/deviation_curves.h"
 
 namespace sinew {
 namespace {
@@ -37,7 +37,7 @@ double BestCutoff(const std::vector<double>& times, double lowest, const Matrix&
   double least = std::numeric_limits<double>::infinity();
   for (const double multiple : kMultiples) {
     const Matrix splines =
-        MotionErrorBasis::Splines(times, times.front(), times.back(), multiple * lowest).value;
+        DeviationCurves(times, times.front(), times.back(), multiple * lowest).splines().value;
     if (static_cast<double>(splines.cols()) > kMostColumns * n) break;
     const Matrix left = pose - splines * Eigen::ColPivHouseholderQR<Matrix>(splines).solve(pose);
     const double score = left.squaredNorm() / std::pow(n - static_cast<double>(splines.cols()), 2);
@@ -56,7 +56,8 @@ void SmoothMotion(const std::vector<double>& times, double lowest, FootMotion& f
   constexpr double kLever = 0.1;  // [m]
   position.rightCols<3>() *= kLever;
   const double cutoff = BestCutoff(times, lowest, position);
-  const MotionErrorBasis splines = MotionErrorBasis::Splines(times, times.front(), times.back(), cutoff);
+  const DeviationCurves curves(times, times.front(), times.back(), cutoff);
+  const CurveBasis& splines = curves.splines();
   if (splines.value.cols() >= splines.value.rows()) return;  // slower sampling has no such frequencies
   const Eigen::ColPivHouseholderQR<Matrix> fit(splines.value);
   const FootMotion recorded = foot;

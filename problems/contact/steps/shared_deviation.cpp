@@ -20,11 +20,13 @@ Directions DirectionsOf(const Stance& stance) {
 Pose OwnDeviation(const Stance& stance, const Directions& directions, const Vector& parameters,
                   std::size_t instant) {
   const StanceMotionErrors& errors = stance.motion_errors;
+  const DeviationBases bases = errors.BasesAt(parameters);
   Pose pose = Pose::Zero();
   for (std::size_t i = static_cast<std::size_t>(errors.own); i < errors.terms.size(); ++i) {
     const PoseTerm& term = errors.terms[i];
-    pose += term.basis.value.row(static_cast<Eigen::Index>(instant))
-                .dot(parameters.segment(term.first, term.weights())) *
+    pose += bases.Of(term)
+                .value.row(static_cast<Eigen::Index>(instant))
+                .dot(parameters.segment(term.first, term.weights)) *
             term.direction;
   }
   return directions.transpose() * pose;
@@ -65,13 +67,14 @@ void SetMeanDeviation(const std::vector<const Stance*>& others, const Stance& st
   // Weights of curves that have these values; the weak prior decides what no instant sees.
   constexpr double kWeak = 1e-4;
   const StanceMotionErrors& errors = stance.motion_errors;
+  const DeviationBases bases = errors.BasesAt(parameters);
   for (std::size_t i = static_cast<std::size_t>(errors.own); i < errors.terms.size(); ++i) {
     const PoseTerm& term = errors.terms[i];
     Eigen::Index component = 0;
     const double scale = term.direction.cwiseAbs().maxCoeff(&component);
-    const Matrix& basis = term.basis.value;
+    const Matrix& basis = bases.Of(term).value;
     const Matrix normal = basis.transpose() * basis + kWeak * Matrix::Identity(basis.cols(), basis.cols());
-    parameters.segment(term.first, term.weights()) =
+    parameters.segment(term.first, term.weights) =
         normal.llt().solve(basis.transpose() * mean.col(component) / scale);
   }
 }

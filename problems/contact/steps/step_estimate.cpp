@@ -109,7 +109,8 @@ double CostOf(const Vector& residual, const Vector& moved, double share, double 
 
 // Of the variance that the prior gives a stance's own curves, in units of each and summed over curves and
 // instants, the part that its fitted channels determine.
-double DeterminedVariance(const ContactProblem& problem, const Stance& stance, const StepModel& model) {
+double DeterminedVariance(const ContactProblem& problem, const Stance& stance, const Vector& parameters,
+                          const StepModel& model) {
   Matrix precision = Matrix::Identity(model.weights(), model.weights());
   for (std::size_t c = 0; c < kChannels; ++c) {
     const Block& block = problem.layout()[static_cast<std::size_t>(stance.blocks[c])];
@@ -123,11 +124,13 @@ double DeterminedVariance(const ContactProblem& problem, const Stance& stance, c
                        precision.llt().solve(Matrix::Identity(model.weights(), model.weights()));
   double determined = 0;
   const StanceMotionErrors& errors = stance.motion_errors;
+  const DeviationBases bases = errors.BasesAt(parameters);
   for (std::size_t i = static_cast<std::size_t>(errors.own); i < errors.terms.size(); ++i) {
     const PoseTerm& term = errors.terms[i];
     const Eigen::Index first = term.first - errors.OwnRange()[0];
-    const Matrix of_curve = known.block(first, first, term.weights(), term.weights());
-    determined += (term.basis.value * of_curve).cwiseProduct(term.basis.value).sum();
+    const Matrix of_curve = known.block(first, first, term.weights, term.weights);
+    const Matrix& basis = bases.Of(term).value;
+    determined += (basis * of_curve).cwiseProduct(basis).sum();
   }
   return determined;
 }
@@ -221,7 +224,7 @@ double SpreadOfSteps(const ContactProblem& problem, const std::vector<const Stan
   for (const Stance* stance : fitted) {
     StepModel model(problem, *stance);
     if (!model.Predict(parameters)) continue;
-    determined += DeterminedVariance(problem, *stance, model);
+    determined += DeterminedVariance(problem, *stance, parameters, model);
     std::vector<const Stance*> others;
     for (const Stance* other : fitted) {
       if (other != stance) others.push_back(other);
@@ -229,10 +232,11 @@ double SpreadOfSteps(const ContactProblem& problem, const std::vector<const Stan
     Vector mean = parameters;
     SetMeanDeviation(others, *stance, mean);
     const StanceMotionErrors& errors = stance->motion_errors;
+    const DeviationBases bases = errors.BasesAt(parameters);
     for (std::size_t i = static_cast<std::size_t>(errors.own); i < errors.terms.size(); ++i) {
       const PoseTerm& term = errors.terms[i];
-      const Vector apart = (parameters - mean).segment(term.first, term.weights());
-      squares += (term.basis.value * apart).squaredNorm();
+      const Vector apart = (parameters - mean).segment(term.first, term.weights);
+      squares += (bases.Of(term).value * apart).squaredNorm();
     }
   }
   if (!(determined > 0)) return std::sqrt(of_new_step);

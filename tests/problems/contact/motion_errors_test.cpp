@@ -40,47 +40,6 @@ Dataset WithoutMarkers(Dataset data) {
   return data;
 }
 
-std::vector<double> Times(double rate, double length) {
-  std::vector<double> times;
-  for (double t = 0; t <= length + 1e-9; t += 1 / rate) times.push_back(t);
-  return times;
-}
-
-TEST(MotionErrors, CurvesHaveUnitVarianceAndTheStatedCorrelation) {
-  const std::vector<double> times = Times(100, 2);
-  const MotionErrorBasis basis = MotionErrorBasis::Make(times, 0, 2, 0.2, 10);
-  const Matrix covariance = basis.value * basis.value.transpose();
-  EXPECT_NEAR(covariance.trace() / static_cast<double>(times.size()), 1, 0.01);
-  double worst = 0;
-  for (Eigen::Index i = 20; i + 20 < covariance.rows(); ++i) {
-    EXPECT_NEAR(covariance(i, i), 1, 0.05);
-    worst = std::max(worst, std::abs(covariance(i, i + 20) - 0.483));  // after 0.2 s
-  }
-  EXPECT_LT(worst, 0.05);
-}
-
-TEST(MotionErrors, RatesAreTheDerivativesOfTheCurves) {
-  const double step = 1e-4;
-  const std::vector<double> times = Times(1 / step, 0.6);
-  const MotionErrorBasis basis = MotionErrorBasis::Make(times, 0, 0.6, 0.1, 12);
-  const Eigen::Index n = basis.value.rows();
-  const Matrix differences = (basis.value.bottomRows(n - 2) - basis.value.topRows(n - 2)) / (2 * step);
-  EXPECT_LT((differences - basis.rate.middleRows(1, n - 2)).cwiseAbs().maxCoeff(),
-            1e-4 * basis.rate.cwiseAbs().maxCoeff());
-}
-
-TEST(MotionErrors, RatesStretchWithThePhase) {
-  const std::vector<double> times = Times(100, 0.6);
-  const MotionErrorBasis plain = MotionErrorBasis::Make(times, 0, 0.6, 0.1, 6);
-  const MotionErrorBasis stretched = MotionErrorBasis::Make(times, 0, 0.6, 0.1, 6, 2);
-  EXPECT_EQ(plain.value, stretched.value);
-  EXPECT_LT((2 * plain.rate - stretched.rate).norm(), 1e-12 * plain.rate.norm());
-  const MotionErrorBasis beyond = MotionErrorBasis::Make({-0.1, 0, 0.6, 0.9}, 0, 0.6, 0.1, 6);
-  EXPECT_EQ(beyond.value.row(0), beyond.value.row(1));
-  EXPECT_EQ(beyond.value.row(2), beyond.value.row(3));
-  EXPECT_EQ(beyond.rate.row(0).norm() + beyond.rate.row(3).norm(), 0);
-}
-
 TEST(MotionErrors, WithoutDeviationTheFootIsWhereItWasRecorded) {
   // A cutoff above half the frame rate: nothing is smoothed; no marker moves the foot, and one stance has
   // nothing to be levelled to.

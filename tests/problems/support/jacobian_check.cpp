@@ -38,6 +38,7 @@ JacobianCheck CheckJacobian(const Problem& problem, const Vector& parameters) {
   const Prediction at = PredictAt(problem, parameters, true);
   for (std::size_t k = 0; k < problem.parameters().size(); ++k) {
     const Parameter& p = problem.parameters()[k];
+    if (p.kind == ParameterKind::kPrior) continue;
     const auto index = static_cast<Eigen::Index>(k);
     bool was_compared = false;
     const double width = p.scale == Scale::kLog ? parameters[index] : p.upper - p.lower;

@@ -1,0 +1,197 @@
+#include "identify/solvers/prior_choice.h"
+
+#include <algorithm>
+#include <cmath>
+#include <iterator>
+#include <utility>
+#include <vector>
+
+#include "base/constants.h"
+#include "identify/execution/evaluator.h"
+#include "identify/solvers/continuation.h"
+#include "identify/solvers/local_fit.h"
+#include "identify/solvers/marginal_cost.h"
+#include "identify/solvers/noise_cost.h"
+#include "identify/solvers/regularised_start.h"
+
+namespace sinew::solvers {
+namespace {
+
+constexpr int kHalvings = 2;
+// Of the marginal cost, that counts: a change of the prior that gains less is none.
+constexpr double kWorthMoving = 0.5;
+constexpr double kSameValue = 0.1;  // steps
+constexpr double kDamping = 1e-3;
+constexpr long kTrialEvaluations = 100;
+constexpr LocalFit::Tolerance kTrialTolerance{1e-3, 1e-6};
+
+// A search ends in different minima under different schedules, and a wrong one wants another prior.
+struct Beginning {
+  bool at_others = false;    // of the parameters of priors, the last other starts
+  bool regularised = false;  // with priors on the shared parameters, for the beginning alone
+};
+constexpr Beginning kBeginnings[] = {{false, false}, {true, false}, {false, true}};
+constexpr double kBeginningTolerance = 1e-6;  // relative change of the cost
+constexpr long kBeginningEvaluations = 600;
+
+// Where all of these end at higher costs, in units of LargestNoiseCost, they tell nothing of the prior.
+constexpr double kMostCost = 2;
+
+struct Point {
+  Vector parameters;  // [P]
+  double marginal = kInfinity;
+  double cost = kInfinity;
+};
+
+class Choice {
+ public:
+  Choice(const Problem& problem, const FitSetup& setup, const PriorChoiceOptions& options)
+      : problem_(problem), setup_(setup), options_(options) {
+    for (std::size_t i = 0; i < setup.parameters.size(); ++i) {
+      const Parameter& p = setup.parameters[i];
+      const auto index = static_cast<int>(i);
+      if (p.kind != ParameterKind::kPrior || p.other_starts.empty() || setup.IsHeld(index)) continue;
+      chosen_.push_back(index);
+      first_steps_.push_back(std::abs(std::log(p.other_starts.front() / p.start)));
+    }
+  }
+
+  PriorChoice Run() {
+    PriorChoice choice;
+    choice.setup = setup_;
+    if (chosen_.empty() || !setup_.HasNuisancePriors()) return choice;
+    const double noise = LargestNoiseCost(LeastSquares(problem_, setup_));
+    Point best;
+    for (std::size_t which = 0; which < std::size(kBeginnings) && !Stopped(); ++which) {
+      if (best.cost <= noise) break;
+      const Point end = SearchFrom(which, which == 0 ? &choice.at_start : nullptr);
+      if (end.marginal < best.marginal || best.parameters.size() == 0) best = end;
+    }
+    if (best.parameters.size() == 0) return choice;  // interrupted
+    choice.evaluations = evaluations_;
+    if (best.cost > kMostCost * noise) {
+      for (const int index : chosen_) choice.setup.rest[index] = AllowingMore(index);
+      return choice;
+    }
+    choice.setup.rest = best.parameters;
+    choice.marginal = best.marginal;
+    choice.any_chosen = true;
+    return choice;
+  }
+
+ private:
+  [[nodiscard]] bool Stopped() const {
+    return options_.interrupt != nullptr && options_.interrupt->load(std::memory_order_relaxed);
+  }
+
+  [[nodiscard]] double AllowingMore(int index) const {
+    return setup_.parameters[static_cast<std::size_t>(index)].other_starts.back();
+  }
+
+  // One beginning, and the pattern search from where it ends.
+  Point SearchFrom(std::size_t which, double* at_start) {
+    const Beginning& beginning = kBeginnings[which];
+    FitSetup at = setup_;
+    for (const int index : chosen_) {
+      if (beginning.at_others) at.rest[index] = AllowingMore(index);
+    }
+    const FitSetup regularised = beginning.regularised ? Regularised(at, at.rest) : at;
+    const LeastSquares from(problem_, regularised);
+    Evaluator::Options how;
+    how.interrupt = options_.interrupt;
+    how.budget.max_evaluations = kBeginningEvaluations;
+    Evaluator evaluator(from, std::move(how));
+    const SolverResult found = Continuation(kBeginningTolerance, kDamping).Solve(evaluator, from.Start());
+    evaluations_ += evaluator.evaluations();
+    const LeastSquares fit(problem_, at);
+    best_ = {from.Parameters(found.x)};
+    if (found.stop.usable()) best_.marginal = MarginalCost(fit, found.x);
+    if (!beginning.regularised) best_.cost = found.cost;
+    if (at_start != nullptr) *at_start = best_.marginal;
+    steps_ = first_steps_;
+    tried_.clear();
+    IsNew(best_.parameters);
+    for (int halving = 0; halving <= kHalvings; ++halving) {
+      while (!Stopped() && Sweep()) {
+      }
+      for (double& step : steps_) step /= 2;
+    }
+    return best_;
+  }
+
+  // Each value in turn, up or down as long as it gains. @return whether any moved
+  bool Sweep() {
+    bool moved = false;
+    for (std::size_t k = 0; k < chosen_.size(); ++k) {
+      for (const double sign : {1.0, -1.0}) {
+        bool gained = false;
+        while (!Stopped() && Try(k, sign * steps_[k])) gained = true;
+        moved = moved || gained;
+        if (gained) break;
+      }
+    }
+    return moved;
+  }
+
+  // Values that were tried from another point are not tried again.
+  bool IsNew(const Vector& priors) {
+    std::vector<double> values;
+    for (const int index : chosen_) values.push_back(std::log(priors[index]));
+    const auto same = [&](const std::vector<double>& other) {
+      double apart = 0;
+      for (std::size_t k = 0; k < values.size(); ++k)
+        apart = std::max(apart, std::abs(values[k] - other[k]) / steps_[k]);
+      return apart < kSameValue;
+    };
+    if (std::any_of(tried_.begin(), tried_.end(), same)) return false;
+    tried_.push_back(std::move(values));
+    return true;
+  }
+
+  bool Try(std::size_t k, double step) {
+    const Parameter& p = setup_.parameters[static_cast<std::size_t>(chosen_[k])];
+    const double before = best_.parameters[chosen_[k]];
+    const double value = std::clamp(before * std::exp(step), p.lower, p.upper);
+    if (value == before) return false;
+    Vector priors = best_.parameters;
+    priors[chosen_[k]] = value;
+    if (!IsNew(priors)) return false;
+    FitSetup trial = setup_;
+    trial.rest = problem_.AtPriors(best_.parameters, priors);
+    const LeastSquares fit(problem_, trial);
+    LocalFit local(fit);
+    const LocalFit::Outcome end = local.Minimize(fit.Start(), -1, kTrialTolerance, kTrialEvaluations);
+    evaluations_ += local.evaluations();
+    if (!end.failure.empty()) return false;
+    const double marginal = MarginalCost(fit, end.x);
+    if (!(marginal < best_.marginal - kWorthMoving)) return false;
+    best_ = {fit.Parameters(end.x), marginal, end.cost};
+    return true;
+  }
+
+  const Problem& problem_;
+  const FitSetup& setup_;
+  const PriorChoiceOptions& options_;
+  std::vector<int> chosen_;          // parameters
+  std::vector<double> first_steps_;  // of their logarithms
+  std::vector<double> steps_;
+  std::vector<std::vector<double>> tried_;
+  Point best_;
+  long evaluations_ = 0;
+};
+
+}  // namespace
+
+FitSetup WithPriorsOf(const FitSetup& chosen, FitSetup setup) {
+  for (std::size_t i = 0; i < setup.parameters.size(); ++i) {
+    const auto index = static_cast<Eigen::Index>(i);
+    if (setup.parameters[i].kind == ParameterKind::kPrior) setup.rest[index] = chosen.rest[index];
+  }
+  return setup;
+}
+
+PriorChoice ChoosePriors(const Problem& problem, const FitSetup& setup, const PriorChoiceOptions& options) {
+  return Choice(problem, setup, options).Run();
+}
+
+}  // namespace sinew::solvers

@@ -1,0 +1,48 @@
+// Parameters of priors, chosen by the marginal likelihood of the data: how smooth the errors of a recorded
+// motion are, which nobody knows beforehand.
+#pragma once
+
+#include <atomic>
+#include <cstdint>
+
+#include "identify/fit_setup.h"
+#include "identify/problem.h"
+
+namespace sinew::solvers {
+
+struct PriorChoiceOptions {
+  const std::atomic<bool>* interrupt = nullptr;  ///< ends the search: the best values so far
+};
+
+struct PriorChoice {
+  FitSetup setup;        ///< with the chosen values, and what was fitted with them, in `rest`
+  double marginal = 0;   ///< MarginalCost there
+  double at_start = 0;   ///< and at the start values
+  long evaluations = 0;  ///< of the fit, all searches together
+  bool any_chosen =
+      false;  ///< false: there was nothing to choose, or no fit to choose by, or an interruption
+};
+
+/// Chooses the parameters of priors (ParameterKind::kPrior) that have other starts and are not held. No least
+/// squares can: the cost falls for ever with a prior that allows more. The marginal likelihood does not,
+/// because the share of the curves' volume that the data leave falls as well (MarginalCost).
+///
+/// 1. A search by `continuation` at the start values;
+/// 2. from there a pattern search over the logarithms of the values, by steps of the ratio between the start
+/// and its
+///    first other start, which are halved twice. Each trial carries the last best point over
+///    (Problem::AtPriors), fits everything from there and compares the MarginalCosts.
+/// 3. Where more than noise is left (LargestNoiseCost), the same twice more: from the last other starts (a
+///    prior that allows more), and from a search with temporary priors on the shared parameters
+///    (Regularised).
+/// 4. Where the best of these costs more than twice that, it is no fit that could tell of a prior: the last
+///    other starts are taken, and all other values stay where they began.
+/// Source: Rasmussen, Williams (2006), Gaussian Processes for Machine Learning, ch. 5.4.1 (type II maximum
+/// likelihood); Hooke, Jeeves (1961), J. ACM 8:212 (pattern search).
+[[nodiscard]] PriorChoice ChoosePriors(const Problem& problem, const FitSetup& setup,
+                                       const PriorChoiceOptions& options);
+
+/// The setup, all values of which stay but the parameters of priors: they are those of `chosen`.
+[[nodiscard]] FitSetup WithPriorsOf(const FitSetup& chosen, FitSetup setup);
+
+}  // namespace sinew::solvers
