@@ -73,6 +73,7 @@ Result<Identification> Identify(const Problem& problem, FitSetup setup, Identifi
   Identification out;
   out.solver = options.solver;
   out.solver_options = options.solver_options;
+  options.evaluator.began = std::chrono::steady_clock::now();
   out.setup = solvers::ChoosePriors(problem, setup, {options.evaluator.interrupt}).setup;
   if (!HasPriors(out.setup, options.replayed_priors)) {
     options.evaluator.replay = {};
@@ -81,7 +82,6 @@ Result<Identification> Identify(const Problem& problem, FitSetup setup, Identifi
   }
 
   const LeastSquares least_squares(problem, out.setup);
-  options.evaluator.began = std::chrono::steady_clock::now();
   const auto* interrupt = options.evaluator.interrupt;
   Evaluator evaluator(least_squares, std::move(options.evaluator));
   out.result = solver->Solve(evaluator, solvers::BestStart(least_squares));
