@@ -15,4 +15,12 @@ namespace sinew::solvers {
   return 0.5 * rows + 3 * std::sqrt(0.5 * rows);
 }
 
+/// Up to this cost a minimum is near enough to that for two searches that agree to be believed: a wrong
+/// minimum of a fit with curves costs several times as much, while a model or a prior that is a little wrong
+/// costs no more than this.
+[[nodiscard]] inline double NearNoiseCost(const LeastSquares& fit) {
+  constexpr double kNear = 1.5;
+  return kNear * LargestNoiseCost(fit);
+}
+
 }  // namespace sinew::solvers

@@ -34,8 +34,8 @@ constexpr Beginning kBeginnings[] = {{false, false}, {true, false}, {false, true
 constexpr double kBeginningTolerance = 1e-6;  // relative change of the cost
 constexpr long kBeginningEvaluations = 600;
 
-// Where all of these end at higher costs, in units of LargestNoiseCost, they tell nothing of the prior.
-constexpr double kMostCost = 2;
+// Where all of these end at higher costs, in units of NearNoiseCost, they tell nothing of the prior.
+constexpr double kMostCost = 1.5;
 
 struct Point {
   Vector parameters;  // [P]
@@ -60,7 +60,7 @@ class Choice {
     PriorChoice choice;
     choice.setup = setup_;
     if (chosen_.empty() || !setup_.HasNuisancePriors()) return choice;
-    const double noise = LargestNoiseCost(LeastSquares(problem_, setup_));
+    const double noise = NearNoiseCost(LeastSquares(problem_, setup_));
     Point best;
     for (std::size_t which = 0; which < std::size(kBeginnings) && !Stopped(); ++which) {
       if (best.cost <= noise) break;

@@ -32,10 +32,11 @@ struct PriorChoice {
 /// and its
 ///    first other start, which are halved twice. Each trial carries the last best point over
 ///    (Problem::AtPriors), fits everything from there and compares the MarginalCosts.
-/// 3. Where more than noise is left (LargestNoiseCost), the same twice more: from the last other starts (a
+/// 3. Where much more than noise is left (NearNoiseCost), the same twice more: from the last other starts (a
 ///    prior that allows more), and from a search with temporary priors on the shared parameters
 ///    (Regularised).
-/// 4. Where the best of these costs more than twice that, it is no fit that could tell of a prior: the last
+/// 4. Where the best of these costs more than one and a half times that, it is no fit that could tell of a
+/// prior: the last
 ///    other starts are taken, and all other values stay where they began.
 /// Source: Rasmussen, Williams (2006), Gaussian Processes for Machine Learning, ch. 5.4.1 (type II maximum
 /// likelihood); Hooke, Jeeves (1961), J. ACM 8:212 (pattern search).

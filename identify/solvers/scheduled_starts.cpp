@@ -46,8 +46,8 @@ constexpr Schedule kSchedules[] = {{0, 0, From::kStart},
                                    {1.0 / 2048, 2, From::kNear}};
 // The others are for data that the best end does not explain as noise.
 constexpr std::size_t kUsual = 8;
-// Improved ends that have to agree, one more where more than noise is left, which a wrong minimum leaves as
-// well as a wrong model; and by how much their costs and MarginalCosts may differ then.
+// Improved ends that have to agree, one more where much more than noise is left, which a wrong minimum leaves
+// as well as a wrong model; and by how much their costs and MarginalCosts may differ then.
 constexpr int kAgreeing = 2;
 constexpr double kAgreement = 3;
 constexpr double kAgreementShare = 0.05;  // of the cost, at most
@@ -102,7 +102,7 @@ bool ScheduledStarts::Agrees() {
 }
 
 double ScheduledStarts::NoiseCost() const {
-  return LargestNoiseCost(evaluator_.fit());
+  return NearNoiseCost(evaluator_.fit());
 }
 
 bool ScheduledStarts::LeavesNoise() {
@@ -284,7 +284,7 @@ Search ScheduledStarts::Finish() {
         fmt::format("; the next best is {} % worse", Readable(100 * (next / answer.cost - 1), 2));
   if (HasCurves(evaluator_.fit()))
     search_.stop.test += "; with stretches of time fitted anew none ends lower";
-  if (answer.cost > NoiseCost()) search_.stop.test += "; more than noise is left";
+  if (answer.cost > LargestNoiseCost(evaluator_.fit())) search_.stop.test += "; more than noise is left";
   if (narrow > 0) search_.stop.test += "; a minimum of lower cost is so narrow that it is less probable";
   const std::ptrdiff_t at = best - ends_.data();
   for (std::size_t i = 0; i < ends_.size(); ++i) {

@@ -15,14 +15,14 @@ namespace sinew::solvers {
 /// starts near it.
 ///
 /// 1. Two schedules; where trials have curves, up to eight while none ends at a cost of noise
-/// (LargestNoiseCost).
+/// (NearNoiseCost).
 ///    From the third on one whose cost exceeds that of the best end is given up. Two of the eight, and two
 ///    more of sixteen, begin where a search with priors about the start ends (RegularisedStart).
 /// 2. The best end is improved: stretches of single trials are redrawn (SearchTrials), all values searched
 ///    from there, then stretches are redrawn with all values free (RedrawTrials), until these bring little.
-///    Where more than noise is left, trials are searched in growing windows, too. Then the next best end,
-///    until two are at the same minimum, three where more than noise is left.
-///    Without curves (HasCurves) an end is as good as it gets.
+///    Where much more than noise is left, trials are searched in growing windows, too. Then the next best
+///    end, until two are at the same minimum, three where much more than noise is left. Without curves
+///    (HasCurves) an end is as good as it gets.
 /// 3. Where none is left to be improved, further schedules: up to eight in all, sixteen where more than noise
 ///    is left.
 ///
