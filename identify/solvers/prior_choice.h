@@ -3,7 +3,6 @@
 #pragma once
 
 #include <atomic>
-#include <cstdint>
 
 #include "identify/fit_setup.h"
 #include "identify/problem.h"
@@ -15,12 +14,11 @@ struct PriorChoiceOptions {
 };
 
 struct PriorChoice {
-  FitSetup setup;        ///< with the chosen values, and what was fitted with them, in `rest`
-  double marginal = 0;   ///< MarginalCost there
-  double at_start = 0;   ///< and at the start values
-  long evaluations = 0;  ///< of the fit, all searches together
-  bool any_chosen =
-      false;  ///< false: there was nothing to choose, or no fit to choose by, or an interruption
+  FitSetup setup;           ///< with the chosen values, and what was fitted with them, in `rest`
+  double marginal = 0;      ///< MarginalCost there
+  double at_start = 0;      ///< and at the start values
+  long evaluations = 0;     ///< of the fit, all searches together
+  bool any_chosen = false;  ///< false: nothing to choose, no fit to choose by, or interrupted at once
 };
 
 /// Chooses the parameters of priors (ParameterKind::kPrior) that have other starts and are not held. No least
@@ -29,15 +27,13 @@ struct PriorChoice {
 ///
 /// 1. A search by `continuation` at the start values;
 /// 2. from there a pattern search over the logarithms of the values, by steps of the ratio between the start
-/// and its
-///    first other start, which are halved twice. Each trial carries the last best point over
+///    and its first other start, which are halved twice. Each trial carries the last best point over
 ///    (Problem::AtPriors), fits everything from there and compares the MarginalCosts.
 /// 3. Where much more than noise is left (NearNoiseCost), the same twice more: from the last other starts (a
-///    prior that allows more), and from a search with temporary priors on the shared parameters
-///    (Regularised).
+///    prior that allows more), and from a search with temporary priors on the shared parameters.
 /// 4. Where the best of these costs more than one and a half times that, it is no fit that could tell of a
-/// prior: the last
-///    other starts are taken, and all other values stay where they began.
+///    prior: the last other starts are taken, and all other values stay where they began.
+///
 /// Source: Rasmussen, Williams (2006), Gaussian Processes for Machine Learning, ch. 5.4.1 (type II maximum
 /// likelihood); Hooke, Jeeves (1961), J. ACM 8:212 (pattern search).
 [[nodiscard]] PriorChoice ChoosePriors(const Problem& problem, const FitSetup& setup,

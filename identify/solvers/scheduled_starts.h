@@ -14,7 +14,7 @@ namespace sinew::solvers {
 /// the starts are searches by `continuation` with different schedules, first from the given start, then from
 /// starts near it.
 ///
-/// 1. Two schedules; where trials have curves, up to eight while none ends at a cost of noise
+/// 1. Two schedules; where trials have curves, up to eight while none ends near a cost of noise
 /// (NearNoiseCost).
 ///    From the third on one whose cost exceeds that of the best end is given up. Two of the eight, and two
 ///    more of sixteen, begin where a search with priors about the start ends (RegularisedStart).
