@@ -1,5 +1,5 @@
-// Parameters of priors, chosen by the marginal likelihood of the data: how smooth the errors of a recorded
-// motion are, which nobody knows beforehand.
+// Parameters of priors, such as how smooth the errors of a recorded motion are, chosen by the marginal
+// likelihood of the data.
 #pragma once
 
 #include <atomic>
