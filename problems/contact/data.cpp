@@ -19,6 +19,7 @@
 #include "problems/contact/motion/motion_priors.h"
 #include "problems/contact/motion/smooth_motion.h"
 #include "problems/contact/motion/trial_motion.h"
+#include "problems/contact/stance_notes.h"
 
 namespace sinew {
 namespace {
@@ -137,7 +138,8 @@ void SetAccuracy(const ContactSettings& settings, const Stance& stance, Block& b
                                     : 0.5 * force * stance.length;
 }
 
-Status AddBlocks(const Trial& trial, const ContactSettings& settings, Stance& stance, ContactData& out) {
+Status AddBlocks(const Trial& trial, const ContactSettings& settings, Stance& stance, ContactData& out,
+                 StanceNotes& notes) {
   std::vector<int> all_columns;
   std::vector<int> normal_columns;
   for (const Stance::Part& part : stance.parts) {
@@ -186,12 +188,9 @@ Status AddBlocks(const Trial& trial, const ContactSettings& settings, Stance& st
                     found ? "has no usable sample" : "is not measured");
       }
       SINEW_ASSIGN(block.weight, WeightOf(block, settings.objective));
-      const std::size_t recorded = found.channel->values.size();
-      if (!settings.motion_errors && block.measured.size() < recorded) {
-        out.notes.push_back(
-            fmt::format("trial '{}': {} of {} samples of '{}' are not compared (gaps, no motion there, or a "
-                        "light foot)",
-                        stance.trial, recorded - block.measured.size(), recorded, block.channel));
+      if (!settings.motion_errors) {
+        const std::size_t recorded = found.channel->values.size();
+        notes.NotCompared(stance, block.channel, recorded - block.measured.size(), recorded);
       }
     }
     stance.blocks[c] = static_cast<int>(out.layout.size());
@@ -258,7 +257,7 @@ MarkerPose ImproveMotion(double cutoff, const std::array<std::size_t, 2>& record
 }
 
 Status AddTrial(const std::string& name, const Trial& trial, const ContactModel& model,
-                const ContactSettings& settings, double margin, ContactData& out) {
+                const ContactSettings& settings, double margin, ContactData& out, StanceNotes& notes) {
   std::vector<std::string> plates;
   for (const std::string& plate : settings.Plates()) {
     if (trial.Find(plate + "_force_y")) plates.push_back(plate);
@@ -266,10 +265,7 @@ Status AddTrial(const std::string& name, const Trial& trial, const ContactModel&
   if (plates.empty()) return {};
   SINEW_ASSIGN(const TrialMotion recorded, FitTrialMotion(trial, model.multibody));
   const CoordinateTrajectory& motion = recorded.trajectory;
-  if (!motion.held().empty()) {
-    out.notes.push_back(fmt::format("trial '{}': no data for {}: held at the model's default", name,
-                                    Join(motion.held(), ", ")));
-  }
+  notes.Held(name, motion.held());
   for (const std::string& plate : plates) {
     const auto vertical = trial.Find(plate + "_force_y");
     SINEW_ASSIGN(auto time, settings.motion_errors ? Frames(*vertical.grid, recorded.time, margin)
@@ -282,16 +278,9 @@ Status AddTrial(const std::string& name, const Trial& trial, const ContactModel&
     for (const double t : stance.time) stance.kinematics.phase.push_back(PhaseShareAt(t, stance.loaded));
     if (settings.motion_errors) {
       stance.markers = MeasuredMarkers(trial, model.osim, model.multibody, stance.foot, stance.time);
-      const MarkerPose by_markers = ImproveMotion(settings.motion_errors->cutoff, while_recorded, stance);
-      if (!stance.markers.markers.empty())
-        out.notes.push_back(fmt::format(
-            "trial '{}', {}: the {} markers on the foot lie {:.1f} mm from the recorded motion, {:.1f} mm "
-            "from the "
-            "foot's own, which differs from it by {:.1f} mm and {:.1f} degrees (root mean squares)",
-            stance.trial, stance.plate, stance.markers.markers.size(), 1e3 * by_markers.residual_recorded,
-            1e3 * by_markers.residual, 1e3 * by_markers.shift, by_markers.turn * 180 / kPi));
-      SINEW_ASSIGN(stance.body, MeasuredBodyLoad(trial, stance, motion, model.multibody, model.bodies,
-                                                 settings, out.notes));
+      notes.MovedToMarkers(stance, ImproveMotion(settings.motion_errors->cutoff, while_recorded, stance));
+      SINEW_ASSIGN(stance.body,
+                   MeasuredBodyLoad(trial, stance, motion, model.multibody, model.bodies, settings, notes));
     }
     out.stances.push_back(std::move(stance));
   }
@@ -326,8 +315,6 @@ void SetGreatestForceOfUnmeasured(std::vector<Stance>& stances) {
   }
 }
 
-constexpr double kWorthSaying = 5e-4;  // [m]
-
 }  // namespace
 
 Result<ContactData> PrepareContactData(const Dataset& data, const ContactSettings& settings, double margin) {
@@ -337,8 +324,9 @@ Result<ContactData> PrepareContactData(const Dataset& data, const ContactSetting
   out.effects = ContactEffectList(static_cast<int>(settings.Groups().size()) * per_group,
                                   MeasuredPlates(data, settings));
   out.next_parameter = out.effects.end();
+  StanceNotes notes;
   for (const auto& [name, trial] : data.trials) {
-    const Status status = AddTrial(name, trial, model, settings, margin, out);
+    const Status status = AddTrial(name, trial, model, settings, margin, out, notes);
     if (!status) return Fail("trial '{}': {}", name, status.error().message);
   }
   const bool any_measured = std::any_of(out.stances.begin(), out.stances.end(),
@@ -353,21 +341,15 @@ Result<ContactData> PrepareContactData(const Dataset& data, const ContactSetting
     for (const Stance& stance : out.stances)
       fitted.push_back(data.trials.at(stance.trial).role == Role::kTrain);
     const std::vector<double> raised = LevelFeet(fitted, out.stances);
-    for (std::size_t s = 0; s < raised.size(); ++s) {
-      if (std::abs(raised[s]) < kWorthSaying) continue;
-      out.notes.push_back(
-          fmt::format("trial '{}', {}: the recorded motion was {} by {:.1f} mm, so that the flat foot is as "
-                      "high as in the fitted "
-                      "stances",
-                      out.stances[s].trial, out.stances[s].plate, raised[s] > 0 ? "raised" : "lowered",
-                      1e3 * std::abs(raised[s])));
-    }
+    for (std::size_t s = 0; s < raised.size(); ++s) notes.Raised(out.stances[s], raised[s]);
     AddMotionErrors(*settings.motion_errors, out.stances, out.next_parameter, out.notes);
   }
   for (Stance& stance : out.stances) {
-    const Status status = AddBlocks(data.trials.at(stance.trial), settings, stance, out);
+    const Status status = AddBlocks(data.trials.at(stance.trial), settings, stance, out, notes);
     if (!status) return Fail("trial '{}': {}", stance.trial, status.error().message);
   }
+  const std::vector<std::string> of_stances = notes.Sentences();
+  out.notes.insert(out.notes.begin(), of_stances.begin(), of_stances.end());
   // One floor under all stances turns about one point, in their midst, so that a slope is no height.
   std::array<double, 2> middle{};
   for (const std::size_t axis : {0U, 1U}) {

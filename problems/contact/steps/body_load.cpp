@@ -7,6 +7,7 @@
 
 #include "problems/contact/load/plate_samples.h"
 #include "problems/contact/stance.h"
+#include "problems/contact/stance_notes.h"
 #include "problems/whole_body_dynamics.h"
 
 namespace sinew {
@@ -82,8 +83,7 @@ double BodyLoad::ShareAt(double time, SupportPhase of) const {
 Result<std::optional<BodyLoad>> MeasuredBodyLoad(const Trial& trial, const Stance& stance,
                                                  const CoordinateTrajectory& motion,
                                                  const MultibodyModel& model, const std::vector<int>& bodies,
-                                                 const ContactSettings& settings,
-                                                 std::vector<std::string>& notes) {
+                                                 const ContactSettings& settings, StanceNotes& notes) {
   constexpr double kAround = 0.02;  // [s]
   const std::optional<BodyLoad> none;
   const auto force = VectorAt(trial, kWholeBodyForce, stance.time);
@@ -91,8 +91,7 @@ Result<std::optional<BodyLoad>> MeasuredBodyLoad(const Trial& trial, const Stanc
   const auto mass_centre = VectorAt(trial, kMassCentre, stance.time);
   if (!force || !moment || !mass_centre) return none;
   const auto unusable = [&](const char* why) {
-    notes.push_back(fmt::format("trial '{}', {}: the whole body's load is not used: {}", stance.trial,
-                                stance.plate, why));
+    notes.NoBodyLoad(stance, why);
     return none;
   };
   SINEW_ASSIGN(const auto other, OtherFoot(stance, motion, model, bodies, settings));

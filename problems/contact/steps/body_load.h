@@ -15,6 +15,7 @@
 namespace sinew {
 
 struct Stance;
+class StanceNotes;
 
 /// When a stance begins, when the other foot leaves, when it comes back, and when the stance ends.
 enum SupportPhase { kFirstDouble, kSingle, kSecondDouble, kSupportPhases };
@@ -35,12 +36,11 @@ struct BodyLoad {
 /// touching cannot be told. The other foot leaves the floor when its foremost spring is farthest behind the
 /// mass centre, and comes back when its hindmost one is farthest ahead (Zeni, Richards, Higginson 2008, Gait
 /// & Posture 27:710); two hundredths of a second around these events count as double support.
-/// @param bodies of settings.regions @param notes one sentence if the load is there and cannot be used
+/// @param bodies of settings.regions @param notes is told why, if the load is there and cannot be used
 /// Errors: those of MultibodyModel::BodyMotions.
 Result<std::optional<BodyLoad>> MeasuredBodyLoad(const Trial& trial, const Stance& stance,
                                                  const CoordinateTrajectory& motion,
                                                  const MultibodyModel& model, const std::vector<int>& bodies,
-                                                 const ContactSettings& settings,
-                                                 std::vector<std::string>& notes);
+                                                 const ContactSettings& settings, StanceNotes& notes);
 
 }  // namespace sinew
