@@ -3,7 +3,7 @@
 
 README.md describes the studies and the counts.
 
-usage: hidden.py --sinew PATH --seeds 2001:2030 --out RESULTS.json [--size 2] [--per-seed 2] [--jobs 1] [--seconds 3000]
+usage: hidden.py --sinew PATH --seeds 2001:2030 --out RESULTS.json [--size 2] [--per-seed 2] [--told] [--jobs 1] [--seconds 3000]
        hidden.py --report RESULTS.json...
 """
 import argparse
@@ -24,6 +24,7 @@ from run import POSITION, ROTATION, draw, load, seeds_of, write_settings  # noqa
 
 DETECTABLE = 3.605  # length of a signature that a test for it alone at 5 % detects with 95 %
 LONGEST = 900       # [s] of one diagnosis
+WHOLE_LIBRARY = 10  # -2 log L, about what a test of some thirty effects at 5 % needs
 # Name: lower and upper end of what may be hidden, which are those of the problem; the parameter that is not 0 comes first.
 EFFECTS = {
     "height_offset": (-0.01, 0.01),
@@ -79,6 +80,18 @@ def diagnose(options, folder, data, settings):
     return json.loads(found.read_text()), "", time.monotonic() - began
 
 
+def told(options, folder, data, settings, effect):
+    """Cost of the fit that is told which effect is hidden."""
+    found = folder / "told.json"
+    found.unlink(missing_ok=True)
+    done = subprocess.run([str(w) for w in (options.sinew, "identify", "contact", "--data", data, "--config", settings, "--threads", 1,
+                                            "--quiet", "--release", effect, "--intervals", "linear", "--out", folder / "told.h5",
+                                            "--json", found)], capture_output=True, text=True, check=False, timeout=LONGEST)
+    if not found.exists():
+        raise RuntimeError(done.stderr[-400:])
+    return json.loads(found.read_text())["cost"]
+
+
 def facts(found, seconds):
     return {"verdict": found["verdict"], "p": found["family_p_value"], "seconds": seconds,
             "causes": [c["effect"] for c in found["causes"]],
@@ -129,7 +142,13 @@ def study(options, seed):
                 continue
             found, failure, seconds = diagnose(options, folder, data, settings)
             case = {"effect": name, "value": value, "size": options.size}
-            one["hidden"].append({**case, "failure": failure} if found is None else {**case, **facts(found, seconds)})
+            if found is None:
+                one["hidden"].append({**case, "failure": failure})
+                continue
+            case.update(facts(found, seconds))
+            if options.told:
+                case["told"] = told(options, folder, data, settings, name)
+            one["hidden"].append(case)
         return one
 
 
@@ -155,6 +174,16 @@ def show(results):
     found = [c for c in cases if c["verdict"] != "adequate"]
     stated = [c for c in found if c["effect"] in c["causes"] + c["alternatives"]]
     share("detected", len(found), len(cases))
+    known = [c for c in cases if "told" in c]
+    if known:
+        gains = [2 * (c["cost"] - c["told"]) for c in known]
+        expected = (DETECTABLE * known[0]["size"]) ** 2
+        print(f"  -2 log L falls by {np.median(gains):.0f} in the median where the effect is told ({expected:.0f} by the linear model)")
+        for least in (3.84, WHOLE_LIBRARY):
+            able = [c for c, gain in zip(known, gains) if gain > least]
+            share(f"detected, where it falls by more than {least:g}", sum(c in found for c in able), len(able))
+            share(f"truth in the stated set, where it falls by more than {least:g}", sum(c in found and c["effect"] in c["causes"] + c["alternatives"]
+                                                                                     for c in able), len(able))
     share("truth in the stated set, of all", len(stated), len(cases))
     share("truth in the stated set, of the detected", len(stated), len(found))
     share("named first, of the detected", sum(c["causes"][:1] == [c["effect"]] for c in found), len(found))
@@ -176,6 +205,7 @@ def main():
     parser.add_argument("--seeds", default="1:2", help="first:last")
     parser.add_argument("--size", type=float, default=2, help="over the size that an oracle detects with 95 %%")
     parser.add_argument("--per-seed", type=int, default=2, help="hidden effects, one at a time")
+    parser.add_argument("--told", action="store_true", help="fit each hidden effect, told which, too: what could be detected at all?")
     parser.add_argument("--jobs", type=int, default=1)
     parser.add_argument("--seconds", type=float, default=math.inf, help="no study begins later")
     parser.add_argument("--out", type=Path)

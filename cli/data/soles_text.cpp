@@ -201,6 +201,16 @@ std::string BeltComment(const BeltVelocity& belt) {
       belt.error_z);
 }
 
+std::string FloorVelocityYaml(const BeltVelocity& belt) {
+  std::string text = fmt::format("  floor_velocity: [{:.3f}, {:.3f}]  # [m/s]\n", belt.x, belt.z);
+  if (belt.x != 0 || belt.z != 0)
+    text += fmt::format(
+        "  floor_velocity_error: [{:.3f}, {:.3f}]  # standard deviation [m/s]: the fit estimates the "
+        "velocity; 0: known exactly\n",
+        belt.x != 0 ? belt.error_x : 0, belt.z != 0 ? belt.error_z : 0);
+  return text;
+}
+
 std::string FindingText(const PlateFinding& f) {
   const std::string where = fmt::format("trial '{}', plate '{}': ", f.trial, f.plate);
   switch (f.found.fault) {
@@ -259,7 +269,7 @@ std::string SolesYaml(const SoleProposal& proposal, const std::string& data, con
   text += fmt::format("  model: {}\n", Quoted(model));
   text += fmt::format("  floor_height: {:.4f}  # as stated (--floor-height) [m]\n", proposal.floor_height);
   text += Comment(BeltComment(proposal.belt), 2);
-  text += fmt::format("  floor_velocity: [{:.3f}, {:.3f}]  # [m/s]\n", proposal.belt.x, proposal.belt.z);
+  text += FloorVelocityYaml(proposal.belt);
   text +=
       "  transition_velocity: 0.05  # of the friction [m/s]: as fast as markers let a standing foot slide "
       "(Jackson et "

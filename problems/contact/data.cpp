@@ -342,7 +342,8 @@ Result<ContactData> PrepareContactData(const Dataset& data, const ContactSetting
       fitted.push_back(data.trials.at(stance.trial).role == Role::kTrain);
     const std::vector<double> raised = LevelFeet(fitted, out.stances);
     for (std::size_t s = 0; s < raised.size(); ++s) notes.Raised(out.stances[s], raised[s]);
-    AddMotionErrors(*settings.motion_errors, out.stances, out.next_parameter, out.notes);
+    AddMotionErrors(*settings.motion_errors, settings.FloorVelocityError(), out.stances, out.next_parameter,
+                    out.notes);
   }
   for (Stance& stance : out.stances) {
     const Status status = AddBlocks(data.trials.at(stance.trial), settings, stance, out, notes);

@@ -149,14 +149,25 @@ std::vector<FigureOfMerit> ContactProblem::PriorFigures(const Vector& parameters
   const auto source = [](const std::optional<double>& set) {
     return set ? "as set" : "chosen by the marginal likelihood, and held as known by the intervals";
   };
-  return {{"correlation time",
-           fmt::format("s, standard deviation of the pose's errors over that of their rates; {}",
-                       source(settings_.motion_errors->correlation_time)),
-           spectrum.correlation_time},
-          {"roughness",
-           fmt::format("share of the variance of the pose's errors whose rate may jump; {}",
-                       source(settings_.motion_errors->roughness)),
-           spectrum.roughness}};
+  std::vector<FigureOfMerit> figures{
+      {"correlation time",
+       fmt::format("s, standard deviation of the pose's errors over that of their rates; {}",
+                   source(settings_.motion_errors->correlation_time)),
+       spectrum.correlation_time},
+      {"roughness",
+       fmt::format("share of the variance of the pose's errors whose rate may jump; {}",
+                   source(settings_.motion_errors->roughness)),
+       spectrum.roughness}};
+  for (const PoseTerm& term : data_.stances.front().motion_errors.terms) {
+    if (term.of != DeviationOf::kFloor) continue;
+    const bool along_x = term.component == kShiftX;
+    const double stated = along_x ? settings_.floor.velocity_x : settings_.floor.velocity_z;
+    figures.push_back({along_x ? "velocity of the floor along x" : "velocity of the floor along z",
+                       fmt::format("m/s; stated as {:.3f} +-{:.3f} (standard deviation)", stated,
+                                   settings_.FloorVelocityError()[along_x ? 0 : 1]),
+                       stated + parameters[term.first]});
+  }
+  return figures;
 }
 
 std::vector<FigureOfMerit> ContactProblem::FiguresOfMerit(const Vector& parameters,

@@ -76,10 +76,13 @@ ParameterList List(const ContactSettings& settings, const ContactEffectList& eff
   if (!stances.empty()) {
     const StanceMotionErrors& errors = stances.front().motion_errors;
     for (int i = 0; i < errors.own; ++i) {
-      const auto component = static_cast<PoseComponent>(errors.components[static_cast<std::size_t>(i)]);
-      for (Parameter& p :
-           DeclareWeights(component, errors.terms[static_cast<std::size_t>(i)].weights, "", ""))
-        add.Add(std::move(p));
+      const PoseTerm& term = errors.terms[static_cast<std::size_t>(i)];
+      if (term.of == DeviationOf::kFloor) {
+        add.Add(DeclareFloorVelocity(term.component,
+                                     settings.FloorVelocityError()[term.component == kShiftX ? 0 : 1]));
+        continue;
+      }
+      for (Parameter& p : DeclareWeights(term.component, term.weights, "", "")) add.Add(std::move(p));
     }
   }
   for (const Stance& stance : stances) {
@@ -89,9 +92,8 @@ ParameterList List(const ContactSettings& settings, const ContactEffectList& eff
     const std::string name = alone ? stance.trial : stance.trial + "/" + stance.plate;
     const StanceMotionErrors& errors = stance.motion_errors;
     for (std::size_t i = static_cast<std::size_t>(errors.own); i < errors.terms.size(); ++i) {
-      const auto component =
-          static_cast<PoseComponent>(errors.components[i - static_cast<std::size_t>(errors.own)]);
-      for (Parameter& p : DeclareWeights(component, errors.terms[i].weights, stance.trial, name))
+      const PoseTerm& term = errors.terms[i];
+      for (Parameter& p : DeclareWeights(term.component, term.weights, stance.trial, name))
         add.Add(std::move(p));
     }
   }
@@ -333,7 +335,9 @@ Vector ContactProblem::AtPriors(const Vector& parameters, const Vector& priors) 
     const CurveSpectrum from = errors.SpectrumAt(parameters);
     const CurveSpectrum to = errors.SpectrumAt(at);
     for (const PoseTerm& term : errors.terms) {
-      const DeviationCurves& curves = term.is_own ? *errors.own_curves : *errors.common_curves;
+      if (term.of == DeviationOf::kFloor) continue;
+      const DeviationCurves& curves =
+          term.of == DeviationOf::kStance ? *errors.own_curves : *errors.common_curves;
       at.segment(term.first, term.weights) =
           curves.Carried(parameters.segment(term.first, term.weights), from, to);
     }

@@ -28,6 +28,7 @@ const std::map<std::string, ParameterRange> kDefaultRanges{
 
 // Where a model's foot has its sole is known to a few centimetres.
 constexpr ParameterRange kRangeOfSolePlace{-0.05, 0.05, 0};
+constexpr double kMostFloorVelocityError = 1;  // [m/s]
 
 Result<Vec3> ReadVec3(const YamlReader& yaml, const std::string& key, const Vec3& fallback) {
   if (!yaml.Has(key)) return fallback;
@@ -223,6 +224,11 @@ std::vector<std::string> ContactSettings::Plates() const {
   return Distinct(regions, &ContactRegionSettings::plate);
 }
 
+std::array<double, 2> ContactSettings::FloorVelocityError() const {
+  if (floor_velocity_error) return *floor_velocity_error;
+  return {floor.velocity_x == 0 ? 0 : kStandingFoot, floor.velocity_z == 0 ? 0 : kStandingFoot};
+}
+
 std::vector<int> ContactSettings::SolePlaces() const {
   std::vector<int> places;
   for (int place = 0; place < kSolePlaces; ++place) {
@@ -233,8 +239,9 @@ std::vector<int> ContactSettings::SolePlaces() const {
 
 Result<ContactSettings> ReadContactSettings(const YamlReader& yaml,
                                             const std::map<std::string, std::string>& files) {
-  SINEW_TRY(yaml.OnlyKeys({"model", "floor_height", "floor_velocity", "transition_velocity", "objective",
-                           "fit", "cop_force_share", "motion_errors", "accuracy", "regions", "parameters"}));
+  SINEW_TRY(yaml.OnlyKeys({"model", "floor_height", "floor_velocity", "floor_velocity_error",
+                           "transition_velocity", "objective", "fit", "cop_force_share", "motion_errors",
+                           "accuracy", "regions", "parameters"}));
   ContactSettings settings;
   settings.parameters = kDefaultRanges;
   SINEW_ASSIGN(settings.model, yaml.TextOr("model", settings.model));
@@ -244,6 +251,16 @@ Result<ContactSettings> ReadContactSettings(const YamlReader& yaml,
     SINEW_ASSIGN(const auto numbers, velocity.Numbers(2));
     settings.floor.velocity_x = numbers[0];
     settings.floor.velocity_z = numbers[1];
+  }
+  if (yaml.Has("floor_velocity_error")) {
+    SINEW_ASSIGN(const YamlReader errors, yaml.At("floor_velocity_error"));
+    SINEW_ASSIGN(const auto numbers, errors.Numbers(2));
+    for (const double error : numbers) {
+      if (!(error >= 0 && error <= kMostFloorVelocityError))
+        return FailAt(errors.file(), errors.line(), "floor_velocity_error: {} m/s, expected 0 to {}", error,
+                      kMostFloorVelocityError);
+    }
+    settings.floor_velocity_error = {numbers[0], numbers[1]};
   }
   SINEW_ASSIGN(settings.cop_force_share, yaml.NumberOr("cop_force_share", settings.cop_force_share));
   SINEW_ASSIGN(settings.transition_velocity,

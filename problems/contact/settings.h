@@ -52,9 +52,16 @@ struct ContactAccuracy {
 enum SolePlace { kSoleForward, kSoleHeight, kSoleOutward, kSolePlaces };
 extern const std::array<const char*, kSolePlaces> kSolePlaceNames;
 
+/// How fast the markers of a foot that stands on the floor move: it rolls, and its skin slides by a few
+/// millimetres in the tenth of a second that it is flat [m/s].
+inline constexpr double kStandingFoot = 0.03;
+
 struct ContactSettings {
-  std::string model = "model.osim";   ///< name of the .osim among the files of the data set
-  Floor floor;                        ///< height [m], and velocity of a treadmill's belt [m/s]
+  std::string model = "model.osim";  ///< name of the .osim among the files of the data set
+  Floor floor;                       ///< height [m], and velocity of a treadmill's belt [m/s]
+  /// Standard deviation of that velocity, along x and z [m/s]; nothing: that of the markers of a standing
+  /// foot.
+  std::optional<std::array<double, 2>> floor_velocity_error;
   double transition_velocity = 0.01;  ///< of the friction law [m/s]
   ContactObjective objective = ContactObjective::kNormalised;
   std::vector<std::string> fit{"force_y"};  ///< of kContactChannels
@@ -65,6 +72,8 @@ struct ContactSettings {
   std::optional<MotionErrorSettings> motion_errors;
   ContactAccuracy accuracy;
   std::vector<ContactRegionSettings> regions;
+  /// That is set or, of what moves, kStandingFoot; 0: known exactly. [m/s]
+  [[nodiscard]] std::array<double, 2> FloorVelocityError() const;
   /// Which of SolePlace are parameters of each group: its sole lies elsewhere on the foot than drawn.
   [[nodiscard]] std::vector<int> SolePlaces() const;
   /// Springs do not stay where the recorded motion has them.

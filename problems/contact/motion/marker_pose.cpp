@@ -34,7 +34,7 @@ class MarkerFit {
       PoseTerm term;
       term.direction.setZero();
       term.direction[c] = c <= kShiftZ ? kWideShift : c <= kTurnZ ? kWideTurn : kWideJoint;
-      term.is_own = true;
+      term.of = DeviationOf::kStance;
       term.first = static_cast<int>(size_);
       term.weights = curves.weights();
       size_ += term.weights;

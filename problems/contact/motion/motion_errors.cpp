@@ -78,7 +78,7 @@ CurveSpectrum StanceMotionErrors::SpectrumAt(const Vector& parameters) const {
 DeviationBases StanceMotionErrors::BasesAt(const Vector& parameters) const {
   if (terms.empty()) return {};
   const CurveSpectrum at = SpectrumAt(parameters);
-  return {common_curves->With(at), own_curves->With(at)};
+  return {common_curves->With(at), floor, own_curves->With(at)};
 }
 
 PoseDeviation StanceMotionErrors::At(const DeviationBases& bases, const Vector& parameters,
@@ -109,6 +109,16 @@ std::vector<Parameter> DeclareWeights(PoseComponent component, int weights, cons
     declared.push_back(std::move(p));
   }
   return declared;
+}
+
+Parameter DeclareFloorVelocity(PoseComponent along, double error) {
+  constexpr double kReach = 8;  // standard deviations
+  Parameter p =
+      BaseParameter(along == kShiftX ? "floor_velocity_x" : "floor_velocity_z", "m/s",
+                    "velocity of the floor, from the stated one", -kReach * error, kReach * error, 0);
+  p.kind = ParameterKind::kNuisance;
+  p.prior = GaussianPrior{0, error};
+  return p;
 }
 
 std::vector<Parameter> DeclareSpectrum(const MotionErrorSettings& settings) {

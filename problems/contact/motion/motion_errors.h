@@ -40,22 +40,31 @@ struct SpectrumRange {
 };
 inline constexpr SpectrumRange kSpectrumRange{{0.02, 1e-6}, {1, 1}, {0.1, 0.01}};
 
-/// A smooth curve in one direction of the pose.
+/// Whose deviation it is: of all stances, of the floor, whose velocity is known to some accuracy and the same
+/// in all stances, or of one stance.
+enum class DeviationOf { kAll, kFloor, kStance };
+
+/// A smooth curve in one direction of the pose, or a constant rate of it relative to the floor.
 struct PoseTerm {
-  Eigen::Matrix<double, kPoseComponents, 1> direction;  ///< for a weight of one standard deviation [m, rad]
-  bool is_own = false;  ///< of the stance; otherwise all stances have it in common
-  int first = -1;       ///< index of its first weight
+  /// For a weight of one standard deviation [m, rad]; of the floor: for 1 m/s.
+  Eigen::Matrix<double, kPoseComponents, 1> direction;
+  PoseComponent component = kShiftX;  ///< that the curve describes, in the frame of the foot for kAll
+  DeviationOf of = DeviationOf::kAll;
+  int first = -1;  ///< index of its first weight
   int weights = 0;
 };
 
-/// Of the two kinds of curves at one prior.
+/// Of the curves at one prior, and of the floor.
 struct DeviationBases {
   std::shared_ptr<const CurveBasis> common;
+  std::shared_ptr<const CurveBasis> floor;
   std::shared_ptr<const CurveBasis> own;
-  [[nodiscard]] const CurveBasis& Of(const PoseTerm& term) const { return term.is_own ? *own : *common; }
+  [[nodiscard]] const CurveBasis& Of(const PoseTerm& term) const {
+    return term.of == DeviationOf::kAll ? *common : term.of == DeviationOf::kFloor ? *floor : *own;
+  }
 };
 
-/// Deviations of one stance: those that all stances have in common, then its own.
+/// Deviations of one stance: those that all stances have in common, the floor's, then its own.
 struct StanceMotionErrors {
   std::vector<int> components;                      ///< of PoseComponent that may deviate; none: exact motion
   std::array<double, kPoseComponents> deviation{};  ///< standard deviation of each, of its own part [m, rad]
@@ -64,6 +73,7 @@ struct StanceMotionErrors {
   int own = 0;                                      ///< index of the first own term
   int spectrum = -1;  ///< index of the parameter `deviation_time`, before `deviation_roughness`
   std::shared_ptr<const DeviationCurves> common_curves;  ///< at the stance's instants
+  std::shared_ptr<const CurveBasis> floor;               ///< no value, rate 1
   std::shared_ptr<const DeviationCurves> own_curves;
 
   /// Indices of all weights, increasing.
@@ -87,6 +97,11 @@ struct StanceMotionErrors {
 /// stance's own. @param trial empty: of all stances
 [[nodiscard]] std::vector<Parameter> DeclareWeights(PoseComponent component, int weights,
                                                     const std::string& trial, const std::string& stance);
+
+/// `floor_velocity_x` or `_z`: by how much the floor's velocity differs from the stated one, a nuisance
+/// parameter.
+/// @param error its standard deviation [m/s, > 0]
+[[nodiscard]] Parameter DeclareFloorVelocity(PoseComponent along, double error);
 
 /// `deviation_time` and `deviation_roughness`: those that are set are held, the others chosen.
 [[nodiscard]] std::vector<Parameter> DeclareSpectrum(const MotionErrorSettings& settings);

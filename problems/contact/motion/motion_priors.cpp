@@ -39,10 +39,22 @@ MarkerAccuracy PooledAccuracy(const std::vector<Stance>& stances) {
   return pooled;
 }
 
+Eigen::Matrix<double, kPoseComponents, 1> Along(int component) {
+  Eigen::Matrix<double, kPoseComponents, 1> direction = Eigen::Matrix<double, kPoseComponents, 1>::Zero();
+  direction[component] = 1;
+  return direction;
+}
+
+// A velocity moves nothing at the instant.
+std::shared_ptr<const CurveBasis> FloorBasis(std::size_t instants) {
+  const auto rows = static_cast<Eigen::Index>(instants);
+  return std::make_shared<const CurveBasis>(CurveBasis{Matrix::Zero(rows, 1), Matrix::Ones(rows, 1)});
+}
+
 }  // namespace
 
-void AddMotionErrors(const MotionErrorSettings& settings, std::vector<Stance>& stances, int& next_parameter,
-                     std::vector<std::string>& notes) {
+void AddMotionErrors(const MotionErrorSettings& settings, const std::array<double, 2>& floor_error,
+                     std::vector<Stance>& stances, int& next_parameter, std::vector<std::string>& notes) {
   const MarkerAccuracy markers = PooledAccuracy(stances);
   // Markers that a rigid foot follows exactly say nothing of how the foot bends, or moves in its shoe.
   const double position = settings.position.value_or(std::max(markers.position, kPosition));
@@ -61,6 +73,9 @@ void AddMotionErrors(const MotionErrorSettings& settings, std::vector<Stance>& s
     if (stance.measured) duration += (stance.loaded[1] - stance.loaded[0]) / static_cast<double>(measured);
   }
 
+  const auto stated = [&](int component) {
+    return component <= kShiftZ ? position : component <= kTurnZ ? rotation : joint;
+  };
   const int spectrum = next_parameter;
   next_parameter += 2;
   std::vector<int> components;
@@ -68,7 +83,6 @@ void AddMotionErrors(const MotionErrorSettings& settings, std::vector<Stance>& s
   for (Stance& stance : stances) {
     StanceMotionErrors& errors = stance.motion_errors;
     errors.components = components;
-    errors.own = static_cast<int>(components.size());
     const auto directions = FootDirections(stance.forward, stance.side);
     std::vector<double> phase_time;  // phase times the mean duration
     const double stretch = duration / (stance.loaded[1] - stance.loaded[0]);
@@ -78,30 +92,32 @@ void AddMotionErrors(const MotionErrorSettings& settings, std::vector<Stance>& s
                                                                    kCommonCutoff * settings.cutoff, stretch);
     errors.own_curves = std::make_shared<const DeviationCurves>(stance.time, stance.recorded[0],
                                                                 stance.recorded[1], settings.cutoff);
+    errors.floor = FloorBasis(stance.time.size());
     int first = next_parameter;
-    for (const bool is_own : {false, true}) {
-      for (const int component : components) {
-        const auto c = static_cast<std::size_t>(component);
-        const double deviation = (is_own ? own_share : common_share) * (component <= kShiftZ  ? position
-                                                                        : component <= kTurnZ ? rotation
-                                                                                              : joint);
-        PoseTerm term;
-        term.is_own = is_own;
-        term.weights = (is_own ? errors.own_curves : errors.common_curves)->weights();
-        if (is_own) {
-          term.direction.setZero();
-          term.direction[component] = deviation;
-        } else {
-          term.direction = deviation * directions[c];
-        }
-        (is_own ? errors.deviation : errors.common)[c] = deviation;
-        term.first = first;
-        first += term.weights;
-        errors.terms.push_back(std::move(term));
-      }
+    const auto add = [&](PoseTerm term) {
+      term.first = first;
+      first += term.weights;
+      errors.terms.push_back(std::move(term));
+    };
+    for (const int component : components) {
+      const auto c = static_cast<std::size_t>(component);
+      errors.common[c] = common_share * stated(component);
+      add({errors.common[c] * directions[c], static_cast<PoseComponent>(component), DeviationOf::kAll, -1,
+           errors.common_curves->weights()});
+    }
+    for (const PoseComponent along : {kShiftX, kShiftZ}) {
+      if (floor_error[along == kShiftX ? 0 : 1] > 0)
+        add({-Along(along), along, DeviationOf::kFloor, -1, 1});  // the foot's, relative to the floor
+    }
+    errors.own = static_cast<int>(errors.terms.size());
+    for (const int component : components) {
+      const auto c = static_cast<std::size_t>(component);
+      errors.deviation[c] = own_share * stated(component);
+      add({errors.deviation[c] * Along(component), static_cast<PoseComponent>(component),
+           DeviationOf::kStance, -1, errors.own_curves->weights()});
     }
   }
-  // The common weights once, then the own ones of each stance and the places of its markers.
+  // What is of all stances once, then the own ones of each stance and the places of its markers.
   for (int i = 0; i < stances.front().motion_errors.own; ++i)
     next_parameter += stances.front().motion_errors.terms[static_cast<std::size_t>(i)].weights;
   for (Stance& stance : stances) {

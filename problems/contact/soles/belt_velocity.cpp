@@ -5,12 +5,12 @@
 
 #include "datasets/robust.h"
 #include "problems/contact/motion/foot_markers.h"
+#include "problems/contact/settings.h"
 
 namespace sinew {
 namespace {
 
-constexpr double kRolling = 0.03;  // [m/s]
-constexpr double kErrors = 3;      // standard errors
+constexpr double kErrors = 3;  // standard errors
 
 // Velocities along x and z of each flat frame.
 struct Seen {
@@ -80,8 +80,8 @@ BeltVelocity FindBeltVelocity(const std::vector<StandingFoot>& feet, const Datas
   belt.found_x /= n;
   belt.found_z /= n;
   // Frames of one stance are not independent: a stance counts once.
-  belt.error_x = std::sqrt(kRolling * kRolling + squares_x / (n * n));
-  belt.error_z = std::sqrt(kRolling * kRolling + squares_z / (n * n));
+  belt.error_x = std::sqrt(kStandingFoot * kStandingFoot + squares_x / (n * n));
+  belt.error_z = std::sqrt(kStandingFoot * kStandingFoot + squares_z / (n * n));
   if (std::abs(belt.found_x) > kErrors * belt.error_x) belt.x = belt.found_x;
   if (std::abs(belt.found_z) > kErrors * belt.error_z) belt.z = belt.found_z;
   return belt;

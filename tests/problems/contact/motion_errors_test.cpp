@@ -129,6 +129,48 @@ TEST(MotionErrors, FlatFeetAreLevelled) {
   EXPECT_THAT(raised->data().notes, testing::Contains(HasSubstr("was lowered by")));
 }
 
+TEST(MotionErrors, AFloorThatMovesHasAVelocityOfItsOwn) {
+  const std::string moving = "floor_velocity: [0.002, 0]\n  ";
+  const auto problem = MakeContact(OneStance(), Moving(moving + kErrors)).value();
+  const auto still = MakeContact(OneStance(), Moving(kErrors)).value();
+  const std::vector<Parameter>& list = problem->parameters();
+  const auto found =
+      std::find_if(list.begin(), list.end(), [](const Parameter& p) { return p.name == "floor_velocity_x"; });
+  ASSERT_NE(found, list.end());
+  EXPECT_EQ(found->kind, ParameterKind::kNuisance);
+  EXPECT_EQ(found->prior->standard_deviation, kStandingFoot);
+  EXPECT_EQ(list.size(), still->parameters().size() + 1) << "along z it does not move";
+
+  // What is stated and taken away again is no motion.
+  Vector at_rest = RestPoint(*problem);
+  at_rest[found - list.begin()] = -0.002;
+  const Prediction moved = PredictEverything(*problem, at_rest);
+  const Prediction expected = PredictEverything(*still, RestPoint(*still));
+  for (const int block : problem->data().stances.front().blocks)
+    EXPECT_LT((moved.values(block) - expected.values(block)).norm(),
+              1e-9 * (1 + expected.values(block).norm()));
+
+  // Within a millimetre per second few springs begin to slide between two differences.
+  const auto known =
+      MakeContact(OneStance(), Moving(moving + "floor_velocity_error: [0.0001, 0]\n  " + kErrors)).value();
+  Random random(1);
+  ExpectJacobianAgrees(*known, random);
+}
+
+TEST(MotionErrors, AFloorWhoseVelocityIsExactHasNoParameter) {
+  const auto problem =
+      MakeContact(
+          OneStance(),
+          Moving(std::string("floor_velocity: [0.02, 0]\n  floor_velocity_error: [0, 0.001]\n  ") + kErrors))
+          .value();
+  const std::vector<Parameter>& list = problem->parameters();
+  const auto has = [&](const char* name) {
+    return std::any_of(list.begin(), list.end(), [&](const Parameter& p) { return p.name == name; });
+  };
+  EXPECT_FALSE(has("floor_velocity_x"));
+  EXPECT_TRUE(has("floor_velocity_z"));
+}
+
 TEST(MotionErrors, JacobianAgreesWithDifferences) {
   const std::string places =
       "    sole_height: {lower: -0.0003, upper: 0.0003}\n    sole_forward: {lower: -0.001, upper: 0.001}\n";

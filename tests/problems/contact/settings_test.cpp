@@ -171,6 +171,8 @@ TEST_F(ContactSettingsTest, WrongValuesAreErrorsWithLine) {
             "contact.yaml:17: mesh: expected one of box, outline, obj");
   EXPECT_EQ(ErrorAfter("floor_velocity: [0.5, -0.25]", "floor_velocity: 0.5"),
             "contact.yaml:4: contact.floor_velocity: expected a list of 2 numbers");
+  EXPECT_EQ(ErrorAfter("floor_velocity: [0.5, -0.25]", "floor_velocity_error: [0.01, -1]"),
+            "contact.yaml:4: floor_velocity_error: -1 m/s, expected 0 to 1");
   EXPECT_THAT(ErrorAfter("springs: all", "springs: some"),
               HasSubstr("springs: 'some', expected bottom or all"));
 }
