@@ -146,17 +146,25 @@ Status ContactProblem::WriteDetails(const Vector& parameters, Hdf5Node& details)
 std::vector<FigureOfMerit> ContactProblem::PriorFigures(const Vector& parameters) const {
   if (!settings_.motion_errors || data_.stances.empty()) return {};
   const CurveSpectrum spectrum = data_.stances.front().motion_errors.SpectrumAt(parameters);
-  const auto source = [](const std::optional<double>& set) {
-    return set ? "as set" : "chosen by the marginal likelihood, and held as known by the intervals";
+  const auto& [lowest, highest, start] = kSpectrumRange;
+  const auto source = [](const std::optional<double>& set, double value, double least, double most) {
+    constexpr double kAtEnd = 1e-3;  // relative
+    if (set) return std::string("as set");
+    return fmt::format("chosen by the marginal likelihood{}, and held as known by the intervals",
+                       value < (1 + kAtEnd) * least  ? " (the least that is looked at)"
+                       : value > (1 - kAtEnd) * most ? " (the most that is looked at)"
+                                                     : "");
   };
   std::vector<FigureOfMerit> figures{
       {"correlation time",
        fmt::format("s, standard deviation of the pose's errors over that of their rates; {}",
-                   source(settings_.motion_errors->correlation_time)),
+                   source(settings_.motion_errors->correlation_time, spectrum.correlation_time,
+                          lowest.correlation_time, highest.correlation_time)),
        spectrum.correlation_time},
       {"roughness",
        fmt::format("share of the variance of the pose's errors whose rate may jump; {}",
-                   source(settings_.motion_errors->roughness)),
+                   source(settings_.motion_errors->roughness, spectrum.roughness, lowest.roughness,
+                          highest.roughness)),
        spectrum.roughness}};
   for (const PoseTerm& term : data_.stances.front().motion_errors.terms) {
     if (term.of != DeviationOf::kFloor) continue;

@@ -1,11 +1,13 @@
 #include "problems/contact/motion/smooth_motion.h"
 
+#include <Eigen/Cholesky>
 #include <Eigen/Geometry>
 #include <Eigen/QR>
 #include <array>
 #include <cmath>
 #include <limits>
 
+#include "base/constants.h"
 #include "problems/contact/motion/deviation_curves.h"
 
 namespace sinew {
@@ -25,6 +27,55 @@ Matrix PoseOf(const std::vector<BodyMotion>& motion) {
         RotationVector(motion[t].rotation * reference.transpose()).transpose();
   }
   return pose;
+}
+
+// Generalised cross-validation of cubic splines with a knot at every sample, whose third derivative is
+// penalised so that frequencies fall by 1 / (1 + (f / cutoff)^6).
+class PenalisedSplines {
+ public:
+  PenalisedSplines(const std::vector<double>& times, const Matrix& values)
+      : step_((times.back() - times.front()) / static_cast<double>(times.size() - 1)),
+        values_(values),
+        splines_(DeviationCurves(times, times.front(), times.back(), highest()).splines().value) {
+    constexpr int kOrder = 3;
+    Matrix third = Matrix::Zero(splines_.cols() - kOrder, splines_.cols());
+    for (Eigen::Index i = 0; i < third.rows(); ++i) third.row(i).segment<kOrder + 1>(i) << -1, 3, -3, 1;
+    gram_ = splines_.transpose() * splines_;
+    penalty_ = third.transpose() * third / std::pow(step_, 2 * kOrder - 1);
+  }
+
+  /// Of the samples [Hz].
+  [[nodiscard]] double highest() const { return 0.5 / step_; }
+
+  [[nodiscard]] double Score(double cutoff) const {
+    const Eigen::LLT<Matrix> factor(gram_ + penalty_ / (step_ * std::pow(2 * kPi * cutoff, 6)));
+    const Matrix left = values_ - splines_ * factor.solve(splines_.transpose() * values_);
+    const double spent = factor.solve(gram_).trace();
+    return left.squaredNorm() / std::pow(static_cast<double>(values_.rows()) - spent, 2);
+  }
+
+ private:
+  double step_;  // [s]
+  const Matrix& values_;
+  Matrix splines_;
+  Matrix gram_;
+  Matrix penalty_;
+};
+
+// Left-out samples are predicted best by splines that smooth what the samples could show.
+bool HasNoise(const std::vector<double>& times, double lowest, const Matrix& pose) {
+  constexpr double kRatio = 1.2;
+  constexpr double kBeyond = 4;  // times the highest frequency, where no sample is changed
+  const PenalisedSplines splines(times, pose);
+  double least = splines.Score(kBeyond * splines.highest());
+  bool found = false;
+  for (double cutoff = lowest; cutoff < splines.highest(); cutoff *= kRatio) {
+    const double score = splines.Score(cutoff);
+    if (score >= least) continue;
+    least = score;
+    found = true;
+  }
+  return found;
 }
 
 // Of frequencies from the lowest on, the one whose splines predict left-out samples best: generalised
@@ -55,6 +106,7 @@ void SmoothMotion(const std::vector<double>& times, double lowest, FootMotion& f
   // Metres and radians on one scale, that of a foot's length.
   constexpr double kLever = 0.1;  // [m]
   position.rightCols<3>() *= kLever;
+  if (!HasNoise(times, lowest, position)) return;
   const double cutoff = BestCutoff(times, lowest, position);
   const DeviationCurves curves(times, times.front(), times.back(), cutoff);
   const CurveBasis& splines = curves.splines();
