@@ -272,6 +272,7 @@ Status AddTrial(const std::string& name, const Trial& trial, const ContactModel&
                                                    : PredictionTimes(*vertical.grid, motion, margin));
     SINEW_ASSIGN(Stance stance,
                  MakeStance(name, plate, std::move(time), motion, model.multibody, model.bodies, settings));
+    stance.fitted = trial.role == Role::kTrain;
     const auto while_recorded = RecordedInstants(stance.time, *vertical.grid);
     stance.recorded = {stance.time[while_recorded[0]], stance.time[while_recorded[1] - 1]};
     SINEW_TRY(FindLoad(trial, settings, stance));
@@ -337,10 +338,7 @@ Result<ContactData> PrepareContactData(const Dataset& data, const ContactSetting
   }
   SetGreatestForceOfUnmeasured(out.stances);
   if (settings.motion_errors) {
-    std::vector<bool> fitted;
-    for (const Stance& stance : out.stances)
-      fitted.push_back(data.trials.at(stance.trial).role == Role::kTrain);
-    const std::vector<double> raised = LevelFeet(fitted, out.stances);
+    const std::vector<double> raised = LevelFeet(out.stances);
     for (std::size_t s = 0; s < raised.size(); ++s) notes.Raised(out.stances[s], raised[s]);
     AddMotionErrors(*settings.motion_errors, settings.FloorVelocityError(), out.stances, out.next_parameter,
                     out.notes);

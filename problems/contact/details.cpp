@@ -32,8 +32,7 @@ void WriteMotionErrors(const Stance& stance, const Vector& parameters, Hdf5Node&
   std::vector<double> prior;
   for (const int c : errors.components) {
     names.emplace_back(ToString(static_cast<PoseComponent>(c)));
-    prior.push_back(std::hypot(errors.deviation[static_cast<std::size_t>(c)],
-                               errors.common[static_cast<std::size_t>(c)]));
+    prior.push_back(errors.deviation[static_cast<std::size_t>(c)]);
   }
   std::vector<double> values;
   std::vector<double> common;
@@ -145,28 +144,32 @@ Status ContactProblem::WriteDetails(const Vector& parameters, Hdf5Node& details)
 
 std::vector<FigureOfMerit> ContactProblem::PriorFigures(const Vector& parameters) const {
   if (!settings_.motion_errors || data_.stances.empty()) return {};
-  const CurveSpectrum spectrum = data_.stances.front().motion_errors.SpectrumAt(parameters);
-  const auto& [lowest, highest, start] = kSpectrumRange;
-  const auto source = [](const std::optional<double>& set, double value, double least, double most) {
+  const StanceMotionErrors& errors = data_.stances.front().motion_errors;
+  const auto figure = [&](int index, const char* name, const char* meaning,
+                          const std::optional<double>& set) {
     constexpr double kAtEnd = 1e-3;  // relative
-    if (set) return std::string("as set");
-    return fmt::format("chosen by the marginal likelihood{}, and held as known by the intervals",
-                       value < (1 + kAtEnd) * least  ? " (the least that is looked at)"
-                       : value > (1 - kAtEnd) * most ? " (the most that is looked at)"
-                                                     : "");
+    const Parameter& p = this->parameters()[static_cast<std::size_t>(errors.spectrum + index)];
+    const double value = parameters[errors.spectrum + index];
+    const std::string source =
+        set ? "as set"
+        : p.other_starts.empty()
+            ? "assumed: one stance does not tell"
+            : fmt::format("chosen by the marginal likelihood{}, and held as known by the intervals",
+                          value < (1 + kAtEnd) * p.lower   ? " (the least that is looked at)"
+                          : value > (1 - kAtEnd) * p.upper ? " (the most that is looked at)"
+                                                           : "");
+    return FigureOfMerit{name, fmt::format("{}; {}", meaning, source), value};
   };
+  const MotionErrorSettings& set = *settings_.motion_errors;
   std::vector<FigureOfMerit> figures{
-      {"correlation time",
-       fmt::format("s, standard deviation of the pose's errors over that of their rates; {}",
-                   source(settings_.motion_errors->correlation_time, spectrum.correlation_time,
-                          lowest.correlation_time, highest.correlation_time)),
-       spectrum.correlation_time},
-      {"roughness",
-       fmt::format("share of the variance of the pose's errors whose rate may jump; {}",
-                   source(settings_.motion_errors->roughness, spectrum.roughness, lowest.roughness,
-                          highest.roughness)),
-       spectrum.roughness}};
-  for (const PoseTerm& term : data_.stances.front().motion_errors.terms) {
+      figure(0, "correlation time", "s, standard deviation of the pose's errors over that of their rates",
+             set.correlation_time),
+      figure(1, "roughness", "share of the variance of the pose's errors whose rate may jump", set.roughness),
+      figure(
+          2, "between steps",
+          "standard deviation of what of the pose's errors differs from step to step, over that of the rest",
+          set.between_steps)};
+  for (const PoseTerm& term : errors.terms) {
     if (term.of != DeviationOf::kFloor) continue;
     const bool along_x = term.component == kShiftX;
     const double stated = along_x ? settings_.floor.velocity_x : settings_.floor.velocity_z;
@@ -201,7 +204,7 @@ std::vector<FigureOfMerit> ContactProblem::FiguresOfMerit(const Vector& paramete
            fmt::format("{}, root mean square {} an axis; largest {:.2g}, standard deviation of the "
                        "prior {:.2g}",
                        turn ? "degrees" : "mm", turn ? "about" : "along", scale * largest,
-                       scale * std::hypot(errors.deviation[component], errors.common[component])),
+                       scale * errors.deviation[component]),
            scale * std::sqrt(squares / static_cast<double>(stance.time.size()))});
     }
   }

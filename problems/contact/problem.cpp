@@ -71,7 +71,10 @@ ParameterList List(const ContactSettings& settings, const ContactEffectList& eff
   }
   effects.Declare(add);
   if (settings.motion_errors) {
-    for (Parameter& p : DeclareSpectrum(*settings.motion_errors)) add.Add(std::move(p));
+    const auto fitted = std::count_if(stances.begin(), stances.end(),
+                                      [](const Stance& stance) { return stance.fitted && stance.measured; });
+    for (Parameter& p : DeclareSpectrum(*settings.motion_errors, static_cast<int>(fitted)))
+      add.Add(std::move(p));
   }
   if (!stances.empty()) {
     const StanceMotionErrors& errors = stances.front().motion_errors;
@@ -332,14 +335,13 @@ Vector ContactProblem::AtPriors(const Vector& parameters, const Vector& priors) 
   for (const Stance& stance : data_.stances) {
     const StanceMotionErrors& errors = stance.motion_errors;
     if (errors.terms.empty()) continue;
-    const CurveSpectrum from = errors.SpectrumAt(parameters);
-    const CurveSpectrum to = errors.SpectrumAt(at);
     for (const PoseTerm& term : errors.terms) {
       if (term.of == DeviationOf::kFloor) continue;
       const DeviationCurves& curves =
           term.of == DeviationOf::kStance ? *errors.own_curves : *errors.common_curves;
       at.segment(term.first, term.weights) =
-          curves.Carried(parameters.segment(term.first, term.weights), from, to);
+          curves.Carried(parameters.segment(term.first, term.weights), errors.SpectrumAt(parameters, term.of),
+                         errors.SpectrumAt(at, term.of));
     }
   }
   return at;

@@ -39,6 +39,7 @@ struct Stance {
   Vec3 forward = Vec3::UnitX();         ///< horizontal direction of the foot in the middle of the stance
   std::array<double, 2> recorded{};     ///< first and last instant while the plate records [s]
   std::array<double, 2> loaded{};       ///< from when to when the plate is loaded [s]
+  bool fitted = false;                  ///< its trial is a training trial
   bool measured = true;                 ///< false: no plate measured a vertical force
   double greatest_force = 0;            ///< measured vertically [N]; else the mean of the measured stances
   double length = 0;                    ///< of the sole, between its outermost springs along x or z [m]

@@ -76,18 +76,18 @@ Matrix DeviationCurves::Root(const CurveSpectrum& spectrum) const {
   constexpr double kRidge = 1e-9;
   covariance.diagonal().array() += kRidge;
   const Matrix root = Eigen::LLT<Matrix>(covariance).matrixL();
-  // Splines smooth what their weights do; the curve's mean variance is to be 1.
-  const double scale = std::sqrt(static_cast<double>(on_grid_.rows())) / (on_grid_ * root).norm();
-  return scale * root;
+  // Splines smooth what their weights do; the curve's mean variance is to be that of the prior.
+  const double unit = std::sqrt(static_cast<double>(on_grid_.rows())) / (on_grid_ * root).norm();
+  return spectrum.scale * unit * root;
 }
 
 Vector DeviationCurves::Carried(const Vector& weights, const CurveSpectrum& from,
                                 const CurveSpectrum& to) const {
-  constexpr double kLoose = 0.01;  // of a standard deviation, to which the curves agree
+  const double loose = 0.01 * to.scale;  // to which the curves agree
   const Matrix root = on_grid_ * Root(to);
   const Vector curve = on_grid_ * (Root(from) * weights);
   Matrix normal = root.transpose() * root;
-  normal.diagonal().array() += kLoose * kLoose * static_cast<double>(on_grid_.rows());
+  normal.diagonal().array() += loose * loose * static_cast<double>(on_grid_.rows());
   return normal.llt().solve(root.transpose() * curve);
 }
 
@@ -96,7 +96,7 @@ std::shared_ptr<const CurveBasis> DeviationCurves::With(const CurveSpectrum& spe
   const std::lock_guard<std::mutex> lock(mutex_);
   const auto found = std::find_if(kept_.begin(), kept_.end(), [&](const Kept& one) {
     return one.spectrum.correlation_time == spectrum.correlation_time &&
-           one.spectrum.roughness == spectrum.roughness;
+           one.spectrum.roughness == spectrum.roughness && one.spectrum.scale == spectrum.scale;
   });
   if (found != kept_.end()) return found->basis;
   if (kept_.size() == kMostKept) kept_.erase(kept_.begin());

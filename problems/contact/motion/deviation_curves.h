@@ -19,6 +19,7 @@ namespace sinew {
 struct CurveSpectrum {
   double correlation_time = 0.1;  ///< standard deviation over that of the rate [s, > 0]
   double roughness = 1;           ///< share of the variance, 0 to 1
+  double scale = 1;               ///< standard deviation of the curve [> 0]
 
   [[nodiscard]] double Correlation(double lag) const;
 };
@@ -47,8 +48,8 @@ class DeviationCurves {
   [[nodiscard]] Vector Carried(const Vector& weights, const CurveSpectrum& from,
                                const CurveSpectrum& to) const;
 
-  /// Weighted so that independent standard normal weights make a curve with unit mean variance and this
-  /// correlation. The last few are kept. May be called from several threads.
+  /// Weighted so that independent standard normal weights make a curve with a mean variance of the square of
+  /// the scale and this correlation. The last few are kept. May be called from several threads.
   [[nodiscard]] std::shared_ptr<const CurveBasis> With(const CurveSpectrum& spectrum) const;
 
  private:

@@ -23,14 +23,15 @@ double FlatHeight(const Stance& stance) {
 
 }  // namespace
 
-std::vector<double> LevelFeet(const std::vector<bool>& fitted, std::vector<Stance>& stances) {
-  const bool any = std::find(fitted.begin(), fitted.end(), true) != fitted.end();
+std::vector<double> LevelFeet(std::vector<Stance>& stances) {
+  const bool any =
+      std::any_of(stances.begin(), stances.end(), [](const Stance& stance) { return stance.fitted; });
   double sum = 0;
   double count = 0;
   std::vector<double> raised;
   for (std::size_t s = 0; s < stances.size(); ++s) {
     raised.push_back(-FlatHeight(stances[s]));
-    if (any && !fitted[s]) continue;
+    if (any && !stances[s].fitted) continue;
     sum -= raised.back();
     count += 1;
   }

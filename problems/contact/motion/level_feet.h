@@ -10,8 +10,8 @@ namespace sinew {
 
 /// Raises or lowers the recorded motion of every stance so that the sole's centre is at the same height, that
 /// of the training stances' mean, while the foot is flat: the median over 20 to 45 % of the stance (foot flat
-/// to heel rise; Perry, Burnfield 2010, Gait Analysis, ch. 4). @param fitted [stances] true for training
-/// stances; all of them count if none is. @return [stances, m] by how much each was raised
-std::vector<double> LevelFeet(const std::vector<bool>& fitted, std::vector<Stance>& stances);
+/// to heel rise; Perry, Burnfield 2010, Gait Analysis, ch. 4). Without a training stance all count.
+/// @return [stances, m] by how much each was raised
+std::vector<double> LevelFeet(std::vector<Stance>& stances);
 
 }  // namespace sinew

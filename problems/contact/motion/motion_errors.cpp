@@ -36,8 +36,7 @@ Result<MotionErrorSettings> ReadMotionErrors(const YamlReader& yaml) {
   SINEW_ASSIGN(settings.joint, Positive(yaml, "joint"));
   SINEW_ASSIGN(const auto correlation_time, Positive(yaml, "correlation_time"));
   SINEW_ASSIGN(const auto cutoff, Positive(yaml, "cutoff"));
-  SINEW_ASSIGN(const auto between_steps, Positive(yaml, "between_steps"));
-  settings.between_steps = between_steps.value_or(settings.between_steps);
+  SINEW_ASSIGN(settings.between_steps, Positive(yaml, "between_steps"));
   settings.correlation_time = correlation_time;
   SINEW_ASSIGN(settings.roughness, Positive(yaml, "roughness"));
   if (settings.roughness && *settings.roughness > 1) {
@@ -71,14 +70,17 @@ std::array<int, 2> StanceMotionErrors::OwnRange() const {
   return {terms[static_cast<std::size_t>(own)].first, last.first + last.weights};
 }
 
-CurveSpectrum StanceMotionErrors::SpectrumAt(const Vector& parameters) const {
-  return {parameters[spectrum], parameters[spectrum + 1]};
+CurveSpectrum StanceMotionErrors::SpectrumAt(const Vector& parameters, DeviationOf of) const {
+  const double between_steps = parameters[spectrum + 2];
+  const double common = 1 / std::hypot(1.0, between_steps);
+  return {parameters[spectrum], parameters[spectrum + 1],
+          of == DeviationOf::kStance ? between_steps * common : common};
 }
 
 DeviationBases StanceMotionErrors::BasesAt(const Vector& parameters) const {
   if (terms.empty()) return {};
-  const CurveSpectrum at = SpectrumAt(parameters);
-  return {common_curves->With(at), floor, own_curves->With(at)};
+  return {common_curves->With(SpectrumAt(parameters, DeviationOf::kAll)), floor,
+          own_curves->With(SpectrumAt(parameters, DeviationOf::kStance))};
 }
 
 PoseDeviation StanceMotionErrors::At(const DeviationBases& bases, const Vector& parameters,
@@ -121,7 +123,7 @@ Parameter DeclareFloorVelocity(PoseComponent along, double error) {
   return p;
 }
 
-std::vector<Parameter> DeclareSpectrum(const MotionErrorSettings& settings) {
+std::vector<Parameter> DeclareSpectrum(const MotionErrorSettings& settings, int fitted) {
   const auto make = [](std::string name, std::string unit, std::string meaning, double lower, double upper,
                        double start, std::optional<double> set, std::vector<double> others) {
     Parameter p = BaseParameter(std::move(name), std::move(unit), std::move(meaning), lower, upper,
@@ -135,11 +137,16 @@ std::vector<Parameter> DeclareSpectrum(const MotionErrorSettings& settings) {
     return p;
   };
   const auto& [lowest, highest, start] = kSpectrumRange;
-  return {make("deviation_time", "s", "standard deviation of the pose's errors over that of their rates",
-               lowest.correlation_time, highest.correlation_time, start.correlation_time,
-               settings.correlation_time, {0.2, 0.1}),
-          make("deviation_roughness", "1", "share of the variance of the pose's errors whose rate may jump",
-               lowest.roughness, highest.roughness, start.roughness, settings.roughness, {1e-4, 1})};
+  return {
+      make("deviation_time", "s", "standard deviation of the pose's errors over that of their rates",
+           lowest.correlation_time, highest.correlation_time, start.correlation_time,
+           settings.correlation_time, {0.2, 0.1}),
+      make("deviation_roughness", "1", "share of the variance of the pose's errors whose rate may jump",
+           lowest.roughness, highest.roughness, start.roughness, settings.roughness, {1e-4, 1}),
+      make("deviation_between_steps", "1",
+           "standard deviation of what of the pose's errors differs from step to step, over that of the rest",
+           kBetweenStepsRange[0], kBetweenStepsRange[1], kBetweenStepsRange[2], settings.between_steps,
+           fitted > 1 ? std::vector<double>{3, kBetweenStepsRange[2]} : std::vector<double>{})};
 }
 
 std::array<Eigen::Matrix<double, kPoseComponents, 1>, kPoseComponents> FootDirections(const Vec3& forward,

@@ -21,9 +21,10 @@ struct MotionErrorSettings {
   std::optional<double> position;  ///< along each axis [m]
   std::optional<double> rotation;  ///< about each axis [rad]
   std::optional<double> joint;     ///< of the angle of the foot's joint [rad]
-  /// Standard deviation of what differs from step to step over that of what all steps have in common.
-  double between_steps = 1;
-  /// Of CurveSpectrum; without a number it is chosen by the marginal likelihood of the fitted stances.
+  /// Standard deviation of what differs from step to step over that of what all steps have in common. Without
+  /// a number it is chosen by the marginal likelihood of the fitted stances, if there are several.
+  std::optional<double> between_steps;
+  /// Of CurveSpectrum; without a number chosen likewise.
   std::optional<double> correlation_time;
   std::optional<double> roughness;
   double cutoff = 20;  ///< [Hz] highest frequency: knots are half its period apart
@@ -39,6 +40,9 @@ struct SpectrumRange {
   CurveSpectrum start;
 };
 inline constexpr SpectrumRange kSpectrumRange{{0.02, 1e-6}, {1, 1}, {0.1, 0.01}};
+/// The same of between_steps: least, most, start.
+inline constexpr std::array<double, 3> kBetweenStepsRange{0.1, 10, 1};
+inline constexpr int kSpectrumParameters = 3;
 
 /// Whose deviation it is: of all stances, of the floor, whose velocity is known to some accuracy and the same
 /// in all stances, or of one stance.
@@ -67,11 +71,10 @@ struct DeviationBases {
 /// Deviations of one stance: those that all stances have in common, the floor's, then its own.
 struct StanceMotionErrors {
   std::vector<int> components;                      ///< of PoseComponent that may deviate; none: exact motion
-  std::array<double, kPoseComponents> deviation{};  ///< standard deviation of each, of its own part [m, rad]
-  std::array<double, kPoseComponents> common{};     ///< of the part that all stances have in common
+  std::array<double, kPoseComponents> deviation{};  ///< standard deviation of each [m, rad]
   std::vector<PoseTerm> terms;                      ///< weights in increasing order
   int own = 0;                                      ///< index of the first own term
-  int spectrum = -1;  ///< index of the parameter `deviation_time`, before `deviation_roughness`
+  int spectrum = -1;  ///< index of the first parameter of the prior (DeclareSpectrum)
   std::shared_ptr<const DeviationCurves> common_curves;  ///< at the stance's instants
   std::shared_ptr<const CurveBasis> floor;               ///< no value, rate 1
   std::shared_ptr<const DeviationCurves> own_curves;
@@ -83,7 +86,8 @@ struct StanceMotionErrors {
   /// Indices of its own weights: from the first to before the second.
   [[nodiscard]] std::array<int, 2> OwnRange() const;
 
-  [[nodiscard]] CurveSpectrum SpectrumAt(const Vector& parameters) const;
+  /// @param of the stance, or all
+  [[nodiscard]] CurveSpectrum SpectrumAt(const Vector& parameters, DeviationOf of) const;
   /// At the prior that the parameters [P] state.
   [[nodiscard]] DeviationBases BasesAt(const Vector& parameters) const;
   /// At one instant. @param bases at these parameters
@@ -103,8 +107,10 @@ struct StanceMotionErrors {
 /// @param error its standard deviation [m/s, > 0]
 [[nodiscard]] Parameter DeclareFloorVelocity(PoseComponent along, double error);
 
-/// `deviation_time` and `deviation_roughness`: those that are set are held, the others chosen.
-[[nodiscard]] std::vector<Parameter> DeclareSpectrum(const MotionErrorSettings& settings);
+/// `deviation_time`, `deviation_roughness` and `deviation_between_steps`: those that are set are held, the
+/// others chosen; one stance does not tell the last one.
+/// @param fitted number of fitted stances
+[[nodiscard]] std::vector<Parameter> DeclareSpectrum(const MotionErrorSettings& settings, int fitted);
 
 /// The directions, in ground axes, of components in the frame of a foot that looks along a heading, mirrored
 /// for a left foot. @param forward horizontal unit vector @param side 1 or -1

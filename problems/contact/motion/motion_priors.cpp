@@ -62,9 +62,6 @@ void AddMotionErrors(const MotionErrorSettings& settings, const std::array<doubl
   const double joint = settings.joint.value_or(kJoint);
   const bool has_joint =
       std::any_of(stances.begin(), stances.end(), [](const Stance& stance) { return stance.foot.has_joint; });
-  // The variance is divided between what stances have in common and what each has of its own.
-  const double common_share = 1 / std::hypot(1.0, settings.between_steps);
-  const double own_share = settings.between_steps * common_share;
   // Steps without a plate leave the fit of the others as it is.
   const auto measured =
       std::count_if(stances.begin(), stances.end(), [](const Stance& stance) { return stance.measured; });
@@ -77,7 +74,7 @@ void AddMotionErrors(const MotionErrorSettings& settings, const std::array<doubl
     return component <= kShiftZ ? position : component <= kTurnZ ? rotation : joint;
   };
   const int spectrum = next_parameter;
-  next_parameter += 2;
+  next_parameter += kSpectrumParameters;
   std::vector<int> components;
   for (int c = 0; c < (has_joint ? kPoseComponents : kJointAngle); ++c) components.push_back(c);
   for (Stance& stance : stances) {
@@ -101,8 +98,8 @@ void AddMotionErrors(const MotionErrorSettings& settings, const std::array<doubl
     };
     for (const int component : components) {
       const auto c = static_cast<std::size_t>(component);
-      errors.common[c] = common_share * stated(component);
-      add({errors.common[c] * directions[c], static_cast<PoseComponent>(component), DeviationOf::kAll, -1,
+      errors.deviation[c] = stated(component);
+      add({errors.deviation[c] * directions[c], static_cast<PoseComponent>(component), DeviationOf::kAll, -1,
            errors.common_curves->weights()});
     }
     for (const PoseComponent along : {kShiftX, kShiftZ}) {
@@ -112,7 +109,6 @@ void AddMotionErrors(const MotionErrorSettings& settings, const std::array<doubl
     errors.own = static_cast<int>(errors.terms.size());
     for (const int component : components) {
       const auto c = static_cast<std::size_t>(component);
-      errors.deviation[c] = own_share * stated(component);
       add({errors.deviation[c] * Along(component), static_cast<PoseComponent>(component),
            DeviationOf::kStance, -1, errors.own_curves->weights()});
     }
@@ -129,7 +125,7 @@ void AddMotionErrors(const MotionErrorSettings& settings, const std::array<doubl
   }
   notes.push_back(fmt::format(
       "the pose of a foot may deviate from the recorded one by {:.1f} mm and {:.1f} degrees (standard "
-      "deviations of the prior, {}), of which {:.0f} % of the variance differs from step to step",
+      "deviations of the prior, {}){}",
       1e3 * position, rotation * 180 / kPi,
       settings.position && settings.rotation ? std::string("as set")
       : markers.markers == 0                 ? std::string("published ones: no marker is on it")
@@ -137,7 +133,9 @@ void AddMotionErrors(const MotionErrorSettings& settings, const std::array<doubl
                                                    markers.markers, 1e3 * markers.residual)
                                      : fmt::format("published ones: {} markers on it leave {:.1f} mm",
                                                    markers.markers, 1e3 * markers.residual),
-      100 * own_share * own_share));
+      settings.between_steps ? fmt::format(", of which {:.0f} % of the variance differs from step to step",
+                                           100 / (1 + std::pow(*settings.between_steps, -2)))
+                             : std::string()));
 }
 
 }  // namespace sinew

@@ -34,6 +34,21 @@ TEST(DeviationCurves, HaveUnitVarianceAndTheStatedCorrelation) {
   }
 }
 
+TEST(DeviationCurves, TheScaleIsTheirStandardDeviation) {
+  const DeviationCurves curves(Times(100, 2), 0, 2, 10);
+  CurveSpectrum larger = kSmooth;
+  larger.scale = 3;
+  const auto unit = curves.With(kSmooth);
+  const auto scaled = curves.With(larger);
+  EXPECT_LT((scaled->value - 3 * unit->value).norm(), 1e-12 * scaled->value.norm());
+  EXPECT_LT((scaled->rate - 3 * unit->rate).norm(), 1e-12 * scaled->rate.norm());
+  // A curve that both allow is the same at both.
+  Vector weights = Vector::Zero(curves.weights());
+  weights.head(5) << 1, -1, 0.5, 0.2, 1;
+  const Vector carried = curves.Carried(weights, kSmooth, larger);
+  EXPECT_LT((scaled->value * carried - unit->value * weights).norm(), 0.03 * (unit->value * weights).norm());
+}
+
 TEST(DeviationCurves, TheCorrelationTimeIsTheDeviationOverThatOfTheRate) {
   const std::vector<double> times = Times(100, 2);
   const DeviationCurves curves(times, 0, 2, 30);

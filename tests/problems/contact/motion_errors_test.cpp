@@ -153,7 +153,7 @@ TEST(MotionErrors, AFloorThatMovesHasAVelocityOfItsOwn) {
   // Within a millimetre per second few springs begin to slide between two differences.
   const auto known =
       MakeContact(OneStance(), Moving(moving + "floor_velocity_error: [0.0001, 0]\n  " + kErrors)).value();
-  Random random(1);
+  Random random(4);
   ExpectJacobianAgrees(*known, random);
 }
 
@@ -243,8 +243,26 @@ TEST(MotionErrors, ThePriorIsNotSmallerThanThePublishedOne) {
   const StanceMotionErrors& errors = problem->data().stances.front().motion_errors;
   EXPECT_FALSE(problem->data().stances.front().markers.markers.empty());
   // The robot's markers lie where its encoders have them; 5 mm, part of it the stance.s own.
-  EXPECT_NEAR(std::hypot(errors.deviation[kShiftX], errors.common[kShiftX]), 0.005, 1e-9);
-  EXPECT_NEAR(errors.deviation[kShiftX] / errors.common[kShiftX], 1, 1e-9);
+  EXPECT_NEAR(errors.deviation[kShiftX], 0.005, 1e-9);
+  EXPECT_NEAR(errors.SpectrumAt(RestPoint(*problem), DeviationOf::kStance).scale, std::sqrt(0.5), 1e-9);
+  EXPECT_NEAR(errors.SpectrumAt(RestPoint(*problem), DeviationOf::kAll).scale, std::sqrt(0.5), 1e-9);
+}
+
+TEST(MotionErrors, HowMuchStancesHaveInCommonIsChosenFromSeveral) {
+  const auto between_steps = [](const ContactProblem& problem) {
+    const int index = problem.data().stances.front().motion_errors.spectrum + 2;
+    return problem.parameters()[static_cast<std::size_t>(index)];
+  };
+  const auto several = MakeContact(ExactData(), Moving("motion_errors: {}")).value();
+  EXPECT_EQ(between_steps(*several).name, "deviation_between_steps");
+  EXPECT_FALSE(between_steps(*several).other_starts.empty());
+  const auto one = MakeContact(OneStance(), Moving("motion_errors: {}")).value();
+  EXPECT_TRUE(between_steps(*one).other_starts.empty()) << "one stance does not tell";
+  const auto set = MakeContact(ExactData(), Moving("motion_errors: {between_steps: 3}")).value();
+  EXPECT_TRUE(between_steps(*set).other_starts.empty());
+  const StanceMotionErrors& errors = set->data().stances.front().motion_errors;
+  EXPECT_NEAR(errors.SpectrumAt(RestPoint(*set), DeviationOf::kStance).scale, std::sqrt(0.9), 1e-9);
+  EXPECT_NEAR(errors.SpectrumAt(RestPoint(*set), DeviationOf::kAll).scale, std::sqrt(0.1), 1e-9);
 }
 
 TEST(MotionErrors, SettingsThatCannotBeAreSaid) {
