@@ -102,6 +102,8 @@ double BestCutoff(const std::vector<double>& times, double lowest, const Matrix&
 }  // namespace
 
 void SmoothMotion(const std::vector<double>& times, double lowest, FootMotion& foot) {
+  constexpr std::size_t kFewest = 5;  // fewer have no frequencies to speak of
+  if (times.size() < kFewest) return;
   Matrix position = PoseOf(foot.bodies.front().motion);
   // Metres and radians on one scale, that of a foot's length.
   constexpr double kLever = 0.1;  // [m]

@@ -55,6 +55,18 @@ TEST(SmoothMotion, AMotionWithoutNoiseStaysAsItIs) {
   }
 }
 
+TEST(SmoothMotion, AFewFramesStayAsTheyAre) {
+  Recording recording = Slide(100, 1e-3);
+  for (const std::size_t frames : {1U, 2U, 4U}) {
+    FootMotion few = recording.foot.Part(0, frames);
+    const std::vector<double> time(recording.time.begin(),
+                                   recording.time.begin() + static_cast<std::ptrdiff_t>(frames));
+    SmoothMotion(time, kLowest, few);
+    for (std::size_t t = 0; t < frames; ++t)
+      EXPECT_EQ(few.bodies.front().motion[t].position, recording.foot.bodies.front().motion[t].position);
+  }
+}
+
 TEST(SmoothMotion, NoiseOfTheSamplesIsTakenOut) {
   constexpr double kNoise = 1e-3;  // [m]
   constexpr double kRate = 100;    // [Hz]
