@@ -37,11 +37,11 @@ class PenalisedSplines {
       : step_((times.back() - times.front()) / static_cast<double>(times.size() - 1)),
         values_(values),
         splines_(DeviationCurves(times, times.front(), times.back(), highest()).splines().value) {
-    constexpr int kOrder = 3;
-    Matrix third = Matrix::Zero(splines_.cols() - kOrder, splines_.cols());
-    for (Eigen::Index i = 0; i < third.rows(); ++i) third.row(i).segment<kOrder + 1>(i) << -1, 3, -3, 1;
+    constexpr int kPenalised = 3;
+    Matrix third = Matrix::Zero(splines_.cols() - kPenalised, splines_.cols());
+    for (Eigen::Index i = 0; i < third.rows(); ++i) third.row(i).segment<kPenalised + 1>(i) << -1, 3, -3, 1;
     gram_ = splines_.transpose() * splines_;
-    penalty_ = third.transpose() * third / std::pow(step_, 2 * kOrder - 1);
+    penalty_ = third.transpose() * third / std::pow(step_, 2 * kPenalised - 1);
   }
 
   /// Of the samples [Hz].
