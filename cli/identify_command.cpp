@@ -123,7 +123,7 @@ std::vector<std::string> Figures(const Problem& problem, const Identification& i
   std::vector<std::string> lines{
       fmt::format("cost {}: {}", Readable(identification.result.cost, 4), problem.objective())};
   for (const FigureOfMerit& figure : identification.figures)
-    lines.push_back(fmt::format("{} {}: {}", figure.name, Readable(figure.value, 4), figure.meaning));
+    lines.push_back(fmt::format("{} {}: {}", figure.name, Readable(figure.value, 4), text::Meaning(figure)));
   return lines;
 }
 

@@ -20,11 +20,21 @@ struct DerivedQuantity {
   std::function<double(const Vector& parameters)> value;
 };
 
+/// Where the value of a parameter of a prior (ParameterKind::kPrior) comes from, which no least squares fits.
+enum class PriorSource {
+  kNone,         ///< not such a parameter, or one that is not for the data to tell
+  kHeld,         ///< the request holds it
+  kChosen,       ///< by the marginal likelihood
+  kUndetermined  ///< no fit comes near enough to the noise to choose by
+};
+
 /// A number by which the field judges a fit.
 struct FigureOfMerit {
   std::string name;     ///< "CEINMS's f"
   std::string meaning;  ///< one phrase, with unit unless it has none
   double value = 0;
+  int parameter = -1;  ///< whose value it is, if it is that of a parameter of a prior
+  PriorSource source = PriorSource::kNone;
 };
 
 }  // namespace sinew

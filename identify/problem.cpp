@@ -74,7 +74,7 @@ std::vector<AlternativePrediction> Problem::Alternatives(const Vector& /*paramet
   return {};
 }
 
-Vector Problem::AtPriors(const Vector& parameters, const Vector& priors) const {
+Vector Problem::AtPriors(const Vector& parameters, const Vector& priors, CarryOver /*how*/) const {
   Vector at = parameters;
   for (std::size_t i = 0; i < this->parameters().size(); ++i) {
     const auto index = static_cast<Eigen::Index>(i);

@@ -160,10 +160,15 @@ class Problem {
                                                             const std::vector<bool>& compared,
                                                             const Vector& parameters) const;
 
-  /// Parameters [P] at which the prediction is nearly the same with the parameters of the priors
+  /// How AtPriors carries nuisance values over.
+  enum class CarryOver {
+    kSame,    ///< the same prediction, at values that may be beyond their bounds
+    kAllowed  ///< nearly the same, as far as both priors allow it
+  };
+  /// Parameters [P] at which the prediction is that of `parameters` with the parameters of the priors
   /// (ParameterKind::kPrior) that `priors` [P] has: where the meaning of nuisance values depends on them,
   /// with other nuisance values. Default: the others unchanged.
-  [[nodiscard]] virtual Vector AtPriors(const Vector& parameters, const Vector& priors) const;
+  [[nodiscard]] virtual Vector AtPriors(const Vector& parameters, const Vector& priors, CarryOver how) const;
 
   /// Warnings about the model at these parameters [P], such as a muscle outside its working range: kind
   /// kOther, one sentence in `message`; `names` and `numbers`, of equal length or empty, state its facts for

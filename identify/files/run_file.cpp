@@ -131,7 +131,7 @@ void WriteDerived(const Identification& identification, Hdf5Node& root) {
     std::vector<double> value;
     for (const FigureOfMerit& figure : identification.figures) {
       name.push_back(figure.name);
-      meaning.push_back(figure.meaning);
+      meaning.push_back(text::Meaning(figure));
       value.push_back(figure.value);
     }
     node.At("name").data = std::move(name);

@@ -59,7 +59,7 @@ Json FromRun(const Problem& problem, const Identification& identification, const
   json["figures"] = Json::array();
   for (const FigureOfMerit& figure : identification.figures)
     json["figures"].push_back(
-        {{"name", figure.name}, {"value", Finite(figure.value)}, {"meaning", figure.meaning}});
+        {{"name", figure.name}, {"value", Finite(figure.value)}, {"meaning", text::Meaning(figure)}});
   json["derived"] = Json::array();
   for (const DerivedResult& one : identification.derived) {
     json["derived"].push_back(

@@ -50,6 +50,15 @@ bool HasPriors(const FitSetup& setup, const std::vector<std::pair<std::string, d
   });
 }
 
+PriorSource SourceOf(const FigureOfMerit& figure, const solvers::PriorChoice& priors) {
+  if (figure.parameter < 0) return PriorSource::kNone;
+  if (priors.setup.IsHeld(figure.parameter)) return PriorSource::kHeld;
+  const auto index = static_cast<std::size_t>(figure.parameter);
+  if (priors.setup.parameters[index].other_starts.empty()) return PriorSource::kNone;
+  if (priors.undetermined) return PriorSource::kUndetermined;
+  return priors.any_chosen ? PriorSource::kChosen : PriorSource::kNone;
+}
+
 Warning FailuresOf(const Evaluator& search) {
   constexpr std::size_t kMostReasons = 5;
   Warning warning{WarningKind::kFailedEvaluations,
@@ -74,7 +83,8 @@ Result<Identification> Identify(const Problem& problem, FitSetup setup, Identifi
   out.solver = options.solver;
   out.solver_options = options.solver_options;
   options.evaluator.began = std::chrono::steady_clock::now();
-  out.setup = solvers::ChoosePriors(problem, setup, {options.evaluator.interrupt}).setup;
+  const solvers::PriorChoice priors = solvers::ChoosePriors(problem, setup, {options.evaluator.interrupt});
+  out.setup = priors.setup;
   if (!HasPriors(out.setup, options.replayed_priors)) {
     options.evaluator.replay = {};
     options.evaluator.finished.clear();
@@ -133,6 +143,7 @@ Result<Identification> Identify(const Problem& problem, FitSetup setup, Identifi
   out.pooled_fit = out.prediction.pooled;
   out.derived = DeriveResults(problem, out.setup, out.parameters, out.uncertainty);
   out.figures = problem.FiguresOfMerit(out.parameters, out.prediction.values);
+  for (FigureOfMerit& figure : out.figures) figure.source = SourceOf(figure, priors);
   out.alternatives = CompareAlternatives(problem, out.parameters);
   out.interrupted = is_interrupted();
   out.record = evaluator.TakeRecord();

@@ -359,10 +359,10 @@ std::vector<AlternativePrediction> SensorEffects::Alternatives(const Vector& par
   return alternatives;
 }
 
-Vector SensorEffects::AtPriors(const Vector& parameters, const Vector& priors) const {
+Vector SensorEffects::AtPriors(const Vector& parameters, const Vector& priors, CarryOver how) const {
   Vector all = parameters;
   all.head(inner_parameters_) =
-      inner_->AtPriors(parameters.head(inner_parameters_), priors.head(inner_parameters_));
+      inner_->AtPriors(parameters.head(inner_parameters_), priors.head(inner_parameters_), how);
   return all;
 }
 

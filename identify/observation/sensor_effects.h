@@ -55,7 +55,7 @@ class SensorEffects final : public Problem {
     return inner_->DerivedQuantities();
   }
   [[nodiscard]] std::vector<AlternativePrediction> Alternatives(const Vector& parameters) const override;
-  [[nodiscard]] Vector AtPriors(const Vector& parameters, const Vector& priors) const override;
+  [[nodiscard]] Vector AtPriors(const Vector& parameters, const Vector& priors, CarryOver how) const override;
   [[nodiscard]] std::optional<UnmeasuredEstimate> EstimateUnmeasured(const Vector& parameters) const override;
   [[nodiscard]] std::vector<FigureOfMerit> FiguresOfMerit(
       const Vector& parameters, const std::vector<Vector>& predicted) const override {

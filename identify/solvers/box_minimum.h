@@ -5,14 +5,14 @@
 #include <memory>
 #include <vector>
 
-#include "base/sparse_cholesky.h"
 #include "identify/solvers/box_quadratic_model.h"
 
 namespace sinew::solvers {
 
-/// Projected Newton steps (Bertsekas 1982): variables on a bound are held while the model falls beyond it,
-/// and are released where it does not. Keeps its last decomposition, which serves as long as the same
-/// variables are free: one per point and held variable.
+/// Active sets (Hintermueller, Ito, Kunisch 2003) where they settle, else projected Newton steps (Bertsekas
+/// 1982): variables on a bound are held while the model falls beyond it, and are released where it does not.
+/// Keeps its last decomposition, which serves as long as the same variables are free: one per point and held
+/// variable.
 class BoxMinimum {
  public:
   /// Keeps references. @param x [n] the model's point @param held variable that is fixed, or -1
@@ -33,7 +33,9 @@ class BoxMinimum {
  private:
   struct Decomposition;
   [[nodiscard]] Vector Curved(const Vector& step) const;  // normal, damped, times step
-  [[nodiscard]] double Value(const Vector& step) const;
+  [[nodiscard]] double Value(const Vector& step, const Vector& curved) const;
+  // Whether the sets of held variables settled: then step is the minimum.
+  bool FindByActiveSets(Vector& step);
   [[nodiscard]] Vector NewtonStep(const std::vector<int>& moving, const Vector& gradient);
 
   const BoxQuadraticModel& model_;

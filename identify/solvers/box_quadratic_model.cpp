@@ -3,8 +3,7 @@
 #include <cmath>
 #include <vector>
 
-#include "base/decompositions.h"
-#include "base/sparse_cholesky.h"
+#include "base/symmetric_solver.h"
 #include "identify/solvers/box_minimum.h"
 
 namespace sinew::solvers {
@@ -14,19 +13,6 @@ namespace {
 constexpr double kBoxTolerance = 1e-6;
 // Twice the acceleration over the step, above which it is not trusted: Transtrum and Sethna (2012).
 constexpr double kMostAcceleration = 0.75;
-
-// Of a symmetric matrix, mostly positive definite. The decomposition of a large full one without square roots
-// is not blocked, and several times slower.
-Vector Solve(const Matrix& matrix, const Vector& right) {
-  constexpr Eigen::Index kLarge = 96;
-  const SparseCholesky sparse(matrix);
-  if (sparse.usable()) return sparse.Solve(right);
-  if (matrix.rows() >= kLarge) {
-    const Eigen::LLT<Matrix> root(matrix);
-    if (root.info() == Eigen::Success) return root.solve(right);
-  }
-  return matrix.ldlt().solve(right);
-}
 
 }  // namespace
 
@@ -70,7 +56,7 @@ Vector BoxQuadraticModel::ProjectedStep(const Vector& x, int held, double dampin
       for (Eigen::Index j = 0; j < n; ++j) reduced(j, i) = normal(moving[j], moving[i]) * scale[j] * scale[i];
       reduced(i, i) += damping;
     }
-    const Vector solution = Solve(reduced, pull).cwiseProduct(scale);
+    const Vector solution = SymmetricSolver(reduced).Solve(pull).cwiseProduct(scale);
     std::vector<int> inside;
     for (Eigen::Index i = 0; i < n; ++i) {
       const int v = moving[static_cast<std::size_t>(i)];
@@ -126,7 +112,7 @@ std::optional<Vector> BoxQuadraticModel::Acceleration(const Vector& x, const Vec
     for (Eigen::Index j = 0; j < n; ++j) reduced(j, i) = normal(moving[j], moving[i]) * scale[j] * scale[i];
     reduced(i, i) += damping;
   }
-  const Vector acceleration = Solve(reduced, right);
+  const Vector acceleration = SymmetricSolver(reduced).Solve(right);
   if (!(2 * acceleration.norm() <= kMostAcceleration * moved.norm())) return std::nullopt;
   Vector half = Vector::Zero(x.size());
   for (Eigen::Index i = 0; i < n; ++i) half[moving[i]] = 0.5 * acceleration[i] * scale[i];

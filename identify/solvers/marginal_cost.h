@@ -15,4 +15,14 @@ namespace sinew::solvers {
 /// Source: Tierney, Kadane (1986), J. Am. Stat. Assoc. 81:82-86; MacKay (1992), Neural Computation 4:415-447.
 [[nodiscard]] double MarginalCost(const LeastSquares& fit, const Vector& x);
 
+struct PredictedMinimum {
+  double marginal = 0;  ///< the MarginalCost there; infinite where there is no prediction
+  Vector parameters;    ///< [P], within their bounds
+};
+
+/// The minimum that the Gauss-Newton model at setup.rest predicts: exact where predictions are linear in what
+/// is free. Nuisance values with priors may lie beyond their bounds at setup.rest, and the model leaves these
+/// bounds out.
+[[nodiscard]] PredictedMinimum PredictMinimum(const Problem& problem, const FitSetup& setup);
+
 }  // namespace sinew::solvers

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 #include <iterator>
+#include <optional>
 #include <utility>
 #include <vector>
 
@@ -18,8 +19,11 @@ namespace sinew::solvers {
 namespace {
 
 constexpr int kHalvings = 2;
+constexpr int kMostSearches = 4;  // from one beginning
 // Of the marginal cost, that counts: a change of the prior that gains less is none.
 constexpr double kWorthMoving = 0.5;
+// And that a linear model must predict before a fit is made, near the noise.
+constexpr double kPredicted = 0.25;
 constexpr double kSameValue = 0.1;  // steps
 constexpr double kDamping = 1e-3;
 constexpr long kTrialEvaluations = 100;
@@ -60,17 +64,19 @@ class Choice {
     PriorChoice choice;
     choice.setup = setup_;
     if (chosen_.empty() || !setup_.HasNuisancePriors()) return choice;
-    const double noise = NearNoiseCost(LeastSquares(problem_, setup_));
+    noise_ = LargestNoiseCost(LeastSquares(problem_, setup_));
+    near_noise_ = NearNoiseCost(LeastSquares(problem_, setup_));
     Point best;
     for (std::size_t which = 0; which < std::size(kBeginnings) && !Stopped(); ++which) {
-      if (best.cost <= noise) break;
+      if (best.cost <= near_noise_) break;
       const Point end = SearchFrom(which, which == 0 ? &choice.at_start : nullptr);
       if (end.marginal < best.marginal || best.parameters.size() == 0) best = end;
     }
     if (best.parameters.size() == 0) return choice;  // interrupted
     choice.evaluations = evaluations_;
-    if (best.cost > kMostCost * noise) {
+    if (best.cost > kMostCost * near_noise_) {
       for (const int index : chosen_) choice.setup.rest[index] = AllowingMore(index);
+      choice.undetermined = true;
       return choice;
     }
     choice.setup.rest = best.parameters;
@@ -88,26 +94,51 @@ class Choice {
     return setup_.parameters[static_cast<std::size_t>(index)].other_starts.back();
   }
 
-  // One beginning, and the pattern search from where it ends.
+  // One beginning, and pattern searches from where it ends until one of them moves nothing. In between, a
+  // search from the start at what was chosen may end in a better minimum.
   Point SearchFrom(std::size_t which, double* at_start) {
     const Beginning& beginning = kBeginnings[which];
     FitSetup at = setup_;
     for (const int index : chosen_) {
       if (beginning.at_others) at.rest[index] = AllowingMore(index);
     }
-    const FitSetup regularised = beginning.regularised ? Regularised(at, at.rest) : at;
-    const LeastSquares from(problem_, regularised);
+    MoveTo(Found(at, beginning.regularised));
+    if (at_start != nullptr) *at_start = best_.marginal;
+    for (int again = 0; again < kMostSearches && !Stopped(); ++again) {
+      const Vector before = PriorsOf(best_);
+      PatternSearch();
+      if (Stopped() || PriorsOf(best_) == before) break;
+      for (const int index : chosen_) at.rest[index] = best_.parameters[index];
+      const Point found = Found(at, beginning.regularised);
+      if (found.marginal < best_.marginal - kWorthMoving) MoveTo(found);
+    }
+    return best_;
+  }
+
+  // @param regularised with priors on the shared parameters
+  Point Found(const FitSetup& at, bool regularised) {
+    const FitSetup regularised_setup = regularised ? Regularised(at, at.rest) : at;
+    const LeastSquares from(problem_, regularised_setup);
     Evaluator::Options how;
     how.interrupt = options_.interrupt;
     how.budget.max_evaluations = kBeginningEvaluations;
     Evaluator evaluator(from, std::move(how));
     const SolverResult found = Continuation(kBeginningTolerance, kDamping).Solve(evaluator, from.Start());
     evaluations_ += evaluator.evaluations();
-    const LeastSquares fit(problem_, at);
-    best_ = {from.Parameters(found.x)};
-    if (found.stop.usable()) best_.marginal = MarginalCost(fit, found.x);
-    if (!beginning.regularised) best_.cost = found.cost;
-    if (at_start != nullptr) *at_start = best_.marginal;
+    Point point{from.Parameters(found.x)};
+    if (found.stop.usable()) point.marginal = MarginalCost(LeastSquares(problem_, at), found.x);
+    if (!regularised) point.cost = found.cost;
+    return point;
+  }
+
+  void MoveTo(Point point) {
+    best_ = std::move(point);
+    predicted_at_best_.reset();
+  }
+
+  [[nodiscard]] Vector PriorsOf(const Point& point) const { return point.parameters(chosen_); }
+
+  void PatternSearch() {
     steps_ = first_steps_;
     tried_.clear();
     IsNew(best_.parameters);
@@ -116,7 +147,6 @@ class Choice {
       }
       for (double& step : steps_) step /= 2;
     }
-    return best_;
   }
 
   // Each value in turn, up or down as long as it gains. @return whether any moved
@@ -156,8 +186,30 @@ class Choice {
     Vector priors = best_.parameters;
     priors[chosen_[k]] = value;
     if (!IsNew(priors)) return false;
+    // The better the fit, the better its linear model: at the noise it is right to a tenth as a rule, at
+    // several times the noise it is not to be trusted.
+    if (best_.cost <= near_noise_) {
+      const PredictedMinimum there = MinimumWith(priors);
+      if (!predicted_at_best_) predicted_at_best_ = MinimumWith(best_.parameters).marginal;
+      const bool gains = there.marginal < *predicted_at_best_ - kPredicted;
+      if (gains && TryFrom(there.parameters)) return true;
+      if (!gains && best_.cost <= noise_) return false;
+    }
+    return TryFrom(problem_.AtPriors(best_.parameters, priors, Problem::CarryOver::kAllowed));
+  }
+
+  // As the linear model at the best point has it.
+  PredictedMinimum MinimumWith(const Vector& priors) {
     FitSetup trial = setup_;
-    trial.rest = problem_.AtPriors(best_.parameters, priors);
+    trial.rest = problem_.AtPriors(best_.parameters, priors, Problem::CarryOver::kSame);
+    ++evaluations_;
+    return PredictMinimum(problem_, trial);
+  }
+
+  // Whether a fit from there, at its parameters of priors, is a better point.
+  bool TryFrom(Vector start) {
+    FitSetup trial = setup_;
+    trial.rest = std::move(start);
     const LeastSquares fit(problem_, trial);
     LocalFit local(fit);
     const LocalFit::Outcome end = local.Minimize(fit.Start(), -1, kTrialTolerance, kTrialEvaluations);
@@ -165,18 +217,21 @@ class Choice {
     if (!end.failure.empty()) return false;
     const double marginal = MarginalCost(fit, end.x);
     if (!(marginal < best_.marginal - kWorthMoving)) return false;
-    best_ = {fit.Parameters(end.x), marginal, end.cost};
+    MoveTo({fit.Parameters(end.x), marginal, end.cost});
     return true;
   }
 
   const Problem& problem_;
   const FitSetup& setup_;
   const PriorChoiceOptions& options_;
+  double noise_ = 0;                 // LargestNoiseCost
+  double near_noise_ = 0;            // NearNoiseCost
   std::vector<int> chosen_;          // parameters
   std::vector<double> first_steps_;  // of their logarithms
   std::vector<double> steps_;
   std::vector<std::vector<double>> tried_;
   Point best_;
+  std::optional<double> predicted_at_best_;
   long evaluations_ = 0;
 };
 

@@ -285,4 +285,18 @@ std::vector<Sentence> Findings(const Identification& identification) {
   return findings;
 }
 
+std::string Meaning(const FigureOfMerit& figure) {
+  switch (figure.source) {
+    case PriorSource::kNone:
+      return figure.meaning;
+    case PriorSource::kHeld:
+      return figure.meaning + "; held as requested";
+    case PriorSource::kChosen:
+      return figure.meaning + "; chosen by the marginal likelihood, and taken as exact by the intervals";
+    case PriorSource::kUndetermined:
+      return figure.meaning + "; not chosen by the data, since no fit comes near the noise";
+  }
+  return figure.meaning;
+}
+
 }  // namespace sinew::text

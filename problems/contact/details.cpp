@@ -147,18 +147,16 @@ std::vector<FigureOfMerit> ContactProblem::PriorFigures(const Vector& parameters
   const StanceMotionErrors& errors = data_.stances.front().motion_errors;
   const auto figure = [&](int index, const char* name, const char* meaning,
                           const std::optional<double>& set) {
-    constexpr double kAtEnd = 1e-3;  // relative
-    const Parameter& p = this->parameters()[static_cast<std::size_t>(errors.spectrum + index)];
-    const double value = parameters[errors.spectrum + index];
-    const std::string source =
-        set ? "as set"
-        : p.other_starts.empty()
-            ? "assumed: one stance does not tell"
-            : fmt::format("chosen by the marginal likelihood{}, and held as known by the intervals",
-                          value < (1 + kAtEnd) * p.lower   ? " (the least that is looked at)"
-                          : value > (1 - kAtEnd) * p.upper ? " (the most that is looked at)"
-                                                           : "");
-    return FigureOfMerit{name, fmt::format("{}; {}", meaning, source), value};
+    constexpr double kSame = 1e-3;  // relative
+    const int parameter = errors.spectrum + index;
+    const Parameter& p = this->parameters()[static_cast<std::size_t>(parameter)];
+    const double value = parameters[parameter];
+    const std::string of_value = set && value == *set                         ? "; as set"
+                                 : p.other_starts.empty() && value == p.start ? "; one stance does not tell"
+                                 : value < (1 + kSame) * p.lower ? " (the least that is looked at)"
+                                 : value > (1 - kSame) * p.upper ? " (the most that is looked at)"
+                                                                 : "";
+    return FigureOfMerit{name, meaning + of_value, value, parameter};
   };
   const MotionErrorSettings& set = *settings_.motion_errors;
   std::vector<FigureOfMerit> figures{

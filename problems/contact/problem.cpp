@@ -330,8 +330,8 @@ void ContactProblem::DifferentiatePose(const Stance& stance, int t, const std::a
   }
 }
 
-Vector ContactProblem::AtPriors(const Vector& parameters, const Vector& priors) const {
-  Vector at = Problem::AtPriors(parameters, priors);
+Vector ContactProblem::AtPriors(const Vector& parameters, const Vector& priors, CarryOver how) const {
+  Vector at = Problem::AtPriors(parameters, priors, how);
   for (const Stance& stance : data_.stances) {
     const StanceMotionErrors& errors = stance.motion_errors;
     if (errors.terms.empty()) continue;
@@ -339,9 +339,11 @@ Vector ContactProblem::AtPriors(const Vector& parameters, const Vector& priors) 
       if (term.of == DeviationOf::kFloor) continue;
       const DeviationCurves& curves =
           term.of == DeviationOf::kStance ? *errors.own_curves : *errors.common_curves;
+      const Vector weights = parameters.segment(term.first, term.weights);
+      const CurveSpectrum from = errors.SpectrumAt(parameters, term.of);
+      const CurveSpectrum to = errors.SpectrumAt(at, term.of);
       at.segment(term.first, term.weights) =
-          curves.Carried(parameters.segment(term.first, term.weights), errors.SpectrumAt(parameters, term.of),
-                         errors.SpectrumAt(at, term.of));
+          how == CarryOver::kSame ? curves.SameCurve(weights, from, to) : curves.Carried(weights, from, to);
     }
   }
   return at;

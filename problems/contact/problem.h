@@ -57,7 +57,7 @@ class ContactProblem final : public Problem {
   /// trial holds them, else by the mean deviation of the fitted stances.
   [[nodiscard]] std::optional<UnmeasuredEstimate> EstimateUnmeasured(const Vector& parameters) const override;
   /// The plate's measured vertical force, and depth and slip speed of the deepest spring.
-  [[nodiscard]] Vector AtPriors(const Vector& parameters, const Vector& priors) const override;
+  [[nodiscard]] Vector AtPriors(const Vector& parameters, const Vector& priors, CarryOver how) const override;
   [[nodiscard]] std::vector<Signal> ResidualCovariates(int block) const override;
 
   [[nodiscard]] const ContactData& data() const { return data_; }

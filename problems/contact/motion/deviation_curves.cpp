@@ -81,6 +81,11 @@ Matrix DeviationCurves::Root(const CurveSpectrum& spectrum) const {
   return spectrum.scale * unit * root;
 }
 
+Vector DeviationCurves::SameCurve(const Vector& weights, const CurveSpectrum& from,
+                                  const CurveSpectrum& to) const {
+  return Root(to).triangularView<Eigen::Lower>().solve(Root(from) * weights);
+}
+
 Vector DeviationCurves::Carried(const Vector& weights, const CurveSpectrum& from,
                                 const CurveSpectrum& to) const {
   const double loose = 0.01 * to.scale;  // to which the curves agree

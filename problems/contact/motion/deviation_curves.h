@@ -44,7 +44,11 @@ class DeviationCurves {
   /// The splines themselves.
   [[nodiscard]] const CurveBasis& splines() const { return splines_; }
 
-  /// Weights [K] at one prior whose curve is about that of `weights` at another, as far as both allow it.
+  /// Weights [K] at one prior whose curve is that of `weights` at another: far from zero where the one does
+  /// not allow what the other does.
+  [[nodiscard]] Vector SameCurve(const Vector& weights, const CurveSpectrum& from,
+                                 const CurveSpectrum& to) const;
+  /// The same, about, as far as both allow it.
   [[nodiscard]] Vector Carried(const Vector& weights, const CurveSpectrum& from,
                                const CurveSpectrum& to) const;
 

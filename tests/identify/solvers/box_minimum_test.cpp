@@ -2,7 +2,11 @@
 
 #include <gtest/gtest.h>
 
+#include <cmath>
+#include <cstdint>
+
 #include "base/linear_algebra.h"
+#include "base/random.h"
 #include "tests/identify/support/toy_problem.h"
 
 namespace sinew::solvers {
@@ -64,6 +68,45 @@ TEST(BoxMinimum, DampingShortensTheOthers) {
   // Curvature 2 instead of 1 for the second, and the held one as it was.
   EXPECT_NEAR(minimum.Find(step, kTolerance), 0.08 - 0.0025, kRounding);
   EXPECT_NEAR(step[1], 0.05, kRounding);
+}
+
+// Of the minimum in the box: no slope inside, none but outward on a bound.
+void ExpectMinimum(const BoxQuadraticModel& model, const Vector& x, const Vector& step) {
+  const Vector slope = model.gradient + model.normal * step;
+  int inside = 0;
+  for (Eigen::Index v = 0; v < x.size(); ++v) {
+    const double at = x[v] + step[v];
+    ASSERT_GE(at, -1e-12);
+    ASSERT_LE(at, 1 + 1e-12);
+    if (at > 0 && at < 1) {
+      EXPECT_NEAR(slope[v], 0, 1e-6) << v;
+      ++inside;
+    } else {
+      EXPECT_GE(at <= 0 ? slope[v] : -slope[v], -1e-9) << v;
+    }
+  }
+  EXPECT_GT(inside, 0);
+  EXPECT_LT(inside, x.size());
+}
+
+TEST(BoxMinimum, OfManyVariablesOfWhichManyEndOnBounds) {
+  constexpr Eigen::Index kVariables = 150;
+  for (const int seed : {1, 2, 3, 4, 5}) {
+    Random random(static_cast<std::uint64_t>(seed));
+    Matrix rows(160, kVariables);
+    for (double& value : rows.reshaped()) value = random.Normal();
+    BoxQuadraticModel model;
+    model.normal = rows.transpose() * rows;
+    model.gradient.resize(kVariables);
+    for (double& value : model.gradient) value = 20 * random.Normal();
+    Vector x(kVariables);
+    for (double& value : x) value = random.Uniform();
+    Vector step = Vector::Zero(kVariables);
+    const double value = BoxMinimum(model, x, -1).Find(step, 1e-12);
+    EXPECT_NEAR(value, model.gradient.dot(step) + 0.5 * step.dot(model.normal * step),
+                1e-9 * std::abs(value));
+    ExpectMinimum(model, x, step);
+  }
 }
 
 }  // namespace

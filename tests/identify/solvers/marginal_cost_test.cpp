@@ -64,5 +64,33 @@ TEST(MarginalCost, IsTheCostWithoutNuisanceValues) {
   EXPECT_EQ(solvers::MarginalCost(fit.least_squares, x), *fit.least_squares.Cost(x, workspace));
 }
 
+// From one setup, the MarginalCost that the model there predicts for its minimum, where that is known.
+TEST(PredictMinimum, OfALinearModelIsThatOfItsMinimum) {
+  FunctionProblem problem;
+  MakeScaledNormal(problem, 3);
+  FitRequest request;
+  request.fix.emplace_back("scale", 3);
+  FitSetup setup = MakeFitSetup(problem, request).value();
+  const LeastSquares fit(problem, setup);
+  const double expected = solvers::MarginalCost(fit, fit.Start());  // starts at the minimum
+  for (const double b : {0.0, 20.0, 3000.0}) {                      // the last one beyond the bounds
+    setup.rest[1] = b;
+    EXPECT_NEAR(solvers::PredictMinimum(problem, setup).marginal, expected, 1e-7 * (1 + b)) << b;
+  }
+}
+
+TEST(PredictMinimum, LooksForTheMinimumWithinTheBoundsOfWhatHasNoPrior) {
+  FunctionProblem problem;
+  problem.Add("a", 0, 1, 0.5);
+  problem.AddBlock("t", {3}, {0},
+                   [](const Vector& p, Eigen::Ref<Vector> predicted, Matrix* derivatives) -> Status {
+                     predicted[0] = p[0];
+                     if (derivatives != nullptr) derivatives->setConstant(1);
+                     return {};
+                   });
+  EXPECT_NEAR(solvers::PredictMinimum(problem, MakeFitSetup(problem, {}).value()).marginal, 0.5 * 2 * 2,
+              1e-12);
+}
+
 }  // namespace
 }  // namespace sinew

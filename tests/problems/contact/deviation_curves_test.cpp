@@ -97,6 +97,21 @@ TEST(DeviationCurves, ASmoothCurveIsTheSameAtARougherPrior) {
   EXPECT_LT(smoothed.cwiseAbs().maxCoeff(), 20);
 }
 
+TEST(DeviationCurves, AnyCurveIsTheSameAtAnyPriorWithoutItsLimits) {
+  const DeviationCurves curves(Times(100, 0.8), 0, 0.8, 20);
+  Random random(3);
+  Vector weights(curves.weights());
+  for (double& weight : weights) weight = random.Normal();
+  const CurveSpectrum smoother{0.3, 1e-6, 2};
+  for (const CurveSpectrum& to : {kSmooth, smoother}) {
+    const Vector same = curves.SameCurve(weights, kRough, to);
+    const Vector before = curves.With(kRough)->value * weights;
+    EXPECT_LT((curves.With(to)->value * same - before).norm(), 1e-9 * before.norm());
+    EXPECT_GT(same.cwiseAbs().maxCoeff(), 20);
+    EXPECT_LT((curves.SameCurve(same, to, kRough) - weights).norm(), 1e-6 * weights.norm());
+  }
+}
+
 TEST(DeviationCurves, KeepWhatWasAskedForLast) {
   const DeviationCurves curves(Times(100, 0.8), 0, 0.8, 20);
   const auto first = curves.With(kSmooth);

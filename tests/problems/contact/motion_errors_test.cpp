@@ -265,6 +265,34 @@ TEST(MotionErrors, HowMuchStancesHaveInCommonIsChosenFromSeveral) {
   EXPECT_NEAR(errors.SpectrumAt(RestPoint(*set), DeviationOf::kAll).scale, std::sqrt(0.1), 1e-9);
 }
 
+TEST(MotionErrors, AnotherPriorPredictsTheSameWithOtherWeights) {
+  const auto problem =
+      MakeContact(ExactData(), Moving("motion_errors: {position: 0.0001, rotation: 0.001}")).value();
+  Random random(4);
+  Vector at = RestPoint(*problem);
+  for (std::size_t i = 0; i < problem->parameters().size(); ++i) {
+    const Parameter& p = problem->parameters()[i];
+    if (p.kind == ParameterKind::kNuisance && p.prior) at[static_cast<Eigen::Index>(i)] = random.Normal();
+  }
+  Vector priors = at;
+  for (std::size_t i = 0; i < problem->parameters().size(); ++i) {
+    const Parameter& p = problem->parameters()[i];
+    if (p.kind == ParameterKind::kPrior)
+      priors[static_cast<Eigen::Index>(i)] = p.other_starts.empty() ? p.start : p.other_starts.front();
+  }
+  const Vector carried = problem->AtPriors(at, priors, Problem::CarryOver::kSame);
+  const Prediction before = PredictEverything(*problem, at);
+  const Prediction after = PredictEverything(*problem, carried);
+  for (std::size_t b = 0; b < problem->layout().size(); ++b) {
+    const Vector expected = before.values(static_cast<int>(b));
+    EXPECT_LT((after.values(static_cast<int>(b)) - expected).norm(), 1e-6 * expected.norm()) << b;
+  }
+  EXPECT_GT((carried - at).norm(), 1);
+  // What the other prior allows is only nearly the same.
+  const Vector allowed = problem->AtPriors(at, priors, Problem::CarryOver::kAllowed);
+  EXPECT_LT(allowed.cwiseAbs().tail(20).maxCoeff(), 8);
+}
+
 TEST(MotionErrors, SettingsThatCannotBeAreSaid) {
   const auto message = [](const std::string& keys) {
     const auto settings = ParseContactSettings(ExactData(), Moving(keys));
