@@ -22,8 +22,8 @@ constexpr int kHalvings = 2;
 constexpr int kMostSearches = 4;  // from one beginning
 // Of the marginal cost, that counts: a change of the prior that gains less is none.
 constexpr double kWorthMoving = 0.5;
-// And that a linear model must predict before a fit is made, near the noise.
-constexpr double kPredicted = 0.25;
+// Of the error of the last prediction of a gain.
+constexpr double kTimesWrong = 2;
 constexpr double kSameValue = 0.1;  // steps
 constexpr double kDamping = 1e-3;
 constexpr long kTrialEvaluations = 100;
@@ -102,6 +102,7 @@ class Choice {
     for (const int index : chosen_) {
       if (beginning.at_others) at.rest[index] = AllowingMore(index);
     }
+    wrong_by_ = kInfinity;
     MoveTo(Found(at, beginning.regularised));
     if (at_start != nullptr) *at_start = best_.marginal;
     for (int again = 0; again < kMostSearches && !Stopped(); ++again) {
@@ -186,16 +187,17 @@ class Choice {
     Vector priors = best_.parameters;
     priors[chosen_[k]] = value;
     if (!IsNew(priors)) return false;
-    // The better the fit, the better its linear model: at the noise it is right to a tenth as a rule, at
-    // several times the noise it is not to be trusted.
+    double predicted = kInfinity;
     if (best_.cost <= near_noise_) {
       const PredictedMinimum there = MinimumWith(priors);
       if (!predicted_at_best_) predicted_at_best_ = MinimumWith(best_.parameters).marginal;
-      const bool gains = there.marginal < *predicted_at_best_ - kPredicted;
-      if (gains && TryFrom(there.parameters)) return true;
-      if (!gains && best_.cost <= noise_) return false;
+      predicted = *predicted_at_best_ - there.marginal;
+      // At the noise no fit is made where the linear model predicts too little, by more than it has just been
+      // wrong by; elsewhere it may be the model of a wrong minimum.
+      if (best_.cost <= noise_ && predicted + kTimesWrong * wrong_by_ < kWorthMoving) return false;
+      if (predicted > kWorthMoving && TryFrom(there.parameters, predicted)) return true;
     }
-    return TryFrom(problem_.AtPriors(best_.parameters, priors, Problem::CarryOver::kAllowed));
+    return TryFrom(problem_.AtPriors(best_.parameters, priors, Problem::CarryOver::kAllowed), predicted);
   }
 
   // As the linear model at the best point has it.
@@ -207,7 +209,8 @@ class Choice {
   }
 
   // Whether a fit from there, at its parameters of priors, is a better point.
-  bool TryFrom(Vector start) {
+  // @param predicted gain, or infinite
+  bool TryFrom(Vector start, double predicted) {
     FitSetup trial = setup_;
     trial.rest = std::move(start);
     const LeastSquares fit(problem_, trial);
@@ -216,6 +219,7 @@ class Choice {
     evaluations_ += local.evaluations();
     if (!end.failure.empty()) return false;
     const double marginal = MarginalCost(fit, end.x);
+    if (std::isfinite(predicted)) wrong_by_ = std::abs(best_.marginal - marginal - predicted);
     if (!(marginal < best_.marginal - kWorthMoving)) return false;
     MoveTo({fit.Parameters(end.x), marginal, end.cost});
     return true;
@@ -231,7 +235,8 @@ class Choice {
   std::vector<double> steps_;
   std::vector<std::vector<double>> tried_;
   Point best_;
-  std::optional<double> predicted_at_best_;
+  std::optional<double> predicted_at_best_;  // its marginal cost, by the linear model
+  double wrong_by_ = kInfinity;              // the last gain that the linear model predicted
   long evaluations_ = 0;
 };
 

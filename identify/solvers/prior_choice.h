@@ -29,9 +29,10 @@ struct PriorChoice {
 /// 1. A search by `continuation` at the start values;
 /// 2. from there a pattern search over the logarithms of the values, by steps of the ratio between the start
 ///    and its first other start, which are halved twice. Each trial carries the last best point over
-///    (Problem::AtPriors), fits everything from there and compares the MarginalCosts; near the noise only if
-///    the linear model predicts a gain (PredictMinimum). Again from what was chosen, until nothing moves,
-///    and from another search by `continuation` there if that ends in a better minimum.
+///    (Problem::AtPriors), fits everything from there and compares the MarginalCosts; at the noise only
+///    where the linear model predicts a gain (PredictMinimum), as far as it can be trusted. Again from what
+///    was chosen, until nothing moves, and from another search by `continuation` there if that ends in a
+///    better minimum.
 /// 3. Where much more than noise is left (NearNoiseCost), the same twice more: from the last other starts (a
 ///    prior that allows more), and from a search with temporary priors on the shared parameters.
 /// 4. Where the best of these costs more than one and a half times that, it is no fit that could tell of a
