@@ -96,6 +96,7 @@ bool BoxMinimum::FindByActiveSets(Vector& step) {
     if (moving.empty()) return false;
     gradient = model_.gradient + Curved(next);
     next += NewtonStep(moving, gradient);
+    if (!next.allFinite()) return false;
     gradient = model_.gradient + Curved(next);
     bool changed = false;
     for (std::size_t v = 0; v < n; ++v) {
