@@ -170,6 +170,7 @@ bool BlockCholesky::Decompose(const Matrix& lower) {
     }
     const auto wide = static_cast<Eigen::Index>(block.border.size());
     block.coupling.resize(size, wide);
+    if (wide == 0) continue;
     for (Eigen::Index b = 0; b < wide; ++b) {
       const int column = border_[static_cast<std::size_t>(block.border[static_cast<std::size_t>(b)])];
       for (Eigen::Index r = 0; r < size; ++r)
@@ -199,12 +200,15 @@ Vector BlockCholesky::Solve(const Vector& right) const {
     Vector& own = forward.emplace_back(static_cast<Eigen::Index>(block.columns.size()));
     for (Eigen::Index i = 0; i < own.size(); ++i) own[i] = right[block.columns[static_cast<std::size_t>(i)]];
     block.root.triangularView<Eigen::Lower>().solveInPlace(own);
+    if (block.border.empty()) continue;
     const Vector taken = block.coupling.transpose() * own;
     for (Eigen::Index b = 0; b < taken.size(); ++b)
       of_border[block.border[static_cast<std::size_t>(b)]] -= taken[b];
   }
-  border_root_.triangularView<Eigen::Lower>().solveInPlace(of_border);
-  border_root_.triangularView<Eigen::Lower>().transpose().solveInPlace(of_border);
+  if (!border_.empty()) {
+    border_root_.triangularView<Eigen::Lower>().solveInPlace(of_border);
+    border_root_.triangularView<Eigen::Lower>().transpose().solveInPlace(of_border);
+  }
   Vector solution(right.size());
   for (std::size_t b = 0; b < border_.size(); ++b)
     solution[border_[b]] = of_border[static_cast<Eigen::Index>(b)];
@@ -213,7 +217,8 @@ Vector BlockCholesky::Solve(const Vector& right) const {
     Vector coupled(static_cast<Eigen::Index>(block.border.size()));
     for (Eigen::Index b = 0; b < coupled.size(); ++b)
       coupled[b] = of_border[block.border[static_cast<std::size_t>(b)]];
-    Vector own = forward[k] - block.coupling * coupled;
+    Vector& own = forward[k];
+    if (coupled.size() > 0) own -= block.coupling * coupled;
     block.root.triangularView<Eigen::Lower>().transpose().solveInPlace(own);
     for (Eigen::Index i = 0; i < own.size(); ++i)
       solution[block.columns[static_cast<std::size_t>(i)]] = own[i];
@@ -222,7 +227,8 @@ Vector BlockCholesky::Solve(const Vector& right) const {
 }
 
 double BlockCholesky::LogDeterminant() const {
-  double half = border_root_.diagonal().array().log().sum();
+  double half = 0;
+  if (!border_.empty()) half += border_root_.diagonal().array().log().sum();
   for (const Block& block : blocks_) half += block.root.diagonal().array().log().sum();
   return 2 * half;
 }
