@@ -26,8 +26,8 @@ struct Couplings {
 };
 
 // Nothing of a matrix that is nearly full.
-std::optional<Couplings> CouplingsOf(const Matrix& lower) {
-  const auto n = static_cast<std::size_t>(lower.rows());
+std::optional<Couplings> CouplingsOf(const SymmetricView& matrix) {
+  const auto n = static_cast<std::size_t>(matrix.size());
   const auto most = static_cast<std::size_t>(kNearlyFull * 0.5 * static_cast<double>(n * n));
   Couplings couplings{std::vector<std::vector<int>>(n), std::vector<int>(n, 0)};
   std::size_t entries = 0;
@@ -35,7 +35,7 @@ std::optional<Couplings> CouplingsOf(const Matrix& lower) {
     entries += couplings.below[c > 0 ? c - 1 : 0].size();
     if (entries > most) return std::nullopt;
     for (std::size_t r = c + 1; r < n; ++r) {
-      if (lower(static_cast<Eigen::Index>(r), static_cast<Eigen::Index>(c)) == 0) continue;
+      if (matrix.IsZero(static_cast<Eigen::Index>(r), static_cast<Eigen::Index>(c))) continue;
       couplings.below[c].push_back(static_cast<int>(r));
       ++couplings.count[c];
       ++couplings.count[r];
@@ -94,8 +94,8 @@ Partition PartitionBy(const Couplings& couplings, std::vector<int> border) {
 }
 
 // The border is where the counts of couplings drop: of what many trials share.
-std::optional<Partition> FindBlocks(const Matrix& lower) {
-  const std::optional<Couplings> found = CouplingsOf(lower);
+std::optional<Partition> FindBlocks(const SymmetricView& matrix) {
+  const std::optional<Couplings> found = CouplingsOf(matrix);
   if (!found) return std::nullopt;
   const Couplings& couplings = *found;
   const std::size_t n = couplings.below.size();
@@ -128,28 +128,22 @@ std::optional<Partition> FindBlocks(const Matrix& lower) {
   return best;
 }
 
-// Of a matrix whose lower triangle counts.
-double Entry(const Matrix& lower, int a, int b) {
-  return a > b ? lower(a, b) : lower(b, a);
-}
-
 }  // namespace
 
-BlockCholesky::BlockCholesky(const Matrix& lower) {
-  std::optional<Partition> partition = FindBlocks(lower);
+BlockCholesky::BlockCholesky(const SymmetricView& matrix) {
+  std::optional<Partition> partition = FindBlocks(matrix);
   if (!partition) return;
   border_ = std::move(partition->border);
   for (std::vector<int>& columns : partition->blocks) blocks_.push_back({std::move(columns), {}, {}, {}});
-  usable_ = Decompose(lower);
+  usable_ = Decompose(matrix);
 }
 
-bool BlockCholesky::Decompose(const Matrix& lower) {
+bool BlockCholesky::Decompose(const SymmetricView& matrix) {
   const auto few = static_cast<Eigen::Index>(border_.size());
   border_root_.resize(few, few);
   for (Eigen::Index c = 0; c < few; ++c) {
     for (Eigen::Index r = 0; r < few; ++r)
-      border_root_(r, c) =
-          Entry(lower, border_[static_cast<std::size_t>(r)], border_[static_cast<std::size_t>(c)]);
+      border_root_(r, c) = matrix(border_[static_cast<std::size_t>(r)], border_[static_cast<std::size_t>(c)]);
   }
   Eigen::LLT<Matrix> llt;
   for (Block& block : blocks_) {
@@ -158,14 +152,14 @@ bool BlockCholesky::Decompose(const Matrix& lower) {
     for (Eigen::Index c = 0; c < size; ++c) {
       for (Eigen::Index r = c; r < size; ++r)
         own(r, c) =
-            lower(block.columns[static_cast<std::size_t>(r)], block.columns[static_cast<std::size_t>(c)]);
+            matrix(block.columns[static_cast<std::size_t>(r)], block.columns[static_cast<std::size_t>(c)]);
     }
     llt.compute(own);
     if (llt.info() != Eigen::Success) return false;
     block.root = llt.matrixLLT();
     for (std::size_t b = 0; b < border_.size(); ++b) {
       const bool coupled = std::any_of(block.columns.begin(), block.columns.end(),
-                                       [&](int column) { return Entry(lower, column, border_[b]) != 0; });
+                                       [&](int column) { return matrix(column, border_[b]) != 0; });
       if (coupled) block.border.push_back(static_cast<int>(b));
     }
     const auto wide = static_cast<Eigen::Index>(block.border.size());
@@ -174,7 +168,7 @@ bool BlockCholesky::Decompose(const Matrix& lower) {
     for (Eigen::Index b = 0; b < wide; ++b) {
       const int column = border_[static_cast<std::size_t>(block.border[static_cast<std::size_t>(b)])];
       for (Eigen::Index r = 0; r < size; ++r)
-        block.coupling(r, b) = Entry(lower, block.columns[static_cast<std::size_t>(r)], column);
+        block.coupling(r, b) = matrix(block.columns[static_cast<std::size_t>(r)], column);
     }
     block.root.triangularView<Eigen::Lower>().solveInPlace(block.coupling);
     const Matrix taken = Gram(block.coupling);

@@ -4,6 +4,7 @@
 #include <vector>
 
 #include "base/linear_algebra.h"
+#include "base/symmetric_view.h"
 
 namespace sinew {
 
@@ -14,8 +15,8 @@ namespace sinew {
 /// blocking.
 class BlockCholesky {
  public:
-  /// Finds the blocks. @param lower [n x n] entries on and below the diagonal count
-  explicit BlockCholesky(const Matrix& lower);
+  /// Finds the blocks.
+  explicit BlockCholesky(const SymmetricView& matrix);
 
   /// False: there are no such blocks, they are too small to pay, or the matrix is not positive definite;
   /// nothing else may be asked then.
@@ -30,7 +31,7 @@ class BlockCholesky {
     Matrix root;              // lower triangle
     Matrix coupling;          // root^-1 times the coupling [columns x border]
   };
-  bool Decompose(const Matrix& lower);
+  bool Decompose(const SymmetricView& matrix);
 
   std::vector<Block> blocks_;
   std::vector<int> border_;

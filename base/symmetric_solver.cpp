@@ -10,10 +10,11 @@ constexpr Eigen::Index kLarge = 96;
 
 using Decomposition = std::variant<BlockCholesky, SparseCholesky, Eigen::LLT<Matrix>, Eigen::LDLT<Matrix>>;
 
-Decomposition Decompose(const Matrix& matrix) {
-  if (matrix.rows() >= kLarge) {
-    if (BlockCholesky blocks(matrix); blocks.usable()) return blocks;
+Decomposition Decompose(const SymmetricView& view) {
+  if (view.size() >= kLarge) {
+    if (BlockCholesky blocks(view); blocks.usable()) return blocks;
   }
+  const Matrix matrix = view.Full();
   if (SparseCholesky sparse(matrix); sparse.usable()) return sparse;
   if (matrix.rows() >= kLarge) {
     if (Eigen::LLT<Matrix> root(matrix); root.info() == Eigen::Success) return root;
@@ -23,7 +24,7 @@ Decomposition Decompose(const Matrix& matrix) {
 
 }  // namespace
 
-SymmetricSolver::SymmetricSolver(const Matrix& matrix) : decomposition_(Decompose(matrix)) {}
+SymmetricSolver::SymmetricSolver(const SymmetricView& matrix) : decomposition_(Decompose(matrix)) {}
 
 Vector SymmetricSolver::Solve(const Vector& right) const {
   if (const auto* blocks = std::get_if<BlockCholesky>(&decomposition_)) return blocks->Solve(right);

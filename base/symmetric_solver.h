@@ -8,6 +8,7 @@
 #include "base/block_cholesky.h"
 #include "base/linear_algebra.h"
 #include "base/sparse_cholesky.h"
+#include "base/symmetric_view.h"
 
 namespace sinew {
 
@@ -15,8 +16,9 @@ namespace sinew {
 /// where it is not positive definite, L D L' of all of it.
 class SymmetricSolver {
  public:
+  explicit SymmetricSolver(const SymmetricView& matrix);
   /// @param matrix [n x n], both triangles
-  explicit SymmetricSolver(const Matrix& matrix);
+  explicit SymmetricSolver(const Matrix& matrix) : SymmetricSolver(SymmetricView(matrix)) {}
 
   [[nodiscard]] Vector Solve(const Vector& right) const;
   /// Whether the matrix was found to be: LogDeterminant may be asked.

@@ -45,14 +45,9 @@ Vector BoxMinimum::NewtonStep(const std::vector<int>& moving, const Vector& grad
   const auto n = static_cast<Eigen::Index>(moving.size());
   if (last_ == nullptr || last_->moving != moving) {
     Vector scale(n);
-    Matrix scaled(n, n);
     for (Eigen::Index i = 0; i < n; ++i) scale[i] = 1 / std::sqrt(model_.normal(moving[i], moving[i]));
-    for (Eigen::Index i = 0; i < n; ++i) {
-      for (Eigen::Index j = 0; j < n; ++j)
-        scaled(j, i) = model_.normal(moving[j], moving[i]) * scale[j] * scale[i];
-      scaled(i, i) += kRidge + damping_;
-    }
-    last_ = std::make_unique<Decomposition>(Decomposition{moving, std::move(scale), SymmetricSolver(scaled)});
+    SymmetricSolver solver(SymmetricView(model_.normal, moving, scale, kRidge + damping_));
+    last_ = std::make_unique<Decomposition>(Decomposition{moving, std::move(scale), std::move(solver)});
   }
   Vector pull(n);
   for (Eigen::Index i = 0; i < n; ++i) pull[i] = -gradient[moving[i]] * last_->scale[i];

@@ -40,23 +40,18 @@ Vector BoxQuadraticModel::ProjectedStep(const Vector& x, int held, double dampin
   }
   Vector step = Vector::Zero(x.size());
   gain = 0;
-  Matrix reduced;
   Vector scale;
   Vector pull;
+  Vector curved = Vector::Zero(x.size());  // by the step of the variables at a bound
   while (!moving.empty()) {
     const auto n = static_cast<Eigen::Index>(moving.size());
-    reduced.resize(n, n);
     scale.resize(n);
     pull.resize(n);
     // Columns are scaled to unit length, so that the damping has no unit.
     for (Eigen::Index i = 0; i < n; ++i) scale[i] = 1 / std::sqrt(normal(moving[i], moving[i]));
-    for (Eigen::Index i = 0; i < n; ++i) {
-      // The step of the variables that are not at a bound is still zero here.
-      pull[i] = -(gradient[moving[i]] + normal.col(moving[i]).dot(step)) * scale[i];
-      for (Eigen::Index j = 0; j < n; ++j) reduced(j, i) = normal(moving[j], moving[i]) * scale[j] * scale[i];
-      reduced(i, i) += damping;
-    }
-    const Vector solution = SymmetricSolver(reduced).Solve(pull).cwiseProduct(scale);
+    for (Eigen::Index i = 0; i < n; ++i) pull[i] = -(gradient[moving[i]] + curved[moving[i]]) * scale[i];
+    const Vector solution =
+        SymmetricSolver(SymmetricView(normal, moving, scale, damping)).Solve(pull).cwiseProduct(scale);
     std::vector<int> inside;
     for (Eigen::Index i = 0; i < n; ++i) {
       const int v = moving[static_cast<std::size_t>(i)];
@@ -72,6 +67,7 @@ Vector BoxQuadraticModel::ProjectedStep(const Vector& x, int held, double dampin
       break;
     }
     moving = std::move(inside);
+    curved = normal * step;
   }
   gain = -gradient.dot(step) - 0.5 * step.dot(normal * step);
   return step;
@@ -101,18 +97,15 @@ std::optional<Vector> BoxQuadraticModel::Acceleration(const Vector& x, const Vec
   }
   if (moving.empty()) return std::nullopt;
   const auto n = static_cast<Eigen::Index>(moving.size());
-  Matrix reduced(n, n);
   Vector scale(n);
   Vector right(n);
   Vector moved(n);
-  for (Eigen::Index i = 0; i < n; ++i) scale[i] = 1 / std::sqrt(normal(moving[i], moving[i]));
   for (Eigen::Index i = 0; i < n; ++i) {
+    scale[i] = 1 / std::sqrt(normal(moving[i], moving[i]));
     right[i] = -pull[moving[i]] * scale[i];
     moved[i] = step[moving[i]] / scale[i];
-    for (Eigen::Index j = 0; j < n; ++j) reduced(j, i) = normal(moving[j], moving[i]) * scale[j] * scale[i];
-    reduced(i, i) += damping;
   }
-  const Vector acceleration = SymmetricSolver(reduced).Solve(right);
+  const Vector acceleration = SymmetricSolver(SymmetricView(normal, moving, scale, damping)).Solve(right);
   if (!(2 * acceleration.norm() <= kMostAcceleration * moved.norm())) return std::nullopt;
   Vector half = Vector::Zero(x.size());
   for (Eigen::Index i = 0; i < n; ++i) half[moving[i]] = 0.5 * acceleration[i] * scale[i];

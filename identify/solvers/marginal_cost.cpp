@@ -25,7 +25,8 @@ std::vector<int> NuisanceVariables(const LeastSquares& fit) {
 
 // ln det H / 2, infinite if H is not positive definite.
 double HalfLogDeterminant(const BoxQuadraticModel& model, const std::vector<int>& nuisance) {
-  const SymmetricSolver solver(model.normal(nuisance, nuisance));
+  const Vector unit = Vector::Ones(static_cast<Eigen::Index>(nuisance.size()));
+  const SymmetricSolver solver(SymmetricView(model.normal, nuisance, unit, 0));
   return solver.positive_definite() ? 0.5 * solver.LogDeterminant() : kInfinity;
 }
 

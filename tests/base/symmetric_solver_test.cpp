@@ -67,19 +67,35 @@ TEST(SymmetricSolver, SolvesWhatIsNotPositiveDefinite) {
   }
 }
 
+TEST(SymmetricSolver, SolvesAPartThatIsScaled) {
+  const Matrix matrix = OfTrials(6, 40, 30, 5);
+  std::vector<int> columns;
+  for (int c = 0; c < matrix.rows(); c += (c % 7 == 0 ? 2 : 1)) columns.push_back(c);
+  const auto n = static_cast<Eigen::Index>(columns.size());
+  const Vector scale = Vector::LinSpaced(n, 0.5, 3);
+  const Vector right = Vector::LinSpaced(n, -1, 2);
+  Matrix part = scale.asDiagonal() * Matrix(matrix(columns, columns)) * scale.asDiagonal();
+  part.diagonal().array() += 0.3;
+  const SymmetricView view(matrix, columns, scale, 0.3);
+  EXPECT_LT((view.Full() - part).norm(), 1e-12 * part.norm());
+  EXPECT_TRUE(BlockCholesky(view).usable());
+  const Vector expected = Eigen::LLT<Matrix>(part).solve(right);
+  EXPECT_LT((SymmetricSolver(view).Solve(right) - expected).norm(), 1e-10 * expected.norm());
+}
+
 TEST(BlockCholesky, FindsBlocksWhateverTheOrder) {
-  EXPECT_TRUE(BlockCholesky(OfTrials(2, 60, 40, 0)).usable());
-  EXPECT_TRUE(BlockCholesky(OfTrials(8, 40, 30, 5)).usable());
-  EXPECT_TRUE(BlockCholesky(OfTrials(4, 40, 0, 0)).usable());
+  EXPECT_TRUE(BlockCholesky(SymmetricView(OfTrials(2, 60, 40, 0))).usable());
+  EXPECT_TRUE(BlockCholesky(SymmetricView(OfTrials(8, 40, 30, 5))).usable());
+  EXPECT_TRUE(BlockCholesky(SymmetricView(OfTrials(4, 40, 0, 0))).usable());
 }
 
 TEST(BlockCholesky, LeavesFullFineAndIndefiniteMatricesAlone) {
-  EXPECT_FALSE(BlockCholesky(OfTrials(1, 150, 3, 0)).usable()) << "full";
-  EXPECT_FALSE(BlockCholesky(OfTrials(100, 2, 6, 0)).usable()) << "blocks of two";
+  EXPECT_FALSE(BlockCholesky(SymmetricView(OfTrials(1, 150, 3, 0))).usable()) << "full";
+  EXPECT_FALSE(BlockCholesky(SymmetricView(OfTrials(100, 2, 6, 0))).usable()) << "blocks of two";
   for (const Eigen::Index column : {0, 100, 200}) {
     Matrix indefinite = OfTrials(4, 40, 60, 0);
     indefinite(column, column) = -1;
-    EXPECT_FALSE(BlockCholesky(indefinite).usable()) << column;
+    EXPECT_FALSE(BlockCholesky(SymmetricView(indefinite)).usable()) << column;
   }
 }
 
@@ -87,7 +103,8 @@ TEST(BlockCholesky, ReadsTheLowerTriangleAlone) {
   const Matrix matrix = OfTrials(4, 40, 20, 0);
   const Vector right = Vector::LinSpaced(matrix.rows(), -1, 2);
   const Matrix lower = matrix.triangularView<Eigen::Lower>();
-  EXPECT_EQ(BlockCholesky(lower).Solve(right), BlockCholesky(matrix).Solve(right));
+  EXPECT_EQ(BlockCholesky(SymmetricView(lower)).Solve(right),
+            BlockCholesky(SymmetricView(matrix)).Solve(right));
 }
 
 }  // namespace
