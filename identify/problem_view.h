@@ -50,7 +50,8 @@ class ProblemView : public Problem {
                                                     const Vector& parameters) const override {
     return inner_.ImprovedStart(free, compared, parameters);
   }
-  [[nodiscard]] Vector AtPriors(const Vector& parameters, const Vector& priors, CarryOver how) const override {
+  [[nodiscard]] Vector AtPriors(const Vector& parameters, const Vector& priors,
+                                CarryOver how) const override {
     return inner_.AtPriors(parameters, priors, how);
   }
   Status WriteDetails(const Vector& parameters, Hdf5Node& details) const override {
