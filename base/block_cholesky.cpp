@@ -11,7 +11,7 @@
 namespace sinew {
 namespace {
 
-// Of the multiplications of a decomposition that knows of no blocks.
+// Of the multiplications of a decomposition of the full matrix.
 constexpr double kMostWork = 0.8;
 // Smaller blocks leave full matrices no advantage over single entries (SparseCholesky).
 constexpr std::size_t kSmallestBlock = 16;
