@@ -172,7 +172,8 @@ class Comparison {
       piece.status = tl::unexpected(run.error());
       return {};
     }
-    if (run->stop.kind == Termination::kInterrupted) return {};
+    // Interrupted before it found an answer, a run stops as one without a prediction: no run either.
+    if (run->stop.kind == Termination::kInterrupted || (IsInterrupted() && !run->stop.usable())) return {};
     if (options_.after_run) options_.after_run(*run);
     piece.run = std::move(*run);
     Count();

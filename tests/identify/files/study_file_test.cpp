@@ -182,6 +182,23 @@ TEST_F(ResumedStudy, DoesNotRunAgainWhatHadEnded) {
   }
 }
 
+TEST_F(SolverStudy, InterruptedBeforeItsFirstAnswerARunIsNone) {
+  std::atomic<bool> interrupt = false;
+  const toy::ToyProblem problem({toy::MakeParameter("slope", 0, 1, 0.5)}, {toy::MakeBlock("a", "y", 5, 1)},
+                                [&](const Block&, double, const Vector&, Vector*) -> Result<double> {
+                                  interrupt = true;
+                                  return Fail("no prediction");
+                                });
+  const FitSetup setup = MakeFitSetup(problem, {}).value();
+  StudyOptions options;
+  options.solvers = {"lm", "sa"};
+  options.repeats = 2;
+  options.interrupt = &interrupt;
+  const Study study = CompareSolvers(LeastSquares(problem, setup), options).value();
+  EXPECT_FALSE(study.finished);
+  EXPECT_TRUE(study.runs.empty());
+}
+
 TEST_F(ResumedStudy, NeedsTheSameOrigin) {
   const Study study = Compared({"lm"}, 2);
   const Hdf5Node origin = files::OriginTree(kStudyProvenance, setup_, {{"--seed", "1"}});
