@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <functional>
 #include <iterator>
 #include <optional>
 #include <utility>
@@ -13,18 +14,17 @@
 #include "identify/solvers/local_fit.h"
 #include "identify/solvers/marginal_cost.h"
 #include "identify/solvers/noise_cost.h"
+#include "identify/solvers/pattern_search.h"
 #include "identify/solvers/regularised_start.h"
 
 namespace sinew::solvers {
 namespace {
 
-constexpr int kHalvings = 2;
 constexpr int kMostSearches = 4;  // from one beginning
 // Of the marginal cost, that counts: a change of the prior that gains less is none.
 constexpr double kWorthMoving = 0.5;
 // Of the error of the last prediction of a gain.
 constexpr double kTimesWrong = 2;
-constexpr double kSameValue = 0.1;  // steps
 constexpr double kDamping = 1e-3;
 constexpr long kTrialEvaluations = 100;
 constexpr LocalFit::Tolerance kTrialTolerance{1e-3, 1e-6};
@@ -47,18 +47,43 @@ struct Point {
   double cost = kInfinity;
 };
 
+// Parameters of priors that are to be chosen.
+std::vector<int> ChosenPriors(const FitSetup& setup) {
+  std::vector<int> chosen;
+  for (std::size_t i = 0; i < setup.parameters.size(); ++i) {
+    const Parameter& p = setup.parameters[i];
+    const auto index = static_cast<int>(i);
+    if (p.kind == ParameterKind::kPrior && !p.other_starts.empty() && !setup.IsHeld(index))
+      chosen.push_back(index);
+  }
+  return chosen;
+}
+
+PatternSearch SearchOver(const FitSetup& setup, const std::vector<int>& chosen,
+                         PatternSearch::IsBetter is_better, std::function<bool()> stopped) {
+  const auto count = static_cast<Eigen::Index>(chosen.size());
+  Vector lower(count);
+  Vector upper(count);
+  Vector factors(count);
+  for (Eigen::Index k = 0; k < count; ++k) {
+    const Parameter& p = setup.parameters[static_cast<std::size_t>(chosen[static_cast<std::size_t>(k)])];
+    lower[k] = p.lower;
+    upper[k] = p.upper;
+    factors[k] = std::max(p.other_starts.front() / p.start, p.start / p.other_starts.front());
+  }
+  return {std::move(lower), std::move(upper), factors, std::move(is_better), std::move(stopped)};
+}
+
 class Choice {
  public:
   Choice(const Problem& problem, const FitSetup& setup, const PriorChoiceOptions& options)
-      : problem_(problem), setup_(setup), options_(options) {
-    for (std::size_t i = 0; i < setup.parameters.size(); ++i) {
-      const Parameter& p = setup.parameters[i];
-      const auto index = static_cast<int>(i);
-      if (p.kind != ParameterKind::kPrior || p.other_starts.empty() || setup.IsHeld(index)) continue;
-      chosen_.push_back(index);
-      first_steps_.push_back(std::abs(std::log(p.other_starts.front() / p.start)));
-    }
-  }
+      : problem_(problem),
+        setup_(setup),
+        options_(options),
+        chosen_(ChosenPriors(setup)),
+        search_(SearchOver(
+            setup, chosen_, [this](const Vector& values) { return Try(values); },
+            [this] { return Stopped(); })) {}
 
   PriorChoice Run() {
     PriorChoice choice;
@@ -107,8 +132,7 @@ class Choice {
     if (at_start != nullptr) *at_start = best_.marginal;
     for (int again = 0; again < kMostSearches && !Stopped(); ++again) {
       const Vector before = PriorsOf(best_);
-      PatternSearch();
-      if (Stopped() || PriorsOf(best_) == before) break;
+      if (search_.From(before) == before || Stopped()) break;
       for (const int index : chosen_) at.rest[index] = best_.parameters[index];
       const Point found = Found(at, beginning.regularised);
       if (found.marginal < best_.marginal - kWorthMoving) MoveTo(found);
@@ -139,54 +163,11 @@ class Choice {
 
   [[nodiscard]] Vector PriorsOf(const Point& point) const { return point.parameters(chosen_); }
 
-  void PatternSearch() {
-    steps_ = first_steps_;
-    tried_.clear();
-    IsNew(best_.parameters);
-    for (int halving = 0; halving <= kHalvings; ++halving) {
-      while (!Stopped() && Sweep()) {
-      }
-      for (double& step : steps_) step /= 2;
-    }
-  }
-
-  // Each value in turn, up or down as long as it gains. @return whether any moved
-  bool Sweep() {
-    bool moved = false;
-    for (std::size_t k = 0; k < chosen_.size(); ++k) {
-      for (const double sign : {1.0, -1.0}) {
-        bool gained = false;
-        while (!Stopped() && Try(k, sign * steps_[k])) gained = true;
-        moved = moved || gained;
-        if (gained) break;
-      }
-    }
-    return moved;
-  }
-
-  // Values that were tried from another point are not tried again.
-  bool IsNew(const Vector& priors) {
-    std::vector<double> values;
-    for (const int index : chosen_) values.push_back(std::log(priors[index]));
-    const auto same = [&](const std::vector<double>& other) {
-      double apart = 0;
-      for (std::size_t k = 0; k < values.size(); ++k)
-        apart = std::max(apart, std::abs(values[k] - other[k]) / steps_[k]);
-      return apart < kSameValue;
-    };
-    if (std::any_of(tried_.begin(), tried_.end(), same)) return false;
-    tried_.push_back(std::move(values));
-    return true;
-  }
-
-  bool Try(std::size_t k, double step) {
-    const Parameter& p = setup_.parameters[static_cast<std::size_t>(chosen_[k])];
-    const double before = best_.parameters[chosen_[k]];
-    const double value = std::clamp(before * std::exp(step), p.lower, p.upper);
-    if (value == before) return false;
+  // A trial from there is better than the best point; it is the best one then.
+  bool Try(const Vector& values) {
     Vector priors = best_.parameters;
-    priors[chosen_[k]] = value;
-    if (!IsNew(priors)) return false;
+    for (std::size_t k = 0; k < chosen_.size(); ++k)
+      priors[chosen_[k]] = values[static_cast<Eigen::Index>(k)];
     double predicted = kInfinity;
     if (best_.cost <= near_noise_) {
       const PredictedMinimum there = MinimumWith(priors);
@@ -228,12 +209,10 @@ class Choice {
   const Problem& problem_;
   const FitSetup& setup_;
   const PriorChoiceOptions& options_;
-  double noise_ = 0;                 // LargestNoiseCost
-  double near_noise_ = 0;            // NearNoiseCost
-  std::vector<int> chosen_;          // parameters
-  std::vector<double> first_steps_;  // of their logarithms
-  std::vector<double> steps_;
-  std::vector<std::vector<double>> tried_;
+  double noise_ = 0;         // LargestNoiseCost
+  double near_noise_ = 0;    // NearNoiseCost
+  std::vector<int> chosen_;  // parameters
+  PatternSearch search_;
   Point best_;
   std::optional<double> predicted_at_best_;  // its marginal cost, by the linear model
   double wrong_by_ = kInfinity;              // the last gain that the linear model predicted

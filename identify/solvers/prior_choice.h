@@ -39,7 +39,7 @@ struct PriorChoice {
 ///    prior: the last other starts are taken, and all other values stay where they began.
 ///
 /// Source: Rasmussen, Williams (2006), Gaussian Processes for Machine Learning, ch. 5.4.1 (type II maximum
-/// likelihood); Hooke, Jeeves (1961), J. ACM 8:212 (pattern search).
+/// likelihood).
 [[nodiscard]] PriorChoice ChoosePriors(const Problem& problem, const FitSetup& setup,
                                        const PriorChoiceOptions& options);
 
