@@ -13,7 +13,7 @@ namespace {
 constexpr std::size_t kChannels = ContactProblem::kChannels;
 using ByChannel = Eigen::Matrix<double, 6, 6>;  // of a load, for the channels
 
-std::array<double, kChannels> At(const std::array<Vector, kChannels>& values, int instant) {
+std::array<double, kChannels> At(const ChannelValues& values, int instant) {
   std::array<double, kChannels> at{};
   for (std::size_t c = 0; c < kChannels; ++c) at[c] = values[c][instant];
   return at;
@@ -66,7 +66,7 @@ class StepModel {
     return all.rightCols(weights_);
   }
 
-  std::array<Vector, kChannels> values;
+  ChannelValues values;
 
  private:
   const ContactProblem& problem_;
@@ -88,17 +88,15 @@ Linear Linearised(const StepModel& model, const std::vector<LoadRow>& rows) {
   Linear linear{Vector(count), Matrix::Zero(count, model.weights())};
   for (Eigen::Index r = 0; r < count; ++r) {
     const LoadRow& row = rows[static_cast<std::size_t>(r)];
-    double value = 0;
     for (const LoadRow::Term& term : row.terms) {
       const auto channels = At(model.values, term.instant);
-      value += term.factors.dot(LoadOf(channels));
       const Eigen::Matrix<double, 1, 6> slope = term.factors.transpose() * Slopes(channels) / row.deviation;
       for (std::size_t c = 0; c < kChannels; ++c) {
         const double by_channel = slope[static_cast<Eigen::Index>(c)];
         if (by_channel != 0) linear.jacobian.row(r) += by_channel * model.Derivatives(c).row(term.instant);
       }
     }
-    linear.residual[r] = (value - row.measured) / row.deviation;
+    linear.residual[r] = (row.ValueAt(model.values) - row.measured) / row.deviation;
   }
   return linear;
 }
@@ -136,6 +134,12 @@ double DeterminedVariance(const ContactProblem& problem, const Stance& stance, c
 }
 
 }  // namespace
+
+double LoadRow::ValueAt(const ChannelValues& channels) const {
+  double value = 0;
+  for (const Term& term : terms) value += term.factors.dot(LoadOf(At(channels, term.instant)));
+  return value;
+}
 
 ContactLoad LoadOf(const std::array<double, kChannels>& v) {
   ContactLoad load;
@@ -203,11 +207,10 @@ Result<StepEstimate> EstimateStep(const ContactProblem& problem, const Stance& s
   }
 
   const Linear linear = Linearised(model, rows);
-  const Eigen::LLT<Matrix> precision(linear.jacobian.transpose() * linear.jacobian +
-                                     identity / (spread * spread));
   StepEstimate estimate{at, model.values, {}};
+  estimate.precision.compute(linear.jacobian.transpose() * linear.jacobian + identity / (spread * spread));
   for (std::size_t c = 0; c < kChannels; ++c) {
-    const Matrix whitened = precision.matrixL().solve(Matrix(model.Derivatives(c).transpose()));
+    const Matrix whitened = estimate.precision.matrixL().solve(Matrix(model.Derivatives(c).transpose()));
     estimate.deviation[c] = whitened.colwise().norm().transpose();
   }
   return estimate;

@@ -1,6 +1,7 @@
 // A step without its plate: which deviations of the pose agree with what else is known of its load.
 #pragma once
 
+#include <Eigen/Cholesky>
 #include <array>
 #include <optional>
 #include <vector>
@@ -9,6 +10,8 @@
 #include "problems/contact/problem.h"
 
 namespace sinew {
+
+using ChannelValues = std::array<Vector, ContactProblem::kChannels>;  ///< [T] of each
 
 /// A measured sum over instants of linear functions of a foot's load.
 struct LoadRow {
@@ -19,16 +22,19 @@ struct LoadRow {
   std::vector<Term> terms;
   double measured = 0;
   double deviation = 1;  ///< standard deviation of its error
+
+  [[nodiscard]] double ValueAt(const ChannelValues& channels) const;
 };
 
 struct StepEstimate {
-  Vector parameters;                                        ///< [P]
-  std::array<Vector, ContactProblem::kChannels> value;      ///< [T] of every channel
-  std::array<Vector, ContactProblem::kChannels> deviation;  ///< [T] its standard deviation, to first order
+  Vector parameters;               ///< [P]
+  ChannelValues value;             ///< of every channel
+  ChannelValues deviation;         ///< their standard deviations
+  Eigen::LLT<Matrix> precision{};  ///< inverse covariance of the stance's own deviations, decomposed
 };
 
 /// The most probable deviations of one stance, all else as it is, by Gauss-Newton with damping and with
-/// errors of the rows that shrink to their own size.
+/// errors of the rows that shrink to their own size. Standard deviations are those of the linear model there.
 /// @param parameters [P] those of the stance's own deviations are the mean of their prior
 /// @param spread standard deviation of the prior of a weight
 /// Errors: those of Problem::Predict at the parameters.

@@ -5,6 +5,7 @@
 #include <utility>
 
 #include "problems/contact/load/plate_channels.h"
+#include "problems/contact/steps/expected_friction.h"
 #include "problems/contact/steps/load_estimate.h"
 #include "problems/contact/steps/shared_deviation.h"
 
@@ -93,17 +94,16 @@ std::vector<LoadRow> StepPredictor::RowsOfAStep(const Stance& stance) const {
   return rows;
 }
 
-std::optional<StepEstimate> StepPredictor::Estimate(const Stance& stance,
-                                                    const std::vector<LoadRow>& rows) const {
-  Vector expected = parameters_;
-  SetMeanDeviation(fitted_, stance, expected);
-  auto estimate = EstimateStep(problem_, stance, expected, spread_, rows);
-  if (!estimate) return {};
-  return std::move(*estimate);
+Vector StepPredictor::MeanOfPrior(const Stance& stance) const {
+  Vector mean = parameters_;
+  SetMeanDeviation(fitted_, stance, mean);
+  return mean;
 }
 
 std::optional<StepEstimate> StepPredictor::ByMotion(const Stance& stance) const {
-  return Estimate(stance, RowsOfAStep(stance));
+  auto estimate = EstimateStep(problem_, stance, MeanOfPrior(stance), spread_, RowsOfAStep(stance));
+  if (!estimate || !TakeExpectedFriction(problem_, stance, *estimate)) return {};
+  return std::move(*estimate);
 }
 
 Wrench StepPredictor::Unusual(const Stance& stance) const {
@@ -125,9 +125,10 @@ std::optional<StepEstimate> StepPredictor::ByBody(const Stance& stance) const {
   std::vector<LoadRow> rows = mean_.RowsFor(stance, Unusual(stance));
   for (const std::vector<LoadRow>& more : {RowsOfAStep(stance), of_body})
     rows.insert(rows.end(), more.begin(), more.end());
-  auto estimate = Estimate(stance, WithoutFriction(rows));
-  if (estimate) TakeHorizontalLoad(EstimateLoad(rows, stance.time.size()), *estimate);
-  return estimate;
+  auto estimate = EstimateStep(problem_, stance, MeanOfPrior(stance), spread_, WithoutFriction(rows));
+  if (!estimate) return {};
+  TakeHorizontalLoad(EstimateLoad(rows, stance.time.size()), *estimate);
+  return std::move(*estimate);
 }
 
 Vector HalfWidthOf(const StepEstimate& estimate, std::size_t channel, const Block& block) {

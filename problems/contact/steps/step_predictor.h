@@ -19,7 +19,8 @@ class StepPredictor {
                 const std::vector<std::vector<ContactLoad>>& loads, const Vector& parameters);
 
   /// By the mean deviation of the fitted steps, and by what every step obeys: its mean force, and that it
-  /// begins and ends with next to nothing. Nothing where the model cannot be evaluated.
+  /// begins and ends with next to nothing: the most probable vertical force and its place, and the friction
+  /// to expect (TakeExpectedFriction). Nothing where the model cannot be evaluated.
   [[nodiscard]] std::optional<StepEstimate> ByMotion(const Stance& stance) const;
   /// And by the load of the whole body, and the mean load of the fitted steps. The contact has the vertical
   /// force and its place; horizontal force and free moment are what these loads determine alone: friction
@@ -32,8 +33,8 @@ class StepPredictor {
   [[nodiscard]] std::vector<LoadRow> RowsOfAStep(const Stance& stance) const;
   /// By how much a step differs more from the mean load than is expected, [wrench] >= 1.
   [[nodiscard]] Wrench Unusual(const Stance& stance) const;
-  [[nodiscard]] std::optional<StepEstimate> Estimate(const Stance& stance,
-                                                     const std::vector<LoadRow>& rows) const;
+  /// The parameters [P], the stance's own deviations those that the fitted steps have on average.
+  [[nodiscard]] Vector MeanOfPrior(const Stance& stance) const;
 
   const ContactProblem& problem_;
   std::vector<const Stance*> fitted_;
