@@ -188,7 +188,12 @@ bool ScheduledStarts::Agree(const End& a, const End& b) {
 
 bool ScheduledStarts::Confirms(const End& end) {
   const End* const best = Best();
-  return best != &end && best != nullptr && Agree(end, *best);
+  if (best == nullptr) return false;
+  if (best != &end) return Agree(end, *best);
+  // The best by no more than rounding: the improved end of the same minimum has been searched from.
+  return std::any_of(ends_.begin(), ends_.end(), [&](const End& other) {
+    return &other != &end && Agree(end, other) && other.marginal - end.marginal < kWorthTaking;
+  });
 }
 
 bool ScheduledStarts::Gains(const End& end, const std::function<void()>& improve) {

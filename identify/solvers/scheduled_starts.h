@@ -58,7 +58,7 @@ class ScheduledStarts {
                              long evaluations);
   [[nodiscard]] End* Best();
   [[nodiscard]] static bool Agree(const End& a, const End& b);
-  // Whether an end that is not the best one is at its minimum.
+  // Whether an end is at the minimum of the best one, or of another improved one if it is the best itself.
   [[nodiscard]] bool Confirms(const End& end);
   [[nodiscard]] int Agreeing();
   [[nodiscard]] bool Agrees();
