@@ -10,8 +10,10 @@ namespace sinew {
 /// Gaussian approximation at the most probable ones (Tierney, Kadane 1986), relative to the vertical force of
 /// these draws, times the most probable vertical force. Friction turns round with the direction of a slip of
 /// millimetres per second, so that its value at the most probable slip is far from its mean, and its linear
-/// standard deviation far above what friction can be. Vertical force and centres of pressure stay. The same
-/// on every machine. Errors: those of Problem::Predict at the most probable deviations.
+/// standard deviation that of an unbounded force. Vertical force and centres of pressure stay. The same on
+/// every machine.
+/// @param estimate of EstimateStep
+/// Errors: those of Problem::Predict at the most probable deviations.
 Status TakeExpectedFriction(const ContactProblem& problem, const Stance& stance, StepEstimate& estimate);
 
 }  // namespace sinew
