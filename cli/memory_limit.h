@@ -21,10 +21,12 @@ class MemoryLimit {
   MemoryLimit(const MemoryLimit&) = delete;
   MemoryLimit& operator=(const MemoryLimit&) = delete;
 
-  /// The first call counts.
+  /// The first call counts. A process that already takes too much is stopped before this returns.
   void Begin();
 
  private:
+  /// Stops the program if it takes too much. @return whether it does
+  [[nodiscard]] bool StopsNow() const;
   void Watch();
 
   std::optional<double> megabytes_;
