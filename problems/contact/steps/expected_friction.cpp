@@ -25,9 +25,10 @@ struct FrictionSums {
     second.fill(vertical);
   }
   void Add(const Stance& stance, const Prediction& prediction) {
-    const auto force = prediction.values(stance.blocks[kFy]);
-    if (!force.allFinite()) return;
-    vertical += force;
+    for (const int block : stance.blocks) {
+      if (!prediction.values(block).allFinite()) return;
+    }
+    vertical += prediction.values(stance.blocks[kFy]);
     for (std::size_t k = 0; k < kOfFriction.size(); ++k) {
       const auto value = prediction.values(stance.blocks[kOfFriction[k]]);
       first[k] += value;
