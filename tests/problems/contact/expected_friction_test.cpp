@@ -73,7 +73,7 @@ TEST_F(ExpectedFriction, IsTheSmallerTheLessIsKnownOfTheSlip) {
   }
 }
 
-TEST_F(ExpectedFriction, ItsBandIsNoWiderThanFrictionCanBe) {
+TEST_F(ExpectedFriction, ItsBandIsNotThatOfAnUnboundedForce) {
   // A slip of which next to nothing is known, and a foot that is as likely off the floor as pressed on it.
   constexpr double kWide = 10;
   const Vector linear = MostProbable(kWide).deviation[kFx];
