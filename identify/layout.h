@@ -2,6 +2,7 @@
 // blocks.
 #pragma once
 
+#include <memory>
 #include <optional>
 #include <string>
 #include <vector>
@@ -11,6 +12,8 @@
 #include "identify/range.h"
 
 namespace sinew {
+
+class LaterReadings;
 
 /// kTrain: in the cost. kValidate: predicted and compared, never fitted (held out). kPredicted: predicted but
 /// not compared, because the channel was not measured or not requested; used to compute what measuring it
@@ -57,6 +60,9 @@ struct Block {
   /// kPredicted only: range that the predicted values should stay in. `weight` then multiplies their distance
   /// from it.
   std::optional<Range> range;
+  /// Where the measured values are means over parts of a finer record: what that reads later, for the time
+  /// offset of its sensor. nullptr: predictions are interpolated.
+  std::shared_ptr<const LaterReadings> later;
   std::vector<int> columns;  ///< indices of the parameters that it can depend on, increasing
 
   /// Weight of sample i [1/unit].

@@ -172,9 +172,12 @@ def load(paths):
 
 
 def seeds_of(text):
-    """Of first:last."""
-    first, last = map(int, text.split(":"))
-    return range(first, last + 1)
+    """Of ranges first:last and single ones, separated by commas."""
+    seeds = []
+    for part in text.split(","):
+        first, _, last = part.partition(":")
+        seeds += range(int(first), int(last or first) + 1)
+    return seeds
 
 
 def main():

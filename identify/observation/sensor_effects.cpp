@@ -17,12 +17,14 @@ struct SensorEffects::SensorWorkspace final : Problem::Workspace {
   Vector inner_parameters;
   std::vector<bool> inner_differentiate;
   LowPass low_pass;
-  Vector spline;      // second derivatives
-  Vector delayed;     // the signal after low-pass and time offset
-  Vector slope;       // its time derivative
-  Vector lag_slope;   // its derivative with respect to the low-pass
-  Vector column;      // any other signal
-  Vector unused;      // a time derivative that is not needed
+  Vector spline;     // second derivatives
+  Vector delayed;    // the signal after low-pass and time offset
+  Vector slope;      // its time derivative
+  Vector lag_slope;  // its derivative with respect to the low-pass
+  Vector column;     // any other signal
+  Vector unused;     // a time derivative that is not needed
+  Vector later;      // change of the means that are read later, and its derivative for the time offset
+  Vector later_slope;
   Vector factor;      // d reading / d delayed
   Vector clip_slope;  // d observed / d saturation where it is clipped
   std::vector<bool> clipped;
@@ -38,6 +40,8 @@ struct SensorEffects::SensorWorkspace final : Problem::Workspace {
         lag_slope(longest),
         column(longest),
         unused(longest),
+        later(longest),
+        later_slope(longest),
         factor(longest),
         clip_slope(longest),
         clipped(static_cast<std::size_t>(longest)) {}
@@ -193,39 +197,50 @@ void SensorEffects::Observe(const Query& query, int b, SensorWorkspace& scratch,
   if (query.derivatives) ObserveDerivatives(query, b, o, scratch, derivatives);
 }
 
+const std::vector<LaterReadings::Mean>& SensorEffects::LaterMeans(int block) const {
+  static const std::vector<LaterReadings::Mean> kNone;
+  const auto& later = layout_[static_cast<std::size_t>(block)].later;
+  return later ? later->means() : kNone;
+}
+
+void SensorEffects::ReadLater(int b, double delay, SensorWorkspace& scratch) const {
+  const auto& later = layout_[static_cast<std::size_t>(b)].later;
+  if (!later) return;
+  const auto means = static_cast<Eigen::Index>(later->means().size());
+  later->At(delay, scratch.later.head(means), scratch.later_slope.head(means));
+}
+
 void SensorEffects::ObserveValues(const Query& query, int b, Observation& o, SensorWorkspace& scratch,
                                   Eigen::Ref<Vector> values) const {
   const ObservedBlock& block = observed_[static_cast<std::size_t>(b)];
   const auto& time = layout_[static_cast<std::size_t>(b)].prediction_time;
-  const DelayLine& line = block.delay.front();
   const Eigen::Index n = values.size();
-  auto delayed = scratch.delayed.head(n);
-  auto spline = scratch.spline.head(n);
-  auto lag_slope = scratch.lag_slope.head(n);
 
+  auto lag_slope = scratch.lag_slope.head(n);
   if (o.low_pass > 0 || o.want_lag_slope) {
     scratch.low_pass.Set(time, o.low_pass);
     if (o.want_lag_slope) scratch.low_pass.Differentiate(values, lag_slope);
     if (o.low_pass > 0) scratch.low_pass.Apply(values);
   }
-  delayed = values;
   if (o.delay != 0 || o.want_slope) {
-    line.Fit(values, spline);
-    line.Evaluate(o.delay, values, spline, scratch.column.head(n), scratch.slope.head(n));
-    if (o.delay != 0) delayed = scratch.column.head(n);
+    Delay(b, o.delay, scratch, values, scratch.slope.head(n));
+    ReadLater(b, o.delay, scratch);
   }
-  if (o.delay != 0 && o.want_lag_slope) {
-    line.Fit(lag_slope, spline);
-    line.Evaluate(o.delay, lag_slope, spline, scratch.column.head(n), scratch.unused.head(n));
-    lag_slope = scratch.column.head(n);
-  }
+  if (o.delay != 0 && o.want_lag_slope) Delay(b, o.delay, scratch, lag_slope, scratch.unused.head(n));
+  const auto delayed = scratch.delayed.head(n);
+  scratch.delayed.head(n) = values;
 
-  values = delayed;
   if (o.gain != 1) values *= o.gain;
   if (o.offset != 0) values.array() += o.offset;
   if (o.drift != 0) {
     for (Eigen::Index i = 0; i < n; ++i)
       values[i] += o.drift * (time[static_cast<std::size_t>(i)] - block.middle);
+  }
+  if (o.delay != 0) {
+    // What is read later has drifted further.
+    Eigen::Index k = 0;
+    for (const LaterReadings::Mean& mean : LaterMeans(b))
+      values[mean.prediction] += o.drift * o.delay - scratch.later[k++];
   }
   scratch.factor.head(n).setConstant(o.gain);
   for (const ReadingPort::Term& term : sensors_[static_cast<std::size_t>(block.sensor)].terms) {
@@ -257,11 +272,22 @@ void SensorEffects::ObserveValues(const Query& query, int b, Observation& o, Sen
   }
 }
 
+void SensorEffects::Delay(int b, double delay, SensorWorkspace& scratch, Eigen::Ref<Vector> signal,
+                          Eigen::Ref<Vector> slope) const {
+  const DelayLine& line = observed_[static_cast<std::size_t>(b)].delay.front();
+  auto spline = scratch.spline.head(signal.size());
+  auto delayed = scratch.column.head(signal.size());
+  line.Fit(signal, spline);
+  line.Evaluate(delay, signal, spline, delayed, slope);
+  if (delay == 0) return;
+  for (const LaterReadings::Mean& mean : LaterMeans(b)) delayed[mean.prediction] = signal[mean.prediction];
+  signal = delayed;
+}
+
 void SensorEffects::ObserveDerivatives(const Query& query, int b, const Observation& o,
                                        SensorWorkspace& scratch, Eigen::Ref<Matrix> derivatives) const {
   const ObservedBlock& block = observed_[static_cast<std::size_t>(b)];
   const Sensor& sensor = sensors_[static_cast<std::size_t>(block.sensor)];
-  const DelayLine& line = block.delay.front();
   const Block& in_layout = layout_[static_cast<std::size_t>(b)];
   const auto& time = in_layout.prediction_time;
   const Eigen::Index n = derivatives.rows();
@@ -271,14 +297,11 @@ void SensorEffects::ObserveDerivatives(const Query& query, int b, const Observat
     if (!query.Differentiates(in_layout.columns[static_cast<std::size_t>(c)])) continue;
     auto column = derivatives.col(c);
     if (o.low_pass > 0) scratch.low_pass.Apply(column);
-    if (o.delay != 0) {
-      scratch.column.head(n) = column;
-      line.Fit(scratch.column.head(n), scratch.spline.head(n));
-      line.Evaluate(o.delay, scratch.column.head(n), scratch.spline.head(n), column, scratch.unused.head(n));
-    }
+    if (o.delay != 0) Delay(b, o.delay, scratch, column, scratch.unused.head(n));
     column.array() *= factor;
   }
 
+  const std::vector<LaterReadings::Mean>& later = LaterMeans(b);
   Eigen::Index c = block.of_inner;
   const auto sensor_column = [&](int effect) {
     auto column = derivatives.col(c);
@@ -288,12 +311,15 @@ void SensorEffects::ObserveDerivatives(const Query& query, int b, const Observat
         break;
       case kDrift:
         for (Eigen::Index i = 0; i < n; ++i) column[i] = time[static_cast<std::size_t>(i)] - block.middle;
+        for (const LaterReadings::Mean& mean : later) column[mean.prediction] += o.delay;
         break;
       case kGain:
         column = scratch.delayed.head(n);
         break;
       case kTimeOffset:
         column.array() = -factor * scratch.slope.head(n).array();
+        for (std::size_t k = 0; k < later.size(); ++k)
+          column[later[k].prediction] = o.drift - scratch.later_slope[static_cast<Eigen::Index>(k)];
         break;
       case kLowPass:
         column.array() = factor * scratch.lag_slope.head(n).array();

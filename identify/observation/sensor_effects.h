@@ -12,6 +12,7 @@
 
 #include "identify/alternative_prediction.h"
 #include "identify/observation/delay_line.h"
+#include "identify/observation/later_readings.h"
 #include "identify/observation/reading_port.h"
 #include "identify/observation/sensor_parameters.h"
 #include "identify/problem.h"
@@ -28,8 +29,9 @@ namespace sinew {
 ///
 /// A time offset interpolates the prediction by a natural cubic spline over its prediction times and
 /// extrapolates it linearly, so the wrapped problem should predict a margin around its samples (shared and
-/// per-trial offsets together reach twice the bound of each). A low-pass starts as if the prediction had been
-/// linear before its first sample.
+/// per-trial offsets together reach twice the bound of each). Where Block::later is known, the record is read
+/// later instead: reading(t) and what was measured change by the same, which is exact however fast the signal
+/// is. A low-pass starts as if the prediction had been linear before its first sample.
 ///
 /// Derivatives are exact except for quantisation, where they are zero or infinite: the derivatives of the
 /// reading before rounding are used, and that for the step is zero. A fit can thus estimate the other
@@ -100,6 +102,12 @@ class SensorEffects final : public Problem {
   void Observe(const Query& query, int block, SensorWorkspace& scratch, Prediction& observed) const;
   void ObserveValues(const Query& query, int block, Observation& o, SensorWorkspace& scratch,
                      Eigen::Ref<Vector> values) const;
+  /// Interpolates, but for what is read later. @param signal, slope [predictions of the block] set
+  void Delay(int block, double delay, SensorWorkspace& scratch, Eigen::Ref<Vector> signal,
+             Eigen::Ref<Vector> slope) const;
+  /// None of a block without Block::later.
+  [[nodiscard]] const std::vector<LaterReadings::Mean>& LaterMeans(int block) const;
+  void ReadLater(int block, double delay, SensorWorkspace& scratch) const;
   void ObserveDerivatives(const Query& query, int block, const Observation& o, SensorWorkspace& scratch,
                           Eigen::Ref<Matrix> derivatives) const;
 

@@ -2,6 +2,8 @@
 # ## Parameters
 
 # %% parameters
+from collections import Counter
+
 LABELS = {"identifiable": ("●", "identifiable", "#007A5A"), "weak": ("◆", "weak", "#B36B00"),
         "not_identifiable": ("○", "not identifiable", "#6f6f6f"), "at_bound": ("■", "at bound", "#A8467F"),
         "": ("·", "free, not judged", "#6f6f6f")}
@@ -81,9 +83,11 @@ resting = len([p for p in parameters.values() if not p["free"] and p["kind"] == 
 if resting:
     notes.append(f"{resting} parameter{'s' if resting > 1 else ''} of effects that were not released: held at "
                  f"{'their null values' if resting > 1 else 'its null value'}, without influence.")
-if len(free) > len(shown):
-    notes.append("Nuisance parameters, fitted as well: "
-                 f"{len(free) - len(shown)} initial states, offsets of a trial and the like (in /parameters).")
+nuisance = Counter(p["meaning"] for p in free.values() if p["kind"] == "nuisance")
+if nuisance:
+    kinds = "; ".join(f"{count} × {meaning}" for meaning, count in nuisance.most_common(4))
+    others = sum(nuisance.values()) - sum(count for _, count in nuisance.most_common(4))
+    notes.append("Nuisance parameters, fitted as well (in /parameters): " + kinds + (f"; {others} others" if others else "") + ".")
 if notes:
     display(HTML(items(notes, "notes")))
 

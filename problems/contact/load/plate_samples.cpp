@@ -3,8 +3,11 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
+#include <memory>
+#include <utility>
 
 #include "base/median.h"
+#include "identify/observation/later_readings.h"
 
 namespace sinew {
 namespace {
@@ -52,6 +55,11 @@ void AddAverages(const Grid& grid, const Channel& channel, const std::string& pl
   if (steps.empty() || grid.time.empty()) return;
   const double half = 0.5 * UpperMedian(steps);
   std::size_t most_samples = 0;
+  // Without load a plate computes no centre of pressure, or any.
+  std::vector<double> weights(grid.time.size(), 1.0);
+  for (std::size_t i = 0; is_cop && i < weights.size(); ++i)
+    weights[i] = force == nullptr ? 0 : std::max((*force)[i], 0.0);
+  std::vector<LaterReadings::Mean> means;
   for (std::size_t p = 0; p < block.prediction_time.size(); ++p) {
     // Frames beside the record, which are there for late sensors, hold less than half of their samples.
     if (block.prediction_time[p] < grid.time.front() || block.prediction_time[p] > grid.time.back()) continue;
@@ -60,27 +68,24 @@ void AddAverages(const Grid& grid, const Channel& channel, const std::string& pl
     const auto begin = std::lower_bound(grid.time.begin(), grid.time.end(), from);
     const auto end = std::lower_bound(begin, grid.time.end(), to);
     if (begin == end) continue;
-    double weights = 0;
+    const LaterReadings::Mean mean{static_cast<int>(p), static_cast<std::size_t>(begin - grid.time.begin()),
+                                   static_cast<std::size_t>(end - grid.time.begin())};
+    double weight = 0;
     double sum = 0;
-    for (auto at = begin; at != end; ++at) {
-      const auto i = static_cast<std::size_t>(at - grid.time.begin());
-      double weight = 1;
-      double value = channel.values[i];
-      if (is_cop) {
-        weight = force == nullptr ? 0 : std::max((*force)[i], 0.0);
-        // Without load a plate computes no centre of pressure, or any.
-        if (weight == 0) value = 0;
-      }
-      weights += weight;
-      sum += weight * value;
+    for (std::size_t i = mean.begin; i < mean.end; ++i) {
+      weight += weights[i];
+      if (weights[i] != 0) sum += weights[i] * channel.values[i];
     }
-    const auto count = static_cast<std::size_t>(end - begin);
-    if (!std::isfinite(sum) || !(weights > 0)) continue;
-    if (is_cop && !(weights > force_share * most * static_cast<double>(count))) continue;
-    block.sample.push_back(static_cast<int>(p));
-    block.measured.push_back(sum / weights);
+    const std::size_t count = mean.end - mean.begin;
+    if (!std::isfinite(sum) || !(weight > 0)) continue;
+    if (is_cop && !(weight > force_share * most * static_cast<double>(count))) continue;
+    block.sample.push_back(mean.prediction);
+    block.measured.push_back(sum / weight);
+    means.push_back(mean);
     most_samples = std::max(most_samples, count);
   }
+  block.later =
+      std::make_shared<LaterReadings>(grid.time, channel.values, std::move(weights), std::move(means));
   block.sigma = channel.sigma;
   if (block.sigma && most_samples > 0) *block.sigma /= std::sqrt(static_cast<double>(most_samples));
 }

@@ -331,6 +331,16 @@ class WhatTheRunSays(WithFolder):
         self.assertIn("<b>Would help static_friction, dynamic_friction:</b> measuring right_force_x", rows)
         self.assertIn("<b>viscous_friction:</b> nothing that", rows)
 
+    def test_nuisance_parameters_are_counted_by_what_they_mean(self):
+        fabricated_files.write_run(self.run_path)
+        with h5py.File(self.run_path, "a") as file:
+            for row in (5, 6):
+                file["parameters/kind"][row] = "nuisance"
+                file["parameters/free"][row] = 1
+                file["parameters/meaning"][row] = "weight of a curve"
+        (notes,) = self.answers(["run_parameters"], "notes")
+        self.assertIn("Nuisance parameters, fitted as well (in /parameters): 2 × weight of a curve.", notes)
+
     def test_correlations_need_two_determined_parameters(self):
         fabricated_files.write_run(self.run_path)
         self.assertIn("correlation", run_file.read(str(self.run_path)).has)

@@ -6,6 +6,7 @@
 #include <cmath>
 
 #include "base/random.h"
+#include "identify/observation/later_readings.h"
 #include "problems/contact/load/plate_samples.h"
 #include "problems/contact/load/posed_load.h"
 #include "tests/problems/support/jacobian_check.h"
@@ -330,6 +331,12 @@ TEST(PlateSamples, AveragesOverAFrameAndWeighsTheCentreOfPressure) {
   centre.prediction_time = block.prediction_time;
   AddAverages(grid, cop, "p", true, 0.1, centre);
   for (const double value : centre.measured) EXPECT_DOUBLE_EQ(value, 1.75);
+  // One sample later the centre's values have changed places; the force, which weighs them, is not late.
+  ASSERT_TRUE(centre.later);
+  Vector change(static_cast<Eigen::Index>(centre.sample.size()));
+  Vector slopes(change.size());
+  centre.later->At(0.01, change, slopes);
+  EXPECT_NEAR(change[2], -0.5, 1e-9);
 }
 
 }  // namespace
