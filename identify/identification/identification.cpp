@@ -8,7 +8,9 @@
 #include "identify/identification/odd_trials.h"
 #include "identify/solvers/held_out_nuisance.h"
 #include "identify/solvers/improved_start.h"
+#include "identify/solvers/marginal_cost.h"
 #include "identify/solvers/prior_choice.h"
+#include "identify/solvers/window_search.h"
 
 namespace sinew {
 namespace {
@@ -32,7 +34,10 @@ Status AnalyseAndImprove(const LeastSquares& least_squares, UncertaintyOptions h
     if (better.size() == 0 || is_last) break;
     SINEW_ASSIGN(const auto local, MakeSolver("lm", options.solver_options));
     const SolverResult improved = local->Solve(evaluator, better);
-    is_last = !(improved.cost < out.result.cost);
+    // A minimum of a lower cost may be so narrow that it is less probable.
+    is_last = !(improved.cost < out.result.cost &&
+                solvers::MarginalCost(least_squares, improved.x) <
+                    solvers::MarginalCost(least_squares, out.result.x) + solvers::kWorthTaking);
     if (is_last) continue;
     out.result.x = improved.x;
     out.result.cost = improved.cost;

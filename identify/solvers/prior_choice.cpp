@@ -30,11 +30,16 @@ constexpr long kTrialEvaluations = 100;
 constexpr LocalFit::Tolerance kTrialTolerance{1e-3, 1e-6};
 
 // A search ends in different minima under different schedules, and a wrong one wants another prior.
+enum class PriorsAt { kStart, kFirstOthers, kLastOthers };  // of the starts of the parameters of priors
 struct Beginning {
-  bool at_others = false;    // of the parameters of priors, the last other starts
+  PriorsAt priors = PriorsAt::kStart;
   bool regularised = false;  // with priors on the shared parameters, for the beginning alone
 };
-constexpr Beginning kBeginnings[] = {{false, false}, {true, false}, {false, true}};
+constexpr Beginning kBeginnings[] = {{PriorsAt::kStart, false},
+                                     {PriorsAt::kFirstOthers, false},
+                                     {PriorsAt::kLastOthers, false},
+                                     {PriorsAt::kStart, true}};
+constexpr std::size_t kMostAtNoise = 2;       // of these, where the best end is near the noise
 constexpr double kBeginningTolerance = 1e-6;  // relative change of the cost
 constexpr long kBeginningEvaluations = 600;
 
@@ -92,10 +97,16 @@ class Choice {
     noise_ = LargestNoiseCost(LeastSquares(problem_, setup_));
     near_noise_ = NearNoiseCost(LeastSquares(problem_, setup_));
     Point best;
+    bool confirmed = false;
     for (std::size_t which = 0; which < std::size(kBeginnings) && !Stopped(); ++which) {
-      if (best.cost <= near_noise_) break;
-      const Point end = SearchFrom(which, which == 0 ? &choice.at_start : nullptr);
-      if (end.marginal < best.marginal || best.parameters.size() == 0) best = end;
+      if (best.cost <= near_noise_ && (confirmed || which == kMostAtNoise)) break;
+      const Point end = SearchFrom(kBeginnings[which], which == 0 ? &choice.at_start : nullptr);
+      const bool same = IsSame(end, best);
+      if (end.marginal < best.marginal || best.parameters.size() == 0) {
+        best = end;
+        confirmed = found_directly_;
+      }
+      confirmed = confirmed || same;
     }
     if (best.parameters.size() == 0) return choice;  // interrupted
     choice.evaluations = evaluations_;
@@ -119,22 +130,29 @@ class Choice {
     return setup_.parameters[static_cast<std::size_t>(index)].other_starts.back();
   }
 
+  [[nodiscard]] static bool IsSame(const Point& a, const Point& b) {
+    return std::abs(a.marginal - b.marginal) <= kWorthMoving;
+  }
+
   // One beginning, and pattern searches from where it ends until one of them moves nothing. In between, a
-  // search from the start at what was chosen may end in a better minimum.
-  Point SearchFrom(std::size_t which, double* at_start) {
-    const Beginning& beginning = kBeginnings[which];
+  // search from the start at what was chosen may end in a better minimum. Sets found_directly_.
+  Point SearchFrom(const Beginning& beginning, double* at_start) {
     FitSetup at = setup_;
     for (const int index : chosen_) {
-      if (beginning.at_others) at.rest[index] = AllowingMore(index);
+      const std::vector<double>& others = setup_.parameters[static_cast<std::size_t>(index)].other_starts;
+      if (beginning.priors == PriorsAt::kFirstOthers) at.rest[index] = others.front();
+      if (beginning.priors == PriorsAt::kLastOthers) at.rest[index] = others.back();
     }
     wrong_by_ = kInfinity;
     MoveTo(Found(at, beginning.regularised));
+    found_directly_ = !beginning.regularised;
     if (at_start != nullptr) *at_start = best_.marginal;
     for (int again = 0; again < kMostSearches && !Stopped(); ++again) {
       const Vector before = PriorsOf(best_);
       if (search_.From(before) == before || Stopped()) break;
       for (const int index : chosen_) at.rest[index] = best_.parameters[index];
       const Point found = Found(at, beginning.regularised);
+      found_directly_ = !beginning.regularised && found.marginal <= best_.marginal + kWorthMoving;
       if (found.marginal < best_.marginal - kWorthMoving) MoveTo(found);
     }
     return best_;
@@ -214,6 +232,7 @@ class Choice {
   std::vector<int> chosen_;  // parameters
   PatternSearch search_;
   Point best_;
+  bool found_directly_ = false;              // the best point, by `continuation` at its prior
   std::optional<double> predicted_at_best_;  // its marginal cost, by the linear model
   double wrong_by_ = kInfinity;              // the last gain that the linear model predicted
   long evaluations_ = 0;

@@ -38,6 +38,9 @@ constexpr long kWholeEvaluations = 40;
 constexpr double kWholeTolerance = 1e-4;
 // Of a stretch's cost over that of the minimum: it is given up before all of its data are back.
 constexpr double kMostAbove = 2;
+// Squared distance from the minimum, in standard deviations, within which a search with all data back is on
+// its way to it. Its tolerance leaves about two; other minima are tens of deviations away.
+constexpr double kReturned = 4;
 
 enum Return { kFromBegin, kFromEnd, kFromBothEnds, kAsNoise, kReturns };
 
@@ -71,12 +74,32 @@ struct Stretch {
   }
 };
 
+// A minimum, and the normal matrix there: of its Gaussian posterior.
+struct Minimum {
+  WindowEnd end;
+  Matrix normal;  // empty: not known
+
+  Minimum(const LeastSquares& fit, WindowEnd at) : end(std::move(at)) {
+    LocalFit local(fit);
+    if (local.ModelAt(end.x)) normal = local.model().normal;
+  }
+  [[nodiscard]] bool IsNear(const Vector& x) const {
+    if (normal.size() == 0) return false;
+    const Vector apart = x - end.x;
+    return apart.dot(normal.selfadjointView<Eigen::Lower>() * apart) < kReturned;
+  }
+};
+
 // One redrawn stretch.
 class Redraw {
  public:
-  Redraw(const LeastSquares& fit, const WindowEnd& from, std::uint64_t seed,
-         const std::function<bool()>& stop)
-      : fit_(fit.problem(), fit.setup()), stop_(stop), random_(seed), factors_(fit), from_(from) {}
+  Redraw(const LeastSquares& fit, const Minimum& from, std::uint64_t seed, const std::function<bool()>& stop)
+      : fit_(fit.problem(), fit.setup()),
+        stop_(stop),
+        random_(seed),
+        factors_(fit),
+        minimum_(from),
+        from_(from.end) {}
 
   // Where it ends; nothing if that is not lower.
   std::optional<WindowEnd> Try() {
@@ -156,9 +179,10 @@ class Redraw {
     return (x + root.matrixU().solve(normal)).cwiseMax(0).cwiseMin(1);
   }
 
-  // The values after the data of the stretch came back; nothing where that costs too much.
+  // The values after the data of the stretch came back; nothing where that costs too much, or where they are
+  // on their way to the minimum.
   std::optional<Vector> BringBack(Vector x) {
-    for (int step = 1; step <= kReturnSteps; ++step) {
+    for (int step = 1; step <= kReturnSteps && !minimum_.IsNear(x); ++step) {
       if (Stopped()) return std::nullopt;
       factors_.Set([&](std::size_t trial, double share) {
         double factor = 1;
@@ -171,6 +195,7 @@ class Redraw {
       if (!outcome.failure.empty() || outcome.cost > from_.cost + kMostAbove) return std::nullopt;
       x = std::move(outcome.x);
     }
+    if (minimum_.IsNear(x)) return std::nullopt;
     return x;
   }
 
@@ -180,6 +205,7 @@ class Redraw {
   TimeFactors factors_;
   std::vector<Stretch> stretches_;
   double levels_ = 1;
+  const Minimum& minimum_;
   const WindowEnd& from_;
 };
 
@@ -188,22 +214,27 @@ class Redraw {
 WindowEnd RedrawStretches(const LeastSquares& fit, WindowEnd end, const Redraws& how,
                           const std::function<bool()>& stop) {
   const auto executor = MakeExecutor(how.threads);
+  const LeastSquares untransformed(fit.problem(), fit.setup());
+  Minimum minimum(untransformed, std::move(end));
   std::uint64_t drawn = 0;
   for (int idle = 0; idle < how.idle && !(stop && stop());) {
     std::array<std::optional<WindowEnd>, kAtATime> found;
     executor->ForEach(found.size(), [&](std::size_t i, std::size_t) {
-      found[i] = Redraw(fit, end, Random::StreamSeed(how.seed, drawn + i), stop).Try();
+      found[i] = Redraw(fit, minimum, Random::StreamSeed(how.seed, drawn + i), stop).Try();
     });
     drawn += found.size();
     idle += static_cast<int>(found.size());
+    std::optional<WindowEnd> lower;
     for (auto& one : found) {
-      if (!one || !(one->marginal < end.marginal)) continue;
-      if (one->marginal < end.marginal - kWorthGoingOn) idle = 0;
-      end = std::move(*one);
-      if (end.marginal <= how.enough) return end;
+      if (!one || !(one->marginal < (lower ? *lower : minimum.end).marginal)) continue;
+      if (one->marginal < minimum.end.marginal - kWorthGoingOn) idle = 0;
+      lower = std::move(one);
     }
+    if (!lower) continue;
+    minimum = Minimum(untransformed, std::move(*lower));
+    if (minimum.end.marginal <= how.enough) break;
   }
-  return end;
+  return std::move(minimum.end);
 }
 
 }  // namespace sinew::solvers

@@ -274,7 +274,8 @@ Search ScheduledStarts::Finish() {
   if (!evaluator_.MustStop()) {
     const LevenbergMarquardt local(options_.cost_tolerance, kFirstDamping);
     Stage last = Polish(local, "lm", answer.x, kEvaluationsOfAnswer);
-    if (last.cost <= answer.cost) {
+    // A search for the last digits may slide into a narrow minimum of a lower cost.
+    if (last.cost <= answer.cost && MarginalCost(evaluator_.fit(), last.x) < best->marginal + kWorthTaking) {
       last.solver = answer.solver;
       last.evaluations += answer.evaluations;
       answer = std::move(last);

@@ -55,6 +55,48 @@ TEST(RedrawnStretches, AreTheSameWithAnyNumberOfThreads) {
   EXPECT_EQ(one.x, solvers::RedrawStretches(fit, from, {5, 2}, {}).x);
 }
 
+// A linear fit has one minimum: where a stretch is on its way back to it, the search ends.
+TEST(RedrawnStretches, AReturnToTheMinimumIsNotSearchedToTheEnd) {
+  constexpr int kSamples = 40;
+  constexpr int kRedraws = 16;
+  long predictions = 0;
+  FunctionProblem problem;
+  Random random(2);
+  std::vector<double> measured;
+  std::vector<int> columns;
+  double level = 0;
+  for (int i = 0; i < kSamples; ++i) {
+    Parameter b = BaseParameter("b" + std::to_string(i), "1", "", -8, 8, 0);
+    b.kind = ParameterKind::kNuisance;
+    b.trial = "t";
+    b.prior = GaussianPrior{0, 1};
+    problem.Add(std::move(b));
+    columns.push_back(i);
+    level += random.Normal();
+    measured.push_back(10 * level + random.Normal());
+  }
+  problem.AddBlock("t", measured, columns,
+                   [&](const Vector& p, Eigen::Ref<Vector> predicted, Matrix* derivatives) -> Status {
+                     ++predictions;
+                     double sum = 0;
+                     for (int i = 0; i < kSamples; ++i) {
+                       sum += 10 * p[i];
+                       predicted[i] = sum;
+                       if (derivatives != nullptr) derivatives->row(i).head(i + 1).setConstant(10);
+                     }
+                     return {};
+                   });
+  const FitSetup setup = MakeFitSetup(problem, {}).value();
+  const LeastSquares fit(problem, setup);
+  const auto local = solvers::LocalFit(fit).Minimize(fit.Start(), -1, {0, 1e-12}, 100);
+  predictions = 0;
+  const solvers::WindowEnd from{local.x, local.cost, solvers::MarginalCost(fit, local.x)};
+  solvers::Redraws how;
+  how.idle = kRedraws;
+  EXPECT_EQ(solvers::RedrawStretches(fit, from, how, {}).x, from.x);
+  EXPECT_LT(predictions, 16 * kRedraws);  // 20 if each is searched to the end
+}
+
 TEST(RedrawnStretches, AStopLeavesTheMinimumAsItIs) {
   const Walk walk(3);
   const LeastSquares fit(walk.problem, walk.setup);
