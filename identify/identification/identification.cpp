@@ -8,36 +8,42 @@
 #include "identify/identification/odd_trials.h"
 #include "identify/solvers/held_out_nuisance.h"
 #include "identify/solvers/improved_start.h"
+#include "identify/solvers/levenberg_marquardt.h"
 #include "identify/solvers/marginal_cost.h"
 #include "identify/solvers/prior_choice.h"
-#include "identify/solvers/window_search.h"
+#include "identify/solvers/scheduled_starts.h"
+#include "identify/solvers/trial_search.h"
 
 namespace sinew {
 namespace {
 
 // A point that lowers the cost is taken for the answer, and the next look at intervals may find another.
 constexpr int kMaxImprovements = 5;
+constexpr double kNearlyGaussNewton = 1e-8;  // damping; a better point is close to a minimum
 
 // What the data determine; a better point that is met on the way becomes the answer, and everything is done
 // again from there, while the budget lasts.
 Status AnalyseAndImprove(const LeastSquares& least_squares, UncertaintyOptions how,
                          const IdentificationOptions& options, Evaluator& evaluator, Identification& out) {
   const double found = out.result.cost;
+  const double marginal = solvers::MarginalCost(least_squares, out.result.x);
+  // Minima of curves are ranked by the search: a lower one that it met is not a better one.
+  const bool has_curves = solvers::HasCurves(least_squares);
   bool is_last = false;
   for (int improvements = 0;; ++improvements) {
     // The last analysis has to find intervals, and may not meet yet another minimum.
     is_last = is_last || improvements == kMaxImprovements || !out.result.stop.converged();
-    how.points = is_last ? nullptr : &evaluator.trace();
+    how.points = is_last || has_curves ? nullptr : &evaluator.trace();
     how.search_evaluations = evaluator.evaluations();
     SINEW_ASSIGN(out.uncertainty, AnalyseUncertainty(least_squares, out.result.x, how));
     const Vector& better = out.uncertainty.better_point;
     if (better.size() == 0 || is_last) break;
-    SINEW_ASSIGN(const auto local, MakeSolver("lm", options.solver_options));
-    const SolverResult improved = local->Solve(evaluator, better);
+    const solvers::LevenbergMarquardt local(options.solver_options.cost_tolerance, kNearlyGaussNewton,
+                                            has_curves);
+    const SolverResult improved = local.Solve(evaluator, better);
     // A minimum of a lower cost may be so narrow that it is less probable.
     is_last = !(improved.cost < out.result.cost &&
-                solvers::MarginalCost(least_squares, improved.x) <
-                    solvers::MarginalCost(least_squares, out.result.x) + solvers::kWorthTaking);
+                solvers::MarginalCost(least_squares, improved.x) <= marginal + solvers::kSameEvidence);
     if (is_last) continue;
     out.result.x = improved.x;
     out.result.cost = improved.cost;

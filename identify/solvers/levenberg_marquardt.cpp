@@ -13,6 +13,8 @@ namespace {
 
 constexpr double kSmallestDamping = 1e-14;
 constexpr double kLargestDamping = 1e12;
+// Options::within_basin: of the predicted decrease.
+constexpr double kMostGained = 3;
 // Below this a step in the unit box is rounding.
 constexpr double kSmallestStep = 1e-15;
 
@@ -67,7 +69,11 @@ Search LevenbergMarquardt::DoSolve(Evaluator& evaluator, const Vector& start) co
   Options options;
   options.tolerance = std::max(cost_tolerance_, evaluator.fit().problem().cost_noise_level());
   options.first_damping = first_damping_;
-  return Minimize(evaluator, start, options).search;
+  options.within_basin = within_basin_;
+  Outcome outcome = Minimize(evaluator, start, options);
+  // The lowest point that was ever evaluated may be in another basin.
+  if (within_basin_) outcome.search.answer = {0, outcome.cost, outcome.x};
+  return std::move(outcome.search);
 }
 
 LevenbergMarquardt::Outcome LevenbergMarquardt::Minimize(Evaluator& evaluator, const Vector& start,
@@ -126,10 +132,11 @@ LevenbergMarquardt::Outcome LevenbergMarquardt::Minimize(Evaluator& evaluator, c
     auto evaluated = at_once ? fit.Derivatives(next, next_cost) : fit.Cost(next, next_cost);
     if (evaluated == Evaluator::Outcome::kStop) return outcome;
     const double gained = cost - next_cost;
-    if (evaluated == Evaluator::Outcome::kOk && gained > 0 && !at_once)
+    const bool leaves = options.within_basin && gained > std::max(kMostGained * predicted, tolerance * cost);
+    if (evaluated == Evaluator::Outcome::kOk && gained > 0 && !leaves && !at_once)
       evaluated = fit.Derivatives(next, next_cost);
     if (evaluated == Evaluator::Outcome::kStop) return outcome;
-    if (evaluated == Evaluator::Outcome::kFailed || !(gained > 0)) {
+    if (evaluated == Evaluator::Outcome::kFailed || !(gained > 0) || leaves) {
       damping *= growth;
       growth *= 2;
       continue;

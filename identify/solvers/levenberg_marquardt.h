@@ -21,14 +21,18 @@ namespace sinew::solvers {
 /// are close to a minimum; 1e-3 keeps the first steps of those that are not from ending at bounds.
 class LevenbergMarquardt : public Solver {
  public:
-  explicit LevenbergMarquardt(double cost_tolerance, double first_damping = 1e-8)
-      : cost_tolerance_(cost_tolerance), first_damping_(first_damping) {}
+  /// @param within_basin Options::within_basin
+  explicit LevenbergMarquardt(double cost_tolerance, double first_damping = 1e-8, bool within_basin = false)
+      : cost_tolerance_(cost_tolerance), first_damping_(first_damping), within_basin_(within_basin) {}
 
   struct Options {
     double tolerance = 1e-12;     ///< relative change of the cost
     double first_damping = 1e-8;  ///< relative
     double data_weight = 1;       ///< factor on the rows of the data, not on those of priors and ranges
     int max_iterations = std::numeric_limits<int>::max();
+    /// Rejects steps that gain several times what the model predicts: they end in another basin, for which a
+    /// search for the last digits is not meant.
+    bool within_basin = false;
   };
   struct Outcome {
     Search search;
@@ -44,6 +48,7 @@ class LevenbergMarquardt : public Solver {
 
   double cost_tolerance_;
   double first_damping_;
+  bool within_basin_;
 };
 
 }  // namespace sinew::solvers

@@ -272,10 +272,11 @@ Search ScheduledStarts::Finish() {
     if (!end.given_up && end.stage.cost < answer.cost - SameAs(answer.cost)) ++narrow;
   }
   if (!evaluator_.MustStop()) {
-    const LevenbergMarquardt local(options_.cost_tolerance, kFirstDamping);
+    const LevenbergMarquardt local(options_.cost_tolerance, kFirstDamping, HasCurves(evaluator_.fit()));
     Stage last = Polish(local, "lm", answer.x, kEvaluationsOfAnswer);
-    // A search for the last digits may slide into a narrow minimum of a lower cost.
-    if (last.cost <= answer.cost && MarginalCost(evaluator_.fit(), last.x) < best->marginal + kWorthTaking) {
+    // It may still slide into a narrow minimum of a lower cost.
+    if (last.cost <= answer.cost &&
+        MarginalCost(evaluator_.fit(), last.x) <= best->marginal + kSameEvidence) {
       last.solver = answer.solver;
       last.evaluations += answer.evaluations;
       answer = std::move(last);
