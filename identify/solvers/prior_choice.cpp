@@ -100,7 +100,9 @@ class Choice {
     bool confirmed = false;
     for (std::size_t which = 0; which < std::size(kBeginnings) && !Stopped(); ++which) {
       if (best.cost <= near_noise_ && (confirmed || which == kMostAtNoise)) break;
-      const Point end = SearchFrom(kBeginnings[which], which == 0 ? &choice.at_start : nullptr);
+      // Near the noise a better minimum shows where it is met, before its own prior is chosen.
+      const double most = best.cost <= near_noise_ ? best.marginal : kInfinity;
+      const Point end = SearchFrom(kBeginnings[which], most, which == 0 ? &choice.at_start : nullptr);
       const bool same = IsSame(end, best);
       if (end.marginal < best.marginal || best.parameters.size() == 0) {
         best = end;
@@ -136,7 +138,8 @@ class Choice {
 
   // One beginning, and pattern searches from where it ends until one of them moves nothing. In between, a
   // search from the start at what was chosen may end in a better minimum. Sets found_directly_.
-  Point SearchFrom(const Beginning& beginning, double* at_start) {
+  // @param most marginal cost of a beginning that is gone on from
+  Point SearchFrom(const Beginning& beginning, double most, double* at_start) {
     FitSetup at = setup_;
     for (const int index : chosen_) {
       const std::vector<double>& others = setup_.parameters[static_cast<std::size_t>(index)].other_starts;
@@ -147,6 +150,7 @@ class Choice {
     MoveTo(Found(at, beginning.regularised));
     found_directly_ = !beginning.regularised;
     if (at_start != nullptr) *at_start = best_.marginal;
+    if (best_.marginal > most) return best_;
     for (int again = 0; again < kMostSearches && !Stopped(); ++again) {
       const Vector before = PriorsOf(best_);
       if (search_.From(before) == before || Stopped()) break;

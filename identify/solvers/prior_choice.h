@@ -34,9 +34,10 @@ struct PriorChoice {
 ///    was chosen, until nothing moves, and from another search by `continuation` there if that ends in a
 ///    better minimum.
 /// 3. A wrong minimum wants another prior. Where the search by `continuation` at what was chosen does not end
-///    in the same minimum, the same from the first other starts (priors that allow less); and while much more
-///    than noise is left (NearNoiseCost), also from the last ones (that allow more), and from a search with
-///    temporary priors on the shared parameters.
+///    in the same minimum, the same from the first other starts (priors that allow less), if the search there
+///    ends at a more probable point. While much more than noise is left (NearNoiseCost), the same from there
+///    in any case, from the last other starts (priors that allow more), and from a search with temporary
+///    priors on the shared parameters.
 /// 4. Where the best of these costs more than one and a half times that, it is no fit that could tell of a
 ///    prior: the last other starts are taken, and all other values stay where they began.
 ///
