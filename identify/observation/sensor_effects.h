@@ -30,8 +30,8 @@ namespace sinew {
 /// A time offset interpolates the prediction by a natural cubic spline over its prediction times and
 /// extrapolates it linearly, so the wrapped problem should predict a margin around its samples (shared and
 /// per-trial offsets together reach twice the bound of each). Where Block::later is known, the record is read
-/// later instead: reading(t) and what was measured change by the same, which is exact however fast the signal
-/// is. A low-pass starts as if the prediction had been linear before its first sample.
+/// later instead: reading(t) and what was measured change by the same, which is exact as far as the record is
+/// finer than the signal. A low-pass starts as if the prediction had been linear before its first sample.
 ///
 /// Derivatives are exact except for quantisation, where they are zero or infinite: the derivatives of the
 /// reading before rounding are used, and that for the step is zero. A fit can thus estimate the other

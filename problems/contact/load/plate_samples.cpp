@@ -84,9 +84,8 @@ void AddAverages(const Grid& grid, const Channel& channel, const std::string& pl
     means.push_back(mean);
     most_samples = std::max(most_samples, count);
   }
-  if (most_samples > 1)
-    block.later =
-        std::make_shared<LaterReadings>(grid.time, channel.values, std::move(weights), std::move(means));
+  block.later =
+      std::make_shared<LaterReadings>(grid.time, channel.values, std::move(weights), std::move(means));
   block.sigma = channel.sigma;
   if (block.sigma && most_samples > 0) *block.sigma /= std::sqrt(static_cast<double>(most_samples));
 }

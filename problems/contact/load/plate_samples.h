@@ -18,8 +18,7 @@ void AddSamples(const Grid& grid, const Channel& channel, const std::string& pla
 /// Means over half a frame on both sides of every prediction time, where all samples in it are there: curves
 /// of the motion that are limited to a few Hz cannot follow what a plate resolves in a millisecond. The
 /// centre of pressure is weighted by the vertical force. `sigma` is divided by the root of the number of
-/// samples. Sets `later`, too, if means are of more
-/// than one sample.
+/// samples. Sets `later`, too.
 void AddAverages(const Grid& grid, const Channel& channel, const std::string& plate, bool is_cop,
                  double force_share, Block& block);
 

@@ -337,12 +337,6 @@ TEST(PlateSamples, AveragesOverAFrameAndWeighsTheCentreOfPressure) {
   Vector slopes(change.size());
   centre.later->At(0.01, change, slopes);
   EXPECT_NEAR(change[2], -0.5, 1e-9);
-  // A record that is not finer than the motion tells nothing between its frames.
-  Block as_often;
-  as_often.prediction_time = grid.time;
-  AddAverages(grid, force, "p", false, 0.1, as_often);
-  EXPECT_EQ(as_often.measured.size(), 39U);
-  EXPECT_FALSE(as_often.later);
 }
 
 }  // namespace
