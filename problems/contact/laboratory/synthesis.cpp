@@ -46,6 +46,7 @@ constexpr ExperimentSetting kSettings[] = {
     {"moments", 0, 0, 1, "1: centre of pressure and free moment are recorded too"},
     {"cop_noise", 5e-4, 0, 0.1, "of the centre of pressure [m]"},
     {"moment_noise", 0.02, 0, 100, "of the free moment [N m]"},
+    {"full_rate", 0, 0, 1, "1: the plates' record keeps all of its 960 samples a second, not 60"},
     {"motion_error", 0, 0, 0.05,
      "standard deviation of smooth errors of the recorded foot's position along each axis [m]"},
     {"rotation_error", 0, 0, 0.3, "the same of its rotation about each axis [rad]"},
@@ -245,6 +246,11 @@ Result<SeenLoads> LoadsSeen(const Laboratory& lab, const CoordinateTrajectory& m
   return loads;
 }
 
+// Of the plate's samples one in so many is exported.
+std::size_t EveryOf(const Laboratory& lab) {
+  return lab.values.at("full_rate") != 0 ? 1 : kEvery;
+}
+
 Channel NewChannel(const std::string& unit, double sigma) {
   Channel channel;
   channel.unit = unit;
@@ -261,10 +267,10 @@ Grid RecordForces(const Laboratory& lab, const SeenLoads& loads, const std::vect
   for (std::size_t axis = 0; axis < 3; ++axis) channels[axis] = NewChannel("N", noise_of[axis]);
   const double middle = 0.5 * (time.front() + time.back());
   for (std::size_t i = 0; i < time.size(); ++i) {
-    // The plate measures every sample; the export keeps one in sixteen.
+    // The plate measures every sample, whatever is exported.
     std::array<double, 3> error{};
     for (double& e : error) e = random.Normal();
-    if (i % kEvery != 0) continue;
+    if (i % EveryOf(lab) != 0) continue;
     grid.time.push_back(time[i]);
     for (std::size_t axis = 0; axis < 3; ++axis) {
       const PlateDistortion& plate = lab.hidden.plates[right ? 0 : 1][axis];
@@ -292,7 +298,7 @@ void RecordMoments(const Laboratory& lab, const SeenLoads& loads, bool right, Ra
     const bool is_cop = channels[c] != kFreeMoment;
     const double noise = lab.values.at(is_cop ? "cop_noise" : "moment_noise");
     Channel channel = NewChannel(is_cop ? "m" : "N*m", noise);
-    for (std::size_t i = 0; i < vertical.size(); i += kEvery) {
+    for (std::size_t i = 0; i < vertical.size(); i += EveryOf(lab)) {
       const double error = noise * random.Normal();
       const bool light = !(vertical[i][kForceY] > kLightShare * most);
       channel.values.push_back(light ? std::nan("")

@@ -384,5 +384,19 @@ TEST(ContactSynthesis, WhatItDoesNotKnowIsAnError) {
   EXPECT_EQ(ErrorOf(request), "--noise -1: expected a factor of at least 0");
 }
 
+TEST(ContactSynthesis, AWholeRecordHoldsTheSamplesOfTheExportedOne) {
+  const Dataset few = SteppingData({{"train", 1}, {"validate", 0}}, 0);
+  const Dataset all = SteppingData({{"train", 1}, {"validate", 0}, {"full_rate", 1}}, 0);
+  const Grid& exported = few.trials.at("train_1").grids.at("forces");
+  const Grid& whole = all.trials.at("train_1").grids.at("forces");
+  ASSERT_GT(whole.time.size(), 15 * exported.time.size());
+  for (const auto& [name, channel] : exported.channels) {
+    for (std::size_t i = 0; i < exported.time.size(); ++i) {
+      EXPECT_EQ(whole.time[16 * i], exported.time[i]);
+      EXPECT_EQ(whole.channels.at(name).values[16 * i], channel.values[i]) << name;
+    }
+  }
+}
+
 }  // namespace
 }  // namespace sinew
