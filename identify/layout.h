@@ -60,8 +60,8 @@ struct Block {
   /// kPredicted only: range that the predicted values should stay in. `weight` then multiplies their distance
   /// from it.
   std::optional<Range> range;
-  /// Where the measured values are means over parts of a finer record: what that reads later, for the time
-  /// offset of its sensor. nullptr: predictions are interpolated.
+  /// Where the measured values are sums over a finer record: what they read later, for the time offset of
+  /// its sensor. nullptr: predictions are interpolated.
   std::shared_ptr<const LaterReadings> later;
   std::vector<int> columns;  ///< indices of the parameters that it can depend on, increasing
 

@@ -20,7 +20,7 @@ import numpy as np
 
 sys.path.append(str(Path(__file__).resolve().parents[1]))
 from wilson import wilson  # noqa: E402
-from run import POSITION, ROTATION, draw, load, seeds_of, write_settings  # noqa: E402
+from run import POSITION, ROTATION, draw, load, seeds_of, settings_of, write_settings  # noqa: E402
 
 DETECTABLE = 3.605  # length of a signature that a test for it alone at 5 % detects with 95 %
 LONGEST = 900       # [s] of one diagnosis
@@ -56,7 +56,7 @@ def request(name, value):
 
 def synthesize(options, seed, truth, data, effects):
     values = {**truth, "person": 1, "encoders": 1, "train": 2, "validate": 1, "slip": 0.1,
-              "motion_error": POSITION, "rotation_error": ROTATION}
+              "motion_error": POSITION, "rotation_error": ROTATION, **settings_of(options)}
     words = [options.sinew, "data", "synthesize", "contact", "--seed", seed, "--out", data, "--quiet"]
     words += [w for name, value in values.items() for w in ("--set", f"{name}={value!r}")]
     words += [w for effect in effects for w in ("--effect", effect)]
@@ -203,6 +203,7 @@ def main():
     parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
     parser.add_argument("--sinew", type=Path)
     parser.add_argument("--seeds", default="1:2", help="first:last")
+    parser.add_argument("--set", action="append", default=[], metavar="NAME=VALUE", help="of the synthetic data, such as full_rate=1")
     parser.add_argument("--size", type=float, default=2, help="over the size that an oracle detects with 95 %%")
     parser.add_argument("--per-seed", type=int, default=2, help="hidden effects, one at a time")
     parser.add_argument("--told", action="store_true", help="fit each hidden effect, told which, too: what could be detected at all?")

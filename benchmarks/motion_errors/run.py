@@ -53,9 +53,14 @@ def sinew(options, *words):
         raise RuntimeError(f"sinew {' '.join(map(str, words))}\n{done.stdout}{done.stderr}")
 
 
+def settings_of(options):
+    """Further settings of the synthetic data, --set NAME=VALUE."""
+    return {name: float(value) for name, value in (word.split("=") for word in options.set)}
+
+
 def synthesize(options, seed, truth, stances, data, size):
     values = {**truth, "person": 1, "encoders": 1, "train": stances, "validate": 0, "slip": 0.1,
-              "motion_error": size * POSITION, "rotation_error": size * ROTATION}
+              "motion_error": size * POSITION, "rotation_error": size * ROTATION, **settings_of(options)}
     sinew(options, "data", "synthesize", "contact", "--seed", seed, "--out", data, "--quiet",
           *[word for name, value in values.items() for word in ("--set", f"{name}={value!r}")])
 
@@ -184,6 +189,7 @@ def main():
     parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
     parser.add_argument("--sinew", type=Path)
     parser.add_argument("--seeds", default="1:10", help="first:last")
+    parser.add_argument("--set", action="append", default=[], metavar="NAME=VALUE", help="of the synthetic data, such as full_rate=1")
     parser.add_argument("--max-evaluations", type=int, default=3000, help="of one search")
     parser.add_argument("--starts", type=int, default=0, help="instead: one stance from so many random starts")
     parser.add_argument("--out", type=Path)

@@ -55,6 +55,7 @@ def main():
     parser.add_argument("--sinew", type=Path)
     parser.add_argument("--from-truth", type=Path, help="the program motion_from_truth")
     parser.add_argument("--seeds", default="1:5", help="first:last")
+    parser.add_argument("--set", action="append", default=[], metavar="NAME=VALUE", help="of the synthetic data, such as full_rate=1")
     parser.add_argument("--out", type=Path)
     parser.add_argument("--report", type=Path, nargs="*")
     options = parser.parse_args()

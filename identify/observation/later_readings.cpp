@@ -6,21 +6,15 @@
 
 namespace sinew {
 
-LaterReadings::LaterReadings(std::vector<double> time, std::vector<double> record,
-                             std::vector<double> weights, std::vector<Mean> means)
-    : time_(std::move(time)),
-      record_(std::move(record)),
-      slope_(time_.size(), 0.0),
-      weights_(std::move(weights)),
-      means_(std::move(means)) {
-  const auto known = [&](std::size_t k) { return std::isfinite(record_[k]) && weights_[k] > 0; };
+LaterReadings::LaterReadings(std::vector<double> time, std::vector<double> record, std::vector<Sum> sums)
+    : time_(std::move(time)), record_(std::move(record)), slope_(time_.size(), 0.0), sums_(std::move(sums)) {
   const std::size_t samples = time_.size();
   std::size_t first = 0;
-  while (first < samples && !known(first)) ++first;
+  while (first < samples && !std::isfinite(record_[first])) ++first;
   double beside = first < samples ? record_[first] : 0;
-  for (std::size_t k = 0; k < samples; ++k) {
-    if (known(k)) beside = record_[k];
-    record_[k] = beside;
+  for (double& value : record_) {
+    if (std::isfinite(value)) beside = value;
+    value = beside;
   }
   for (std::size_t k = 1; k + 1 < samples; ++k)
     slope_[k] = (record_[k + 1] - record_[k - 1]) / (time_[k + 1] - time_[k - 1]);
@@ -42,20 +36,20 @@ LaterReadings::Reading LaterReadings::ReadingAt(double time, std::size_t& interv
           (rise + (v - u) * (v * bend_left + u * bend_right) + u * v * (bend_right - bend_left)) / step};
 }
 
-void LaterReadings::At(double later, Eigen::Ref<Vector> means, Eigen::Ref<Vector> slopes) const {
+void LaterReadings::At(double later, Eigen::Ref<Vector> changes, Eigen::Ref<Vector> slopes) const {
   std::size_t interval = 0;
-  for (std::size_t i = 0; i < means_.size(); ++i) {
+  for (std::size_t i = 0; i < sums_.size(); ++i) {
+    const Sum& sum = sums_[i];
     double change = 0;
     double slope = 0;
-    double weights = 0;
-    for (std::size_t k = means_[i].begin; k < means_[i].end; ++k) {
+    for (std::size_t j = 0; j < sum.coefficients.size(); ++j) {
+      const std::size_t k = sum.begin + j;
       const Reading reading = ReadingAt(time_[k] + later, interval);
-      change += weights_[k] * (reading.value - record_[k]);
-      slope += weights_[k] * reading.slope;
-      weights += weights_[k];
+      change += sum.coefficients[j] * (reading.value - record_[k]);
+      slope += sum.coefficients[j] * reading.slope;
     }
-    means[static_cast<Eigen::Index>(i)] = change / weights;
-    slopes[static_cast<Eigen::Index>(i)] = slope / weights;
+    changes[static_cast<Eigen::Index>(i)] = change;
+    slopes[static_cast<Eigen::Index>(i)] = slope;
   }
 }
 

@@ -23,7 +23,7 @@ struct SensorEffects::SensorWorkspace final : Problem::Workspace {
   Vector lag_slope;  // its derivative with respect to the low-pass
   Vector column;     // any other signal
   Vector unused;     // a time derivative that is not needed
-  Vector later;      // change of the means that are read later, and its derivative for the time offset
+  Vector later;      // change of the sums that are read later, and its derivative for the time offset
   Vector later_slope;
   Vector factor;      // d reading / d delayed
   Vector clip_slope;  // d observed / d saturation where it is clipped
@@ -197,17 +197,17 @@ void SensorEffects::Observe(const Query& query, int b, SensorWorkspace& scratch,
   if (query.derivatives) ObserveDerivatives(query, b, o, scratch, derivatives);
 }
 
-const std::vector<LaterReadings::Mean>& SensorEffects::LaterMeans(int block) const {
-  static const std::vector<LaterReadings::Mean> kNone;
+const std::vector<LaterReadings::Sum>& SensorEffects::LaterSums(int block) const {
+  static const std::vector<LaterReadings::Sum> kNone;
   const auto& later = layout_[static_cast<std::size_t>(block)].later;
-  return later ? later->means() : kNone;
+  return later ? later->sums() : kNone;
 }
 
 void SensorEffects::ReadLater(int b, double delay, SensorWorkspace& scratch) const {
   const auto& later = layout_[static_cast<std::size_t>(b)].later;
   if (!later) return;
-  const auto means = static_cast<Eigen::Index>(later->means().size());
-  later->At(delay, scratch.later.head(means), scratch.later_slope.head(means));
+  const auto sums = static_cast<Eigen::Index>(later->sums().size());
+  later->At(delay, scratch.later.head(sums), scratch.later_slope.head(sums));
 }
 
 void SensorEffects::ObserveValues(const Query& query, int b, Observation& o, SensorWorkspace& scratch,
@@ -239,8 +239,8 @@ void SensorEffects::ObserveValues(const Query& query, int b, Observation& o, Sen
   if (o.delay != 0) {
     // What is read later has drifted further.
     Eigen::Index k = 0;
-    for (const LaterReadings::Mean& mean : LaterMeans(b))
-      values[mean.prediction] += o.drift * o.delay - scratch.later[k++];
+    for (const LaterReadings::Sum& sum : LaterSums(b))
+      values[sum.prediction] += o.drift * o.delay - scratch.later[k++];
   }
   scratch.factor.head(n).setConstant(o.gain);
   for (const ReadingPort::Term& term : sensors_[static_cast<std::size_t>(block.sensor)].terms) {
@@ -280,7 +280,7 @@ void SensorEffects::Delay(int b, double delay, SensorWorkspace& scratch, Eigen::
   line.Fit(signal, spline);
   line.Evaluate(delay, signal, spline, delayed, slope);
   if (delay == 0) return;
-  for (const LaterReadings::Mean& mean : LaterMeans(b)) delayed[mean.prediction] = signal[mean.prediction];
+  for (const LaterReadings::Sum& sum : LaterSums(b)) delayed[sum.prediction] = signal[sum.prediction];
   signal = delayed;
 }
 
@@ -301,7 +301,7 @@ void SensorEffects::ObserveDerivatives(const Query& query, int b, const Observat
     column.array() *= factor;
   }
 
-  const std::vector<LaterReadings::Mean>& later = LaterMeans(b);
+  const std::vector<LaterReadings::Sum>& later = LaterSums(b);
   Eigen::Index c = block.of_inner;
   const auto sensor_column = [&](int effect) {
     auto column = derivatives.col(c);
@@ -311,7 +311,7 @@ void SensorEffects::ObserveDerivatives(const Query& query, int b, const Observat
         break;
       case kDrift:
         for (Eigen::Index i = 0; i < n; ++i) column[i] = time[static_cast<std::size_t>(i)] - block.middle;
-        for (const LaterReadings::Mean& mean : later) column[mean.prediction] += o.delay;
+        for (const LaterReadings::Sum& sum : later) column[sum.prediction] += o.delay;
         break;
       case kGain:
         column = scratch.delayed.head(n);

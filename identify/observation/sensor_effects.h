@@ -106,7 +106,7 @@ class SensorEffects final : public Problem {
   void Delay(int block, double delay, SensorWorkspace& scratch, Eigen::Ref<Vector> signal,
              Eigen::Ref<Vector> slope) const;
   /// None of a block without Block::later.
-  [[nodiscard]] const std::vector<LaterReadings::Mean>& LaterMeans(int block) const;
+  [[nodiscard]] const std::vector<LaterReadings::Sum>& LaterSums(int block) const;
   void ReadLater(int block, double delay, SensorWorkspace& scratch) const;
   void ObserveDerivatives(const Query& query, int block, const Observation& o, SensorWorkspace& scratch,
                           Eigen::Ref<Matrix> derivatives) const;

@@ -17,8 +17,10 @@
 #include "problems/contact/motion/loaded_span.h"
 #include "problems/contact/motion/marker_pose.h"
 #include "problems/contact/motion/motion_priors.h"
+#include "problems/contact/motion/progression.h"
 #include "problems/contact/motion/smooth_motion.h"
 #include "problems/contact/motion/trial_motion.h"
+#include "problems/contact/soles/body_tree.h"
 #include "problems/contact/stance_notes.h"
 
 namespace sinew {
@@ -173,7 +175,7 @@ Status AddBlocks(const Trial& trial, const ContactSettings& settings, Stance& st
                                               : BlockRole::kValidate;
     const auto found = trial.Find(block.channel);
     if (found) {
-      const auto add = settings.motion_errors ? AddAverages : AddSamples;
+      const auto add = settings.motion_errors ? AddLocalFits : AddSamples;
       add(*found.grid, *found.channel, stance.plate, kind.rfind("cop", 0) == 0, settings.cop_force_share,
           block);
       SetAccuracy(settings, stance, block);
@@ -280,6 +282,9 @@ Status AddTrial(const std::string& name, const Trial& trial, const ContactModel&
     if (settings.motion_errors) {
       stance.markers = MeasuredMarkers(trial, model.osim, model.multibody, stance.foot, stance.time);
       notes.MovedToMarkers(stance, ImproveMotion(settings.motion_errors->cutoff, while_recorded, stance));
+      SINEW_ASSIGN(const BodyTree tree, BodyTree::Of(model.osim, model.multibody));
+      const int root = tree.Root(model.bodies.front());
+      SINEW_TRY(FindProgression(motion, model.multibody, root, settings.floor, stance));
       SINEW_ASSIGN(stance.body,
                    MeasuredBodyLoad(trial, stance, motion, model.multibody, model.bodies, settings, notes));
     }

@@ -49,12 +49,12 @@ class ContactProblem final : public Problem {
   /// pressure.
   Status WriteDetails(const Vector& parameters, Hdf5Node& details) const override;
   /// With motion errors, of held-out stances without their plates: by the mean deviation of the fitted
-  /// stances, and by the dynamics of the whole body where the trial holds them; and by the mean measured
-  /// curve of the fitted stances over the duration of a stance, mirrored for the other foot. Known of a
-  /// held-out stance are its begin and its end.
+  /// stances, and by the dynamics of the whole body where the trial holds them, else with the mean load of
+  /// the fitted stances; and by the mean measured curve of the fitted stances over the duration of a stance,
+  /// mirrored for the other foot. Known of a held-out stance are its begin and its end.
   [[nodiscard]] std::vector<AlternativePrediction> Alternatives(const Vector& parameters) const override;
   /// With motion errors, of stances whose plate measured nothing: by the dynamics of the whole body where the
-  /// trial holds them, else by the mean deviation of the fitted stances.
+  /// trial holds them, else by the mean deviation and the mean load of the fitted stances.
   [[nodiscard]] std::optional<UnmeasuredEstimate> EstimateUnmeasured(const Vector& parameters) const override;
   /// The plate's measured vertical force, and depth and slip speed of the deepest spring.
   [[nodiscard]] Vector AtPriors(const Vector& parameters, const Vector& priors, CarryOver how) const override;

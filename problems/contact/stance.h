@@ -37,6 +37,7 @@ struct Stance {
   std::array<double, 2> resting_cop{};  ///< x, z [m]: used as the centre of pressure without contact
   double side = 1;                      ///< 1, -1: of the model's two feet, by the side of its middle
   Vec3 forward = Vec3::UnitX();         ///< horizontal direction of the foot in the middle of the stance
+  Vec3 progression = Vec3::UnitX();     ///< horizontal direction in which the body walks (FindProgression)
   std::array<double, 2> recorded{};     ///< first and last instant while the plate records [s]
   std::array<double, 2> loaded{};       ///< from when to when the plate is loaded [s]
   bool fitted = false;                  ///< its trial is a training trial

@@ -26,8 +26,7 @@ double FastSlope(double t) {
 struct Record {
   std::vector<double> time;
   std::vector<double> values;
-  std::vector<double> weights;
-  std::vector<LaterReadings::Mean> means;
+  std::vector<LaterReadings::Sum> means;
 };
 
 // @param late [s] the record's sensor
@@ -37,11 +36,10 @@ Record RecordOf(double late) {
   for (std::size_t k = 0; k < (kMeans + 2) * kPerMean; ++k) {
     record.time.push_back(kRecordStep * static_cast<double>(k));
     record.values.push_back(Fast(record.time.back() - late));
-    record.weights.push_back(1);
   }
   for (int i = 0; i < kMeans; ++i)
-    record.means.push_back(
-        {i, (static_cast<std::size_t>(i) + 1) * kPerMean, (static_cast<std::size_t>(i) + 2) * kPerMean});
+    record.means.push_back({i, (static_cast<std::size_t>(i) + 1) * kPerMean,
+                            std::vector<double>(kPerMean, 1.0 / static_cast<double>(kPerMean))});
   return record;
 }
 
@@ -49,18 +47,15 @@ Vector MeansOf(const Record& record) {
   Vector means(static_cast<Eigen::Index>(record.means.size()));
   for (std::size_t i = 0; i < record.means.size(); ++i) {
     double sum = 0;
-    double weights = 0;
-    for (std::size_t k = record.means[i].begin; k < record.means[i].end; ++k) {
-      sum += record.weights[k] * record.values[k];
-      weights += record.weights[k];
-    }
-    means[static_cast<Eigen::Index>(i)] = sum / weights;
+    for (std::size_t j = 0; j < kPerMean; ++j)
+      sum += record.means[i].coefficients[j] * record.values[record.means[i].begin + j];
+    means[static_cast<Eigen::Index>(i)] = sum;
   }
   return means;
 }
 
 LaterReadings LaterOf(const Record& record) {
-  return {record.time, record.values, record.weights, record.means};
+  return {record.time, record.values, record.means};
 }
 
 struct Change {
@@ -107,10 +102,9 @@ TEST(LaterReadings, SlopesAreThoseOfTheMeans) {
 TEST(LaterReadings, WhatIsNotKnownStaysAsBesideIt) {
   Record record = RecordOf(0);
   for (std::size_t k = 0; k < record.time.size(); ++k) record.values[k] = 5;
-  // Before the load begins a plate computes no centre of pressure, or any.
+  // Before the load begins a plate computes no centre of pressure.
   for (std::size_t k = 0; k < kPerMean + 4; ++k) {
-    record.values[k] = k % 2 == 0 ? 1e9 : std::numeric_limits<double>::quiet_NaN();
-    record.weights[k] = 0;
+    record.values[k] = std::numeric_limits<double>::quiet_NaN();
   }
   for (const double later : {-0.1, -0.003, 0.0005, 10.0}) {
     const Change change = ChangeOf(LaterOf(record), later);
@@ -134,7 +128,7 @@ TEST(LaterReadings, ATimeOffsetExplainsALateSensorExactly) {
     block.sample.push_back(i);
     block.measured.push_back(measured[i]);
   }
-  block.later = std::make_shared<LaterReadings>(record.time, record.values, record.weights, record.means);
+  block.later = std::make_shared<LaterReadings>(record.time, record.values, record.means);
   const double first = block.prediction_time.front();
   auto toy = std::make_unique<toy::ToyProblem>(
       std::vector<Parameter>{toy::MakeParameter("amplitude", 0.5, 4, 1)}, Layout{block},

@@ -6,6 +6,7 @@
 #include <memory>
 #include <utility>
 
+#include "base/local_polynomial.h"
 #include "base/median.h"
 #include "identify/observation/later_readings.h"
 
@@ -13,6 +14,16 @@ namespace sinew {
 namespace {
 
 constexpr double kRounding = 1e-9;  // [s]
+// On both sides of a frame, of the time between frames. A parabola over a whole one rounds off touch-down and
+// the reversal of friction, by 5 N where every sample's noise is 3 N (benchmarks/motion_errors).
+constexpr double kWindowShare = 0.25;
+
+// 0: fewer than two times.
+double MedianStep(const std::vector<double>& time) {
+  std::vector<double> steps;
+  for (std::size_t i = 1; i < time.size(); ++i) steps.push_back(time[i] - time[i - 1]);
+  return steps.empty() ? 0 : UpperMedian(steps);
+}
 
 // The vertical force of the plate in the same grid; nullptr: none.
 const std::vector<double>* VerticalForce(const Grid& grid, const std::string& plate) {
@@ -25,6 +36,72 @@ double Greatest(const std::vector<double>* force) {
   if (force == nullptr) return most;
   for (const double f : *force) most = std::isfinite(f) ? std::max(most, f) : most;
   return most;
+}
+
+// A channel whose unknown samples are not finite, and their weights.
+struct Samples {
+  const std::vector<double>& time;
+  const std::vector<double>& values;
+  const std::vector<double>& weights;
+  std::size_t most = 0;  // in a window
+};
+
+struct Window {
+  std::size_t begin = 0;
+  std::size_t end = 0;
+};
+
+Window Within(const std::vector<double>& time, double middle, double half) {
+  const auto begin = std::lower_bound(time.begin(), time.end(), middle - half - kRounding);
+  const auto end = std::upper_bound(begin, time.end(), middle + half + kRounding);
+  return {static_cast<std::size_t>(begin - time.begin()), static_cast<std::size_t>(end - time.begin())};
+}
+
+std::size_t MostWithin(const std::vector<double>& time, const std::vector<double>& middles, double half) {
+  std::size_t most = 0;
+  for (const double middle : middles) {
+    const Window window = Within(time, middle, half);
+    most = std::max(most, window.end - window.begin);
+  }
+  return most;
+}
+
+// Are there samples around `time`, all of them known but those without weight, of a mean weight above
+// `lightest`?
+bool KnownAround(const Samples& samples, const std::vector<double>& values, double time, double half,
+                 double lightest) {
+  const Window window = Within(samples.time, time, half);
+  double weight = 0;
+  for (std::size_t k = window.begin; k < window.end; ++k) {
+    if (samples.weights[k] > 0 && !std::isfinite(values[k])) return false;
+    weight += samples.weights[k];
+  }
+  return weight > lightest * static_cast<double>(window.end - window.begin);
+}
+
+// The parabola through the samples around `time`, or where they lie on one side of it and would make the
+// noise too large, a line or their mean. No coefficients: none is known.
+LaterReadings::Sum FitAround(const Samples& samples, double time, double half) {
+  constexpr int kParabola = 2;
+  // [variance of a sample, divided by their number in a window] Four times that of a parabola through all.
+  constexpr double kMostNoise = 9;
+  const Window window = Within(samples.time, time, half);
+  LaterReadings::Sum sum;
+  sum.begin = window.begin;
+  std::vector<double> from_middle;
+  std::vector<double> weights;
+  for (std::size_t k = window.begin; k < window.end; ++k) {
+    from_middle.push_back(samples.time[k] - time);
+    weights.push_back(std::isfinite(samples.values[k]) ? samples.weights[k] : 0);
+  }
+  for (int degree = kParabola; degree >= 0; --degree) {
+    sum.coefficients = LocalPolynomial(from_middle, weights, degree);
+    if (sum.coefficients.empty()) continue;
+    double noise = 0;
+    for (const double a : sum.coefficients) noise += a * a;
+    if (noise * static_cast<double>(samples.most) <= kMostNoise) break;
+  }
+  return sum;
 }
 
 }  // namespace
@@ -45,49 +122,51 @@ void AddSamples(const Grid& grid, const Channel& channel, const std::string& pla
   block.sigma = channel.sigma;
 }
 
-void AddAverages(const Grid& grid, const Channel& channel, const std::string& plate, bool is_cop,
-                 double force_share, Block& block) {
+void AddLocalFits(const Grid& grid, const Channel& channel, const std::string& plate, bool is_cop,
+                  double force_share, Block& block) {
   const std::vector<double>* force = is_cop ? VerticalForce(grid, plate) : nullptr;
   const double most = Greatest(force);
-  std::vector<double> steps;
-  for (std::size_t p = 1; p < block.prediction_time.size(); ++p)
-    steps.push_back(block.prediction_time[p] - block.prediction_time[p - 1]);
-  if (steps.empty() || grid.time.empty()) return;
-  const double half = 0.5 * UpperMedian(steps);
-  std::size_t most_samples = 0;
+  const double window = kWindowShare * MedianStep(block.prediction_time);
+  const double step = MedianStep(grid.time);
+  if (!(window > 0) || grid.time.empty()) return;
   // Without load a plate computes no centre of pressure, or any.
   std::vector<double> weights(grid.time.size(), 1.0);
   for (std::size_t i = 0; is_cop && i < weights.size(); ++i)
     weights[i] = force == nullptr ? 0 : std::max((*force)[i], 0.0);
-  std::vector<LaterReadings::Mean> means;
-  for (std::size_t p = 0; p < block.prediction_time.size(); ++p) {
-    // Frames beside the record, which are there for late sensors, hold less than half of their samples.
-    if (block.prediction_time[p] < grid.time.front() || block.prediction_time[p] > grid.time.back()) continue;
-    const double from = block.prediction_time[p] - half - kRounding;
-    const double to = block.prediction_time[p] + half - kRounding;
-    const auto begin = std::lower_bound(grid.time.begin(), grid.time.end(), from);
-    const auto end = std::lower_bound(begin, grid.time.end(), to);
-    if (begin == end) continue;
-    const LaterReadings::Mean mean{static_cast<int>(p), static_cast<std::size_t>(begin - grid.time.begin()),
-                                   static_cast<std::size_t>(end - grid.time.begin())};
-    double weight = 0;
-    double sum = 0;
-    for (std::size_t i = mean.begin; i < mean.end; ++i) {
-      weight += weights[i];
-      if (weights[i] != 0) sum += weights[i] * channel.values[i];
-    }
-    const std::size_t count = mean.end - mean.begin;
-    if (!std::isfinite(sum) || !(weight > 0)) continue;
-    if (is_cop && !(weight > force_share * most * static_cast<double>(count))) continue;
-    block.sample.push_back(mean.prediction);
-    block.measured.push_back(sum / weight);
-    means.push_back(mean);
-    most_samples = std::max(most_samples, count);
+  std::vector<double> known = channel.values;
+  for (std::size_t i = 0; i < known.size(); ++i) {
+    if (weights[i] > 0 && std::isfinite(known[i])) continue;
+    known[i] = std::numeric_limits<double>::quiet_NaN();
   }
-  block.later =
-      std::make_shared<LaterReadings>(grid.time, channel.values, std::move(weights), std::move(means));
+
+  const Samples all{grid.time, known, weights,
+                    MostWithin(grid.time, block.prediction_time, std::max(window, step))};
+  std::vector<LaterReadings::Sum> sums;
+  std::vector<double> noise;  // variance of what is read, for samples of variance 1
+  for (std::size_t p = 0; p < block.prediction_time.size(); ++p) {
+    // Frames beside the record are there for late sensors.
+    const double time = block.prediction_time[p];
+    if (time < grid.time.front() || time > grid.time.back()) continue;
+    if (!KnownAround(all, channel.values, time, std::max(window, 0.5 * step),
+                     is_cop ? force_share * most : 0))
+      continue;
+    LaterReadings::Sum sum = FitAround(all, time, std::max(window, step));
+    if (sum.coefficients.empty()) continue;
+    sum.prediction = static_cast<int>(p);
+    double value = 0;
+    double squares = 0;
+    for (std::size_t j = 0; j < sum.coefficients.size(); ++j) {
+      if (sum.coefficients[j] != 0) value += sum.coefficients[j] * known[sum.begin + j];
+      squares += sum.coefficients[j] * sum.coefficients[j];
+    }
+    block.sample.push_back(sum.prediction);
+    block.measured.push_back(value);
+    noise.push_back(squares);
+    sums.push_back(std::move(sum));
+  }
+  block.later = std::make_shared<LaterReadings>(grid.time, std::move(known), std::move(sums));
   block.sigma = channel.sigma;
-  if (block.sigma && most_samples > 0) *block.sigma /= std::sqrt(static_cast<double>(most_samples));
+  if (block.sigma && !noise.empty()) *block.sigma *= std::sqrt(UpperMedian(noise));
 }
 
 double ValueAt(const Grid& grid, const Channel& channel, double time) {

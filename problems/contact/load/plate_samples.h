@@ -1,5 +1,5 @@
 // Samples of measured channels at the times of a contact problem. Those of a force plate that a block
-// compares: as they are, or averaged around the frames of the motion.
+// compares: as they are, or local fits to them at the frames of the motion.
 #pragma once
 
 #include <string>
@@ -15,12 +15,14 @@ namespace sinew {
 void AddSamples(const Grid& grid, const Channel& channel, const std::string& plate, bool is_cop,
                 double force_share, Block& block);
 
-/// Means over half a frame on both sides of every prediction time, where all samples in it are there: curves
-/// of the motion that are limited to a few Hz cannot follow what a plate resolves in a millisecond. The
-/// centre of pressure is weighted by the vertical force. `sigma` is divided by the root of the number of
-/// samples. Sets `later`, too.
-void AddAverages(const Grid& grid, const Channel& channel, const std::string& plate, bool is_cop,
-                 double force_share, Block& block);
+/// The value at every prediction time of the parabola that fits the samples within a quarter of a frame, or
+/// within one sample, of it best (LocalPolynomial). A mean over the frame would be flattened where the force
+/// bends, and early by half a sample; a single sample has more noise. Where the samples end: a line or a
+/// mean. The centre of pressure is weighted by the vertical force. Left out: frames beside which a sample is
+/// missing and, for the centre of pressure, light feet. `sigma` becomes that of the fitted values. Sets
+/// `later`, too.
+void AddLocalFits(const Grid& grid, const Channel& channel, const std::string& plate, bool is_cop,
+                  double force_share, Block& block);
 
 /// A channel at any time, linear between samples; NaN beside a gap and outside.
 [[nodiscard]] double ValueAt(const Grid& grid, const Channel& channel, double time);

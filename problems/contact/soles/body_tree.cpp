@@ -34,6 +34,11 @@ int BodyTree::depth(int body) const {
   return joints;
 }
 
+int BodyTree::Root(int body) const {
+  while (depth(body) > 1) body = parent(body);
+  return body;
+}
+
 std::vector<int> BodyTree::Outwards(int body) const {
   std::vector<int> chain{body};
   for (;;) {

@@ -24,6 +24,8 @@ class BodyTree {
   [[nodiscard]] int parent(int body) const { return parents_[static_cast<std::size_t>(body)]; }
   /// Joints between it and ground.
   [[nodiscard]] int depth(int body) const;
+  /// The first body between ground and this one: mostly the pelvis.
+  [[nodiscard]] int Root(int body) const;
   /// From the body outwards, always to the heaviest of the bodies that hang on the last one.
   [[nodiscard]] std::vector<int> Outwards(int body) const;
   /// Whether `other` is the body, or between it and ground, or hangs on it.

@@ -20,7 +20,7 @@ std::vector<double> FrameValues(const Trial& trial, const std::string& plate, co
   if (!found) return values;
   Block block;
   block.prediction_time = time;
-  AddAverages(*found.grid, *found.channel, plate, kind.rfind("cop", 0) == 0, kLoadedShare, block);
+  AddLocalFits(*found.grid, *found.channel, plate, kind.rfind("cop", 0) == 0, kLoadedShare, block);
   for (std::size_t i = 0; i < block.sample.size(); ++i)
     values[static_cast<std::size_t>(block.sample[i])] = block.measured[i];
   return values;

@@ -1,5 +1,5 @@
-// What a contact's prediction is judged by: steps without their plates, from the motion alone and from the
-// dynamics of the whole body, and the mean curve of other steps.
+// What a contact's prediction is judged by: steps without their plates, from the motion alone, with the mean
+// load of the fitted ones and from the dynamics of the whole body, and the mean curve of other steps.
 #include <algorithm>
 #include <array>
 #include <cmath>
@@ -16,6 +16,7 @@ namespace {
 
 constexpr int kPhases = 101;
 constexpr const char* kByMotion = "the motion alone";
+constexpr const char* kByMeanLoad = "the motion and the mean load of the fitted stances";
 constexpr const char* kByBody = "the motion of the whole body";
 
 // Of a stance, at equal parts of the time between its first and last fitted or compared sample.
@@ -136,8 +137,11 @@ std::optional<UnmeasuredEstimate> ContactProblem::EstimateUnmeasured(const Vecto
   for (const Stance& stance : data_.stances) {
     if (stance.measured) continue;
     auto estimate = steps.ByBody(stance);
-    const bool by_body = estimate.has_value();
-    if (!by_body) estimate = steps.ByMotion(stance);
+    const char* from_what = kByBody;
+    if (!estimate) {
+      estimate = steps.ByMeanLoad(stance);
+      from_what = kByMeanLoad;
+    }
     if (!estimate) continue;
     const auto [from, to] = stance.motion_errors.OwnRange();
     all.parameters.segment(from, to - from) = estimate->parameters.segment(from, to - from);
@@ -145,7 +149,7 @@ std::optional<UnmeasuredEstimate> ContactProblem::EstimateUnmeasured(const Vecto
       const auto b = static_cast<std::size_t>(stance.blocks[c]);
       all.values[b] = estimate->value[c];
       all.half_width[b] = HalfWidthOf(*estimate, c, data_.layout[b]);
-      all.from[b] = by_body ? kByBody : kByMotion;
+      all.from[b] = from_what;
     }
   }
   return all;
@@ -158,7 +162,9 @@ std::vector<AlternativePrediction> ContactProblem::Alternatives(const Vector& pa
   const std::vector<const Stance*> fitted = StancesOf(BlockRole::kTrain);
   const std::vector<const Stance*> held_out = StancesOf(BlockRole::kValidate);
   HeldOut by_motion(kByMotion, data_.layout.size());
+  HeldOut by_mean_load(kByMeanLoad, data_.layout.size());
   HeldOut by_body(kByBody, data_.layout.size());
+  bool any_mean_load = false;
   bool any_body = false;
   const auto loads = FittedLoads(parameters);
   if (!fitted.empty() && !held_out.empty() && loads) {
@@ -167,12 +173,16 @@ std::vector<AlternativePrediction> ContactProblem::Alternatives(const Vector& pa
       const auto alone = steps.ByMotion(*stance);
       if (!alone) continue;
       by_motion.Add(*stance, data_.layout, *alone);
-      const auto moved = steps.ByBody(*stance);
-      if (!moved) continue;
-      by_body.Add(*stance, data_.layout, *moved);
-      any_body = true;
+      if (const auto of_body = steps.ByBody(*stance)) {
+        by_body.Add(*stance, data_.layout, *of_body);
+        any_body = true;
+      } else if (const auto of_mean = steps.ByMeanLoad(*stance)) {
+        by_mean_load.Add(*stance, data_.layout, *of_mean);
+        any_mean_load = true;
+      }
     }
     alternatives.push_back(std::move(by_motion.prediction));
+    if (any_mean_load) alternatives.push_back(std::move(by_mean_load.prediction));
     if (any_body) alternatives.push_back(by_body.prediction);
   }
 

@@ -5,12 +5,13 @@
 namespace sinew {
 
 WrenchOfLoad IntoFoot(const Stance& stance) {
-  const auto directions = FootDirections(stance.forward, stance.side);
+  const auto of_foot = FootDirections(stance.forward, stance.side);
+  const auto of_walk = FootDirections(stance.progression, stance.side);
   WrenchOfLoad into = WrenchOfLoad::Zero();
   for (std::size_t axis = 0; axis < kAxes; ++axis) {
     const auto row = static_cast<Eigen::Index>(axis);
-    into.block<1, 3>(row, 0) = directions[kShiftX + axis].segment<3>(kShiftX).transpose();
-    into.block<1, 3>(row + 3, 3) = directions[kTurnX + axis].segment<3>(kTurnX).transpose();
+    into.block<1, 3>(row, 0) = of_walk[kShiftX + axis].segment<3>(kShiftX).transpose();
+    into.block<1, 3>(row + 3, 3) = of_foot[kTurnX + axis].segment<3>(kTurnX).transpose();
   }
   return into;
 }

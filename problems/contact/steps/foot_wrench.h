@@ -14,7 +14,8 @@ using Wrench = Eigen::Matrix<double, 6, 1>;        ///< force [N], moment [N m]:
 using WrenchOfLoad = Eigen::Matrix<double, 6, 6>;  ///< [wrench, ContactLoad]
 
 /// Turns a wrench in ground axes into the frame of a foot in the middle of its stance, mirrored for a left
-/// one.
+/// one: forces along the direction of progression (feet that turn out by different angles carry the same
+/// forces), moments, which say where under the foot they act, along the foot.
 [[nodiscard]] WrenchOfLoad IntoFoot(const Stance& stance);
 
 /// Force and moment about a place, in ground axes, of a foot's load. @param place [m] on the floor

@@ -12,12 +12,6 @@
 namespace sinew {
 namespace {
 
-// The first body between ground and a foot.
-int RootOf(const BodyTree& tree, int body) {
-  while (tree.depth(body) > 1) body = tree.parent(body);
-  return body;
-}
-
 // The horizontal direction in which the feet point, in the mean over half a second before and after [T].
 std::vector<Vec3> Ahead(const std::vector<double>& time, const std::vector<std::vector<BodyMotion>>& motions,
                         std::size_t feet) {
@@ -89,7 +83,7 @@ Result<FootTracks> TracksOf(const Trial& trial, const ContactModel& model, const
   tracks.time = recorded.time;
   const std::size_t regions = settings.regions.size();
   std::vector<int> bodies = model.bodies;
-  bodies.push_back(RootOf(tree, model.bodies.front()));
+  bodies.push_back(tree.Root(model.bodies.front()));
   SINEW_ASSIGN(const auto motions, model.multibody.BodyMotions(recorded.time, recorded.trajectory, bodies));
   const std::vector<Vec3> ahead = Ahead(recorded.time, motions, regions);
   for (const std::string& plate : settings.Plates()) {

@@ -35,6 +35,17 @@ std::vector<LoadRow> WithoutFriction(std::vector<LoadRow> rows) {
   return rows;
 }
 
+// What two estimates tell of the channels of friction, weighted by their precisions.
+void TakeBoth(const StepEstimate& other, StepEstimate& estimate) {
+  for (const std::size_t channel : {kFx, kFz, kFreeMoment}) {
+    const auto variance = estimate.deviation[channel].array().square().eval();
+    const auto of_other = other.deviation[channel].array().square().eval();
+    const auto share = (variance / (variance + of_other)).eval();  // of the other
+    estimate.value[channel].array() += share * (other.value[channel] - estimate.value[channel]).array();
+    estimate.deviation[channel] = (share * of_other).sqrt();
+  }
+}
+
 // The horizontal force and the free moment about the centre of pressure, in place of those of friction.
 void TakeHorizontalLoad(const LoadEstimate& known, StepEstimate& estimate) {
   for (std::size_t i = 0; i < known.load.size(); ++i) {
@@ -69,6 +80,7 @@ StepPredictor::StepPredictor(const ContactProblem& problem, std::vector<const St
     const auto vertical = static_cast<std::size_t>(stance->blocks[kFy]);
     mean_force_ += MeanLoadedForce(*stance, problem.layout()[vertical]) / steps;
     greatest_force_ += stance->greatest_force / steps;
+    mean_duration_ += (stance->loaded[1] - stance->loaded[0]) / steps;
   }
 }
 
@@ -103,6 +115,24 @@ Vector StepPredictor::MeanOfPrior(const Stance& stance) const {
 std::optional<StepEstimate> StepPredictor::ByMotion(const Stance& stance) const {
   auto estimate = EstimateStep(problem_, stance, MeanOfPrior(stance), spread_, RowsOfAStep(stance));
   if (!estimate || !TakeExpectedFriction(problem_, stance, *estimate)) return {};
+  return std::move(*estimate);
+}
+
+double StepPredictor::UnusuallyLong(const Stance& stance) const {
+  constexpr double kUsual = 0.04;  // of the duration of a stance, twice what steps of one gait differ by
+  const double duration = stance.loaded[1] - stance.loaded[0];
+  return std::max(1.0, std::abs(duration / mean_duration_ - 1) / kUsual);
+}
+
+std::optional<StepEstimate> StepPredictor::ByMeanLoad(const Stance& stance) const {
+  std::vector<LoadRow> rows = mean_.RowsFor(stance, Wrench::Constant(UnusuallyLong(stance)));
+  const std::vector<LoadRow> of_a_step = RowsOfAStep(stance);
+  rows.insert(rows.end(), of_a_step.begin(), of_a_step.end());
+  auto estimate = EstimateStep(problem_, stance, MeanOfPrior(stance), spread_, WithoutFriction(rows));
+  if (!estimate || !TakeExpectedFriction(problem_, stance, *estimate)) return {};
+  StepEstimate without_friction = *estimate;
+  TakeHorizontalLoad(EstimateLoad(rows, stance.time.size()), without_friction);
+  TakeBoth(without_friction, *estimate);
   return std::move(*estimate);
 }
 

@@ -22,6 +22,11 @@ class StepPredictor {
   /// begins and ends with next to nothing: the most probable vertical force and its place, and the friction
   /// to expect (TakeExpectedFriction). Nothing where the model cannot be evaluated.
   [[nodiscard]] std::optional<StepEstimate> ByMotion(const Stance& stance) const;
+  /// And by the mean load of the fitted steps, for a step whose trial does not hold the load of the whole
+  /// body. The contact has the vertical force and its place; horizontal force and free moment are the mean of
+  /// the friction to expect and of the mean load, weighted by their precisions. A step that lasts longer or
+  /// shorter than the fitted ones, as in another gait, is not near to their mean load: it is trusted less.
+  [[nodiscard]] std::optional<StepEstimate> ByMeanLoad(const Stance& stance) const;
   /// And by the load of the whole body, and the mean load of the fitted steps. The contact has the vertical
   /// force and its place; horizontal force and free moment are what these loads determine alone: friction
   /// depends on slips of millimetres per second, which no recorded motion tells. Where the whole body's load
@@ -33,6 +38,8 @@ class StepPredictor {
   [[nodiscard]] std::vector<LoadRow> RowsOfAStep(const Stance& stance) const;
   /// By how much a step differs more from the mean load than is expected, [wrench] >= 1.
   [[nodiscard]] Wrench Unusual(const Stance& stance) const;
+  /// The same, by how long it lasts.
+  [[nodiscard]] double UnusuallyLong(const Stance& stance) const;
   /// The parameters [P], the stance's own deviations those that the fitted steps have on average.
   [[nodiscard]] Vector MeanOfPrior(const Stance& stance) const;
 
@@ -43,6 +50,7 @@ class StepPredictor {
   MeanLoad mean_;
   double spread_ = 1;
   double mean_force_ = 0;      // [N] of the loaded time
+  double mean_duration_ = 0;   // [s]
   double greatest_force_ = 0;  // [N]
 };
 

@@ -6,8 +6,6 @@
 #include <cmath>
 
 #include "base/random.h"
-#include "identify/observation/later_readings.h"
-#include "problems/contact/load/plate_samples.h"
 #include "problems/contact/load/posed_load.h"
 #include "tests/problems/support/jacobian_check.h"
 #include "tests/problems/support/stepping_data.h"
@@ -16,7 +14,6 @@
 namespace sinew {
 namespace {
 
-using testing::ElementsAre;
 using testing::HasSubstr;
 
 const char* const kFitsAll = "fit: [force_x, force_y, force_z, cop_x, cop_z, moment_y]";
@@ -307,36 +304,6 @@ TEST(MotionErrors, SettingsThatCannotBeAreSaid) {
   const auto refused = ParseContactSettings(ExactData(), thesis);
   ASSERT_FALSE(refused);
   EXPECT_THAT(refused.error().message, HasSubstr("takes objective likelihood"));
-}
-
-TEST(PlateSamples, AveragesOverAFrameAndWeighsTheCentreOfPressure) {
-  Grid grid;
-  for (int i = 0; i < 40; ++i) grid.time.push_back(0.01 * i);
-  Channel force{"N", ChannelKind::kMeasured, 2.0, std::vector<double>(40)};
-  Channel cop{"m", ChannelKind::kMeasured, std::nullopt, std::vector<double>(40)};
-  for (std::size_t i = 0; i < 40; ++i) {
-    force.values[i] = i % 2 == 0 ? 100 : 300;
-    cop.values[i] = i % 2 == 0 ? 1 : 2;
-  }
-  force.values[33] = std::nan("");
-  grid.channels["p_force_y"] = force;
-  grid.channels["p_cop_x"] = cop;
-  Block block;
-  block.prediction_time = {0.06, 0.10, 0.14, 0.18, 0.22, 0.26, 0.30, 0.34};  // frames of four samples
-  AddAverages(grid, force, "p", false, 0.1, block);
-  EXPECT_THAT(block.sample, ElementsAre(0, 1, 2, 3, 4, 5, 6));  // the last has a gap
-  for (const double value : block.measured) EXPECT_DOUBLE_EQ(value, 200);
-  EXPECT_DOUBLE_EQ(*block.sigma, 1);
-  Block centre;
-  centre.prediction_time = block.prediction_time;
-  AddAverages(grid, cop, "p", true, 0.1, centre);
-  for (const double value : centre.measured) EXPECT_DOUBLE_EQ(value, 1.75);
-  // One sample later the centre's values have changed places; the force, which weighs them, is not late.
-  ASSERT_TRUE(centre.later);
-  Vector change(static_cast<Eigen::Index>(centre.sample.size()));
-  Vector slopes(change.size());
-  centre.later->At(0.01, change, slopes);
-  EXPECT_NEAR(change[2], -0.5, 1e-9);
 }
 
 }  // namespace

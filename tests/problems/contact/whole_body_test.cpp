@@ -21,6 +21,7 @@ namespace {
 using testing::HasSubstr;
 
 const char* const kByMotion = "from the motion alone";
+const char* const kByMeanLoad = "from the motion and the mean load of the fitted stances";
 const char* const kByBody = "from the motion of the whole body";
 
 // One fitted stance, and one held out, whose recorded motion sinks in and rises by half a millimetre.
@@ -129,12 +130,17 @@ TEST(WholeBody, WithoutItsLoadThereIsNoSuchPrediction) {
   const Dataset data = TwoStances();
   const auto problem = MakeContact(data, MovingSettings(data)).value();
   const auto compared = CompareAlternatives(*problem, TrueParameters(*problem));
-  ASSERT_EQ(compared.size(), 2U);
+  ASSERT_EQ(compared.size(), 3U);
   EXPECT_EQ(compared[0].name, kByMotion);
-  EXPECT_THAT(compared[1].name, HasSubstr("mean curve"));
+  EXPECT_EQ(compared[1].name, kByMeanLoad);
+  EXPECT_THAT(compared[2].name, HasSubstr("mean curve"));
   // A prediction of which little is known says so.
   EXPECT_GT(compared[0].pooled_half_width.front(), Error(compared, kByMotion, "forward force"));
-  EXPECT_EQ(compared[1].pooled_half_width.front(), 0);
+  EXPECT_EQ(compared[2].pooled_half_width.front(), 0);
+  // The mean load says more than a motion whose height is known to half a millimetre.
+  for (const char* quantity : {"vertical force", "forward force"})
+    EXPECT_LT(Error(compared, kByMeanLoad, quantity), 0.8 * Error(compared, kByMotion, quantity)) << quantity;
+  EXPECT_LT(compared[1].pooled_half_width.front(), 0.5 * compared[0].pooled_half_width.front());
 }
 
 TEST(WholeBody, NoiseIsFoundFromFittedSteps) {
@@ -185,7 +191,9 @@ TEST(WholeBody, AnotherBodysLoadIsNotUsed) {
   Dataset data = TwoStances();
   AddBodyLoad(200, 0.2, data);
   const auto problem = MakeContact(data, MovingSettings(data)).value();
-  EXPECT_EQ(CompareAlternatives(*problem, TrueParameters(*problem)).size(), 2U);
+  const auto compared = CompareAlternatives(*problem, TrueParameters(*problem));
+  ASSERT_EQ(compared.size(), 3U);
+  EXPECT_EQ(compared[1].name, kByMeanLoad);
 }
 
 // Curves whose weights are twice, or a third, of what the prior expects of each step.
