@@ -3,7 +3,7 @@
 
 README.md describes the studies and the counts.
 
-usage: hidden.py --sinew PATH --seeds 2001:2030 --out RESULTS.json [--size 2] [--per-seed 2] [--told] [--jobs 1] [--seconds 3000]
+usage: hidden.py --sinew PATH --seeds 2001:2030 --out RESULTS.json [--size 2] [--per-seed 2] [--told] [--jobs 1] [--seconds 3000] [--set full_rate=1]
        hidden.py --report RESULTS.json...
 """
 import argparse

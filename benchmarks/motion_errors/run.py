@@ -3,7 +3,7 @@
 
 README.md describes the studies and the counts.
 
-usage: run.py --sinew PATH --seeds 1001:1200 --out RESULTS.json [--max-evaluations 3000]
+usage: run.py --sinew PATH --seeds 1001:1200 --out RESULTS.json [--max-evaluations 3000] [--set full_rate=1]
        run.py --sinew PATH --starts 10 --seeds 1:1
        run.py --report RESULTS.json...
 """

@@ -3,7 +3,7 @@
 
 README.md describes the studies. Nothing is hidden in them.
 
-usage: search.py --sinew PATH --from-truth PATH --seeds 3214:3235 [--out RESULTS.json]
+usage: search.py --sinew PATH --from-truth PATH --seeds 3214:3235 [--out RESULTS.json] [--set full_rate=1]
        search.py --report RESULTS.json...
 """
 import argparse
