@@ -26,8 +26,7 @@ std::vector<double> LocalPolynomial(const std::vector<double>& x, const std::vec
     const double norm = power.norm();
     Vector rest = power;
     double value = d == 0 ? 1 : 0;
-    for (const int twice : {0, 1}) {  // once more against rounding
-      (void)twice;
+    for (int pass = 0; pass < 2; ++pass) {  // the second one against rounding
       for (int lower = 0; lower < d; ++lower) {
         const double along = basis.col(lower).dot(rest);
         rest -= along * basis.col(lower);
