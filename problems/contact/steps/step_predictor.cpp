@@ -35,14 +35,19 @@ std::vector<LoadRow> WithoutFriction(std::vector<LoadRow> rows) {
   return rows;
 }
 
-// What two estimates tell of the channels of friction, weighted by their precisions.
+// What two estimates tell of the channels of friction, weighted by their precisions; where the other one is
+// exact (no load, of a foot that is off the floor), that.
 void TakeBoth(const StepEstimate& other, StepEstimate& estimate) {
   for (const std::size_t channel : {kFx, kFz, kFreeMoment}) {
-    const auto variance = estimate.deviation[channel].array().square().eval();
-    const auto of_other = other.deviation[channel].array().square().eval();
-    const auto share = (variance / (variance + of_other)).eval();  // of the other
-    estimate.value[channel].array() += share * (other.value[channel] - estimate.value[channel]).array();
-    estimate.deviation[channel] = (share * of_other).sqrt();
+    for (Eigen::Index t = 0; t < estimate.value[channel].size(); ++t) {
+      double& value = estimate.value[channel][t];
+      double& deviation = estimate.deviation[channel][t];
+      const double variance = deviation * deviation;
+      const double of_other = other.deviation[channel][t] * other.deviation[channel][t];
+      const double share = of_other > 0 ? variance / (variance + of_other) : 1;
+      value += share * (other.value[channel][t] - value);
+      deviation = std::sqrt(share * of_other);
+    }
   }
 }
 
@@ -124,8 +129,35 @@ double StepPredictor::UnusuallyLong(const Stance& stance) const {
   return std::max(1.0, std::abs(duration / mean_duration_ - 1) / kUsual);
 }
 
+Wrench StepPredictor::UnusuallyFar(const Stance& stance, const StepEstimate& by_motion) const {
+  const Mat3 into_foot = IntoFoot(stance).topLeftCorner<3, 3>();
+  Vec3 squares = Vec3::Zero();
+  Vec3 variances = Vec3::Zero();
+  double count = 0;
+  for (std::size_t i = 0; i < stance.time.size(); ++i) {
+    if (!IsLoaded(stance, i)) continue;
+    const auto t = static_cast<Eigen::Index>(i);
+    const auto of = [&](const ChannelValues& channels) {
+      return Vec3(channels[kFx][t], channels[kFy][t], channels[kFz][t]);
+    };
+    const Vec3 apart = into_foot * of(by_motion.value) - mean_.At(PhaseOf(stance, i)).head<3>();
+    squares += apart.cwiseAbs2();
+    variances += into_foot.cwiseAbs2() * of(by_motion.deviation).cwiseAbs2();
+    count += 1;
+  }
+  Wrench larger = Wrench::Ones();
+  if (count == 0) return larger;
+  const Vec3 scatter = mean_.scatter().head<3>();
+  larger.head<3>() =
+      ((squares - variances) / count).cwiseQuotient(scatter.cwiseAbs2()).array().max(1.0).sqrt();
+  return larger;
+}
+
 std::optional<StepEstimate> StepPredictor::ByMeanLoad(const Stance& stance) const {
-  std::vector<LoadRow> rows = mean_.RowsFor(stance, Wrench::Constant(UnusuallyLong(stance)));
+  const auto by_motion = ByMotion(stance);
+  if (!by_motion) return {};
+  const Wrench larger = UnusuallyFar(stance, *by_motion).cwiseMax(UnusuallyLong(stance));
+  std::vector<LoadRow> rows = mean_.RowsFor(stance, larger);
   const std::vector<LoadRow> of_a_step = RowsOfAStep(stance);
   rows.insert(rows.end(), of_a_step.begin(), of_a_step.end());
   auto estimate = EstimateStep(problem_, stance, MeanOfPrior(stance), spread_, WithoutFriction(rows));

@@ -24,8 +24,9 @@ class StepPredictor {
   [[nodiscard]] std::optional<StepEstimate> ByMotion(const Stance& stance) const;
   /// And by the mean load of the fitted steps, for a step whose trial does not hold the load of the whole
   /// body. The contact has the vertical force and its place; horizontal force and free moment are the mean of
-  /// the friction to expect and of the mean load, weighted by their precisions. A step that lasts longer or
-  /// shorter than the fitted ones, as in another gait, is not near to their mean load: it is trusted less.
+  /// the friction to expect and of the mean load, weighted by their precisions. Of a step that lasts longer
+  /// or shorter than the fitted ones, as in another gait, or whose force by its motion alone is farther from
+  /// the mean load than the error of that force explains, the mean load is trusted less.
   [[nodiscard]] std::optional<StepEstimate> ByMeanLoad(const Stance& stance) const;
   /// And by the load of the whole body, and the mean load of the fitted steps. The contact has the vertical
   /// force and its place; horizontal force and free moment are what these loads determine alone: friction
@@ -40,6 +41,9 @@ class StepPredictor {
   [[nodiscard]] Wrench Unusual(const Stance& stance) const;
   /// The same, by how long it lasts.
   [[nodiscard]] double UnusuallyLong(const Stance& stance) const;
+  /// The same, of the forces by the motion alone: the scatter that explains, beside their variance, how far
+  /// they are from the mean load (method of moments: DerSimonian, Laird 1986).
+  [[nodiscard]] Wrench UnusuallyFar(const Stance& stance, const StepEstimate& by_motion) const;
   /// The parameters [P], the stance's own deviations those that the fitted steps have on average.
   [[nodiscard]] Vector MeanOfPrior(const Stance& stance) const;
 

@@ -98,6 +98,7 @@ TEST(UnmeasuredSteps, ArePredictedAsIfTheyWereHeldOut) {
     if (values.size() == 0) continue;
     EXPECT_EQ(estimate->from[b], "the motion and the mean load of the fitted stances");
     EXPECT_EQ(estimate->half_width[b].size(), values.size());
+    EXPECT_TRUE(values.allFinite() && estimate->half_width[b].allFinite()) << problem->layout()[b].channel;
     EXPECT_GT(estimate->half_width[b].minCoeff(), 0);
     EXPECT_EQ(alternatives[1].name, "from " + estimate->from[b]);
     const Vector& expected = alternatives[1].values[b];

@@ -143,6 +143,21 @@ TEST(WholeBody, WithoutItsLoadThereIsNoSuchPrediction) {
   EXPECT_LT(compared[1].pooled_half_width.front(), 0.5 * compared[0].pooled_half_width.front());
 }
 
+// Its sideways force is another one than that of the fitted step.
+TEST(WholeBody, TheMeanLoadDoesNotOverruleAMotionThatIsKnown) {
+  Dataset data = SteppingData({{"fine", 0}, {"train", 1}, {"validate", 1}, {"moments", 1}}, 0);
+  for (auto& [name, trial] : data.trials) trial.grids.erase("markers");
+  std::string settings = MovingSettings(data);
+  const std::string prior = "position: 0.001, rotation: 0.005";
+  settings.replace(settings.find(prior), prior.size(), "position: 0.00003, rotation: 0.00015");
+  const auto problem = MakeContact(data, settings).value();
+  const auto compared = CompareAlternatives(*problem, TrueParameters(*problem));
+  const char* const sideways = "sideways force";
+  EXPECT_GT(Error(compared, compared[2].name, sideways), 10);
+  EXPECT_LT(Error(compared, kByMotion, sideways), 4);
+  EXPECT_LT(Error(compared, kByMeanLoad, sideways), 4);
+}
+
 TEST(WholeBody, NoiseIsFoundFromFittedSteps) {
   Dataset data = TwoStances();
   AddBodyLoad(0, 2, data);
