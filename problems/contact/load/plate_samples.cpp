@@ -15,7 +15,7 @@ namespace {
 
 constexpr double kRounding = 1e-9;  // [s]
 // On both sides of a frame, of the time between frames. A parabola over a whole one rounds off touch-down and
-// the reversal of friction, by 5 N where every sample's noise is 3 N (benchmarks/motion_errors).
+// the reversal of friction, by 3 to 7 N where every sample's noise is 3 N (benchmarks/motion_errors).
 constexpr double kWindowShare = 0.25;
 
 // 0: fewer than two times.
@@ -126,8 +126,12 @@ void AddLocalFits(const Grid& grid, const Channel& channel, const std::string& p
                   double force_share, Block& block) {
   const std::vector<double>* force = is_cop ? VerticalForce(grid, plate) : nullptr;
   const double most = Greatest(force);
-  const double window = kWindowShare * MedianStep(block.prediction_time);
+  const double frame = MedianStep(block.prediction_time);
+  const double window = kWindowShare * frame;
   const double step = MedianStep(grid.time);
+  // A record coarser than the motion is read at the frames that have a sample: between them it says nothing
+  // of its own.
+  const double nearest = std::max(window, 0.5 * std::min(step, frame));
   if (!(window > 0) || grid.time.empty()) return;
   // Without load a plate computes no centre of pressure, or any.
   std::vector<double> weights(grid.time.size(), 1.0);
@@ -147,9 +151,7 @@ void AddLocalFits(const Grid& grid, const Channel& channel, const std::string& p
     // Frames beside the record are there for late sensors.
     const double time = block.prediction_time[p];
     if (time < grid.time.front() || time > grid.time.back()) continue;
-    if (!KnownAround(all, channel.values, time, std::max(window, 0.5 * step),
-                     is_cop ? force_share * most : 0))
-      continue;
+    if (!KnownAround(all, channel.values, time, nearest, is_cop ? force_share * most : 0)) continue;
     LaterReadings::Sum sum = FitAround(all, time, std::max(window, step));
     if (sum.coefficients.empty()) continue;
     sum.prediction = static_cast<int>(p);

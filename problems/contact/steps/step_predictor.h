@@ -26,7 +26,7 @@ class StepPredictor {
   /// body. The contact has the vertical force and its place; horizontal force and free moment are the mean of
   /// the friction to expect and of the mean load, weighted by their precisions. Of a step that lasts longer
   /// or shorter than the fitted ones, as in another gait, or whose force by its motion alone is farther from
-  /// the mean load than the error of that force explains, the mean load is trusted less.
+  /// the mean load than the error of that force explains, the mean load is weighted less.
   [[nodiscard]] std::optional<StepEstimate> ByMeanLoad(const Stance& stance) const;
   /// And by the load of the whole body, and the mean load of the fitted steps. The contact has the vertical
   /// force and its place; horizontal force and free moment are what these loads determine alone: friction

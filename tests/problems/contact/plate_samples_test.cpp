@@ -89,6 +89,16 @@ TEST(PlateSamples, ARecordAsFineAsTheMotionIsReadAsItIs) {
   EXPECT_NEAR(*block.sigma, 2, 1e-12);
 }
 
+// Interpolated values would count as measurements of their own.
+TEST(PlateSamples, ARecordCoarserThanTheMotionIsReadWhereItHasSamples) {
+  const Grid grid = Record(0.4, kFrameRate / 4);
+  const Channel channel = ChannelOf(grid, [](double t) { return std::sin(20 * t); });
+  const Block block = FitsOf(grid, channel, Frames(0, 41));
+  EXPECT_THAT(block.sample, ElementsAre(0, 4, 8, 12, 16, 20, 24, 28, 32, 36, 40));
+  for (std::size_t i = 0; i < block.measured.size(); ++i)
+    EXPECT_NEAR(block.measured[i], channel.values[i], 1e-12);
+}
+
 TEST(PlateSamples, AtTheEndsALineIsFitted) {
   const Grid grid = Record(0.1);
   const Block block = FitsOf(grid, ChannelOf(grid, [](double t) { return 3 - 70 * t; }), Frames(-0.02, 15));
