@@ -15,4 +15,9 @@ namespace sinew {
 [[nodiscard]] std::vector<double> LocalPolynomial(const std::vector<double>& x,
                                                   const std::vector<double>& weights, int degree);
 
+/// What that polynomial leaves of the samples y [K]: the weighted sum of squared residuals. NaN where the
+/// samples of weight above 0 do not determine it. @param y not read where the weight is 0
+[[nodiscard]] double LocalPolynomialResidual(const std::vector<double>& x, const std::vector<double>& y,
+                                             const std::vector<double>& weights, int degree);
+
 }  // namespace sinew

@@ -119,25 +119,45 @@ Result<double> WeightOf(const Block& block, ContactObjective objective) {
   return 1.0;
 }
 
-// The level to which a block is weighed by its likelihood.
-void SetAccuracy(const ContactSettings& settings, const Stance& stance, Block& block) {
+const std::optional<double>& StatedAccuracy(const ContactSettings& settings, const Block& block) {
   const ContactAccuracy& accuracy = settings.accuracy;
-  const std::optional<double>& stated = block.unit == "N"   ? accuracy.force
-                                        : block.unit == "m" ? accuracy.cop
-                                                            : accuracy.moment;
-  if (stated) {
-    block.sigma = stated;
-    return;
-  }
-  if (block.sigma || !settings.motion_errors) return;
-  // No law of a few parameters follows a foot closer than this, and no plate is so bad.
+  return block.unit == "N" ? accuracy.force : block.unit == "m" ? accuracy.cop : accuracy.moment;
+}
+
+// No law of a few parameters follows a foot closer than this, and no plate is so bad. Nothing: no load.
+std::optional<double> UsualAccuracy(const Stance& stance, const Block& block) {
   constexpr double kForceShare = 0.005;  // of the greatest vertical force
   constexpr double kLengthShare = 0.01;  // of the sole's length
   const double force = kForceShare * stance.greatest_force;
-  if (!(force > 0)) return;
-  block.sigma = block.unit == "N"   ? force
-                : block.unit == "m" ? kLengthShare * stance.length
-                                    : 0.5 * force * stance.length;
+  if (!(force > 0)) return std::nullopt;
+  return block.unit == "N"   ? force
+         : block.unit == "m" ? kLengthShare * stance.length
+                             : 0.5 * force * stance.length;
+}
+
+// The level to which a block is weighed by its likelihood.
+void SetAccuracy(const ContactSettings& settings, const Stance& stance, Block& block) {
+  if (const auto& stated = StatedAccuracy(settings, block)) {
+    block.sigma = stated;
+    block.relative_weight.clear();
+    return;
+  }
+  if (!block.sigma && settings.motion_errors) block.sigma = UsualAccuracy(stance, block);
+}
+
+void AddMeasured(const Grid& grid, const Channel& channel, const ContactSettings& settings,
+                 const Stance& stance, bool is_cop, Block& block) {
+  if (!settings.motion_errors) {
+    AddSamples(grid, channel, stance.plate, is_cop, settings.cop_force_share, block);
+  } else {
+    Block as_sampled;
+    as_sampled.unit = block.unit;
+    as_sampled.sigma = channel.sigma;
+    SetAccuracy(settings, stance, as_sampled);
+    const double level = as_sampled.sigma.value_or(std::numeric_limits<double>::infinity());
+    AddLocalFits(grid, channel, stance.plate, is_cop, settings.cop_force_share, level, block);
+  }
+  SetAccuracy(settings, stance, block);
 }
 
 Status AddBlocks(const Trial& trial, const ContactSettings& settings, Stance& stance, ContactData& out,
@@ -175,10 +195,7 @@ Status AddBlocks(const Trial& trial, const ContactSettings& settings, Stance& st
                                               : BlockRole::kValidate;
     const auto found = trial.Find(block.channel);
     if (found) {
-      const auto add = settings.motion_errors ? AddLocalFits : AddSamples;
-      add(*found.grid, *found.channel, stance.plate, kind.rfind("cop", 0) == 0, settings.cop_force_share,
-          block);
-      SetAccuracy(settings, stance, block);
+      AddMeasured(*found.grid, *found.channel, settings, stance, kind.rfind("cop", 0) == 0, block);
       // The deviations follow the plate: what they leave is smaller than the noise, and correlated.
       block.white = settings.motion_errors && block.sigma;
     } else if (!stance.measured) {
@@ -246,6 +263,7 @@ MarkerPose ImproveMotion(double cutoff, const std::array<std::size_t, 2>& record
   FootMotion foot = stance.foot.Part(first, last);
   FootMarkers markers = stance.markers.Part(first, last);
   const MarkerPose by_markers = MoveToMarkers(time, foot, markers);
+  stance.pose_noise = by_markers.noise;
   SmoothMotion(time, cutoff, foot);
   stance.foot.TakeOver(foot, first);
   for (std::size_t m = 0; m < markers.markers.size(); ++m) {

@@ -12,6 +12,7 @@
 #include "problems/contact/load/effect_load.h"
 #include "problems/contact/motion/foot_markers.h"
 #include "problems/contact/motion/foot_motion.h"
+#include "problems/contact/motion/marker_pose.h"
 #include "problems/contact/motion/motion_errors.h"
 #include "problems/contact/settings.h"
 #include "problems/contact/steps/body_load.h"
@@ -30,6 +31,7 @@ struct Stance {
   EffectKinematics kinematics;          ///< every face, touching or not
   FootMotion foot;                      ///< the same springs, to be moved
   FootMarkers markers;                  ///< only with motion errors
+  PoseNoise pose_noise;                 ///< of `foot`, by these markers
   StanceMotionErrors motion_errors;     ///< no components: none
   std::optional<BodyLoad> body;         ///< only with motion errors
   std::vector<int> regions;             ///< [kinematics.regions] index of each into ContactSettings::regions

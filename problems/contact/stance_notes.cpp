@@ -75,9 +75,10 @@ void StanceNotes::AddPoses(std::vector<std::string>& sentences) const {
     for (const auto& [where, markers, pose] : poses_) {
       sentences.push_back(fmt::format(
           "{}: the {} markers on the foot lie {:.1f} mm from the recorded motion, {:.1f} mm from the foot's "
-          "own, which differs from it by {:.1f} mm and {:.1f} degrees (root mean squares)",
+          "own, which differs from it by {:.1f} mm and {:.1f} degrees (root mean squares); their noise from "
+          "frame to frame is {:.2g} mm",
           where.Words(), markers, 1e3 * pose.residual_recorded, 1e3 * pose.residual, 1e3 * pose.shift,
-          kDegrees * pose.turn));
+          kDegrees * pose.turn, 1e3 * pose.noise.marker));
     }
     return;
   }

@@ -45,5 +45,15 @@ TEST(LocalPolynomial, TooFewSamplesDetermineNone) {
   EXPECT_FALSE(LocalPolynomial({1, 2, 3}, {1, 1, 0}, 1).empty());
 }
 
+TEST(LocalPolynomial, TheResidualIsWhatThePolynomialLeaves) {
+  const double nan = std::nan("");
+  const std::vector<double> x{-1, 0, 1, 5};
+  const std::vector<double> weights{2, 2, 2, 0};
+  EXPECT_NEAR(LocalPolynomialResidual(x, {3, 1, 3, nan}, weights, 2), 0, 1e-24);
+  EXPECT_NEAR(LocalPolynomialResidual(x, {-1, 0, 1, nan}, weights, 0), 4, 1e-12);
+  EXPECT_NEAR(LocalPolynomialResidual(x, {0, 3, 0, nan}, weights, 1), 2 * (1 + 4 + 1), 1e-12);
+  EXPECT_TRUE(std::isnan(LocalPolynomialResidual(x, {0, 3, 0, nan}, weights, 3)));
+}
+
 }  // namespace
 }  // namespace sinew

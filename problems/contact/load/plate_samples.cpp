@@ -9,6 +9,7 @@
 #include "base/local_polynomial.h"
 #include "base/median.h"
 #include "identify/observation/later_readings.h"
+#include "identify/statistics/distributions.h"
 
 namespace sinew {
 namespace {
@@ -43,7 +44,8 @@ struct Samples {
   const std::vector<double>& time;
   const std::vector<double>& values;
   const std::vector<double>& weights;
-  std::size_t most = 0;  // in a window
+  double level = 0;     // standard deviation of their noise
+  double heaviest = 0;  // weight
 };
 
 struct Window {
@@ -57,13 +59,19 @@ Window Within(const std::vector<double>& time, double middle, double half) {
   return {static_cast<std::size_t>(begin - time.begin()), static_cast<std::size_t>(end - time.begin())};
 }
 
-std::size_t MostWithin(const std::vector<double>& time, const std::vector<double>& middles, double half) {
+// How far samples may be from a time, and how many of them are at most.
+struct Width {
+  double half = 0;  // [s]
   std::size_t most = 0;
+};
+
+Width WidthOf(const std::vector<double>& time, const std::vector<double>& middles, double half) {
+  Width width{half, 0};
   for (const double middle : middles) {
     const Window window = Within(time, middle, half);
-    most = std::max(most, window.end - window.begin);
+    width.most = std::max(width.most, window.end - window.begin);
   }
-  return most;
+  return width;
 }
 
 // Are there samples around `time`, all of them known but those without weight, of a mean weight above
@@ -79,27 +87,54 @@ bool KnownAround(const Samples& samples, const std::vector<double>& values, doub
   return weight > lightest * static_cast<double>(window.end - window.begin);
 }
 
+constexpr int kParabola = 2;
+
+struct Around {
+  std::size_t begin = 0;
+  std::vector<double> from_middle;  // [s]
+  std::vector<double> weights;      // 0 where nothing is known
+};
+
+Around SamplesAround(const Samples& samples, double time, double half) {
+  const Window window = Within(samples.time, time, half);
+  Around around;
+  around.begin = window.begin;
+  for (std::size_t k = window.begin; k < window.end; ++k) {
+    around.from_middle.push_back(samples.time[k] - time);
+    around.weights.push_back(std::isfinite(samples.values[k]) ? samples.weights[k] : 0);
+  }
+  return around;
+}
+
+// Is what a parabola leaves of the samples around `time` no more than noise? A chi-squared test.
+bool IsParabolaAround(const Samples& samples, double time, double half) {
+  constexpr double kLevel = 1e-3;
+  const Around around = SamplesAround(samples, time, half);
+  const auto& weights = around.weights;
+  const auto known = std::count_if(weights.begin(), weights.end(), [](double weight) { return weight > 0; });
+  const auto freedom = static_cast<double>(known) - (kParabola + 1);
+  if (freedom <= 0) return true;
+  const auto begin = samples.values.begin() + static_cast<std::ptrdiff_t>(around.begin);
+  const std::vector<double> values(begin, begin + static_cast<std::ptrdiff_t>(weights.size()));
+  const double left = LocalPolynomialResidual(around.from_middle, values, weights, kParabola);
+  const double squares = left / (samples.heaviest * samples.level * samples.level);
+  return !(statistics::ChiSquaredUpperTail(squares, freedom) < kLevel);
+}
+
 // The parabola through the samples around `time`, or where they lie on one side of it and would make the
 // noise too large, a line or their mean. No coefficients: none is known.
-LaterReadings::Sum FitAround(const Samples& samples, double time, double half) {
-  constexpr int kParabola = 2;
+LaterReadings::Sum FitAround(const Samples& samples, double time, const Width& width) {
   // [variance of a sample, divided by their number in a window] Four times that of a parabola through all.
   constexpr double kMostNoise = 9;
-  const Window window = Within(samples.time, time, half);
+  const Around around = SamplesAround(samples, time, width.half);
   LaterReadings::Sum sum;
-  sum.begin = window.begin;
-  std::vector<double> from_middle;
-  std::vector<double> weights;
-  for (std::size_t k = window.begin; k < window.end; ++k) {
-    from_middle.push_back(samples.time[k] - time);
-    weights.push_back(std::isfinite(samples.values[k]) ? samples.weights[k] : 0);
-  }
+  sum.begin = around.begin;
   for (int degree = kParabola; degree >= 0; --degree) {
-    sum.coefficients = LocalPolynomial(from_middle, weights, degree);
+    sum.coefficients = LocalPolynomial(around.from_middle, around.weights, degree);
     if (sum.coefficients.empty()) continue;
     double noise = 0;
     for (const double a : sum.coefficients) noise += a * a;
-    if (noise * static_cast<double>(samples.most) <= kMostNoise) break;
+    if (noise * static_cast<double>(width.most) <= kMostNoise) break;
   }
   return sum;
 }
@@ -123,7 +158,7 @@ void AddSamples(const Grid& grid, const Channel& channel, const std::string& pla
 }
 
 void AddLocalFits(const Grid& grid, const Channel& channel, const std::string& plate, bool is_cop,
-                  double force_share, Block& block) {
+                  double force_share, double level, Block& block) {
   const std::vector<double>* force = is_cop ? VerticalForce(grid, plate) : nullptr;
   const double most = Greatest(force);
   const double frame = MedianStep(block.prediction_time);
@@ -143,8 +178,9 @@ void AddLocalFits(const Grid& grid, const Channel& channel, const std::string& p
     known[i] = std::numeric_limits<double>::quiet_NaN();
   }
 
-  const Samples all{grid.time, known, weights,
-                    MostWithin(grid.time, block.prediction_time, std::max(window, step))};
+  const Samples all{grid.time, known, weights, level, *std::max_element(weights.begin(), weights.end())};
+  const Width wide = WidthOf(grid.time, block.prediction_time, std::max(window, step));
+  const Width narrow = WidthOf(grid.time, block.prediction_time, step);
   std::vector<LaterReadings::Sum> sums;
   std::vector<double> noise;  // variance of what is read, for samples of variance 1
   for (std::size_t p = 0; p < block.prediction_time.size(); ++p) {
@@ -152,7 +188,8 @@ void AddLocalFits(const Grid& grid, const Channel& channel, const std::string& p
     const double time = block.prediction_time[p];
     if (time < grid.time.front() || time > grid.time.back()) continue;
     if (!KnownAround(all, channel.values, time, nearest, is_cop ? force_share * most : 0)) continue;
-    LaterReadings::Sum sum = FitAround(all, time, std::max(window, step));
+    const bool smooth = IsParabolaAround(all, time, 2 * wide.half);
+    LaterReadings::Sum sum = FitAround(all, time, smooth ? wide : narrow);
     if (sum.coefficients.empty()) continue;
     sum.prediction = static_cast<int>(p);
     double value = 0;
@@ -167,8 +204,10 @@ void AddLocalFits(const Grid& grid, const Channel& channel, const std::string& p
     sums.push_back(std::move(sum));
   }
   block.later = std::make_shared<LaterReadings>(grid.time, std::move(known), std::move(sums));
-  block.sigma = channel.sigma;
-  if (block.sigma && !noise.empty()) *block.sigma *= std::sqrt(UpperMedian(noise));
+  if (!channel.sigma || noise.empty()) return;
+  const double usual = UpperMedian(noise);
+  block.sigma = *channel.sigma * std::sqrt(usual);
+  for (const double n : noise) block.relative_weight.push_back(std::sqrt(usual / n));
 }
 
 double ValueAt(const Grid& grid, const Channel& channel, double time) {

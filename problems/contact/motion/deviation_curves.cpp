@@ -51,7 +51,14 @@ CurveBasis SplinesAt(const std::vector<double>& times, double from, double to, i
 
 double CurveSpectrum::Correlation(double lag) const {
   const double s = std::abs(lag) / correlation_time;
-  return (1 - roughness) * std::exp(-0.5 * s * s) + roughness * (1 + s) * std::exp(-s);
+  const double of_noise = lag / noise_time;
+  return (1 - roughness) * std::exp(-0.5 * s * s) + roughness * (1 + s) * std::exp(-s) +
+         noise * std::exp(-0.5 * of_noise * of_noise);
+}
+
+bool CurveSpectrum::operator==(const CurveSpectrum& other) const {
+  return correlation_time == other.correlation_time && roughness == other.roughness && scale == other.scale &&
+         noise == other.noise && noise_time == other.noise_time;
 }
 
 DeviationCurves::DeviationCurves(const std::vector<double>& times, double from, double to, double cutoff,
@@ -77,7 +84,8 @@ Matrix DeviationCurves::Root(const CurveSpectrum& spectrum) const {
   covariance.diagonal().array() += kRidge;
   const Matrix root = Eigen::LLT<Matrix>(covariance).matrixL();
   // Splines smooth what their weights do; the curve's mean variance is to be that of the prior.
-  const double unit = std::sqrt(static_cast<double>(on_grid_.rows())) / (on_grid_ * root).norm();
+  const double unit =
+      std::sqrt((1 + spectrum.noise) * static_cast<double>(on_grid_.rows())) / (on_grid_ * root).norm();
   return spectrum.scale * unit * root;
 }
 
@@ -99,10 +107,8 @@ Vector DeviationCurves::Carried(const Vector& weights, const CurveSpectrum& from
 std::shared_ptr<const CurveBasis> DeviationCurves::With(const CurveSpectrum& spectrum) const {
   constexpr std::size_t kMostKept = 4;
   const std::lock_guard<std::mutex> lock(mutex_);
-  const auto found = std::find_if(kept_.begin(), kept_.end(), [&](const Kept& one) {
-    return one.spectrum.correlation_time == spectrum.correlation_time &&
-           one.spectrum.roughness == spectrum.roughness && one.spectrum.scale == spectrum.scale;
-  });
+  const auto found =
+      std::find_if(kept_.begin(), kept_.end(), [&](const Kept& one) { return one.spectrum == spectrum; });
   if (found != kept_.end()) return found->basis;
   if (kept_.size() == kMostKept) kept_.erase(kept_.begin());
   const Matrix root = Root(spectrum);

@@ -16,12 +16,18 @@ namespace sinew {
 /// The first part has no power at high frequencies (squared exponential), that of the second falls with the
 /// fourth power of the frequency (Matern, order 3/2): a curve with a rate that may jump. Both have the same
 /// rate. Source: Rasmussen, Williams, Gaussian Processes for Machine Learning (2006), eq. 4.9, 4.17.
+/// To it, for a measured curve, comes what smoothing lets through of white noise:
+///   noise exp(-(lag / noise_time)^2 / 2)
 struct CurveSpectrum {
   double correlation_time = 0.1;  ///< standard deviation over that of the rate [s, > 0]
   double roughness = 1;           ///< share of the variance, 0 to 1
   double scale = 1;               ///< standard deviation of the curve [> 0]
+  double noise = 0;               ///< variance of the noise over the square of `scale` [>= 0]
+  double noise_time = 0.05;       ///< standard deviation of the noise over that of its rate [s, > 0]
 
+  /// Of the curve, noise included, over the square of the scale: 1 + noise at lag 0.
   [[nodiscard]] double Correlation(double lag) const;
+  [[nodiscard]] bool operator==(const CurveSpectrum& other) const;
 };
 
 /// Values and rates of a curve for each of its K weights.
@@ -52,8 +58,8 @@ class DeviationCurves {
   [[nodiscard]] Vector Carried(const Vector& weights, const CurveSpectrum& from,
                                const CurveSpectrum& to) const;
 
-  /// Weighted so that independent standard normal weights make a curve with a mean variance of the square of
-  /// the scale and this correlation. The last few are kept. May be called from several threads.
+  /// Weighted so that independent standard normal weights make a curve with the mean variance of the spectrum
+  /// and its correlation. The last few are kept. May be called from several threads.
   [[nodiscard]] std::shared_ptr<const CurveBasis> With(const CurveSpectrum& spectrum) const;
 
  private:

@@ -4,6 +4,8 @@
 #include <Eigen/Geometry>
 #include <cmath>
 
+#include "base/constants.h"
+#include "base/median.h"
 #include "problems/contact/motion/motion_errors.h"
 
 namespace sinew {
@@ -22,18 +24,70 @@ constexpr CurveSpectrum kPoseSpectrum{0.1, 0.01};
 // Of the frames: the foot stops within a few of them.
 constexpr double kFramesPerKnot = 2;
 
+// Two-sided power density [s] of a curve of variance 1 with kPoseSpectrum, at a frequency [rad/s]: the
+// Fourier transform of its correlation.
+double PosePower(double frequency) {
+  const double w = frequency * kPoseSpectrum.correlation_time;
+  const double smooth = std::sqrt(2 * kPi) * std::exp(-0.5 * w * w);
+  const double rough = 4 / std::pow(1 + w * w, 2);
+  return kPoseSpectrum.correlation_time *
+         ((1 - kPoseSpectrum.roughness) * smooth + kPoseSpectrum.roughness * rough);
+}
+
+// Of the noise from frame to frame, what smooth curves follow.
+struct FollowedNoise {
+  double share = 0;  // of the variance
+  double time = 0;   // [s] its standard deviation over that of its rate
+};
+
+// The optimal smoother (Wiener): of a frequency it follows the share that is the curve's. @param ratio
+// variance of the curve over that of one frame's noise @param rate [Hz] of frames
+FollowedNoise Followed(double ratio, double rate) {
+  constexpr int kFrequencies = 500;
+  const double highest = kPi * rate;  // that frames show
+  double values = 0;
+  double rates = 0;
+  for (int i = 0; i < kFrequencies; ++i) {
+    const double frequency = (i + 0.5) / kFrequencies * highest;
+    const double curve = ratio * PosePower(frequency);
+    const double followed = std::pow(curve / (curve + 1 / rate), 2);
+    values += followed;
+    rates += frequency * frequency * followed;
+  }
+  return {values / kFrequencies, std::sqrt(values / rates)};
+}
+
+// Standard deviation of the noise from frame to frame along an axis: by second differences of the residuals,
+// which hold little else, and their median, so that jumps do not count. 0: too few frames.
+double MarkerNoise(const FootMarkers& markers, const FootMotion& foot) {
+  constexpr double kNormalMedian = 0.6745;  // of the size of a standard normal value
+  std::vector<double> sizes;
+  for (const FootMarkers::Marker& marker : markers.markers) {
+    const auto residual = [&](std::size_t t) {
+      return FootMarkers::Residual(marker, foot.bodies[marker.body].motion[t], t);
+    };
+    for (std::size_t t = 1; t + 1 < foot.centre.size(); ++t) {
+      const Vec3 bend = residual(t - 1) - 2 * residual(t) + residual(t + 1);
+      if (!bend.allFinite()) continue;
+      for (const double b : bend) sizes.push_back(std::abs(b));
+    }
+  }
+  return sizes.empty() ? 0 : UpperMedian(sizes) / (kNormalMedian * std::sqrt(6.0));
+}
+
 // Curves of the pose, then three coordinates of the place of each marker.
 class MarkerFit {
  public:
   MarkerFit(const std::vector<double>& times, const FootMotion& foot, const FootMarkers& markers)
       : foot_(foot), markers_(markers) {
-    const double step = (times.back() - times.front()) / static_cast<double>(times.size() - 1);
-    const DeviationCurves curves(times, times.front(), times.back(), 1 / (2 * kFramesPerKnot * step));
+    rate_ = static_cast<double>(times.size() - 1) / (times.back() - times.front());
+    const DeviationCurves curves(times, times.front(), times.back(), rate_ / (2 * kFramesPerKnot));
     bases_.own = curves.With(kPoseSpectrum);
     for (int c = 0; c < (foot.has_joint ? kPoseComponents : kJointAngle); ++c) {
       PoseTerm term;
       term.direction.setZero();
       term.direction[c] = c <= kShiftZ ? kWideShift : c <= kTurnZ ? kWideTurn : kWideJoint;
+      term.component = static_cast<PoseComponent>(c);
       term.of = DeviationOf::kStance;
       term.first = static_cast<int>(size_);
       term.weights = curves.weights();
@@ -65,6 +119,30 @@ class MarkerFit {
     return x;
   }
 
+  /// Of the pose found. @param marker standard deviation of a marker's noise along an axis [m]
+  [[nodiscard]] PoseNoise Noise(double marker) const {
+    PoseNoise noise;
+    noise.marker = marker;
+    const auto frames = static_cast<double>(foot_.centre.size());
+    PoseMatrix variance = PoseMatrix::Zero();  // of one frame's noise, for noise of the size assumed
+    double told = 0;                           // of the shift
+    for (std::size_t t = 0; t < foot_.centre.size(); ++t) {
+      const PoseMatrix information = Information(t);
+      const PoseMatrix inverse = (information + PoseMatrix::Identity()).inverse();
+      variance += inverse * information * inverse / frames;
+      told += information.topLeftCorner<3, 3>().trace() / (3 * frames);
+    }
+    if (!(told > 0)) return noise;
+    const FollowedNoise followed = Followed(told, rate_);
+    noise.time = followed.time;
+    for (const PoseTerm& term : curves_.terms) {
+      const auto c = static_cast<std::size_t>(term.component);
+      noise.deviation[c] = term.direction[term.component] * marker / kMarkerNoise *
+                           std::sqrt(followed.share * variance(term.component, term.component));
+    }
+    return noise;
+  }
+
  private:
   void AddInstant(const Vector& x, std::size_t t, Matrix& normal, Vector& pull) const {
     const PoseDeviation deviation = At(x, t);
@@ -92,10 +170,34 @@ class MarkerFit {
     }
   }
 
+  using PoseMatrix = Eigen::Matrix<double, kPoseComponents, kPoseComponents>;
+
+  // What the markers of an instant say of the pose, in units of its wide prior.
+  [[nodiscard]] PoseMatrix Information(std::size_t t) const {
+    PoseMatrix information = PoseMatrix::Zero();
+    const PoseDeviation none;
+    const FootTurn turn(none);
+    for (const FootMarkers::Marker& marker : markers_.markers) {
+      if (!marker.measured[t].allFinite()) continue;
+      PoseJacobian jacobian;
+      const BodyMotion body = DeviatedBody(foot_, marker.body, t, none, turn, &jacobian);
+      const Vec3 arm = body.rotation * marker.location;
+      Eigen::Matrix<double, 3, kPoseComponents> slopes = Eigen::Matrix<double, 3, kPoseComponents>::Zero();
+      for (const PoseTerm& term : curves_.terms) {
+        const Eigen::Matrix<double, 6, 1> moved =
+            jacobian.topLeftCorner<6, kPoseComponents>() * term.direction;
+        slopes.col(term.component) = (moved.head<3>() + Vec3(moved.tail<3>()).cross(arm)) / kMarkerNoise;
+      }
+      information += slopes.transpose() * slopes;
+    }
+    return information;
+  }
+
   const FootMotion& foot_;
   const FootMarkers& markers_;
   StanceMotionErrors curves_;
   DeviationBases bases_;
+  double rate_ = 0;  // [Hz] of the frames
   Eigen::Index places_ = 0;
   Eigen::Index size_ = 0;
 };
@@ -139,6 +241,7 @@ MarkerPose MoveToMarkers(const std::vector<double>& times, FootMotion& foot, Foo
   for (std::size_t m = 0; m < markers.markers.size(); ++m) markers.markers[m].location = fit.Place(x, m);
   foot = std::move(moved);
   result.residual = AccuracyOf(markers, foot).residual;
+  result.noise = MarkerFit(times, foot, markers).Noise(MarkerNoise(markers, foot));
   return result;
 }
 

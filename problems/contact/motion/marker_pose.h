@@ -2,16 +2,26 @@
 // the sake of the rest: a standing foot slides by centimetres. The markers on the foot itself do not.
 #pragma once
 
+#include <array>
+
 #include "problems/contact/motion/foot_markers.h"
 #include "problems/contact/motion/foot_motion.h"
 
 namespace sinew {
+
+/// What the markers' noise from frame to frame leaves in a pose that follows them smoothly.
+struct PoseNoise {
+  double marker = 0;                                ///< standard deviation of a marker along an axis [m]
+  std::array<double, kPoseComponents> deviation{};  ///< of each PoseComponent [m, rad]
+  double time = 0.05;                               ///< a deviation over that of its rate [s]
+};
 
 struct MarkerPose {
   double residual_recorded = 0;  ///< root mean square distance of markers and model as recorded [m]
   double residual = 0;           ///< the same with the new pose, and markers where they are placed [m]
   double shift = 0;              ///< root mean square of the foot's shift along an axis [m]
   double turn = 0;               ///< of its rotation about an axis [rad]
+  PoseNoise noise;               ///< of the new pose
 };
 
 /// Moves the foot to where its own markers say: smooth curves of the pose (PoseComponent) and a constant

@@ -73,8 +73,16 @@ std::array<int, 2> StanceMotionErrors::OwnRange() const {
 CurveSpectrum StanceMotionErrors::SpectrumAt(const Vector& parameters, DeviationOf of) const {
   const double between_steps = parameters[spectrum + 2];
   const double common = 1 / std::hypot(1.0, between_steps);
-  return {parameters[spectrum], parameters[spectrum + 1],
-          of == DeviationOf::kStance ? between_steps * common : common};
+  CurveSpectrum curve;
+  curve.correlation_time = parameters[spectrum];
+  curve.roughness = parameters[spectrum + 1];
+  curve.scale = common;
+  if (of == DeviationOf::kStance) {
+    curve.scale = between_steps * common;
+    curve.noise = noise / (curve.scale * curve.scale);
+    curve.noise_time = noise_time;
+  }
+  return curve;
 }
 
 DeviationBases StanceMotionErrors::BasesAt(const Vector& parameters) const {

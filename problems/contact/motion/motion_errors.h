@@ -75,6 +75,10 @@ struct StanceMotionErrors {
   std::vector<PoseTerm> terms;                      ///< weights in increasing order
   int own = 0;                                      ///< index of the first own term
   int spectrum = -1;  ///< index of the first parameter of the prior (DeclareSpectrum)
+  /// What the recorded pose has of its markers' noise, which is in the stance's own curves: its variance over
+  /// that of `deviation`, and CurveSpectrum::noise_time.
+  double noise = 0;
+  double noise_time = 0.05;
   std::shared_ptr<const DeviationCurves> common_curves;  ///< at the stance's instants
   std::shared_ptr<const CurveBasis> floor;               ///< no value, rate 1
   std::shared_ptr<const DeviationCurves> own_curves;

@@ -90,6 +90,11 @@ void AddMotionErrors(const MotionErrorSettings& settings, const std::array<doubl
     errors.own_curves = std::make_shared<const DeviationCurves>(stance.time, stance.recorded[0],
                                                                 stance.recorded[1], settings.cutoff);
     errors.floor = FloorBasis(stance.time.size());
+    errors.noise_time = stance.pose_noise.time;
+    for (const int component : components) {
+      const double of = stance.pose_noise.deviation[static_cast<std::size_t>(component)];
+      errors.noise += std::pow(of / stated(component), 2) / static_cast<double>(components.size());
+    }
     int first = next_parameter;
     const auto add = [&](PoseTerm term) {
       term.first = first;

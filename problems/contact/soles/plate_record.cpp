@@ -20,7 +20,8 @@ std::vector<double> FrameValues(const Trial& trial, const std::string& plate, co
   if (!found) return values;
   Block block;
   block.prediction_time = time;
-  AddLocalFits(*found.grid, *found.channel, plate, kind.rfind("cop", 0) == 0, kLoadedShare, block);
+  AddLocalFits(*found.grid, *found.channel, plate, kind.rfind("cop", 0) == 0, kLoadedShare,
+               found.channel->sigma.value_or(std::numeric_limits<double>::infinity()), block);
   for (std::size_t i = 0; i < block.sample.size(); ++i)
     values[static_cast<std::size_t>(block.sample[i])] = block.measured[i];
   return values;

@@ -49,6 +49,23 @@ TEST(DeviationCurves, TheScaleIsTheirStandardDeviation) {
   EXPECT_LT((scaled->value * carried - unit->value * weights).norm(), 0.03 * (unit->value * weights).norm());
 }
 
+TEST(DeviationCurves, NoiseComesToTheCurve) {
+  const std::vector<double> times = Times(100, 2);
+  const DeviationCurves curves(times, 0, 2, 20);
+  CurveSpectrum noisy = kSmooth;
+  noisy.scale = 2;
+  const auto alone = curves.With(noisy);
+  noisy.noise = 0.3;
+  noisy.noise_time = 0.05;
+  const auto with = curves.With(noisy);
+  const Matrix more = with->value * with->value.transpose() - alone->value * alone->value.transpose();
+  for (Eigen::Index i = 30; i + 30 < more.rows(); ++i) {
+    EXPECT_NEAR(more(i, i), 4 * 0.3, 0.1);
+    EXPECT_NEAR(more(i, i + 5), 4 * 0.3 * std::exp(-0.5), 0.1);
+    EXPECT_NEAR(more(i, i + 20), 0, 0.05);
+  }
+}
+
 TEST(DeviationCurves, TheCorrelationTimeIsTheDeviationOverThatOfTheRate) {
   const std::vector<double> times = Times(100, 2);
   const DeviationCurves curves(times, 0, 2, 30);

@@ -27,6 +27,7 @@ StanceNotes NotesOf(int stances) {
     pose.residual = 5e-4;
     pose.shift = 2e-3 * s;
     pose.turn = 0.0174533 * s;
+    pose.noise.marker = 2e-5;
     notes.Held(stance.trial, {"head_yaw"});
     notes.MovedToMarkers(stance, pose);
     notes.NoBodyLoad(stance, "the body does not move over the foot");
@@ -42,9 +43,13 @@ TEST(StanceNotes, FewStancesHaveASentenceEach) {
       ElementsAre(
           "trial 'step_1'; trial 'step_2': no data for head_yaw: held at the model's default",
           "trial 'step_1', left: the 4 markers on the foot lie 1.0 mm from the recorded motion, 0.5 mm "
-          "from the foot's own, which differs from it by 2.0 mm and 1.0 degrees (root mean squares)",
+          "from the foot's own, which differs from it by 2.0 mm and 1.0 degrees (root mean squares); their "
+          "noise "
+          "from frame to frame is 0.02 mm",
           "trial 'step_2', left: the 4 markers on the foot lie 2.0 mm from the recorded motion, 0.5 mm "
-          "from the foot's own, which differs from it by 4.0 mm and 2.0 degrees (root mean squares)",
+          "from the foot's own, which differs from it by 4.0 mm and 2.0 degrees (root mean squares); their "
+          "noise "
+          "from frame to frame is 0.02 mm",
           "trial 'step_1', left; trial 'step_2', left: the whole body's load is not used: the body does "
           "not move over the foot",
           "trial 'step_1', left: the recorded motion was raised by 1.0 mm, so that the flat foot is as "
