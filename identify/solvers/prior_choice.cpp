@@ -28,6 +28,8 @@ constexpr double kTimesWrong = 2;
 constexpr double kDamping = 1e-3;
 constexpr long kTrialEvaluations = 100;
 constexpr LocalFit::Tolerance kTrialTolerance{1e-3, 1e-6};
+constexpr LocalFit::Tolerance kEndTolerance{0, 1e-9};
+constexpr long kEndEvaluations = 500;
 
 // A search ends in different minima under different schedules, and a wrong one wants another prior.
 enum class PriorsAt { kStart, kFirstOthers, kLastOthers };  // of the starts of the parameters of priors
@@ -117,6 +119,8 @@ class Choice {
       choice.undetermined = true;
       return choice;
     }
+    if (best.cost > noise_) best = LeastOfAll(best);
+    choice.evaluations = evaluations_;
     choice.setup.rest = best.parameters;
     choice.marginal = best.marginal;
     choice.any_chosen = true;
@@ -178,6 +182,32 @@ class Choice {
     return point;
   }
 
+  // Where more than noise is left there are many minima at one prior, such as those that differ by when a
+  // foot begins to slide, and rounding decides in which of them a search ends: so those that were found at
+  // other priors are carried over.
+  Point LeastOfAll(Point best) {
+    constexpr std::size_t kMostEnds = 16;
+    std::sort(ends_.begin(), ends_.end(),
+              [](const Point& a, const Point& b) { return a.marginal < b.marginal; });
+    const auto same = [](const Point& a, const Point& b) { return a.marginal == b.marginal; };
+    ends_.erase(std::unique(ends_.begin(), ends_.end(), same), ends_.end());
+    if (ends_.size() > kMostEnds) ends_.resize(kMostEnds);
+    FitSetup at = setup_;
+    const Vector priors = best.parameters;
+    for (const Point& end : ends_) {
+      if (Stopped()) break;
+      at.rest = problem_.AtPriors(end.parameters, priors, Problem::CarryOver::kAllowed);
+      const LeastSquares fit(problem_, at);
+      LocalFit local(fit);
+      const LocalFit::Outcome there = local.Minimize(fit.Start(), -1, kEndTolerance, kEndEvaluations);
+      evaluations_ += local.evaluations();
+      if (!there.failure.empty()) continue;
+      const double marginal = MarginalCost(fit, there.x);
+      if (marginal < best.marginal) best = {fit.Parameters(there.x), marginal, there.cost};
+    }
+    return best;
+  }
+
   void MoveTo(Point point) {
     best_ = std::move(point);
     predicted_at_best_.reset();
@@ -222,6 +252,7 @@ class Choice {
     evaluations_ += local.evaluations();
     if (!end.failure.empty()) return false;
     const double marginal = MarginalCost(fit, end.x);
+    ends_.push_back({fit.Parameters(end.x), marginal, end.cost});
     if (std::isfinite(predicted)) wrong_by_ = std::abs(best_.marginal - marginal - predicted);
     if (!(marginal < best_.marginal - kWorthMoving)) return false;
     MoveTo({fit.Parameters(end.x), marginal, end.cost});
@@ -239,6 +270,7 @@ class Choice {
   bool found_directly_ = false;              // the best point, by `continuation` at its prior
   std::optional<double> predicted_at_best_;  // its marginal cost, by the linear model
   double wrong_by_ = kInfinity;              // the last gain that the linear model predicted
+  std::vector<Point> ends_;                  // of all trials
   long evaluations_ = 0;
 };
 
