@@ -186,7 +186,7 @@ class Choice {
   // foot begins to slide, and rounding decides in which of them a search ends: so those that were found at
   // other priors are carried over.
   Point LeastOfAll(Point best) {
-    constexpr std::size_t kMostEnds = 16;
+    constexpr std::size_t kMostEnds = 8;
     std::sort(ends_.begin(), ends_.end(),
               [](const Point& a, const Point& b) { return a.marginal < b.marginal; });
     const auto same = [](const Point& a, const Point& b) { return a.marginal == b.marginal; };
@@ -252,7 +252,7 @@ class Choice {
     evaluations_ += local.evaluations();
     if (!end.failure.empty()) return false;
     const double marginal = MarginalCost(fit, end.x);
-    ends_.push_back({fit.Parameters(end.x), marginal, end.cost});
+    if (std::isfinite(marginal)) ends_.push_back({fit.Parameters(end.x), marginal, end.cost});
     if (std::isfinite(predicted)) wrong_by_ = std::abs(best_.marginal - marginal - predicted);
     if (!(marginal < best_.marginal - kWorthMoving)) return false;
     MoveTo({fit.Parameters(end.x), marginal, end.cost});

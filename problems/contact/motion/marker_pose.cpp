@@ -40,7 +40,9 @@ struct FollowedNoise {
   double time = 0;   // [s] its standard deviation over that of its rate
 };
 
-// The optimal smoother (Wiener): of a frequency it follows the share that is the curve's. @param ratio
+// The optimal smoother (Wiener) of an endless record: of a frequency it follows the share that is the
+// curve's.
+// @param ratio
 // variance of the curve over that of one frame's noise @param rate [Hz] of frames
 FollowedNoise Followed(double ratio, double rate) {
   constexpr int kFrequencies = 500;
@@ -125,15 +127,15 @@ class MarkerFit {
     noise.marker = marker;
     const auto frames = static_cast<double>(foot_.centre.size());
     PoseMatrix variance = PoseMatrix::Zero();  // of one frame's noise, for noise of the size assumed
-    double told = 0;                           // of the shift
+    double of_shift = 0;                       // mean of the information on one axis
     for (std::size_t t = 0; t < foot_.centre.size(); ++t) {
       const PoseMatrix information = Information(t);
       const PoseMatrix inverse = (information + PoseMatrix::Identity()).inverse();
       variance += inverse * information * inverse / frames;
-      told += information.topLeftCorner<3, 3>().trace() / (3 * frames);
+      of_shift += information.topLeftCorner<3, 3>().trace() / (3 * frames);
     }
-    if (!(told > 0)) return noise;
-    const FollowedNoise followed = Followed(told, rate_);
+    if (!(of_shift > 0)) return noise;
+    const FollowedNoise followed = Followed(of_shift, rate_);
     noise.time = followed.time;
     for (const PoseTerm& term : curves_.terms) {
       const auto c = static_cast<std::size_t>(term.component);
