@@ -192,20 +192,26 @@ class Choice {
     const auto same = [](const Point& a, const Point& b) { return a.marginal == b.marginal; };
     ends_.erase(std::unique(ends_.begin(), ends_.end(), same), ends_.end());
     if (ends_.size() > kMostEnds) ends_.resize(kMostEnds);
-    FitSetup at = setup_;
     const Vector priors = best.parameters;
     for (const Point& end : ends_) {
       if (Stopped()) break;
-      at.rest = problem_.AtPriors(end.parameters, priors, Problem::CarryOver::kAllowed);
-      const LeastSquares fit(problem_, at);
-      LocalFit local(fit);
-      const LocalFit::Outcome there = local.Minimize(fit.Start(), -1, kEndTolerance, kEndEvaluations);
-      evaluations_ += local.evaluations();
-      if (!there.failure.empty()) continue;
-      const double marginal = MarginalCost(fit, there.x);
-      if (marginal < best.marginal) best = {fit.Parameters(there.x), marginal, there.cost};
+      const auto there = MinimumFrom(problem_.AtPriors(end.parameters, priors, Problem::CarryOver::kAllowed),
+                                     kEndTolerance, kEndEvaluations);
+      if (there && there->marginal < best.marginal) best = *there;
     }
     return best;
+  }
+
+  // Where a local fit ends that begins there, at its parameters of priors; nothing where it fails.
+  std::optional<Point> MinimumFrom(Vector start, LocalFit::Tolerance tolerance, long max_evaluations) {
+    FitSetup at = setup_;
+    at.rest = std::move(start);
+    const LeastSquares fit(problem_, at);
+    LocalFit local(fit);
+    const LocalFit::Outcome end = local.Minimize(fit.Start(), -1, tolerance, max_evaluations);
+    evaluations_ += local.evaluations();
+    if (!end.failure.empty()) return std::nullopt;
+    return Point{fit.Parameters(end.x), MarginalCost(fit, end.x), end.cost};
   }
 
   void MoveTo(Point point) {
@@ -244,18 +250,12 @@ class Choice {
   // Whether a fit from there, at its parameters of priors, is a better point.
   // @param predicted gain, or infinite
   bool TryFrom(Vector start, double predicted) {
-    FitSetup trial = setup_;
-    trial.rest = std::move(start);
-    const LeastSquares fit(problem_, trial);
-    LocalFit local(fit);
-    const LocalFit::Outcome end = local.Minimize(fit.Start(), -1, kTrialTolerance, kTrialEvaluations);
-    evaluations_ += local.evaluations();
-    if (!end.failure.empty()) return false;
-    const double marginal = MarginalCost(fit, end.x);
-    if (std::isfinite(marginal)) ends_.push_back({fit.Parameters(end.x), marginal, end.cost});
-    if (std::isfinite(predicted)) wrong_by_ = std::abs(best_.marginal - marginal - predicted);
-    if (!(marginal < best_.marginal - kWorthMoving)) return false;
-    MoveTo({fit.Parameters(end.x), marginal, end.cost});
+    auto end = MinimumFrom(std::move(start), kTrialTolerance, kTrialEvaluations);
+    if (!end) return false;
+    if (std::isfinite(end->marginal)) ends_.push_back(*end);
+    if (std::isfinite(predicted)) wrong_by_ = std::abs(best_.marginal - end->marginal - predicted);
+    if (!(end->marginal < best_.marginal - kWorthMoving)) return false;
+    MoveTo(std::move(*end));
     return true;
   }
 

@@ -135,29 +135,25 @@ std::optional<double> UsualAccuracy(const Stance& stance, const Block& block) {
                              : 0.5 * force * stance.length;
 }
 
-// The level to which a block is weighed by its likelihood.
-void SetAccuracy(const ContactSettings& settings, const Stance& stance, Block& block) {
-  if (const auto& stated = StatedAccuracy(settings, block)) {
-    block.sigma = stated;
-    block.relative_weight.clear();
-    return;
-  }
-  if (!block.sigma && settings.motion_errors) block.sigma = UsualAccuracy(stance, block);
+// The level to which a block is weighed by its likelihood. @param noise of the channel, if known
+std::optional<double> AccuracyOf(const ContactSettings& settings, const Stance& stance, const Block& block,
+                                 const std::optional<double>& noise) {
+  if (const auto& stated = StatedAccuracy(settings, block)) return stated;
+  return noise || !settings.motion_errors ? noise : UsualAccuracy(stance, block);
 }
 
 void AddMeasured(const Grid& grid, const Channel& channel, const ContactSettings& settings,
                  const Stance& stance, bool is_cop, Block& block) {
-  if (!settings.motion_errors) {
-    AddSamples(grid, channel, stance.plate, is_cop, settings.cop_force_share, block);
-  } else {
-    Block as_sampled;
-    as_sampled.unit = block.unit;
-    as_sampled.sigma = channel.sigma;
-    SetAccuracy(settings, stance, as_sampled);
-    const double level = as_sampled.sigma.value_or(std::numeric_limits<double>::infinity());
+  if (settings.motion_errors) {
+    constexpr double kAny = std::numeric_limits<double>::infinity();
+    const double level = AccuracyOf(settings, stance, block, channel.sigma).value_or(kAny);
     AddLocalFits(grid, channel, stance.plate, is_cop, settings.cop_force_share, level, block);
+  } else {
+    AddSamples(grid, channel, stance.plate, is_cop, settings.cop_force_share, block);
   }
-  SetAccuracy(settings, stance, block);
+  block.sigma = AccuracyOf(settings, stance, block, block.sigma);
+  // A stated accuracy is that of the law, whatever the noise of what is read.
+  if (StatedAccuracy(settings, block)) block.relative_weight.clear();
 }
 
 Status AddBlocks(const Trial& trial, const ContactSettings& settings, Stance& stance, ContactData& out,
@@ -199,7 +195,7 @@ Status AddBlocks(const Trial& trial, const ContactSettings& settings, Stance& st
       // The deviations follow the plate: what they leave is smaller than the noise, and correlated.
       block.white = settings.motion_errors && block.sigma;
     } else if (!stance.measured) {
-      SetAccuracy(settings, stance, block);
+      block.sigma = AccuracyOf(settings, stance, block, {});
     }
     if (compared) {
       if (block.measured.empty()) {

@@ -82,16 +82,21 @@ void StanceNotes::AddPoses(std::vector<std::string>& sentences) const {
     }
     return;
   }
+  const auto noisiest = std::max_element(poses_.begin(), poses_.end(), [](const Pose& a, const Pose& b) {
+    return a.pose.noise.marker < b.pose.noise.marker;
+  });
   const auto farthest = std::max_element(poses_.begin(), poses_.end(), [](const Pose& a, const Pose& b) {
     return a.pose.residual_recorded < b.pose.residual_recorded;
   });
   sentences.push_back(fmt::format(
       "in {} stances the markers on the foot lie {} mm from the recorded motion (most in {}), {} mm from the "
-      "foot's own, which differs from it by {} mm and {} degrees (root mean squares)",
+      "foot's own, which differs from it by {} mm and {} degrees (root mean squares); their noise from frame "
+      "to frame is {:.2g} mm at most",
       poses_.size(), FromTo(poses_, [](const Pose& one) { return 1e3 * one.pose.residual_recorded; }),
       farthest->where.Words(), FromTo(poses_, [](const Pose& one) { return 1e3 * one.pose.residual; }),
       FromTo(poses_, [](const Pose& one) { return 1e3 * one.pose.shift; }),
-      FromTo(poses_, [](const Pose& one) { return kDegrees * one.pose.turn; })));
+      FromTo(poses_, [](const Pose& one) { return kDegrees * one.pose.turn; }),
+      1e3 * noisiest->pose.noise.marker));
 }
 
 void StanceNotes::AddHeights(std::vector<std::string>& sentences) const {

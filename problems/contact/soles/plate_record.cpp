@@ -12,7 +12,7 @@
 namespace sinew {
 namespace {
 
-// Mean of a channel over each frame; NaN where there is none.
+// A channel as it is read at each frame (AddLocalFits); NaN where there is none.
 std::vector<double> FrameValues(const Trial& trial, const std::string& plate, const std::string& kind,
                                 const std::vector<double>& time) {
   std::vector<double> values(time.size(), std::numeric_limits<double>::quiet_NaN());

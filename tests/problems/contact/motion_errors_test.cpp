@@ -246,6 +246,33 @@ TEST(MotionErrors, ThePriorIsNotSmallerThanThePublishedOne) {
   EXPECT_NEAR(errors.SpectrumAt(RestPoint(*problem), DeviationOf::kAll).scale, std::sqrt(0.5), 1e-9);
 }
 
+// 1 mm of a marker from frame to frame.
+TEST(MotionErrors, NoiseOfTheMarkersIsInTheStancesOwnCurves) {
+  Dataset data = ExactData();
+  Random random(9);
+  for (auto& [name, trial] : data.trials) {
+    for (auto& [channel, values] : trial.grids.at("markers").channels) {
+      for (double& value : values.values) value += 1e-3 * random.Normal();
+    }
+  }
+  const auto problem = MakeContact(data, Moving("motion_errors: {between_steps: 2}")).value();
+  for (const Stance& stance : problem->data().stances) {
+    EXPECT_NEAR(stance.pose_noise.marker, 1e-3, 3e-4);
+    const StanceMotionErrors& errors = stance.motion_errors;
+    double share = 0;
+    for (const int component : errors.components) {
+      const auto c = static_cast<std::size_t>(component);
+      share += std::pow(stance.pose_noise.deviation[c] / errors.deviation[c], 2);
+    }
+    share /= static_cast<double>(errors.components.size());
+    EXPECT_GT(share, 1e-4);
+    const CurveSpectrum own = errors.SpectrumAt(RestPoint(*problem), DeviationOf::kStance);
+    EXPECT_NEAR(own.noise * own.scale * own.scale, share, 1e-9 * share);
+    EXPECT_EQ(own.noise_time, stance.pose_noise.time);
+    EXPECT_EQ(errors.SpectrumAt(RestPoint(*problem), DeviationOf::kAll).noise, 0);
+  }
+}
+
 TEST(MotionErrors, HowMuchStancesHaveInCommonIsChosenFromSeveral) {
   const auto between_steps = [](const ContactProblem& problem) {
     const int index = problem.data().stances.front().motion_errors.spectrum + 2;
