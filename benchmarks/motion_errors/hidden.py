@@ -40,16 +40,23 @@ EFFECTS = {
     "missing_toe_region": (0, 1),
     "unmodelled_mass": (-5, 5),
     "foot_bend": (-0.2, 0.2),
+    "linear_damping": (0, 1e6),
+    "uneven_stiffness": (-2, 2),
+}
+# Of several values, the one that is hidden is the first; the others stay at 0, their null.
+SEVERAL = {
+    "tilted_floor": ("floor_slope_x", "floor_slope_z"),
+    "foot_bend": ("foot_bend_early", "foot_bend_middle", "foot_bend_late"),
+    "uneven_stiffness": ("stiffness_toes_to_heel", "stiffness_middle_to_ends", "stiffness_outside_to_inside"),
 }
 OF_NULL_ONE = ("gain",)  # the null of these parameters is 1
 
 
 def request(name, value):
-    if name == "tilted_floor":
-        return f"tilted_floor:floor_slope_x={value!r},floor_slope_z=0"
-    if name == "foot_bend":
-        # Sized like the other effects of several values: `smallest_detectable` is of the first one.
-        return f"foot_bend:foot_bend_early={value!r},foot_bend_middle=0,foot_bend_late=0"
+    if name in SEVERAL:
+        # Sized by `smallest_detectable`, which is of the first one.
+        first, *others = SEVERAL[name]
+        return f"{name}:{first}={value!r}" + "".join(f",{other}=0" for other in others)
     parameter = {"missing_toe_region": "toe_region_weight"}.get(name, "value" if "." in name else name)
     return f"{name}:{parameter}={1 + value if name.endswith(OF_NULL_ONE) else value!r}"
 

@@ -80,6 +80,23 @@ void ContactEffectList::Declare(ParameterListBuilder& add) const {
                   "a pressure mat, or the centre of pressure at heel strike")
       .Positive(kNone, "heel_region_weight", "1", "share of the sole's springs that a strip behind it has",
                 1);
+  add.BeginEffect("linear_damping", Level::kBoundary,
+                  "a part of the damping does not depend on the depth (Kelvin and Voigt's law)",
+                  "drop a weight on the sole from several heights: such damping makes a step of the force at "
+                  "touch-down")
+      .Positive(kNone, "linear_damping", "N*s/m3", "pressure per rate of the depth, at any depth", 1e6);
+  constexpr double kLargestRatio = 2;  // natural logarithm: 7.4 times as stiff
+  add.BeginEffect("uneven_stiffness", Level::kBoundary,
+                  "the stiffness varies smoothly under the sole (heel pad, arch, ball)",
+                  "press the sole with a small stamp at several places, or stand on a pressure mat")
+      .TwoSided(kNone, "stiffness_toes_to_heel", "1",
+                "natural logarithm of the stiffness at the toes over that at the heel", kLargestRatio)
+      .TwoSided(kNone, "stiffness_middle_to_ends", "1",
+                "natural logarithm of the stiffness in the middle of the sole over that at both ends",
+                kLargestRatio)
+      .TwoSided(kNone, "stiffness_outside_to_inside", "1",
+                "natural logarithm of the stiffness at the outer edge over that at the inner one",
+                kLargestRatio);
   DeclareShapes(add);
   for (const std::string& plate : plates_) {
     add.BeginEffect(plate + ".height_offset", Level::kHuman,

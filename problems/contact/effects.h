@@ -8,6 +8,7 @@
 #include <vector>
 
 #include "problems/contact/phase_shape.h"
+#include "problems/contact/stiffness_modes.h"
 #include "problems/kit/parameter_list.h"
 
 namespace sinew {
@@ -22,7 +23,9 @@ enum ContactEffect : std::size_t {
   kUnmodelledMass,     ///< that moves with the foot's body, under the springs [kg]
   kToeRegion,          ///< weight of a strip in front of the sole [1]
   kHeelRegion,         ///< behind it
-  kFirstShape,         ///< the first of those of ShapeEffect: [rad], [rad], [m]
+  kLinearDamping,      ///< d: a pressure d v beside that of the springs [N s/m3]
+  kStiffnessMode,      ///< the first of kStiffnessModes [1, logarithms of ratios]
+  kFirstShape = kStiffnessMode + kStiffnessModes,  ///< the first of those of ShapeEffect: [rad], [rad], [m]
   kLastShape = kFirstShape + kShapeModes * kShapePhases - 1,
   kContactEffects  ///< how many
 };

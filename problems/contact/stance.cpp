@@ -24,22 +24,20 @@ EffectRegion Prepare(const ContactRegion& region, int part, const std::vector<Bo
   return prepared;
 }
 
-// @param ahead of the sole's middle [faces, m]
-void SetAhead(std::vector<double> ahead, EffectRegion& region) {
-  for (const double at : ahead) region.reach = std::max(region.reach, std::abs(at));
-  region.ahead = std::move(ahead);
-}
-
-// The foremost and the hindmost region of a foot.
+// The foremost and the hindmost region of a foot along a direction.
 struct Ends {
-  std::array<int, 2> region{};                      // toe, heel: index into the stance's regions
-  std::array<double, 2> at{-kInfinity, kInfinity};  // [m] along the foot
+  Vec3 direction;
+  std::array<int, 2> region{};                      // foremost, hindmost: index into the stance's regions
+  std::array<double, 2> at{-kInfinity, kInfinity};  // [m] along the direction
+
+  [[nodiscard]] double length() const { return at[0] - at[1]; }
 };
 
 Ends FindEnds(const std::vector<const ContactRegion*>& regions,
-              const std::vector<std::vector<BodyMotion>>& motions, std::size_t instant) {
-  const Vec3 forward = motions.front()[instant].rotation * Vec3::UnitX();
+              const std::vector<std::vector<BodyMotion>>& motions, std::size_t instant,
+              const Vec3& direction) {
   Ends ends;
+  ends.direction = direction;
   for (std::size_t r = 0; r < regions.size(); ++r) {
     const ContactRegion& region = *regions[r];
     const BodyMotion& body = motions[r][instant];
@@ -47,7 +45,7 @@ Ends FindEnds(const std::vector<const ContactRegion*>& regions,
       for (const int corner : region.mesh.faces[static_cast<std::size_t>(face)]) {
         const Vec3& vertex = region.mesh.vertices[static_cast<std::size_t>(corner)];
         const double at =
-            forward.dot(body.position + body.rotation * (region.position + region.rotation * vertex));
+            direction.dot(body.position + body.rotation * (region.position + region.rotation * vertex));
         if (at > ends.at[0]) ends.region[0] = static_cast<int>(r), ends.at[0] = at;
         if (at < ends.at[1]) ends.region[1] = static_cast<int>(r), ends.at[1] = at;
       }
@@ -56,15 +54,23 @@ Ends FindEnds(const std::vector<const ContactRegion*>& regions,
   return ends;
 }
 
-// How far each spring of a region is ahead of the foot's middle.
-std::vector<double> AheadOf(const ContactRegion& region, const BodyMotion& body, const Vec3& forward,
-                            const Ends& ends) {
+// How far each spring of a region is ahead of the foot's middle along the direction of its ends.
+std::vector<double> AheadOf(const ContactRegion& region, const BodyMotion& body, const Ends& ends) {
   std::vector<double> along;
   for (const int face : region.SpringFaceIndices()) {
-    along.push_back(forward.dot(
+    along.push_back(ends.direction.dot(
         body.position + body.rotation * (region.position + region.rotation * region.mesh.Centre(face))));
   }
   return AheadOfMiddle(along, ends.at[1], ends.at[0]);
+}
+
+// @param sole whose springs the region has; @param along, outward ends of the whole foot
+void SetPlaces(const ContactRegion& sole, const BodyMotion& body, const Ends& along, const Ends& outward,
+               EffectRegion& region) {
+  region.ahead = AheadOf(sole, body, along);
+  for (const double at : region.ahead) region.reach = std::max(region.reach, std::abs(at));
+  region.stiffness_modes =
+      StiffnessModesOf(region.ahead, AheadOf(sole, body, outward), along.length(), outward.length());
 }
 
 }  // namespace
@@ -141,27 +147,27 @@ Result<Stance> MakeStance(const std::string& trial, const std::string& plate, st
     foot_regions.push_back({regions[i], bodies[static_cast<std::size_t>(stance.regions[i])]});
   constexpr double kShare = 0.2;               // of the foot's length that a strip beyond its end has
   constexpr std::array<int, 2> kStrips{4, 7};  // squares of it along x and z
-  const Ends ends = FindEnds(regions, motion_of, deepest_instant);
-  stance.length = ends.at[0] - ends.at[1];
-  const Vec3 forward = motion_of.front()[deepest_instant].rotation * Vec3::UnitX();
+  SINEW_ASSIGN(const auto standing,
+               model.BodyMotionAt(model.default_values(), Vector::Zero(model.default_values().size()),
+                                  {foot_regions.front().body}));
+  stance.side = standing.front().position.z() < 0 ? -1 : 1;
+  const Mat3& foot = motion_of.front()[deepest_instant].rotation;
+  const Ends ends = FindEnds(regions, motion_of, deepest_instant, foot * Vec3::UnitX());
+  const Ends outward = FindEnds(regions, motion_of, deepest_instant, foot * Vec3(0, 0, stance.side));
+  stance.length = ends.length();
   for (std::size_t r = 0; r < regions.size(); ++r)
-    SetAhead(AheadOf(*regions[r], motion_of[r][deepest_instant], forward, ends), kinematics.regions[r]);
+    SetPlaces(*regions[r], motion_of[r][deepest_instant], ends, outward, kinematics.regions[r]);
   std::array<ContactRegion, 2> edges;
   for (const std::size_t end : {0U, 1U}) {
     const auto of = static_cast<std::size_t>(ends.region[end]);
     SINEW_ASSIGN(edges[end], EdgeRegion(*regions[of], end == 0, kShare * stance.length, kStrips));
     kinematics.edges[end].push_back(
         Prepare(edges[end], kinematics.regions[of].part, motion_of[of], settings.floor));
-    SetAhead(AheadOf(edges[end], motion_of[of][deepest_instant], forward, ends),
-             kinematics.edges[end].back());
+    SetPlaces(edges[end], motion_of[of][deepest_instant], ends, outward, kinematics.edges[end].back());
     foot_regions.push_back({&edges[end], foot_regions[of].body});
   }
   if (settings.moves_springs()) {
     SINEW_ASSIGN(stance.foot, RecordedFootMotion(stance.time, motion, model, foot_regions));
-    SINEW_ASSIGN(const auto standing,
-                 model.BodyMotionAt(model.default_values(), Vector::Zero(model.default_values().size()),
-                                    {stance.foot.indices.front()}));
-    stance.side = standing.front().position.z() < 0 ? -1 : 1;
     stance.LookForward(stance.time.size() / 2);
   }
   return stance;

@@ -134,14 +134,15 @@ EffectRegion Prepare(const ContactRegion& region, const std::vector<BodyMotion>&
   return prepared;
 }
 
-// How far every spring is ahead of the middle of the sole.
-std::vector<double> AheadOf(const ContactRegion& region, const SteppingBody& body) {
-  std::vector<double> along;
-  for (const int face : region.SpringFaceIndices())
-    along.push_back((region.position + region.rotation * region.mesh.Centre(face)).x());
-  const double middle = body.sole_position.x();
-  const double half = 0.5 * body.sole_size.x();
-  return AheadOfMiddle(along, middle - half, middle + half);
+// Where every spring is under the sole: ahead of its middle, and outward.
+void SetPlaces(const ContactRegion& sole, const SteppingBody& body, bool right, EffectRegion& region) {
+  std::vector<double> outward;
+  for (const int face : sole.SpringFaceIndices()) {
+    const Vec3 from_middle = sole.position + sole.rotation * sole.mesh.Centre(face) - body.sole_position;
+    region.ahead.push_back(from_middle.x());
+    outward.push_back((right ? 1 : -1) * from_middle.z());
+  }
+  region.stiffness_modes = StiffnessModesOf(region.ahead, outward, body.sole_size.x(), body.sole_size.z());
 }
 
 bool HasShape(const ContactEffectValues& effects) {
@@ -203,9 +204,9 @@ Result<std::vector<ContactLoad>> TrueLoads(const Laboratory& lab, const Coordina
     SINEW_ASSIGN(const ContactRegion strip,
                  EdgeRegion(region, edge == 0, kEdgeShare * lab.body.sole_size.x(), strips));
     kinematics.edges[edge].push_back(Prepare(strip, of_foot));
-    kinematics.edges[edge].back().ahead = AheadOf(strip, lab.body);
+    SetPlaces(strip, lab.body, right, kinematics.edges[edge].back());
   }
-  kinematics.regions.front().ahead = AheadOf(region, lab.body);
+  SetPlaces(region, lab.body, right, kinematics.regions.front());
   for (const BodyMotion& foot : of_foot) {
     kinematics.foot_position.push_back(foot.position);
     kinematics.foot_acceleration.push_back(foot.acceleration);

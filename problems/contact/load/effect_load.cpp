@@ -4,8 +4,8 @@
 #include <cmath>
 #include <limits>
 
+#include "problems/contact/load/bed_under_sole.h"
 #include "problems/contact/load/floor_under_sole.h"
-#include "problems/contact/load/pressure.h"
 #include "problems/contact/load/spring_force.h"
 
 namespace sinew {
@@ -46,8 +46,8 @@ struct ByShape {
 // the floor's slope
 template <bool kDerivatives, bool kShaped, bool kSloped>
 void AddVertical(const FloorUnderSole& floor, const EffectRegion& region, int instant,
-                 const ElasticFoundation& bed, const BedEffects& bed_effects, bool by_exponent,
-                 ContactLoad& load, ContactLoadJacobian& by_bed, ContactEffectJacobian& by_effect) {
+                 const BedUnderSole& bed, bool by_exponent, ContactLoad& load, ContactLoadJacobian& by_bed,
+                 ContactEffectJacobian& by_effect) {
   const ContactKinematics& k = region.kinematics;
   const double up = floor.up();
   const auto t = static_cast<std::size_t>(instant);
@@ -58,6 +58,7 @@ void AddVertical(const FloorUnderSole& floor, const EffectRegion& region, int in
   double by_dissipation = by_bed(kForceY, 1);
   double for_exponent = by_effect(kForceY, kStiffnessExponent);
   double by_compliance = by_effect(kForceY, kFloorCompliance);
+  double by_damping = by_effect(kForceY, kLinearDamping);
   double by_height = by_effect(kForceY, kHeightOffset);
   std::array<double, 2> for_slope{by_effect(kForceY, kFloorSlopeX), by_effect(kForceY, kFloorSlopeZ)};
   ByShape<double> for_shape(0);
@@ -66,7 +67,7 @@ void AddVertical(const FloorUnderSole& floor, const EffectRegion& region, int in
     RaisedFace face = floor.DepthAt<kShaped>(region, first + f, f);
     if (!(face.depth > 0)) continue;
     floor.AddMotion<kShaped, kSloped>(region, instant, first + f, face);
-    const Pressure p = PressureAt(bed, bed_effects, face.depth, face.rate, kDerivatives && by_exponent);
+    const Pressure p = bed.At(f, face.depth, face.rate, kDerivatives && by_exponent);
     if (!(p.value > 0)) continue;
     const double area = k.area[f];
     const double normal = area * p.value;
@@ -76,6 +77,10 @@ void AddVertical(const FloorUnderSole& floor, const EffectRegion& region, int in
     by_dissipation += area * p.by_dissipation * up;
     for_exponent += area * p.by_exponent * up;
     by_compliance += area * p.by_compliance * up;
+    by_damping += area * p.by_damping * up;
+    bed.ForEachMode(f, area * p.by_stiffness * up, [&](std::size_t effect, double slope) {
+      by_effect(kForceY, static_cast<Eigen::Index>(effect)) += slope;
+    });
     const double by_rise = area * (p.by_depth * up + p.by_rate * rate_by_rise) * up;
     by_height += by_rise;
     if constexpr (kShaped) for_shape.Add(face, by_rise, (area * p.by_rate * up) * up);
@@ -94,6 +99,7 @@ void AddVertical(const FloorUnderSole& floor, const EffectRegion& region, int in
   by_bed(kForceY, 1) = by_dissipation;
   by_effect(kForceY, kStiffnessExponent) = for_exponent;
   by_effect(kForceY, kFloorCompliance) = by_compliance;
+  by_effect(kForceY, kLinearDamping) = by_damping;
   by_effect(kForceY, kHeightOffset) = by_height;
   by_effect(kForceY, kFloorSlopeX) = for_slope[0];
   by_effect(kForceY, kFloorSlopeZ) = for_slope[1];
@@ -105,19 +111,18 @@ void AddVertical(const FloorUnderSole& floor, const EffectRegion& region, int in
 
 // AddVertical with what these values and this query need.
 void AddVerticalOf(const EffectKinematics& kinematics, const EffectRegion& region, int instant,
-                   const ElasticFoundation& bed, const ContactEffectValues& effects,
+                   const ElasticFoundation& of_region, const ContactEffectValues& effects,
                    const EffectLoadQuery& query, ContactLoad& load, ContactLoadJacobian& by_bed,
                    ContactEffectJacobian& by_effect) {
   const FloorUnderSole floor(kinematics, effects, instant);
   if (!floor.CanTouch(region, instant)) return;
-  const BedEffects bed_effects{effects[kStiffnessExponent], effects[kFloorCompliance]};
+  const BedUnderSole bed(of_region, region, effects);
   const bool derivatives = query.derivatives;
   const bool shaped = floor.displaced() || (derivatives && query.wants_shape());
   const bool sloped =
       floor.sloped() || (derivatives && (query.wants(kFloorSlopeX) || query.wants(kFloorSlopeZ)));
   const auto add = [&](const auto& add_vertical) {
-    add_vertical(floor, region, instant, bed, bed_effects, query.wants(kStiffnessExponent), load, by_bed,
-                 by_effect);
+    add_vertical(floor, region, instant, bed, query.wants(kStiffnessExponent), load, by_bed, by_effect);
   };
   if (derivatives) {
     if (shaped && sloped) return add(AddVertical<true, true, true>);
@@ -133,14 +138,15 @@ void AddVerticalOf(const EffectKinematics& kinematics, const EffectRegion& regio
 
 // Adds one region's load and, if wanted, derivatives, as if its weight were 1. `by_spring` is nullptr or set.
 void AddRegion(const EffectKinematics& kinematics, const EffectRegion& region, int instant,
-               const ElasticFoundation& bed, const ContactEffectValues& effects, bool derivatives,
+               const ElasticFoundation& of_region, const ContactEffectValues& effects, bool derivatives,
                ContactLoad& load, ContactLoadJacobian& by_bed, ContactEffectJacobian& by_effect,
                std::vector<SpringGradient>* by_spring) {
   const ContactKinematics& k = region.kinematics;
   const FloorUnderSole floor(kinematics, effects, instant);
-  const BedEffects bed_effects{effects[kStiffnessExponent], effects[kFloorCompliance]};
+  const BedUnderSole bed(of_region, region, effects);
   const double up = floor.up();
-  const std::array<double, 3> mu{bed.static_friction, bed.dynamic_friction, bed.viscous_friction};
+  const std::array<double, 3> mu{of_region.static_friction, of_region.dynamic_friction,
+                                 of_region.viscous_friction};
   const auto t = static_cast<std::size_t>(instant);
   const std::array<double, 2> slip_by_rise{-region.turning_z[t], region.turning_x[t]};
   const double rate_by_rise = (floor.slope(0) * slip_by_rise[0] + floor.slope(1) * slip_by_rise[1]) * up;
@@ -151,7 +157,7 @@ void AddRegion(const EffectKinematics& kinematics, const EffectRegion& region, i
     RaisedFace face = floor.DepthAt<true>(region, first + f, f);
     if (!(face.depth > 0)) continue;
     floor.AddMotion<true, true>(region, instant, first + f, face);
-    const Pressure p = PressureAt(bed, bed_effects, face.depth, face.rate, derivatives);
+    const Pressure p = bed.At(f, face.depth, face.rate, derivatives);
     if (!(p.value > 0)) continue;
     const double area = k.area[f];
     const double normal = area * p.value;
@@ -178,6 +184,11 @@ void AddRegion(const EffectKinematics& kinematics, const EffectRegion& region, i
     }
     by_effect.col(kStiffnessExponent) += area * p.by_exponent * unit;
     by_effect.col(kFloorCompliance) += area * p.by_compliance * unit;
+    by_effect.col(kLinearDamping) += area * p.by_damping * unit;
+    bed.ForEachMode(f, ContactLoad(area * p.by_stiffness * unit),
+                    [&](std::size_t effect, const ContactLoad& slope) {
+                      by_effect.col(static_cast<Eigen::Index>(effect)) += slope;
+                    });
 
     // The floor rises: the spring gets deeper, and the sole's velocity is taken elsewhere.
     const double speed_by_rise = face.slip_x * slip_by_rise[0] + face.slip_z * slip_by_rise[1];  // times slip
@@ -283,18 +294,17 @@ void ComputeEffectLoad(const EffectKinematics& kinematics, int instant,
 }
 
 void ComputeFaceLoads(const EffectKinematics& kinematics, const EffectRegion& region, int instant,
-                      const ElasticFoundation& bed, const ContactEffectValues& effects,
+                      const ElasticFoundation& of_region, const ContactEffectValues& effects,
                       std::vector<FaceLoad>& loads) {
   const FloorUnderSole floor(kinematics, effects, instant);
-  const BedEffects bed_effects{effects[kStiffnessExponent], effects[kFloorCompliance]};
+  const BedUnderSole bed(of_region, region, effects);
   const auto faces = static_cast<std::size_t>(region.kinematics.faces);
   loads.assign(faces, {});
   for (std::size_t f = 0; f < faces; ++f) {
     const std::size_t i = static_cast<std::size_t>(instant) * faces + f;
     RaisedFace face = floor.DepthAt<true>(region, i, f);
     floor.AddMotion<true, true>(region, instant, i, face);
-    loads[f] = {PressureAt(bed, bed_effects, face.depth, face.rate, false).value,
-                std::hypot(face.slip_x, face.slip_z)};
+    loads[f] = {bed.At(f, face.depth, face.rate, false).value, std::hypot(face.slip_x, face.slip_z)};
   }
 }
 

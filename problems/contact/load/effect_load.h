@@ -30,9 +30,10 @@ struct EffectRegion {
   ContactKinematics kinematics;
   std::vector<double> turning_x;  ///< angular velocity of the body about the world's x [T, rad/s]
   std::vector<double> turning_z;
-  std::vector<double> ahead;    ///< of the sole's middle [faces, m]; empty: it keeps its shape and pose
-  double reach = 0;             ///< largest magnitude of `ahead` [m]
-  std::vector<double> deepest;  ///< depth of the lowest spring [T, m]; empty: not known
+  std::vector<double> ahead;  ///< of the sole's middle [faces, m]; empty: it keeps its shape and pose
+  std::vector<StiffnessModes> stiffness_modes;  ///< [faces]; empty: as stiff everywhere
+  double reach = 0;                             ///< largest magnitude of `ahead` [m]
+  std::vector<double> deepest;                  ///< depth of the lowest spring [T, m]; empty: not known
 };
 
 /// What a stance needs besides ContactSums.

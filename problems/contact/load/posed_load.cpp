@@ -15,6 +15,7 @@ EffectRegion OneInstant(const EffectRegion& recorded) {
   region.part = recorded.part;
   region.turning_x = region.turning_z = {0.0};
   region.ahead = recorded.ahead;
+  region.stiffness_modes = recorded.stiffness_modes;
   ContactKinematics& k = region.kinematics;
   k.instants = 1;
   k.faces = recorded.kinematics.faces;

@@ -29,10 +29,9 @@ double LogYield(double right_side, double exponent) {
   return y;
 }
 
-}  // namespace
-
-Pressure PressureOfBentBed(const ElasticFoundation& bed, const BedEffects& effects, double depth, double rate,
-                           bool by_exponent) {
+// The law of PressureAt without its linear damping.
+Pressure PressureOfUndampedBed(const ElasticFoundation& bed, const BedEffects& effects, double depth,
+                               double rate, bool by_exponent) {
   Pressure p;
   const double damping = 1 + bed.dissipation * rate;
   if (!(depth > 0) || !(damping > 0)) return p;
@@ -61,6 +60,32 @@ Pressure PressureOfBentBed(const ElasticFoundation& bed, const BedEffects& effec
   p.by_dissipation = rate * bed.stiffness * elastic * felt;
   if (by_exponent) p.by_exponent = p.value * (log_depth - std::log1p(yield)) * felt;
   p.by_compliance = -p.by_depth * p.value;
+  return p;
+}
+
+}  // namespace
+
+Pressure PressureOfBentBed(const ElasticFoundation& bed, const BedEffects& effects, double depth, double rate,
+                           bool by_exponent) {
+  const double damping = 1 + bed.dissipation * rate;
+  if (!(depth > 0) || !(damping > 0)) return {};
+  // What the dashpot beside the springs presses the floor down by is no depth of theirs.
+  const double damped = effects.damping * rate;
+  const double left = depth - effects.compliance * damped;
+  if (!(left > 0)) {
+    Pressure p;
+    p.value = depth / effects.compliance;
+    p.by_depth = 1 / effects.compliance;
+    p.by_compliance = -p.value / effects.compliance;
+    return p;
+  }
+  Pressure p = PressureOfUndampedBed(bed, effects, left, rate, by_exponent);
+  p.value += damped;
+  if (!(p.value > 0)) return {};
+  const double felt = 1 - effects.compliance * p.by_depth;  // of a pressure beside the springs
+  p.by_rate += effects.damping * felt;
+  p.by_damping = rate * felt;
+  p.by_compliance -= p.by_depth * damped;
   return p;
 }
 

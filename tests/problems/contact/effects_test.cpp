@@ -69,15 +69,22 @@ TEST(ContactPressure, SolvesItsEquationAndItsDerivativesAreThoseOfDifferences) {
     bed.dissipation = random.Uniform(0, 100);
     // Nulls too: they have branches of their own.
     BedEffects effects{random.Index(4) == 0 ? 0 : random.Uniform(-0.5, 2),
-                       random.Index(4) == 0 ? 0 : std::pow(10, random.Uniform(-12, -5))};
+                       random.Index(4) == 0 ? 0 : std::pow(10, random.Uniform(-12, -5)),
+                       random.Index(2) == 0 ? 0 : std::pow(10, random.Uniform(0, 5))};
     double depth = std::pow(10, random.Uniform(-6, -1.5));
     double rate = random.Uniform(-0.5 / 100, 0.3);
+    // Neither tension nor a floor that takes the whole depth: both have tests of their own.
+    if (effects.damping > 0) {
+      rate = std::abs(rate);
+      if (effects.compliance * effects.damping * rate > 0.9 * depth) effects.compliance = 0;
+    }
     const Pressure p = PressureAt(bed, effects, depth, rate, true);
     const double compression = depth - effects.compliance * p.value;
     ASSERT_GT(compression, 0);
     const double law = bed.stiffness * kReferenceDepth *
-                       std::pow(compression / kReferenceDepth, 1 + effects.exponent) *
-                       (1 + bed.dissipation * rate);
+                           std::pow(compression / kReferenceDepth, 1 + effects.exponent) *
+                           (1 + bed.dissipation * rate) +
+                       effects.damping * rate;
     // The compression is a difference: where the floor gives way much, it loses digits.
     worst_equation = std::max(worst_equation, std::abs(law - p.value) / p.value * compression / depth);
 
@@ -98,6 +105,7 @@ TEST(ContactPressure, SolvesItsEquationAndItsDerivativesAreThoseOfDifferences) {
     check(bed.dissipation, p.by_dissipation, 1);
     check(effects.exponent, p.by_exponent, 0.1);
     if (effects.compliance > 0) check(effects.compliance, p.by_compliance, effects.compliance);
+    if (effects.damping > 0) check(effects.damping, p.by_damping, effects.damping);
   }
   std::printf("equation to %.1e, derivatives to %.1e\n", worst_equation, worst);
   EXPECT_LT(worst_equation, kEquation);
@@ -116,6 +124,36 @@ TEST(ContactPressure, NeverPullsAndNeverPressesInTheAir) {
   }
 }
 
+TEST(ContactPressure, DashpotsBesideTheSpringsDoNotPullEither) {
+  const ElasticFoundation bed{1e6, 0, 0, 0, 0};
+  for (const double exponent : {0.0, 0.3}) {
+    const BedEffects effects{exponent, 0, 1e4};
+    const double still = PressureAt(bed, effects, 1e-3, 0, false).value;
+    EXPECT_NEAR(still, 1e3, 1e-9) << "at the reference depth";
+    EXPECT_GT(PressureAt(bed, effects, 1e-3, -0.099, false).value, 0);
+    const Pressure lifted = PressureAt(bed, effects, 1e-3, -0.101, true);
+    EXPECT_EQ(lifted.value, 0);
+    EXPECT_EQ(lifted.by_depth, 0);
+    EXPECT_EQ(lifted.by_damping, 0);
+    EXPECT_EQ(PressureAt(bed, effects, -1e-3, 1, false).value, 0) << "in the air";
+  }
+}
+
+TEST(ContactPressure, AFloorSofterThanTheDashpotsTakesTheWholeDepth) {
+  constexpr double kRounding = 1e-12;
+  const ElasticFoundation bed{1e6, 0, 0, 0, 0};
+  const BedEffects effects{0, 1e-5, 1e4};
+  const double rate = 0.1;  // 1 kPa of the dashpots press it by 10 mm
+  const double depth = effects.compliance * effects.damping * rate;  // all of it
+  const Pressure less = PressureAt(bed, effects, 0.5 * depth, rate, false);
+  EXPECT_NEAR(less.value, 0.5 * depth / effects.compliance, kRounding * less.value);
+  EXPECT_EQ(less.by_rate, 0);
+  EXPECT_EQ(less.by_stiffness, 0);
+  EXPECT_NEAR(PressureAt(bed, effects, depth * (1 + 1e-9), rate, false).value,
+              PressureAt(bed, effects, depth, rate, false).value, 1e-5)
+      << "a step where the springs begin";
+}
+
 TEST(ContactPressure, OfAStraightBedIsThatOfEveryBedToTheLastBit) {
   Random random(2);
   for (int round = 0; round < 1000; ++round) {
@@ -132,6 +170,7 @@ TEST(ContactPressure, OfAStraightBedIsThatOfEveryBedToTheLastBit) {
     EXPECT_EQ(fast.by_stiffness, other.by_stiffness);
     EXPECT_EQ(fast.by_dissipation, other.by_dissipation);
     EXPECT_EQ(fast.by_compliance, other.by_compliance);
+    EXPECT_EQ(fast.by_damping, other.by_damping);
   }
 }
 
@@ -279,6 +318,71 @@ TEST(ContactEffects, AFlatSoleFollowsThePowerOfItsDepth) {
     const double expected = 1e6 * 0.02 * kReferenceDepth * std::pow(depth / kReferenceDepth, 1.5);
     EXPECT_NEAR(load.load[kForceY], expected, kRounding * expected);
   }
+}
+
+TEST(ContactEffects, LinearDampingIsAForcePerAreaAndRate) {
+  constexpr double kRounding = 1e-12;
+  ContactRegion region;
+  region.mesh = *BoxMesh({0.2, 0.02, 0.1}, 4, 4);
+  region.springs = SpringFaces::kBottom;
+  for (const double depth : {0.0005, 0.004}) {
+    BodyMotion motion;
+    motion.position = Vec3(0, -depth, 0);
+    motion.velocity = Vec3(0, -0.2, 0);
+    EffectKinematics kinematics;
+    kinematics.regions.push_back(Level(ComputeContactKinematics(region, {motion}, {})));
+    kinematics.foot_position = {motion.position};
+    kinematics.foot_acceleration = {motion.acceleration};
+    ContactEffectValues effects{};
+    effects[kLinearDamping] = 3e4;
+    EffectLoad load;
+    load.by_part.resize(1);
+    ComputeEffectLoad(kinematics, 0, {{1e6, 0, 0, 0, 0}}, effects, {}, load);
+    const double expected = 0.02 * (1e6 * depth + 3e4 * 0.2);
+    EXPECT_NEAR(load.load[kForceY], expected, kRounding * expected);
+  }
+}
+
+// Natural logarithms of ratios: at the toes over at the heel, in the middle over at both ends, at the outer
+// edge over at the inner one.
+TEST(ContactEffects, UnevenStiffnessIsWhatItsRatiosSay) {
+  constexpr double kRounding = 1e-12;
+  const auto ratio = [](std::size_t mode, const StiffnessModes& there, const StiffnessModes& here) {
+    return std::exp(0.7 * (there[mode] - here[mode]));
+  };
+  const double expected = std::exp(0.7);
+  EXPECT_NEAR(ratio(0, StiffnessModesAt(1, 0.3), StiffnessModesAt(-1, -0.2)), expected, kRounding);
+  EXPECT_NEAR(ratio(1, StiffnessModesAt(0, 0), StiffnessModesAt(1, 0)), expected, kRounding);
+  EXPECT_NEAR(ratio(1, StiffnessModesAt(0, 0), StiffnessModesAt(-1, 0)), expected, kRounding);
+  EXPECT_NEAR(ratio(2, StiffnessModesAt(0.5, 1), StiffnessModesAt(0.5, -1)), expected, kRounding);
+  EXPECT_EQ(StiffnessModesAt(1.4, 0), StiffnessModesAt(1, 0)) << "beyond the sole, as at its end";
+  StiffnessModes mean{};
+  constexpr int kPlaces = 2000;
+  for (int i = 0; i < kPlaces; ++i) {
+    const double at = -1 + 2 * (i + 0.5) / kPlaces;
+    for (std::size_t m = 0; m < kStiffnessModes; ++m) mean[m] += StiffnessModesAt(at, at)[m] / kPlaces;
+  }
+  for (const double one : mean) EXPECT_NEAR(one, 0, 1e-6);
+}
+
+// Of a real sole, and of the other foot mirrored.
+TEST(ContactEffects, UnevenStiffnessMovesTheCentreOfPressureForwardAndOutward) {
+  const auto problem = Exact(kFitsVertical, kFitsForce);
+  const auto mean_shift = [&](const std::string& name, std::size_t channel, const Stance& stance) {
+    const Vector truth = TruthOf(*problem);
+    const int block = stance.blocks[channel];
+    const Vector before = PredictEverything(*problem, truth).values(block);
+    const Vector after = PredictEverything(*problem, With(*problem, {{name, 0.5}})).values(block);
+    return (after - before).mean();
+  };
+  bool seen[2] = {false, false};
+  for (const Stance& stance : problem->data().stances) {
+    const double outward = stance.plate == "right" ? 1 : -1;
+    seen[stance.plate == "right"] = true;
+    EXPECT_GT(mean_shift("stiffness_toes_to_heel", kCopX, stance), 1e-4) << stance.trial;
+    EXPECT_GT(outward * mean_shift("stiffness_outside_to_inside", kCopZ, stance), 1e-4) << stance.trial;
+  }
+  EXPECT_TRUE(seen[0] && seen[1]);
 }
 
 // Newton, with the acceleration from positions of the foot a little earlier and later.
