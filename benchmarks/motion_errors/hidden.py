@@ -42,6 +42,7 @@ EFFECTS = {
     "foot_bend": (-0.2, 0.2),
     "linear_damping": (0, 1e6),
     "uneven_stiffness": (-2, 2),
+    "shear_compliance": (0, 1e-4),
 }
 # Of several values, the one that is hidden is the first; the others stay at 0, their null.
 SEVERAL = {

@@ -85,6 +85,13 @@ void ContactEffectList::Declare(ParameterListBuilder& add) const {
                   "drop a weight on the sole from several heights: such damping makes a step of the force at "
                   "touch-down")
       .Positive(kNone, "linear_damping", "N*s/m3", "pressure per rate of the depth, at any depth", 1e6);
+  add.BeginEffect("shear_compliance", Level::kBoundary,
+                  "the sole gives way horizontally under friction, so that its contact lags behind the foot "
+                  "(rubber, skin, heel pad)",
+                  "pull the loaded foot sideways with a known force and measure how far it moves before it "
+                  "slides")
+      .Positive(kNone, "shear_compliance", "m/N",
+                "horizontal displacement of the foot over its contact per horizontal force", 1e-4);
   constexpr double kLargestRatio = 2;  // natural logarithm: 7.4 times as stiff
   add.BeginEffect("uneven_stiffness", Level::kBoundary,
                   "the stiffness varies smoothly under the sole (heel pad, arch, ball)",

@@ -24,6 +24,7 @@ enum ContactEffect : std::size_t {
   kToeRegion,          ///< weight of a strip in front of the sole [1]
   kHeelRegion,         ///< behind it
   kLinearDamping,      ///< d: a pressure d v beside that of the springs [N s/m3]
+  kShearCompliance,    ///< of the sole, horizontally [m/N]
   kStiffnessMode,      ///< the first of kStiffnessModes [1, logarithms of ratios]
   kFirstShape = kStiffnessMode + kStiffnessModes,  ///< the first of those of ShapeEffect: [rad], [rad], [m]
   kLastShape = kFirstShape + kShapeModes * kShapePhases - 1,

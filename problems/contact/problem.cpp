@@ -8,6 +8,7 @@
 
 #include "problems/contact/load/plate_channels.h"
 #include "problems/contact/load/posed_load.h"
+#include "problems/contact/load/sheared_load.h"
 
 namespace sinew {
 namespace {
@@ -128,6 +129,16 @@ struct ContactProblem::Scratch {
   bool differentiates_effects = false;
   std::array<bool, kContactEffects> wanted_effects{};  // a plate's own height counts as kHeightOffset
   bool differentiates_edges = false;
+  SoleShear shear;
+  bool shears = false;  // the sole gives way, or the derivative for that is wanted
+
+  // Derivative of the load for a parameter. @param column of it in the block of the forward force
+  // @param of_force that at a fixed give of the sole
+  [[nodiscard]] ContactLoad Derivative(Eigen::Index column, const ContactLoad& of_force) {
+    if (!shears || shear.compliance() == 0) return of_force;
+    const Horizontal give = shear.Slope(column, {of_force[kForceX], of_force[kForceZ]});
+    return of_force + with_effects.by_slip.jacobian * give;
+  }
 };
 
 struct ContactProblem::ContactWorkspace final : Problem::Workspace {
@@ -159,6 +170,8 @@ std::unique_ptr<Problem::Workspace> ContactProblem::NewWorkspace() const {
     scratch.with_effects.by_part.resize(stance.parts.size());
     scratch.places.assign(stance.parts.size(), Vec3::Zero());
     scratch.by_place.resize(stance.parts.size());
+    const Block& forward = data_.layout[static_cast<std::size_t>(stance.blocks[kFx])];
+    scratch.shear = SoleShear(static_cast<Eigen::Index>(forward.columns.size()));
     if (!settings_.moves_springs()) continue;
     scratch.posed.emplace(stance.kinematics);
     for (const FootMotion::Springs& springs : stance.foot.springs)
@@ -216,37 +229,56 @@ Status ContactProblem::Predict(const Query& query, Workspace& workspace, Predict
                                    query.Differentiates(first + static_cast<int>(kHeelRegion));
     SolePlacesInto(stance, query.parameters, scratch.places);
     scratch.curves = stance.motion_errors.BasesAt(query.parameters);
-    for (int t = 0; t < static_cast<int>(stance.time.size()); ++t) {
-      PredictInstant(stance, t, wanted, query, scratch, prediction);
-    }
+    // Normal forces do not feel it.
+    scratch.shears = PartsFor(wanted) != WrenchParts::kVertical &&
+                     (scratch.effects[kShearCompliance] != 0 || scratch.wanted_effects[kShearCompliance]);
+    if (scratch.shears) scratch.shear.Begin(scratch.effects[kShearCompliance]);
+    for (int t = 0; t < static_cast<int>(stance.time.size()); ++t)
+      SINEW_TRY(PredictInstant(stance, t, wanted, query, scratch, prediction));
   }
   return {};
 }
 
-void ContactProblem::PredictInstant(const Stance& stance, int t, const std::array<bool, kChannels>& wanted,
-                                    const Query& query, Scratch& scratch, Prediction& prediction) const {
+Status ContactProblem::PredictInstant(const Stance& stance, int t, const std::array<bool, kChannels>& wanted,
+                                      const Query& query, Scratch& scratch, Prediction& prediction) const {
   const bool posed = scratch.posed.has_value();
+  const std::size_t first_recorded = stance.RecordedInstants()[0];
+  EffectLoadQuery effect_query;
+  effect_query.derivatives = query.derivatives;
+  effect_query.edges = scratch.differentiates_edges;
+  const bool with_effects = !scratch.at_null || scratch.differentiates_effects;
+  const auto compute = [&](const EffectKinematics& kinematics, int instant) -> Status {
+    if (scratch.shears) {
+      // Instants beside the plate's record are there for late sensors and change nothing within it.
+      if (static_cast<std::size_t>(t) <= first_recorded) scratch.shear.Begin(scratch.shear.compliance());
+      scratch.shear.Next(stance.time[static_cast<std::size_t>(t)]);
+      if (!FindGive(kinematics, instant, scratch.beds, scratch.effects, scratch.shear, scratch.with_effects,
+                    effect_query.give)) {
+        return Fail("trial '{}': at {:.4g} s no friction agrees with a sole that gives way by {:.3g} m/N",
+                    stance.trial, stance.time[static_cast<std::size_t>(t)], scratch.shear.compliance());
+      }
+    }
+    ComputeEffectLoad(kinematics, instant, scratch.beds, scratch.effects, effect_query, scratch.with_effects);
+    if (scratch.shears) AcceptGive(effect_query.give, scratch.shear, scratch.with_effects);
+    return {};
+  };
   if (posed) {
     const PoseDeviation deviation = stance.motion_errors.At(scratch.curves, query.parameters, t);
     scratch.posed->Place(stance.kinematics, stance.foot, settings_.floor.height, t, deviation, scratch.places,
                          stance.side, query.derivatives);
     // Without effects the load comes in one pass, with or without their derivatives.
-    if (!scratch.at_null || scratch.differentiates_effects) {
-      const EffectLoadQuery load_query{
-          false, query.derivatives, scratch.differentiates_edges, query.derivatives, {}};
-      ComputeEffectLoad(scratch.posed->kinematics(), 0, scratch.beds, scratch.effects, load_query,
-                        scratch.with_effects);
-    }
+    effect_query.springs = query.derivatives;
+    if (with_effects) SINEW_TRY(compute(scratch.posed->kinematics(), 0));
     if (scratch.at_null) {
       scratch.posed->ComputeLoad(stance.foot, scratch.beds, query.derivatives, scratch.with_effects,
                                  scratch.by_pose, scratch.by_place);
     } else if (query.derivatives) {
       scratch.posed->Differentiate(stance.foot, scratch.with_effects, scratch.by_pose, scratch.by_place);
     }
-  } else if (!scratch.at_null || scratch.differentiates_effects) {
-    const EffectLoadQuery load_query{PartsFor(wanted) == WrenchParts::kVertical, query.derivatives,
-                                     scratch.differentiates_edges, false, scratch.wanted_effects};
-    ComputeEffectLoad(stance.kinematics, t, scratch.beds, scratch.effects, load_query, scratch.with_effects);
+  } else if (with_effects) {
+    effect_query.vertical_only = PartsFor(wanted) == WrenchParts::kVertical;
+    effect_query.effects = scratch.wanted_effects;
+    SINEW_TRY(compute(stance.kinematics, t));
   }
   ContactLoad load = ContactLoad::Zero();
   if (scratch.at_null && !posed) {
@@ -262,12 +294,13 @@ void ContactProblem::PredictInstant(const Stance& stance, int t, const std::arra
   for (std::size_t c = 0; c < kChannels; ++c) {
     if (wanted[c]) prediction.values(stance.blocks[c])[t] = channels.value[c];
   }
-  if (!query.derivatives) return;
+  if (!query.derivatives) return {};
 
   const auto& by_part = scratch.at_null && !posed ? scratch.by_part : scratch.with_effects.by_part;
   for (std::size_t p = 0; p < stance.parts.size(); ++p) {
     for (Eigen::Index k = 0; k < kContactParametersPerGroup; ++k) {
-      const auto slope = channels.Derivative(by_part[p].col(k));
+      const auto column = static_cast<Eigen::Index>(p) * kContactParametersPerGroup + k;
+      const auto slope = channels.Derivative(scratch.Derivative(column, by_part[p].col(k)));
       for (std::size_t c = 0; c < kChannels; ++c) {
         const Eigen::Index columns = kColumnsPerGroup[c];
         if (!wanted[c] || k >= columns) continue;
@@ -276,12 +309,18 @@ void ContactProblem::PredictInstant(const Stance& stance, int t, const std::arra
     }
   }
   if (posed) DifferentiatePose(stance, t, wanted, query, channels, scratch, prediction);
-  if (!scratch.differentiates_effects) return;
+  if (!scratch.differentiates_effects) return {};
   const auto places = static_cast<Eigen::Index>(places_.size() * stance.parts.size());
   const bool own_height = data_.effects.OwnHeight(stance.plate) >= 0;
   for (std::size_t e = 0; e < kContactEffects; ++e) {
     if (!scratch.wanted_effects[e]) continue;
-    const auto slope = channels.Derivative(scratch.with_effects.by_effect.col(static_cast<Eigen::Index>(e)));
+    const auto index = static_cast<Eigen::Index>(e);
+    const ContactLoad of_force = scratch.with_effects.by_effect.col(index);
+    const auto column =
+        static_cast<Eigen::Index>(stance.parts.size()) * kColumnsPerGroup[kFx] + places + index;
+    // A mass moves with the foot, whatever the sole does.
+    const auto slope =
+        channels.Derivative(e == kUnmodelledMass ? of_force : scratch.Derivative(column, of_force));
     for (std::size_t c = 0; c < kChannels; ++c) {
       if (!wanted[c]) continue;
       auto derivatives = prediction.derivatives(stance.blocks[c]);
@@ -292,6 +331,7 @@ void ContactProblem::PredictInstant(const Stance& stance, int t, const std::arra
         derivatives(t, first + static_cast<Eigen::Index>(kContactEffects)) = slope[c];
     }
   }
+  return {};
 }
 
 void ContactProblem::DifferentiatePose(const Stance& stance, int t, const std::array<bool, kChannels>& wanted,
@@ -301,8 +341,8 @@ void ContactProblem::DifferentiatePose(const Stance& stance, int t, const std::a
   Eigen::Index at = 0;
   for (const int place : places_) {
     for (std::size_t p = 0; p < stance.parts.size(); ++p, ++at) {
-      const ContactLoad column = scratch.by_place[p].col(place);
-      const auto slope = channels.Derivative(column);
+      const auto slope = channels.Derivative(
+          scratch.Derivative(parts * kColumnsPerGroup[kFx] + at, scratch.by_place[p].col(place)));
       for (std::size_t c = 0; c < kChannels; ++c) {
         if (wanted[c])
           prediction.derivatives(stance.blocks[c])(t, parts * kColumnsPerGroup[c] + at) = slope[c];
@@ -317,13 +357,25 @@ void ContactProblem::DifferentiatePose(const Stance& stance, int t, const std::a
     if (query.Differentiates(term.first)) {
       const ContactLoad value = scratch.by_pose.leftCols<kPoseComponents>() * term.direction;
       const ContactLoad rate = scratch.by_pose.rightCols<kPoseComponents>() * term.direction;
-      const auto by_value = channels.Derivative(value);
-      const auto by_rate = channels.Derivative(rate);
       const CurveBasis& curves = scratch.curves.Of(term);
-      for (std::size_t c = 0; c < kChannels; ++c) {
-        if (!wanted[c]) continue;
-        prediction.derivatives(stance.blocks[c]).row(t).segment(parts * kColumnsPerGroup[c] + at, weights) =
-            by_value[c] * curves.value.row(t) + by_rate[c] * curves.rate.row(t);
+      if (scratch.shears && scratch.shear.compliance() > 0) {
+        // The memory of the sole is that of every weight.
+        for (Eigen::Index w = 0; w < weights; ++w) {
+          const auto slope = channels.Derivative(scratch.Derivative(
+              parts * kColumnsPerGroup[kFx] + at + w, curves.value(t, w) * value + curves.rate(t, w) * rate));
+          for (std::size_t c = 0; c < kChannels; ++c) {
+            if (wanted[c])
+              prediction.derivatives(stance.blocks[c])(t, parts * kColumnsPerGroup[c] + at + w) = slope[c];
+          }
+        }
+      } else {
+        const auto by_value = channels.Derivative(value);
+        const auto by_rate = channels.Derivative(rate);
+        for (std::size_t c = 0; c < kChannels; ++c) {
+          if (!wanted[c]) continue;
+          prediction.derivatives(stance.blocks[c]).row(t).segment(parts * kColumnsPerGroup[c] + at, weights) =
+              by_value[c] * curves.value.row(t) + by_rate[c] * curves.rate.row(t);
+        }
       }
     }
     at += weights;

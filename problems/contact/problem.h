@@ -75,8 +75,8 @@ class ContactProblem final : public Problem {
   ContactProblem(ContactSettings settings, ContactData data);
   struct Scratch;
   struct ContactWorkspace;
-  void PredictInstant(const Stance& stance, int t, const std::array<bool, kChannels>& wanted,
-                      const Query& query, Scratch& scratch, Prediction& prediction) const;
+  [[nodiscard]] Status PredictInstant(const Stance& stance, int t, const std::array<bool, kChannels>& wanted,
+                                      const Query& query, Scratch& scratch, Prediction& prediction) const;
   void DifferentiatePose(const Stance& stance, int t, const std::array<bool, kChannels>& wanted,
                          const Query& query, const PlateChannels& channels, Scratch& scratch,
                          Prediction& prediction) const;

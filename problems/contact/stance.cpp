@@ -75,6 +75,12 @@ void SetPlaces(const ContactRegion& sole, const BodyMotion& body, const Ends& al
 
 }  // namespace
 
+std::array<std::size_t, 2> Stance::RecordedInstants() const {
+  const auto first = std::lower_bound(time.begin(), time.end(), recorded[0]);
+  const auto after = std::upper_bound(first, time.end(), recorded[1]);
+  return {static_cast<std::size_t>(first - time.begin()), static_cast<std::size_t>(after - time.begin()) - 1};
+}
+
 void Stance::LookForward(std::size_t instant) {
   Vec3 pointing = foot.bodies.front().motion[instant].rotation * Vec3::UnitX();
   pointing.y() = 0;

@@ -48,6 +48,8 @@ struct Stance {
   double length = 0;                    ///< of the sole, between its outermost springs along x or z [m]
   std::array<int, 6> blocks{};          ///< index into the layout of each of kContactChannels
 
+  /// First and last instant while the plate records.
+  [[nodiscard]] std::array<std::size_t, 2> RecordedInstants() const;
   /// Sets `forward` to where the foot points at an instant.
   void LookForward(std::size_t instant);
 };

@@ -61,7 +61,10 @@ const std::map<std::string, Exact> kExact{
        {"dissipation", 33},
        {"static_friction", 0.95},
        {"dynamic_friction", 0.55},
-       {"viscous_friction", 0.45}}}},
+       {"viscous_friction", 0.45}},
+      false,
+      // A sole that gives way feels a spring that touches, or a slip that turns round, at all later instants.
+      0.8}},
     {"drive",
      {{{"exact", 1},
        {"speed", 1},

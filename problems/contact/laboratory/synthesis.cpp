@@ -14,8 +14,8 @@
 #include "problems/contact/laboratory/smooth_errors.h"
 #include "problems/contact/laboratory/stepping_body.h"
 #include "problems/contact/laboratory/truth.h"
-#include "problems/contact/load/effect_load.h"
 #include "problems/contact/load/plate_channels.h"
+#include "problems/contact/load/sheared_load.h"
 #include "problems/contact/motion/loaded_span.h"
 #include "problems/kit/experiment_settings.h"
 
@@ -213,19 +213,28 @@ Result<std::vector<ContactLoad>> TrueLoads(const Laboratory& lab, const Coordina
   }
   kinematics.tilt_reference = kTiltPivot;
   kinematics.transition_velocity = kTransitionVelocity;
-  const auto compute = [&] {
+  const auto compute = [&]() -> Status {
     EffectLoad load;
     load.by_part.resize(1);
+    SoleShear shear;
+    shear.Begin(effects[kShearCompliance]);
     for (std::size_t i = 0; i < times.size(); ++i) {
-      ComputeEffectLoad(kinematics, static_cast<int>(i), {truth}, effects, {false, false}, load);
+      EffectLoadQuery query;
+      query.derivatives = false;
+      shear.Next(times[i]);
+      if (!FindGive(kinematics, static_cast<int>(i), {truth}, effects, shear, load, query.give))
+        return Fail("no friction agrees with a sole that gives way by {} m/N", shear.compliance());
+      ComputeEffectLoad(kinematics, static_cast<int>(i), {truth}, effects, query, load);
+      AcceptGive(query.give, shear, load);
       loads[i] = load.load;
     }
+    return {};
   };
-  compute();
+  SINEW_TRY(compute());
   if (!HasShape(effects)) return loads;
   const auto loaded = SpanSeen(loads, times);
   for (const double t : times) kinematics.phase.push_back(PhaseShareAt(t, loaded));
-  compute();
+  SINEW_TRY(compute());
   return loads;
 }
 

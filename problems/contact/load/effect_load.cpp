@@ -88,7 +88,7 @@ void AddVertical(const FloorUnderSole& floor, const EffectRegion& region, int in
       for (const std::size_t axis : {0U, 1U}) {
         const double shrink = floor.slope(axis) * up * up;  // -(dN/dslope) / N
         const double by_tilt = area * (-p.by_depth * face.depth * shrink +
-                                       p.by_rate * (floor.velocity(face, axis) * up - face.rate * shrink));
+                                       p.by_rate * (face.velocity[axis] * up - face.rate * shrink));
         for_slope[axis] += face.lever[axis] * by_rise + by_tilt * up + normal * (-shrink * up);
       }
     }
@@ -138,11 +138,13 @@ void AddVerticalOf(const EffectKinematics& kinematics, const EffectRegion& regio
 
 // Adds one region's load and, if wanted, derivatives, as if its weight were 1. `by_spring` is nullptr or set.
 void AddRegion(const EffectKinematics& kinematics, const EffectRegion& region, int instant,
-               const ElasticFoundation& of_region, const ContactEffectValues& effects, bool derivatives,
-               ContactLoad& load, ContactLoadJacobian& by_bed, ContactEffectJacobian& by_effect,
+               const ElasticFoundation& of_region, const ContactEffectValues& effects,
+               const EffectLoadQuery& query, ContactLoad& load, ContactLoadJacobian& by_bed,
+               ContactEffectJacobian& by_effect, SlipResponse& by_slip,
                std::vector<SpringGradient>* by_spring) {
   const ContactKinematics& k = region.kinematics;
-  const FloorUnderSole floor(kinematics, effects, instant);
+  const FloorUnderSole floor(kinematics, effects, instant, query.give);
+  const bool derivatives = query.derivatives;
   const BedUnderSole bed(of_region, region, effects);
   const double up = floor.up();
   const std::array<double, 3> mu{of_region.static_friction, of_region.dynamic_friction,
@@ -174,6 +176,20 @@ void AddRegion(const EffectKinematics& kinematics, const EffectRegion& region, i
     const ContactLoad unit =
         lever.Of(-floor.slope(0) * up - drag * face.slip_x, up, -floor.slope(1) * up - drag * face.slip_z);
     load += normal * unit;
+    if (!derivatives && !query.slip) continue;
+    const auto by_slip_along = [&](double along_x, double along_z) -> ContactLoad {
+      const double along = face.slip_x * along_x + face.slip_z * along_z;
+      return lever.Of(-drag * along_x - drag_slope * along * face.slip_x, 0,
+                      -drag * along_z - drag_slope * along * face.slip_z);
+    };
+    const ContactLoad by_slip_x = normal * by_slip_along(1, 0);
+    const ContactLoad by_slip_z = normal * by_slip_along(0, 1);
+    by_slip.jacobian.col(0) += by_slip_x;
+    by_slip.jacobian.col(1) += by_slip_z;
+    if (query.slip) {
+      by_slip.potential += normal * (FrictionPotentialAt(slip, kinematics.transition_velocity, mu) +
+                                     (floor.slope(0) * query.give[0] + floor.slope(1) * query.give[1]) * up);
+    }
     if (!derivatives) continue;
 
     by_bed.col(0) += area * p.by_stiffness * unit;
@@ -191,17 +207,14 @@ void AddRegion(const EffectKinematics& kinematics, const EffectRegion& region, i
                     });
 
     // The floor rises: the spring gets deeper, and the sole's velocity is taken elsewhere.
-    const double speed_by_rise = face.slip_x * slip_by_rise[0] + face.slip_z * slip_by_rise[1];  // times slip
-    const ContactLoad by_slip =
-        lever.Of(-drag * slip_by_rise[0] - drag_slope * speed_by_rise * face.slip_x, 0,
-                 -drag * slip_by_rise[1] - drag_slope * speed_by_rise * face.slip_z);
-    const ContactLoad by_rise = area * (p.by_depth * up + p.by_rate * rate_by_rise) * unit + normal * by_slip;
+    const ContactLoad by_rise = area * (p.by_depth * up + p.by_rate * rate_by_rise) * unit +
+                                normal * by_slip_along(slip_by_rise[0], slip_by_rise[1]);
     by_effect.col(kHeightOffset) += by_rise;
     by_shape.Add(face, by_rise, (area * p.by_rate * up) * unit);
     for (const std::size_t axis : {0U, 1U}) {
       const double shrink = floor.slope(axis) * up * up;  // -(dN/dslope) / N
       const double by_tilt = area * (-p.by_depth * face.depth * shrink +
-                                     p.by_rate * (floor.velocity(face, axis) * up - face.rate * shrink));
+                                     p.by_rate * (face.velocity[axis] * up - face.rate * shrink));
       const ContactLoad turned = lever.Of((floor.slope(0) * shrink - (axis == 0 ? 1 : 0)) * up, -shrink * up,
                                           (floor.slope(1) * shrink - (axis == 1 ? 1 : 0)) * up);
       by_effect.col(static_cast<Eigen::Index>(kFloorSlopeX + axis)) +=
@@ -214,15 +227,10 @@ void AddRegion(const EffectKinematics& kinematics, const EffectRegion& region, i
     const double force_x = normal * unit[kForceX];
     const double force_z = normal * unit[kForceZ];
     const ContactLoad by_rate = (area * p.by_rate * up) * unit;
-    const auto by_slip_along = [&](double along_x, double along_z) -> ContactLoad {
-      const double along = face.slip_x * along_x + face.slip_z * along_z;
-      return lever.Of(-drag * along_x - drag_slope * along * face.slip_x, 0,
-                      -drag * along_z - drag_slope * along * face.slip_z);
-    };
     gradient.col(kDepth) = (area * p.by_depth * up) * unit;
     gradient.col(kRate) = by_rate;
-    gradient.col(kSlipX) = normal * by_slip_along(1, 0) + floor.slope(0) * by_rate;
-    gradient.col(kSlipZ) = normal * by_slip_along(0, 1) + floor.slope(1) * by_rate;
+    gradient.col(kSlipX) = by_slip_x + floor.slope(0) * by_rate;
+    gradient.col(kSlipZ) = by_slip_z + floor.slope(1) * by_rate;
     gradient.col(kTurningX) = face.rise * gradient.col(kSlipZ);
     gradient.col(kTurningZ) = -face.rise * gradient.col(kSlipX);
     gradient.col(kPointX) = floor.slope(0) * by_rise;
@@ -245,20 +253,21 @@ void ComputeEffectLoad(const EffectKinematics& kinematics, int instant,
                        const EffectLoadQuery& query, EffectLoad& load) {
   std::size_t next = 0;  // of by_spring
   const auto add = [&](const EffectRegion& region, ContactLoad& sum, ContactLoadJacobian& by_bed,
-                       ContactEffectJacobian& by_effect) {
+                       ContactEffectJacobian& by_effect, SlipResponse& by_slip) {
     const ElasticFoundation& bed = beds[static_cast<std::size_t>(region.part)];
     if (query.vertical_only) {
       AddVerticalOf(kinematics, region, instant, bed, effects, query, sum, by_bed, by_effect);
     } else {
-      AddRegion(kinematics, region, instant, bed, effects, query.derivatives, sum, by_bed, by_effect,
+      AddRegion(kinematics, region, instant, bed, effects, query, sum, by_bed, by_effect, by_slip,
                 query.springs ? &load.by_spring[next++] : nullptr);
     }
   };
   load.load.setZero();
   load.by_effect.setZero();
+  load.by_slip = {};
   for (ContactLoadJacobian& jacobian : load.by_part) jacobian.setZero();
   for (const EffectRegion& region : kinematics.regions) {
-    add(region, load.load, load.by_part[static_cast<std::size_t>(region.part)], load.by_effect);
+    add(region, load.load, load.by_part[static_cast<std::size_t>(region.part)], load.by_effect, load.by_slip);
   }
   for (std::size_t edge = 0; edge < kinematics.edges.size(); ++edge) {
     const std::size_t effect = kToeRegion + edge;
@@ -274,15 +283,19 @@ void ComputeEffectLoad(const EffectKinematics& kinematics, int instant,
       ContactLoad whole = ContactLoad::Zero();
       ContactLoadJacobian by_bed = ContactLoadJacobian::Zero();
       ContactEffectJacobian by_effect = ContactEffectJacobian::Zero();
-      add(region, whole, by_bed, by_effect);
+      SlipResponse by_slip;
+      add(region, whole, by_bed, by_effect, by_slip);
       load.load += weight * whole;
       load.by_part[part] += weight * by_bed;
       load.by_effect += weight * by_effect;
+      load.by_slip.jacobian += weight * by_slip.jacobian;
+      load.by_slip.potential += weight * by_slip.potential;
       load.by_effect.col(static_cast<Eigen::Index>(effect)) += whole;
       if (!query.springs) continue;
       for (SpringGradient& gradient : load.by_spring[next - 1]) gradient *= weight;
     }
   }
+  load.of_springs = load.load;
   // A plate measures the load on it: the mass counts while a spring is compressed.
   if (!(load.load[kForceY] > 0)) return;
   const auto t = static_cast<std::size_t>(instant);

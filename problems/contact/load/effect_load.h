@@ -66,11 +66,19 @@ using SpringGradient = Eigen::Matrix<double, 6, kSpringQuantities>;
 
 using ContactEffectJacobian = Eigen::Matrix<double, 6, static_cast<int>(kContactEffects)>;
 
+/// How a load answers to a velocity of all springs along x and z, EffectLoadQuery::give.
+struct SlipResponse {
+  Eigen::Matrix<double, 6, 2> jacobian = Eigen::Matrix<double, 6, 2>::Zero();  ///< of the ContactLoad
+  double potential = 0;  ///< with EffectLoadQuery::slip: the horizontal force is minus its gradient [N m/s]
+};
+
 /// Load and derivatives of one instant.
 struct EffectLoad {
   ContactLoad load = ContactLoad::Zero();
-  std::vector<ContactLoadJacobian> by_part;  ///< [parts] for k, c, mu_s, mu_d, mu_v of each
-  ContactEffectJacobian by_effect = ContactEffectJacobian::Zero();
+  ContactLoad of_springs = ContactLoad::Zero();  ///< the same without kUnmodelledMass
+  std::vector<ContactLoadJacobian> by_part;      ///< [parts] for k, c, mu_s, mu_d, mu_v of each
+  ContactEffectJacobian by_effect = ContactEffectJacobian::Zero();  ///< but for kShearCompliance
+  SlipResponse by_slip;
   /// [regions, then edges][faces] with EffectLoadQuery::springs: zero for a spring that does not touch.
   std::vector<std::vector<SpringGradient>> by_spring;
 };
@@ -78,13 +86,17 @@ struct EffectLoad {
 /// What of an EffectLoad is asked for; the rest of it is not to be used.
 struct EffectLoadQuery {
   bool vertical_only = false;  ///< the vertical force alone: no friction, no moments
-  bool derivatives = true;     ///< by_part and by_effect too
+  bool derivatives = true;     ///< by_part, by_effect and the jacobian of by_slip too
   bool edges = false;          ///< strips of weight 0 too, for the derivative of the weight
   bool springs = false;  ///< EffectLoad::by_spring, which has the right size; with derivatives, not with
                          ///< vertical_only
   /// With vertical_only and derivatives: columns of EffectLoad::by_effect that are wanted. Those of the
   /// exponent, the slopes and the shape cost time.
   std::array<bool, kContactEffects> effects{};
+  bool slip = false;  ///< by_slip without the other derivatives; not with vertical_only
+  /// Velocity of the springs' lower ends against the foot along x and z: the sole gives way (SoleShear)
+  /// [m/s].
+  std::array<double, 2> give{};
 
   [[nodiscard]] bool wants(std::size_t effect) const { return effects[effect]; }
   [[nodiscard]] bool wants_shape() const {

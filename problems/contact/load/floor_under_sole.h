@@ -10,11 +10,12 @@
 namespace sinew {
 
 struct RaisedFace {
-  double rise = 0;   // of the floor [m]
-  double depth = 0;  // [m]
-  double rate = 0;   // [m/s]
-  double slip_x = 0;
+  double rise = 0;    // of the floor [m]
+  double depth = 0;   // [m]
+  double rate = 0;    // [m/s]
+  double slip_x = 0;  // of the spring's lower end over the floor [m/s]
   double slip_z = 0;
+  std::array<double, 2> velocity{};        // x, z of the foot there, in the frame of the ground [m/s]
   std::array<double, 2> lever{};           // x, z from the point that slopes leave alone
   std::array<double, kShapeModes> arms{};  // of the displacement upwards, by mode
 };
@@ -23,8 +24,11 @@ struct RaisedFace {
 // found first, and where it moves only for those that touch: most do not.
 class FloorUnderSole {
  public:
-  FloorUnderSole(const EffectKinematics& kinematics, const ContactEffectValues& effects, int instant)
+  // @param give see EffectLoadQuery
+  FloorUnderSole(const EffectKinematics& kinematics, const ContactEffectValues& effects, int instant,
+                 const std::array<double, 2>& give = {})
       : kinematics_(kinematics),
+        give_(give),
         height_(effects[kHeightOffset]),
         slope_{effects[kFloorSlopeX], effects[kFloorSlopeZ]},
         up_(1 / std::sqrt(1 + slope_[0] * slope_[0] + slope_[1] * slope_[1])) {
@@ -75,11 +79,13 @@ class FloorUnderSole {
     double rate = k.rate[i];
     if constexpr (kMoves) {
       const auto t = static_cast<std::size_t>(instant);
-      face.slip_x = k.slip_x[i] - region.turning_z[t] * face.rise;
-      face.slip_z = k.slip_z[i] + region.turning_x[t] * face.rise;
+      const double foot_x = k.slip_x[i] - region.turning_z[t] * face.rise;
+      const double foot_z = k.slip_z[i] + region.turning_x[t] * face.rise;
+      face.slip_x = foot_x + give_[0];
+      face.slip_z = foot_z + give_[1];
+      face.velocity = {foot_x + kinematics_.floor_velocity[0], foot_z + kinematics_.floor_velocity[1]};
       if (sloped()) {
-        rate += slope_[0] * (face.slip_x + kinematics_.floor_velocity[0]) +
-                slope_[1] * (face.slip_z + kinematics_.floor_velocity[1]);
+        rate += slope_[0] * face.velocity[0] + slope_[1] * face.velocity[1];
       } else {
         SetLever(region, i, face);
       }
@@ -101,9 +107,6 @@ class FloorUnderSole {
   [[nodiscard]] double slope(std::size_t axis) const { return slope_[axis]; }
   [[nodiscard]] double up() const { return up_; }  // cosine of the slope
   [[nodiscard]] const PhaseShare& phase() const { return share_; }
-  [[nodiscard]] double velocity(const RaisedFace& face, std::size_t axis) const {
-    return (axis == 0 ? face.slip_x : face.slip_z) + kinematics_.floor_velocity[axis];
-  }
 
  private:
   void SetLever(const EffectRegion& region, std::size_t i, RaisedFace& face) const {
@@ -112,6 +115,7 @@ class FloorUnderSole {
   }
 
   const EffectKinematics& kinematics_;
+  std::array<double, 2> give_;
   double height_;
   std::array<double, 2> slope_;
   double up_;

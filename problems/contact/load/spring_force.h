@@ -2,6 +2,7 @@
 #pragma once
 
 #include <array>
+#include <cmath>
 
 #include "models/contact/contact_sums.h"
 
@@ -28,6 +29,20 @@ inline FrictionPerSlip FrictionPerSlipAt(double slip, double transition_velocity
     f.slope = {peak_slope / slip - peak / cubed, -peak_slope / slip - (1 - peak) / cubed, 0};
   }
   return f;
+}
+
+/// The potential of that friction per unit of normal force [m/s]: its derivative for the slip is the
+/// friction.
+/// @param mu mu_s, mu_d, mu_v
+inline double FrictionPotentialAt(double slip, double transition_velocity, const std::array<double, 3>& mu) {
+  constexpr double kAtTransition = 0.785398163397448310;  // arctan 1
+  constexpr double kLogTwo = 0.693147180559945309;
+  const double ratio = slip / transition_velocity;
+  const double over = mu[0] - mu[1];
+  const double dry = ratio < 1 ? 0.5 * mu[1] * ratio * ratio + over * std::log1p(ratio * ratio)
+                               : 0.5 * mu[1] + over * kLogTwo + mu[1] * (ratio - 1) +
+                                     2 * over * (std::atan(ratio) - kAtTransition);
+  return transition_velocity * dry + 0.5 * mu[2] * slip * slip;
 }
 
 /// Where a force acts on the plate, and the load of it.

@@ -13,15 +13,16 @@
 namespace sinew {
 namespace {
 
-// A vector channel at the stance's times; nothing if the trial lacks it or has a gap there.
-std::optional<std::vector<Vec3>> VectorAt(const Trial& trial, const std::string& name,
-                                          const std::vector<double>& times) {
-  std::vector<Vec3> values(times.size());
+// A vector channel at the stance's times, before and after the plate's record as at its ends (there are
+// instants beside it for late sensors); nothing if the trial lacks it or has a gap.
+std::optional<std::vector<Vec3>> VectorAt(const Trial& trial, const std::string& name, const Stance& stance) {
+  const auto [begin, end] = stance.recorded;
+  std::vector<Vec3> values(stance.time.size());
   for (int axis = 0; axis < 3; ++axis) {
     const auto found = trial.Find(name + "_" + "xyz"[axis]);
     if (!found) return {};
-    for (std::size_t t = 0; t < times.size(); ++t)
-      values[t][axis] = ValueAt(*found.grid, *found.channel, times[t]);
+    for (std::size_t t = 0; t < stance.time.size(); ++t)
+      values[t][axis] = ValueAt(*found.grid, *found.channel, std::clamp(stance.time[t], begin, end));
   }
   const auto known = [](const Vec3& value) { return value.allFinite(); };
   if (!std::all_of(values.begin(), values.end(), known)) return {};
@@ -86,9 +87,9 @@ Result<std::optional<BodyLoad>> MeasuredBodyLoad(const Trial& trial, const Stanc
                                                  const ContactSettings& settings, StanceNotes& notes) {
   constexpr double kAround = 0.02;  // [s]
   const std::optional<BodyLoad> none;
-  const auto force = VectorAt(trial, kWholeBodyForce, stance.time);
-  const auto moment = VectorAt(trial, kWholeBodyMoment, stance.time);
-  const auto mass_centre = VectorAt(trial, kMassCentre, stance.time);
+  const auto force = VectorAt(trial, kWholeBodyForce, stance);
+  const auto moment = VectorAt(trial, kWholeBodyMoment, stance);
+  const auto mass_centre = VectorAt(trial, kMassCentre, stance);
   if (!force || !moment || !mass_centre) return none;
   const auto unusable = [&](const char* why) {
     notes.NoBodyLoad(stance, why);
@@ -98,8 +99,9 @@ Result<std::optional<BodyLoad>> MeasuredBodyLoad(const Trial& trial, const Stanc
   if (other.empty()) return unusable("no region of another foot tells when it touches");
 
   // The body moves over a foot that stands.
+  const auto [first, last] = stance.RecordedInstants();
   Vec3 forward =
-      (mass_centre->back() - stance.foot.centre.back()) - (mass_centre->front() - stance.foot.centre.front());
+      (mass_centre->back() - stance.foot.centre[last]) - (mass_centre->front() - stance.foot.centre[first]);
   forward.y() = 0;
   if (!(forward.norm() > 0)) return unusable("the body does not move over the foot");
   forward.normalize();

@@ -152,7 +152,7 @@ TEST(MotionErrors, AFloorThatMovesHasAVelocityOfItsOwn) {
   const auto known =
       MakeContact(OneStance(), Moving(moving + "floor_velocity_error: [0.0001, 0]\n  " + kErrors)).value();
   Random random(4);
-  ExpectJacobianAgrees(*known, random);
+  ExpectJacobianAgrees(*known, random, kSoleWithMemory);
 }
 
 TEST(MotionErrors, AFloorWhoseVelocityIsExactHasNoParameter) {
@@ -175,7 +175,7 @@ TEST(MotionErrors, JacobianAgreesWithDifferences) {
   const auto problem = MakeContact(OneStance(), Moving(kErrors) + places).value();
   ASSERT_GT(problem->parameters().size(), 60U);
   Random random(1);
-  ExpectJacobianAgrees(*problem, random);
+  ExpectJacobianAgrees(*problem, random, kSoleWithMemory);
 }
 
 // Without effects the load and its derivatives come in one pass; with effects, at their null too, spring by

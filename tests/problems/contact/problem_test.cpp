@@ -89,7 +89,7 @@ TEST(ContactProblem, TwoGroupsOfEqualParametersAreOneSole) {
 TEST(ContactProblem, JacobianOfTwoGroupsAgreesWithDifferences) {
   const auto problem = MakeContact(ExactData(), kHeelAndForefoot).value();
   Random random(1);
-  ExpectJacobianAgrees(*problem, random);
+  ExpectJacobianAgrees(*problem, random, kSoleWithMemory);
 }
 
 // From the file of the model and the recorded coordinates to the channels of the plate, by another road.

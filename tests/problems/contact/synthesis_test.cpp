@@ -365,6 +365,43 @@ TEST(ContactSynthesis, WithTheHiddenEffectTheFittedModelIsTheTruth) {
   }
 }
 
+// The laboratory computes the memory of the sole at every sample of a plate, the problem at the frames.
+TEST(ContactSynthesis, ASoleThatGivesWayIsThatOfTheFittedModel) {
+  SynthesisRequest request;
+  request.set = kTruth;
+  request.set["static_friction"] = request.set["dynamic_friction"] = 0.6;
+  request.set["encoders"] = 1;
+  request.noise = 0;
+  request.set["train"] = 2;
+  request.set["validate"] = 0;
+  request.effects = {{"shear_compliance", {{"shear_compliance", 5e-5}}}};
+  const Dataset data = SynthesizeContact(request).value();
+  const auto problem = MakeContact(data, SettingsText(data)).value();
+  const auto rmse = [&](double compliance) {
+    Vector parameters = TruthOf(*problem);
+    for (const char* name : {"static_friction", "dynamic_friction"})
+      parameters[FindParameter(problem->parameters(), name).value()] = 0.6;
+    parameters[FindParameter(problem->parameters(), "shear_compliance").value()] = compliance;
+    double squares = 0;
+    double samples = 0;
+    const Prediction prediction = PredictEverything(*problem, parameters);
+    for (const Stance& stance : problem->data().stances) {
+      const Block& block = problem->layout()[static_cast<std::size_t>(stance.blocks[kFx])];
+      for (std::size_t i = 0; i < block.measured.size(); ++i) {
+        const double error = prediction.values(stance.blocks[kFx])[block.sample[i]] - block.measured[i];
+        squares += error * error;
+        samples += 1;
+      }
+    }
+    return std::sqrt(squares / samples);
+  };
+  const double without = rmse(0);
+  const double with = rmse(5e-5);
+  std::printf("forward force: %.2f N without it, %.2f N with it\n", without, with);
+  EXPECT_GT(without, 1);
+  EXPECT_LT(with, 0.25 * without);
+}
+
 TEST(ContactSynthesis, WhatItDoesNotKnowIsAnError) {
   SynthesisRequest request;
   request.set = {{"stifness", 1e6}};

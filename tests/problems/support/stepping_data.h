@@ -80,6 +80,9 @@ inline Result<std::unique_ptr<ContactProblem>> MakeContact(const Dataset& data, 
   return ContactProblem::Make(data, std::move(settings), margin);
 }
 
+/// Of ExpectJacobianAgrees: a sole that gives way remembers the instants before.
+inline constexpr double kSoleWithMemory = 0.8;
+
 /// Every channel of a plate is predicted; the fitted ones are these.
 inline const char* const kFitsVertical = "fit: [force_y]";
 inline const char* const kFitsForce = "fit: [force_x, force_y, force_z]";
