@@ -298,48 +298,42 @@ TEST(ContactEffects, AFloorThatGivesIsASofterSole) {
   EXPECT_LT((series - soft).norm(), kRounding * soft.norm());
 }
 
-TEST(ContactEffects, AFlatSoleFollowsThePowerOfItsDepth) {
-  constexpr double kRounding = 1e-12;
+// Vertical force of a level sole of 0.02 m2 [N]. @param rate of its depth [m/s]
+double ForceOfFlatSole(double depth, double rate, const ElasticFoundation& bed,
+                       const ContactEffectValues& effects) {
   ContactRegion region;
   region.mesh = *BoxMesh({0.2, 0.02, 0.1}, 4, 4);
   region.springs = SpringFaces::kBottom;
+  BodyMotion motion;
+  motion.position = Vec3(0, -depth, 0);
+  motion.velocity = Vec3(0, -rate, 0);
+  EffectKinematics kinematics;
+  kinematics.regions.push_back(Level(ComputeContactKinematics(region, {motion}, {})));
+  kinematics.foot_position = {motion.position};
+  kinematics.foot_acceleration = {motion.acceleration};
+  EffectLoad load;
+  load.by_part.resize(1);
+  ComputeEffectLoad(kinematics, 0, {bed}, effects, {}, load);
+  return load.load[kForceY];
+}
+
+TEST(ContactEffects, AFlatSoleFollowsThePowerOfItsDepth) {
+  constexpr double kRounding = 1e-12;
+  ContactEffectValues effects{};
+  effects[kStiffnessExponent] = 0.5;
   for (const double depth : {0.0005, 0.001, 0.004}) {
-    BodyMotion motion;
-    motion.position = Vec3(0, -depth, 0);
-    EffectKinematics kinematics;
-    kinematics.regions.push_back(Level(ComputeContactKinematics(region, {motion}, {})));
-    kinematics.foot_position = {motion.position};
-    kinematics.foot_acceleration = {motion.acceleration};
-    ContactEffectValues effects{};
-    effects[kStiffnessExponent] = 0.5;
-    EffectLoad load;
-    load.by_part.resize(1);
-    ComputeEffectLoad(kinematics, 0, {{1e6, 50, 0, 0, 0}}, effects, {}, load);
     const double expected = 1e6 * 0.02 * kReferenceDepth * std::pow(depth / kReferenceDepth, 1.5);
-    EXPECT_NEAR(load.load[kForceY], expected, kRounding * expected);
+    EXPECT_NEAR(ForceOfFlatSole(depth, 0, {1e6, 50, 0, 0, 0}, effects), expected, kRounding * expected);
   }
 }
 
 TEST(ContactEffects, LinearDampingIsAForcePerAreaAndRate) {
   constexpr double kRounding = 1e-12;
-  ContactRegion region;
-  region.mesh = *BoxMesh({0.2, 0.02, 0.1}, 4, 4);
-  region.springs = SpringFaces::kBottom;
+  ContactEffectValues effects{};
+  effects[kLinearDamping] = 3e4;
   for (const double depth : {0.0005, 0.004}) {
-    BodyMotion motion;
-    motion.position = Vec3(0, -depth, 0);
-    motion.velocity = Vec3(0, -0.2, 0);
-    EffectKinematics kinematics;
-    kinematics.regions.push_back(Level(ComputeContactKinematics(region, {motion}, {})));
-    kinematics.foot_position = {motion.position};
-    kinematics.foot_acceleration = {motion.acceleration};
-    ContactEffectValues effects{};
-    effects[kLinearDamping] = 3e4;
-    EffectLoad load;
-    load.by_part.resize(1);
-    ComputeEffectLoad(kinematics, 0, {{1e6, 0, 0, 0, 0}}, effects, {}, load);
     const double expected = 0.02 * (1e6 * depth + 3e4 * 0.2);
-    EXPECT_NEAR(load.load[kForceY], expected, kRounding * expected);
+    EXPECT_NEAR(ForceOfFlatSole(depth, 0.2, {1e6, 0, 0, 0, 0}, effects), expected, kRounding * expected);
   }
 }
 
