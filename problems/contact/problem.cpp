@@ -133,11 +133,11 @@ struct ContactProblem::Scratch {
   bool shears = false;  // the sole gives way, or the derivative for that is wanted
 
   // Derivative of the load for a parameter. @param column of it in the block of the forward force
-  // @param of_force that at a fixed give of the sole
+  // @param of_force that at a fixed velocity of the shear
   [[nodiscard]] ContactLoad Derivative(Eigen::Index column, const ContactLoad& of_force) {
     if (!shears || shear.compliance() == 0) return of_force;
-    const Horizontal give = shear.Slope(column, {of_force[kForceX], of_force[kForceZ]});
-    return of_force + with_effects.by_slip.jacobian * give;
+    const Horizontal velocity = shear.Slope(column, {of_force[kForceX], of_force[kForceZ]});
+    return of_force + with_effects.by_slip.jacobian * velocity;
   }
 };
 
@@ -252,14 +252,15 @@ Status ContactProblem::PredictInstant(const Stance& stance, int t, const std::ar
       // Instants beside the plate's record are there for late sensors and change nothing within it.
       if (static_cast<std::size_t>(t) <= first_recorded) scratch.shear.Begin(scratch.shear.compliance());
       scratch.shear.Next(stance.time[static_cast<std::size_t>(t)]);
-      if (!FindGive(kinematics, instant, scratch.beds, scratch.effects, scratch.shear, scratch.with_effects,
-                    effect_query.give)) {
-        return Fail("trial '{}': at {:.4g} s no friction agrees with a sole that gives way by {:.3g} m/N",
-                    stance.trial, stance.time[static_cast<std::size_t>(t)], scratch.shear.compliance());
+      if (!FindShearVelocity(kinematics, instant, scratch.beds, scratch.effects, scratch.shear,
+                             scratch.with_effects, effect_query.shear_velocity)) {
+        return Fail(
+            "trial '{}': at {:.4g} s no friction was found that agrees with a shear compliance of {:.3g} m/N",
+            stance.trial, stance.time[static_cast<std::size_t>(t)], scratch.shear.compliance());
       }
     }
     ComputeEffectLoad(kinematics, instant, scratch.beds, scratch.effects, effect_query, scratch.with_effects);
-    if (scratch.shears) AcceptGive(effect_query.give, scratch.shear, scratch.with_effects);
+    if (scratch.shears) AcceptShear(effect_query.shear_velocity, scratch.shear, scratch.with_effects);
     return {};
   };
   if (posed) {

@@ -222,10 +222,12 @@ Result<std::vector<ContactLoad>> TrueLoads(const Laboratory& lab, const Coordina
       EffectLoadQuery query;
       query.derivatives = false;
       shear.Next(times[i]);
-      if (!FindGive(kinematics, static_cast<int>(i), {truth}, effects, shear, load, query.give))
-        return Fail("no friction agrees with a sole that gives way by {} m/N", shear.compliance());
+      if (!FindShearVelocity(kinematics, static_cast<int>(i), {truth}, effects, shear, load,
+                             query.shear_velocity))
+        return Fail("no friction was found that agrees with a shear compliance of {} m/N",
+                    shear.compliance());
       ComputeEffectLoad(kinematics, static_cast<int>(i), {truth}, effects, query, load);
-      AcceptGive(query.give, shear, load);
+      AcceptShear(query.shear_velocity, shear, load);
       loads[i] = load.load;
     }
     return {};

@@ -143,7 +143,7 @@ void AddRegion(const EffectKinematics& kinematics, const EffectRegion& region, i
                ContactEffectJacobian& by_effect, SlipResponse& by_slip,
                std::vector<SpringGradient>* by_spring) {
   const ContactKinematics& k = region.kinematics;
-  const FloorUnderSole floor(kinematics, effects, instant, query.give);
+  const FloorUnderSole floor(kinematics, effects, instant, query.shear_velocity);
   const bool derivatives = query.derivatives;
   const BedUnderSole bed(of_region, region, effects);
   const double up = floor.up();
@@ -187,8 +187,10 @@ void AddRegion(const EffectKinematics& kinematics, const EffectRegion& region, i
     by_slip.jacobian.col(0) += by_slip_x;
     by_slip.jacobian.col(1) += by_slip_z;
     if (query.slip) {
-      by_slip.potential += normal * (FrictionPotentialAt(slip, kinematics.transition_velocity, mu) +
-                                     (floor.slope(0) * query.give[0] + floor.slope(1) * query.give[1]) * up);
+      by_slip.potential +=
+          normal *
+          (FrictionPotentialAt(slip, kinematics.transition_velocity, mu) +
+           (floor.slope(0) * query.shear_velocity[0] + floor.slope(1) * query.shear_velocity[1]) * up);
     }
     if (!derivatives) continue;
 

@@ -66,7 +66,7 @@ using SpringGradient = Eigen::Matrix<double, 6, kSpringQuantities>;
 
 using ContactEffectJacobian = Eigen::Matrix<double, 6, static_cast<int>(kContactEffects)>;
 
-/// How a load answers to a velocity of all springs along x and z, EffectLoadQuery::give.
+/// How a load answers to a velocity of all springs along x and z, EffectLoadQuery::shear_velocity.
 struct SlipResponse {
   Eigen::Matrix<double, 6, 2> jacobian = Eigen::Matrix<double, 6, 2>::Zero();  ///< of the ContactLoad
   double potential = 0;  ///< with EffectLoadQuery::slip: the horizontal force is minus its gradient [N m/s]
@@ -96,7 +96,7 @@ struct EffectLoadQuery {
   bool slip = false;  ///< by_slip without the other derivatives; not with vertical_only
   /// Velocity of the springs' lower ends against the foot along x and z: the sole gives way (SoleShear)
   /// [m/s].
-  std::array<double, 2> give{};
+  std::array<double, 2> shear_velocity{};
 
   [[nodiscard]] bool wants(std::size_t effect) const { return effects[effect]; }
   [[nodiscard]] bool wants_shape() const {

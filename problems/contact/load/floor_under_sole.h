@@ -24,11 +24,11 @@ struct RaisedFace {
 // found first, and where it moves only for those that touch: most do not.
 class FloorUnderSole {
  public:
-  // @param give see EffectLoadQuery
+  // @param shear_velocity see EffectLoadQuery
   FloorUnderSole(const EffectKinematics& kinematics, const ContactEffectValues& effects, int instant,
-                 const std::array<double, 2>& give = {})
+                 const std::array<double, 2>& shear_velocity = {})
       : kinematics_(kinematics),
-        give_(give),
+        shear_velocity_(shear_velocity),
         height_(effects[kHeightOffset]),
         slope_{effects[kFloorSlopeX], effects[kFloorSlopeZ]},
         up_(1 / std::sqrt(1 + slope_[0] * slope_[0] + slope_[1] * slope_[1])) {
@@ -81,8 +81,8 @@ class FloorUnderSole {
       const auto t = static_cast<std::size_t>(instant);
       const double foot_x = k.slip_x[i] - region.turning_z[t] * face.rise;
       const double foot_z = k.slip_z[i] + region.turning_x[t] * face.rise;
-      face.slip_x = foot_x + give_[0];
-      face.slip_z = foot_z + give_[1];
+      face.slip_x = foot_x + shear_velocity_[0];
+      face.slip_z = foot_z + shear_velocity_[1];
       face.velocity = {foot_x + kinematics_.floor_velocity[0], foot_z + kinematics_.floor_velocity[1]};
       if (sloped()) {
         rate += slope_[0] * face.velocity[0] + slope_[1] * face.velocity[1];
@@ -115,7 +115,7 @@ class FloorUnderSole {
   }
 
   const EffectKinematics& kinematics_;
-  std::array<double, 2> give_;
+  std::array<double, 2> shear_velocity_;
   double height_;
   std::array<double, 2> slope_;
   double up_;

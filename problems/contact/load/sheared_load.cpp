@@ -15,10 +15,10 @@ HorizontalJacobian BySlip(const EffectLoad& load) {
 
 }  // namespace
 
-bool FindGive(const EffectKinematics& kinematics, int instant, const std::vector<ElasticFoundation>& beds,
-              const ContactEffectValues& effects, const SoleShear& shear, EffectLoad& load,
-              std::array<double, 2>& give) {
-  give = {};
+bool FindShearVelocity(const EffectKinematics& kinematics, int instant,
+                       const std::vector<ElasticFoundation>& beds, const ContactEffectValues& effects,
+                       const SoleShear& shear, EffectLoad& load, std::array<double, 2>& shear_velocity) {
+  shear_velocity = {};
   if (shear.compliance() == 0) return true;
   EffectLoadQuery query;
   query.derivatives = false;
@@ -26,19 +26,19 @@ bool FindGive(const EffectKinematics& kinematics, int instant, const std::vector
   Horizontal velocity;
   const bool found = shear.Solve(
       [&](const Horizontal& at) -> SoleShear::Friction {
-        query.give = {at.x(), at.y()};
+        query.shear_velocity = {at.x(), at.y()};
         ComputeEffectLoad(kinematics, instant, beds, effects, query, load);
         return {ForceOf(load), BySlip(load), load.by_slip.potential};
       },
       velocity);
-  give = {velocity.x(), velocity.y()};
+  shear_velocity = {velocity.x(), velocity.y()};
   return found;
 }
 
-void AcceptGive(const std::array<double, 2>& give, SoleShear& shear, EffectLoad& load) {
+void AcceptShear(const std::array<double, 2>& shear_velocity, SoleShear& shear, EffectLoad& load) {
   const Horizontal force = ForceOf(load);
   load.by_effect.col(kShearCompliance) = load.by_slip.jacobian * shear.ForceRate(force);
-  shear.Accept({give[0], give[1]}, force, BySlip(load));
+  shear.Accept({shear_velocity[0], shear_velocity[1]}, force, BySlip(load));
 }
 
 }  // namespace sinew

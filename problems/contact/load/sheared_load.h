@@ -8,14 +8,15 @@
 
 namespace sinew {
 
-/// The velocity of the springs at this instant, after SoleShear::Next: EffectLoadQuery::give; zero without a
-/// compliance. @param load scratch. @return false: none was found
-[[nodiscard]] bool FindGive(const EffectKinematics& kinematics, int instant,
-                            const std::vector<ElasticFoundation>& beds, const ContactEffectValues& effects,
-                            const SoleShear& shear, EffectLoad& load, std::array<double, 2>& give);
+/// The velocity of the springs at this instant, after SoleShear::Next: EffectLoadQuery::shear_velocity; zero
+/// without a compliance. @param load scratch. @return false: none was found
+[[nodiscard]] bool FindShearVelocity(const EffectKinematics& kinematics, int instant,
+                                     const std::vector<ElasticFoundation>& beds,
+                                     const ContactEffectValues& effects, const SoleShear& shear,
+                                     EffectLoad& load, std::array<double, 2>& shear_velocity);
 
 /// After ComputeEffectLoad with that velocity: ends the instant. Sets the derivative for kShearCompliance, at
 /// a fixed rate of the force.
-void AcceptGive(const std::array<double, 2>& give, SoleShear& shear, EffectLoad& load);
+void AcceptShear(const std::array<double, 2>& shear_velocity, SoleShear& shear, EffectLoad& load);
 
 }  // namespace sinew

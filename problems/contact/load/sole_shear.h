@@ -1,4 +1,4 @@
-// The horizontal give of a sole: rubber, skin and heel pad shear under friction, so that what slides over the
+// Horizontal shear of a sole: rubber, skin and heel pad give way under friction, so that what slides over the
 // floor lags behind the foot.
 //
 // With F(t) the horizontal force of all springs (x, z) and C the compliance, the sole is displaced against
@@ -8,8 +8,8 @@
 //
 // where F is the force on the foot: it points against the slip, so that a sole that is being loaded slides
 // less than the foot moves. F at an instant thus depends on the instants before it. Their difference is that
-// of Gear (1971) of second order, with steps of any length: implicit, since a foot that sticks is a stiff
-// equation.
+// of Gear (1971, Numerical initial value problems) of second order, with steps of any length:
+// implicit, since a foot that sticks is a stiff equation.
 #pragma once
 
 #include <algorithm>

@@ -17,8 +17,8 @@ namespace {
 
 // Force of one patch: viscous friction.
 auto Viscous(double coefficient, const Horizontal& foot) {
-  return [coefficient, foot](const Horizontal& give) -> SoleShear::Friction {
-    const Horizontal slip = foot + give;
+  return [coefficient, foot](const Horizontal& shear_velocity) -> SoleShear::Friction {
+    const Horizontal slip = foot + shear_velocity;
     return {-coefficient * slip, -coefficient * HorizontalJacobian::Identity(),
             0.5 * coefficient * slip.squaredNorm()};
   };
@@ -26,9 +26,9 @@ auto Viscous(double coefficient, const Horizontal& foot) {
 
 // Friction that falls with the slip beyond the width: the potential has several minima.
 auto Falling(double greatest, double left, double width, const Horizontal& foot) {
-  return [=](const Horizontal& give) -> SoleShear::Friction {
+  return [=](const Horizontal& shear_velocity) -> SoleShear::Friction {
     const std::array<double, 3> mu{greatest, left, 0};
-    const Horizontal slip = foot + give;
+    const Horizontal slip = foot + shear_velocity;
     const FrictionPerSlip law = FrictionPerSlipAt(slip.norm(), width);
     const double drag = mu[0] * law.value[0] + mu[1] * law.value[1];
     const double slope = mu[0] * law.slope[0] + mu[1] * law.slope[1];
@@ -40,11 +40,11 @@ auto Falling(double greatest, double left, double width, const Horizontal& foot)
 // What friction does to one patch during an instant. @return its force
 Horizontal Advance(const std::function<SoleShear::Friction(const Horizontal&)>& friction, SoleShear& shear) {
   constexpr double kSolved = 1e-7;  // [m/s], where the equation has a slope of up to 1e5
-  Horizontal give;
-  EXPECT_TRUE(shear.Solve(friction, give));
-  const SoleShear::Friction found = friction(give);
-  EXPECT_LT((give - shear.compliance() * shear.ForceRate(found.force)).norm(), kSolved);
-  shear.Accept(give, found.force, found.by_slip);
+  Horizontal shear_velocity;
+  EXPECT_TRUE(shear.Solve(friction, shear_velocity));
+  const SoleShear::Friction found = friction(shear_velocity);
+  EXPECT_LT((shear_velocity - shear.compliance() * shear.ForceRate(found.force)).norm(), kSolved);
+  shear.Accept(shear_velocity, found.force, found.by_slip);
   return found.force;
 }
 
