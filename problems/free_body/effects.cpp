@@ -50,11 +50,13 @@ void AddContact(const FreeBody& body, double speed, Builder& add) {
                   "drops from several heights: the share of the speed that comes back stays the same",
                   "Walton, Braun 1986")
       .Number(kReboundLoss, "rebound_loss", "1", "share of the force that is lost on the way out", 0, 0.99);
+  // Down to a force that is linear in the depth of a corner: a power below 1 would be infinitely stiff at the
+  // first touch.
   add.BeginEffect("contact_exponent", Level::kBoundary,
                   "the force does not grow with the stated power of the depth",
                   "pressing the body on the table slowly, force against depth")
       .Number(kExponent, "contact_exponent", "1", "power of the depth beyond that of the model, 1 mm fixed",
-              -0.9, 2);
+              -0.5, 2);
   if (body.contact == FreeBodyContact::kVertices) {
     add.BeginEffect("rounded_corners", Level::kRobot, "the corners are balls, not points",
                     "a photograph of a corner")

@@ -254,6 +254,19 @@ FlightStart FlightStart::Moved(const Eigen::Ref<const Vector>& by) const {
   return moved;
 }
 
+Eigen::Matrix<double, kStartLanes, 1> FlightStart::MoveTo(const FlightStart& other) const {
+  const std::array<double, 4> back{pose[3], -pose[4], -pose[5], -pose[6]};
+  const auto q = Product(back.data(), other.pose.data() + 3);
+  Eigen::Matrix<double, kStartLanes, 1> by;
+  for (std::size_t i = 0; i < 3; ++i) {
+    by[static_cast<Eigen::Index>(i)] = other.pose[i] - pose[i];
+    by[static_cast<Eigen::Index>(3 + i)] = 2 * q[1 + i] / q[0];
+  }
+  by.segment<3>(6) = other.velocity - velocity;
+  by.segment<3>(9) = other.spin - spin;
+  return by;
+}
+
 template <class T, class P>
 Status Fly(const FreeBody& body, const std::array<P, kFreeBodySlots>& variables,
            const std::array<bool, kFreeBodySlots>& used, const FlightStart& start, int start_lane,

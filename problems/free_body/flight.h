@@ -18,6 +18,8 @@ struct FlightStart {
 
   /// Moved by [kStartLanes]: place, turn about body axes, velocity, angular velocity.
   [[nodiscard]] FlightStart Moved(const Eigen::Ref<const Vector>& by) const;
+  /// By how much this one must be moved to be the other; turns by less than pi.
+  [[nodiscard]] Eigen::Matrix<double, kStartLanes, 1> MoveTo(const FlightStart& other) const;
 };
 
 struct FlightLimits {

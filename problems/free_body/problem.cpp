@@ -22,7 +22,7 @@ struct FreeBodyProblem::Scratch final : Problem::Workspace {
 };
 
 FreeBodyProblem::FreeBodyProblem(FreeBodyData data, ParameterList list)
-    : data_(std::move(data)), list_(std::move(list)), known_(new FittedStarts[data_.windows.size()]) {
+    : data_(std::move(data)), list_(std::move(list)), known_(new FittedStates[data_.windows.size()]) {
   std::vector<int> all;
   for (std::size_t i = 0; i < list_.parameters.size(); ++i) all.push_back(static_cast<int>(i));
   for (Block& block : data_.layout) block.columns = all;

@@ -51,7 +51,7 @@ class FreeBodyProblem final : public Problem {
 
   FreeBodyData data_;
   ParameterList list_;
-  std::unique_ptr<FittedStarts[]> known_;  // [windows]
+  std::unique_ptr<FittedStates[]> known_;  // [windows]
 };
 
 /// Poses [N] of a toss from the state that fits the frames before its first touch. Errors: the model's own.

@@ -17,7 +17,10 @@ constexpr double kCostNoiseLevel =
     1e-4;                           // the same, where the steps of the integrator and kinks of contact show
 constexpr double kNothing = 1e-18;  // cost per residual: rounding
 constexpr double kFirstDamping = 1e-6;  // of columns of unit length
+constexpr double kLeastRaisedDamping = 1e-4;
+constexpr double kRaise = 10;  // of the damping, after one refused step; after the next its square
 constexpr double kMaxDamping = 1e6;
+constexpr int kMaxRefinements = 6;
 constexpr double kRank = 1e-7;
 // A step may be at most so long: place as a share of the size, turn [rad], velocity [m/s], spin [rad/s].
 constexpr double kLongestPlace = 0.2;
@@ -37,6 +40,47 @@ void Clamp(double size, Eigen::Ref<Vector> step) {
   step /= share;
 }
 
+using StartLanes = Eigen::Matrix<double, kStartLanes, 1>;
+
+// Damped steps of Gauss and Newton.
+class StateSteps {
+ public:
+  // @param jacobian [residuals x kStartLanes] @param damping of columns of unit length
+  StateSteps(const Matrix& jacobian, double damping) {
+    Square normal = jacobian.transpose() * jacobian;
+    scale_ = normal.diagonal().cwiseSqrt().cwiseMax(1e-300).cwiseInverse();
+    normal = scale_.asDiagonal() * normal * scale_.asDiagonal();
+    normal.diagonal().array() += damping;
+    factor_.compute(normal);
+  }
+  [[nodiscard]] Vector From(const StartLanes& gradient) const {
+    return -scale_.cwiseProduct(factor_.solve(scale_.cwiseProduct(gradient)));
+  }
+
+ private:
+  using Square = Eigen::Matrix<double, kStartLanes, kStartLanes>;
+  StartLanes scale_;
+  Eigen::LDLT<Square> factor_;
+};
+
+Digest::Value DigestOf(const FreeBodyNumbers& numbers) {
+  return Digest().Add(numbers.value.data(), numbers.value.size()).value();
+}
+
+double NearestPower(double base, double x) {
+  return x > 0 ? std::pow(base, std::round(std::log(x) / std::log(base))) : 0;
+}
+
+// The nearest point of a coarse grid of contact laws, without effects.
+FreeBodyNumbers ReferenceOf(const FreeBodyNumbers& numbers) {
+  FreeBodyNumbers reference;
+  for (const int slot : {kStiffness, kDissipation, kFriction}) {
+    const auto i = static_cast<std::size_t>(slot);
+    reference.value[i] = NearestPower(slot == kStiffness ? 4 : 2, numbers.value[i]);
+  }
+  return reference;
+}
+
 }  // namespace
 
 std::array<bool, kFreeBodySlots> FreeBodyNumbers::Used() const {
@@ -45,20 +89,7 @@ std::array<bool, kFreeBodySlots> FreeBodyNumbers::Used() const {
   return used;
 }
 
-std::optional<FlightStart> FittedStarts::Find(const Digest::Value& numbers) const {
-  const std::lock_guard lock(mutex_);
-  const auto found = starts_.find(numbers);
-  if (found == starts_.end()) return std::nullopt;
-  return found->second;
-}
-
-void FittedStarts::Keep(const Digest::Value& numbers, const FlightStart& start) {
-  const std::lock_guard lock(mutex_);
-  if (starts_.size() >= kMost) starts_.clear();
-  starts_.emplace(numbers, start);
-}
-
-WindowFit::WindowFit(const FreeBodyData& data, const TossWindow& window, FittedStarts* known)
+WindowFit::WindowFit(const FreeBodyData& data, const TossWindow& window, FittedStates* known)
     : data_(data), window_(window), known_(known) {
   limits_ = FlightLimits::For(data.body, window.times.size());
   if (window.in_flight >= kMinInFlight)
@@ -83,49 +114,78 @@ WindowFit::WindowFit(const FreeBodyData& data, const TossWindow& window, FittedS
   for (Matrix* m : {&jacobian_, &trial_jacobian_}) m->resize(Rows(window), kStartLanes);
 }
 
-// Into the trial's places; rows of frames that are not compared now are 0.
-Status WindowFit::Evaluate(const FreeBodyNumbers& numbers, const FlightStart& start) {
-  SINEW_TRY(Fly(data_.body, numbers.value, numbers.Used(), start, 0, *times_, limits_, flown12_.data()));
+// Of the frames that are compared now; rows of others are 0. @pre the trial's poses are those of them
+Status WindowFit::Weigh() {
   const Pose* measured = data_.tosses[static_cast<std::size_t>(window_.toss)].poses.data() + window_.first;
   trial_residual_.setZero();
+  for (std::size_t i = 0; i < times_->size(); ++i) {
+    for (std::size_t c = 0; c < kPoseChannels; ++c) {
+      const auto row = static_cast<Eigen::Index>(i * kPoseChannels + c);
+      trial_residual_[row] = weight_[row] * (trial_poses_[i][c] - measured[i][c]);
+    }
+  }
+  trial_cost_ = 0.5 * trial_residual_.squaredNorm();
+  if (!std::isfinite(trial_cost_)) return Fail("the pose is not finite");
+  return {};
+}
+
+// Into the trial's places.
+Status WindowFit::Evaluate(const FreeBodyNumbers& numbers, const FlightStart& start) {
+  SINEW_TRY(Fly(data_.body, numbers.value, numbers.Used(), start, 0, *times_, limits_, flown12_.data()));
   trial_jacobian_.setZero();
   for (std::size_t i = 0; i < times_->size(); ++i) {
     for (std::size_t c = 0; c < kPoseChannels; ++c) {
       const auto row = static_cast<Eigen::Index>(i * kPoseChannels + c);
       trial_poses_[i][c] = flown12_[i][c].value;
-      trial_residual_[row] = weight_[row] * (trial_poses_[i][c] - measured[i][c]);
       for (Eigen::Index k = 0; k < kStartLanes; ++k)
         trial_jacobian_(row, k) = weight_[row] * flown12_[i][c].d[static_cast<std::size_t>(k)];
     }
   }
-  trial_cost_ = 0.5 * trial_residual_.squaredNorm();
-  if (!std::isfinite(trial_cost_)) return Fail("the pose is not finite");
   if (!trial_jacobian_.allFinite()) return Fail("a derivative of the pose is not finite");
-  return {};
+  return Weigh();
+}
+
+// The same without derivatives, in a third of the time.
+Status WindowFit::EvaluateValues(const FreeBodyNumbers& numbers, const FlightStart& start) {
+  SINEW_TRY(Fly(data_.body, numbers.value, numbers.Used(), start, -1, *times_, limits_, trial_poses_.data()));
+  return Weigh();
+}
+
+// Half a sum of squares that rounding leaves.
+double WindowFit::Nothing() const {
+  return kNothing * static_cast<double>(residual_.size());
 }
 
 void WindowFit::Accept(const FlightStart& start) {
+  AcceptValues(start);
+  jacobian_.swap(trial_jacobian_);
+  jacobian_is_here_ = true;
+}
+
+void WindowFit::AcceptValues(const FlightStart& start) {
   start_ = start;
   cost_ = trial_cost_;
   poses_.swap(trial_poses_);
   residual_.swap(trial_residual_);
-  jacobian_.swap(trial_jacobian_);
+  jacobian_is_here_ = false;
 }
 
 // A search evaluates the derivatives at a point after the cost there.
 Status WindowFit::Fit(const FreeBodyNumbers& numbers) {
-  const Digest::Value asked = Digest().Add(numbers.value.data(), numbers.value.size()).value();
+  const Digest::Value asked = DigestOf(numbers);
   if (fitted_ == asked) return {};
   fitted_.reset();
-  if (const auto start = known_ != nullptr ? known_->Find(asked) : std::nullopt) {
-    times_ = &window_.times;
-    SINEW_TRY(Evaluate(numbers, *start));
-    Accept(*start);
+  times_ = &window_.times;
+  if (const auto start = known_ != nullptr ? known_->starts.Find(asked) : std::nullopt) {
+    SINEW_TRY(EvaluateValues(numbers, *start));
+    AcceptValues(*start);
   } else {
-    const Status status = FitAnew(numbers);
+    limits_.accuracy = kRougher * data_.body.accuracy;
+    Status status = Approach(numbers);
     limits_.accuracy = data_.body.accuracy;
+    if (status) status = Refine(numbers);
     SINEW_TRY(status);
-    if (known_ != nullptr) known_->Keep(asked, start_);
+    if (known_ != nullptr) known_->starts.Keep(asked, start_);
   }
   fitted_ = asked;
   return {};
@@ -133,45 +193,109 @@ Status WindowFit::Fit(const FreeBodyNumbers& numbers) {
 
 // The flight before the first touch, where the pose is nearly linear in the state, leads to the right valley
 // of the whole window.
-Status WindowFit::FitAnew(const FreeBodyNumbers& numbers) {
+Status WindowFit::FitFlight(const FreeBodyNumbers& numbers) {
   start_ = window_.guess;
-  limits_.accuracy = kRougher * data_.body.accuracy;
-  if (!flight_.empty()) SINEW_TRY(Search(numbers, flight_, kOnTheWay));
+  if (flight_.empty()) return {};
+  return Search(numbers, flight_, kOnTheWay);
+}
+
+Status WindowFit::FitWhole(const FreeBodyNumbers& numbers) {
   SINEW_TRY(Search(numbers, half_, kOnTheWay));
-  SINEW_TRY(Search(numbers, window_.times, kNearly));
-  limits_.accuracy = data_.body.accuracy;
+  return Search(numbers, window_.times, kNearly);
+}
+
+StateChange WindowFit::ChangeAt(const FreeBodyNumbers& reference) {
+  const Digest::Value asked = DigestOf(reference);
+  if (const auto known = known_->changes.Find(asked)) return *known;
+  StateChange change;
+  if (FitFlight(reference)) {
+    const FlightStart flown = start_;
+    if (FitWhole(reference)) change = flown.MoveTo(start_);
+  }
+  known_->changes.Keep(asked, change);
+  return change;
+}
+
+Result<double> WindowFit::CostFrom(const FreeBodyNumbers& numbers, const FlightStart& start) {
+  times_ = &window_.times;
+  SINEW_TRY(EvaluateValues(numbers, start));
+  return trial_cost_;
+}
+
+// Most of the way from the flight's state to the window's is the same at a point nearby.
+Status WindowFit::Approach(const FreeBodyNumbers& numbers) {
+  StateChange change;
+  if (known_ != nullptr) change = ChangeAt(ReferenceOf(numbers));
+  SINEW_TRY(FitFlight(numbers));
+  if (change) {
+    const FlightStart moved = start_.Moved(*change);
+    const auto with = CostFrom(numbers, moved);
+    const auto without = CostFrom(numbers, start_);
+    if (with && !(without && *without <= *with)) {
+      start_ = moved;
+      return Search(numbers, window_.times, kNearly);
+    }
+  }
+  return FitWhole(numbers);
+}
+
+// From the solution of the rougher integrator, whose derivatives serve for the short steps that are left.
+Status WindowFit::Refine(const FreeBodyNumbers& numbers) {
+  times_ = &window_.times;
+  SINEW_TRY(EvaluateValues(numbers, start_));
+  AcceptValues(start_);
+  const StateSteps steps(jacobian_, kFirstDamping);
+  for (int iteration = 0; iteration < kMaxRefinements; ++iteration) {
+    const Vector gradient = jacobian_.transpose() * residual_;
+    Vector step = steps.From(gradient);
+    Clamp(data_.body.size, step);
+    const double predicted = -gradient.dot(step) - 0.5 * (jacobian_ * step).squaredNorm();
+    if (!(predicted > kEnough * cost_) || cost_ <= Nothing()) return {};
+    const FlightStart next = start_.Moved(step);
+    if (!EvaluateValues(numbers, next) || !(trial_cost_ < cost_)) {
+      if (predicted < kCostNoiseLevel * cost_) return {};
+      break;
+    }
+    AcceptValues(next);
+  }
   return Search(numbers, window_.times, kEnough);
 }
 
-// Levenberg, Marquardt, from start_. Trial points are evaluated with derivatives, since most are accepted.
+// Levenberg, Marquardt, from start_. Trial points are evaluated with derivatives, since most are accepted;
+// but where one was refused, at a kink of contact, more are.
 Status WindowFit::Search(const FreeBodyNumbers& numbers, const std::vector<double>& times, double enough) {
   times_ = &times;
   SINEW_TRY(Evaluate(numbers, start_));
   Accept(start_);
   double damping = kFirstDamping;
-  const double least = kNothing * static_cast<double>(residual_.size());
-  for (int iteration = 0; iteration < kMaxIterations && damping <= kMaxDamping && cost_ > least;
+  double raise = kRaise;
+  bool refused = false;  // a step from this point
+  for (int iteration = 0; iteration < kMaxIterations && damping <= kMaxDamping && cost_ > Nothing();
        ++iteration) {
-    using Square = Eigen::Matrix<double, kStartLanes, kStartLanes>;
-    using Lanes = Eigen::Matrix<double, kStartLanes, 1>;
-    Square normal = jacobian_.transpose() * jacobian_;
-    const Lanes gradient = jacobian_.transpose() * residual_;
-    const Lanes scale = normal.diagonal().cwiseSqrt().cwiseMax(1e-300).cwiseInverse();
-    normal = scale.asDiagonal() * normal * scale.asDiagonal();
-    normal.diagonal().array() += damping;
-    const Eigen::LDLT<Square> factor(normal);
-    Vector step = -scale.cwiseProduct(factor.solve(scale.cwiseProduct(gradient)));
+    const Vector gradient = jacobian_.transpose() * residual_;
+    Vector step = StateSteps(jacobian_, damping).From(gradient);
     Clamp(data_.body.size, step);
     const double predicted = -gradient.dot(step) - 0.5 * (jacobian_ * step).squaredNorm();
     if (!(predicted > enough * cost_)) break;
     const FlightStart next = start_.Moved(step);
-    if (!Evaluate(numbers, next) || !(trial_cost_ < cost_)) {
+    const Status status = refused ? EvaluateValues(numbers, next) : Evaluate(numbers, next);
+    const bool better = status && trial_cost_ < cost_;
+    if (!better) {
       if (predicted < kCostNoiseLevel * cost_) break;
-      damping = std::max(10 * damping, 1e-4);
+      damping = std::max(raise * damping, kLeastRaisedDamping);
+      raise *= kRaise;
+      refused = true;
       continue;
     }
+    if (refused) {
+      SINEW_TRY(Evaluate(numbers, next));
+    } else {
+      damping = std::max(0.1 * damping, kFirstDamping);
+    }
+    // The damping that was too small here is likely to be so at the next point.
+    refused = false;
+    raise = kRaise;
     Accept(next);
-    damping = std::max(0.1 * damping, kFirstDamping);
   }
   return {};
 }
@@ -212,6 +336,11 @@ Status WindowFit::Pass(const FreeBodyNumbers& numbers, const std::vector<int>& s
 
 Status WindowFit::Differentiate(const FreeBodyNumbers& numbers, const std::vector<int>& slots,
                                 Matrix& derivatives) {
+  if (!jacobian_is_here_) {
+    times_ = &window_.times;
+    SINEW_TRY(Evaluate(numbers, start_));
+    Accept(start_);
+  }
   derivatives.resize(Rows(window_), static_cast<Eigen::Index>(slots.size()));
   for (std::size_t first = 0; first < slots.size();) {
     const std::size_t count = std::min<std::size_t>(slots.size() - first, 16);

@@ -24,25 +24,44 @@ struct FreeBodyNumbers {
   [[nodiscard]] std::array<bool, kFreeBodySlots> Used() const;
 };
 
-/// States that were fitted to a window, by the numbers that they belong to: several fits of a diagnosis begin
-/// at the same point. A state follows from its numbers alone, so what is kept changes no answer. May be used
-/// from several threads.
-class FittedStarts {
+/// What was found for a window, by the numbers that it belongs to. It follows from its numbers alone, so what
+/// is kept changes no answer. May be used from several threads.
+template <class T>
+class KeptByNumbers {
  public:
-  [[nodiscard]] std::optional<FlightStart> Find(const Digest::Value& numbers) const;
-  void Keep(const Digest::Value& numbers, const FlightStart& start);
+  [[nodiscard]] std::optional<T> Find(const Digest::Value& numbers) const {
+    const std::lock_guard lock(mutex_);
+    const auto found = kept_.find(numbers);
+    if (found == kept_.end()) return std::nullopt;
+    return found->second;
+  }
+  void Keep(const Digest::Value& numbers, const T& what) {
+    const std::lock_guard lock(mutex_);
+    if (kept_.size() >= kMost) kept_.clear();
+    kept_.emplace(numbers, what);
+  }
 
  private:
   static constexpr std::size_t kMost = 4096;  // then it begins anew
   mutable std::mutex mutex_;
-  std::map<Digest::Value, FlightStart> starts_;
+  std::map<Digest::Value, T> kept_;
+};
+
+/// By how much the state that fits a whole window differs from the one that fits its flight before the first
+/// touch, where these are found; [kStartLanes] as in FlightStart::Moved.
+using StateChange = std::optional<Eigen::Matrix<double, kStartLanes, 1>>;
+
+/// Shared by the fits of one window: several fits of a diagnosis begin at the same point.
+struct FittedStates {
+  KeptByNumbers<FlightStart> starts;
+  KeptByNumbers<StateChange> changes;  ///< of reference points
 };
 
 /// Fits and predicts one window; one per window and thread, allocates nothing once made.
 class WindowFit {
  public:
   /// @param known of the same window; may be null
-  WindowFit(const FreeBodyData& data, const TossWindow& window, FittedStarts* known = nullptr);
+  WindowFit(const FreeBodyData& data, const TossWindow& window, FittedStates* known = nullptr);
 
   /// Errors: no prediction from the guess.
   Status Fit(const FreeBodyNumbers& numbers);
@@ -58,10 +77,19 @@ class WindowFit {
   Status Differentiate(const FreeBodyNumbers& numbers, const std::vector<int>& slots, Matrix& derivatives);
 
  private:
-  Status FitAnew(const FreeBodyNumbers& numbers);
-  void Accept(const FlightStart& start);
-  Status Evaluate(const FreeBodyNumbers& numbers, const FlightStart& start);
+  Status Approach(const FreeBodyNumbers& numbers);
+  Status FitFlight(const FreeBodyNumbers& numbers);
+  Status FitWhole(const FreeBodyNumbers& numbers);
+  Status Refine(const FreeBodyNumbers& numbers);
+  StateChange ChangeAt(const FreeBodyNumbers& reference);
+  Result<double> CostFrom(const FreeBodyNumbers& numbers, const FlightStart& start);
   Status Search(const FreeBodyNumbers& numbers, const std::vector<double>& times, double enough);
+  Status Evaluate(const FreeBodyNumbers& numbers, const FlightStart& start);
+  Status EvaluateValues(const FreeBodyNumbers& numbers, const FlightStart& start);
+  Status Weigh();
+  void Accept(const FlightStart& start);
+  void AcceptValues(const FlightStart& start);
+  [[nodiscard]] double Nothing() const;
   void FactoriseStates();
   template <class T>
   Status Pass(const FreeBodyNumbers& numbers, const std::vector<int>& slots, std::size_t first,
@@ -69,7 +97,7 @@ class WindowFit {
 
   const FreeBodyData& data_;
   const TossWindow& window_;
-  FittedStarts* known_;
+  FittedStates* known_;
   std::optional<Digest::Value> fitted_;  // the numbers that all below belongs to
   std::vector<double> flight_;           // times of the frames before the first touch; empty if too few
   std::vector<double> half_;             // and of half of the others too
@@ -80,7 +108,8 @@ class WindowFit {
   std::vector<Pose> poses_;
   Vector weight_;    // [7 frames]
   Vector residual_;  // [7 frames] weighted, at start_
-  Matrix jacobian_;  // [7 frames x kStartLanes] weighted, at start_
+  Matrix jacobian_;  // [7 frames x kStartLanes] weighted, at start_, or near it
+  bool jacobian_is_here_ = false;
   double trial_cost_ = 0;
   std::vector<Pose> trial_poses_;
   Vector trial_residual_;

@@ -352,6 +352,19 @@ TEST(FreeBodyProblemTest, AStateThatIsKnownGivesTheSamePrediction) {
   EXPECT_EQ(other_gradient, anew_gradient);
 }
 
+// A state is sought from what was found at a point nearby, which is chosen by the parameters alone.
+TEST(FreeBodyProblemTest, APredictionDoesNotDependOnEarlierOnes) {
+  const Made made = Make({{"train", 2}, {"validate", 0}, {"horizon", 0.1}});
+  const Made other = Make({{"train", 2}, {"validate", 0}, {"horizon", 0.1}});
+  const std::map<std::string, double> asked{{"friction", 0.24}, {"mass_centre_x", 2e-3}};
+  for (const double friction : {0.15, 0.23, 0.26}) {
+    CostAt(*made.problem, Point(*made.problem, {{"friction", friction}}));
+    CostAt(*made.problem, Point(*made.problem, {{"friction", friction}, {"inertia_error", 0.1}}));
+  }
+  EXPECT_EQ(CostAt(*made.problem, Point(*made.problem, asked)),
+            CostAt(*other.problem, Point(*other.problem, asked)));
+}
+
 TEST(FreeBodyProblemTest, FindsTheTruthBehindNoise) {
   const Made made = Make({{"train", 5}, {"validate", 0}});
   const FreeBodyProblem& problem = *made.problem;
