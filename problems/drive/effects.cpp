@@ -12,6 +12,7 @@ namespace {
 constexpr double kSlowest = 0.02;             // of the highest speed: the narrowest Stribeck peak
 constexpr double kLongestDelay = 0.3;         // [s]
 constexpr double kLongestSensingDelay = 0.1;  // [s]
+constexpr double kMostRipples = 30;           // of a turn
 constexpr double kSensorReach = 0.1;          // [s] of time offsets and low-passes
 
 struct Units {
@@ -25,6 +26,24 @@ Units UnitsOf(bool rotary) {
             "N*m/rad", "N*m/rad3", "rad/(N*m)", "1/(N*m)", "s/rad",     "N*m/A"};
   }
   return {"m", "m/s", "N", "kg", "N*s/m", "N*s2/m2", "N/m", "N/m3", "m/N", "1/N", "s/m", "N/A"};
+}
+
+// Periods from which a search leads to others from half a turn down to a thirtieth. Over a motion of a turn
+// and more (the range of a linear axis is its turn) neighbours differ by at most one cycle, as far as the
+// number of readings allows so many.
+std::vector<double> RipplePeriods(double turn, const DriveScales& s) {
+  constexpr double kCycles = 1;
+  constexpr double kEntries = 1.5e6;  // readings times periods
+  const std::vector<double> per_turn{2, 3, 4, 6, 8, 12, kMostRipples};
+  const double most = std::clamp(kEntries / s.samples, 30.0, 300.0);
+  const double spacing = std::max(kCycles * turn / s.position, (per_turn.back() - per_turn.front()) / most);
+  std::vector<double> periods;
+  for (std::size_t i = 0; i + 1 < per_turn.size(); ++i) {
+    const double gap = per_turn[i + 1] - per_turn[i];
+    const int parts = s.position < turn ? 1 : static_cast<int>(std::ceil(gap / spacing));
+    for (int k = 0; k < parts; ++k) periods.push_back(turn / (per_turn[i] + gap * k / parts));
+  }
+  return periods;
 }
 
 // Also notes where a slot rests that has no parameter.
@@ -167,9 +186,8 @@ void AddOtherTorques(const DriveTraits& is, const DriveScales& s, const Units& u
                 4 * s.torque / (s.speed * s.speed));
   // One turn of a rotary joint; the range of a linear axis.
   const double turn = is.rotary ? 2 * kPi : s.position;
-  std::vector<double> periods;
-  for (const int n : {2, 3, 4, 6, 8, 12}) periods.push_back(turn / n);
-  double shortest = turn / 30;
+  std::vector<double> periods = RipplePeriods(turn, s);
+  double shortest = turn / kMostRipples;
   if (is.pole_period) {
     periods.push_back(*is.pole_period);
     shortest = std::min(shortest, 0.5 * *is.pole_period);

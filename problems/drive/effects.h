@@ -24,10 +24,11 @@ struct DriveScales {
   double motor_command = 1;  ///< about the largest magnitude of what reaches the motor, in its own unit
   double lowest_command = -1;
   double highest_command = 1;
-  double duration = 10;  ///< [s] of the longest trial
-  double shortest = 10;  ///< [s] of the shortest
-  double session = 0;    ///< [s] of all trials and the time between them, if they say when they were recorded
-  double noise = 1e-3;   ///< [rad] of the position, or a hundredth of its spread if it is not stated
+  double samples = 4000;  ///< readings of the position
+  double duration = 10;   ///< [s] of the longest trial
+  double shortest = 10;   ///< [s] of the shortest
+  double session = 0;   ///< [s] of all trials and the time between them, if they say when they were recorded
+  double noise = 1e-3;  ///< [rad] of the position, or a hundredth of its spread if it is not stated
 };
 
 /// What decides which parameters there are.

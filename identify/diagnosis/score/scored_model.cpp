@@ -39,19 +39,37 @@ Vector StartAt(const ScoredModel& scored, const ScoreTable& table, const Candida
 // Statistics that are nearer to the largest one than both: another probe may be the right one.
 constexpr double kCloseProbe = 12;
 constexpr double kCloseProbeShare = 0.5;
+constexpr std::size_t kOtherProbes = 6;  // of one candidate, from which a refit starts beside the best one
 constexpr Eigen::Index kRowsPerDirection = 50;
 constexpr Eigen::Index kMaxDirections = 40;
-constexpr double kRejected = 10;  // deviance
+constexpr double kFewProbes = 12;  // of one candidate, which count in full
+constexpr double kRejected = 10;   // deviance
 constexpr double kSingularCovariance = 1e-8;
 constexpr double kMinShare = 1e-4;  // smallest eigenvalue that counts, as a share of the largest
 
+// Further scores of the same candidate, the largest first; of an effect not all.
+std::vector<const Score*> OtherScores(const ScoreTable& table, const Score& best, bool effect) {
+  std::vector<const Score*> others;
+  for (const Score& score : table.scores) {
+    if (score.candidate == best.candidate && &score != &best) others.push_back(&score);
+  }
+  std::stable_sort(others.begin(), others.end(),
+                   [](const Score* a, const Score* b) { return a->statistic > b->statistic; });
+  if (effect) others.resize(std::min(others.size(), kOtherProbes));
+  return others;
+}
+
 // Leading directions of the columns of all candidates, projected off the base, unit length [m x r].
-Matrix LeadingDirections(const Design& design) {
+Matrix LeadingDirections(const Design& design, const std::vector<Candidate>& candidates) {
   const Vector before = design.candidates.colwise().norm();
   Matrix columns = ColumnSpace(design.base, kSingularCovariance).TakenFrom(design.candidates);
   for (Eigen::Index k = 0; k < columns.cols(); ++k) {
     const double left = columns.col(k).norm();
-    columns.col(k) *= left > 1e-3 * before[k] ? 1 / left : 0;
+    // A candidate with many probes must not be all that the directions hold.
+    const auto c = static_cast<std::size_t>(design.columns[static_cast<std::size_t>(k)].candidate);
+    const double share =
+        std::sqrt(std::min(1.0, kFewProbes / static_cast<double>(candidates[c].probes.size())));
+    columns.col(k) *= left > 1e-3 * before[k] ? share / left : 0;
   }
   const Eigen::SelfAdjointEigenSolver<Matrix> eigen(Gram(columns));
   const auto last = eigen.eigenvalues().size() - 1;
@@ -71,11 +89,12 @@ Matrix LeadingDirections(const Design& design) {
 // If a model lacks an effect, the noise model of its residual partly absorbs that effect; so the leading
 // directions of all candidates are regressors when the noise is estimated.
 Result<noise::NoiseModel> NoiseWithCandidatesFitted(const LeastSquares& fit, const Vector& x,
-                                                    const Design& design, const noise::NoiseModel& own,
-                                                    bool white) {
+                                                    const Design& design,
+                                                    const std::vector<Candidate>& candidates,
+                                                    const noise::NoiseModel& own, bool white) {
   SINEW_ASSIGN(auto rows, NoiseRowsAt(fit, x));
   std::vector<noise::NoiseBlock>& blocks = rows.blocks;
-  const Matrix directions = LeadingDirections(design);
+  const Matrix directions = LeadingDirections(design, candidates);
   for (std::size_t t = 0; t < blocks.size(); ++t) {
     noise::NoiseBlock& block = blocks[t];
     const auto samples = block.residual.size();
@@ -125,8 +144,8 @@ Result<ScoredModel> ScoreModel(const Problem& problem, const std::vector<Candida
     scored.noise = scored.refit.noise;
     if (!scored.refit.holds_input_noise) {
       SINEW_ASSIGN(scored.noise,
-                   NoiseWithCandidatesFitted(fit, scored.refit.x, scored.design, scored.refit.noise,
-                                             scored.refit.noise_absorbs_misfit));
+                   NoiseWithCandidatesFitted(fit, scored.refit.x, scored.design, candidates,
+                                             scored.refit.noise, scored.refit.noise_absorbs_misfit));
     }
     const noise::Whitening behind(scored.noise, TrainStretches(fit));
     scored.whitened = MakeScores(fit, scored.design, candidates, &behind);
@@ -154,17 +173,18 @@ std::vector<Vector> RefitStarts(const ScoredModel& scored, const std::vector<Can
   if (plain != nullptr && (whitened == nullptr || plain->probe != whitened->probe))
     starts.push_back(StartAt(scored, scored.plain, which, *plain, 1));
   // Probes that the scores do not tell apart.
-  for (const Score& score : scored.whitened.scores) {
-    if (score.candidate == candidate && &score != whitened &&
-        score.statistic > whitened->statistic - kCloseProbe &&
-        score.statistic > kCloseProbeShare * whitened->statistic)
-      starts.push_back(StartAt(scored, scored.whitened, which, score, 1));
+  if (whitened != nullptr) {
+    const auto close = [&](const Score& score) {
+      return score.statistic > whitened->statistic - kCloseProbe &&
+             score.statistic > kCloseProbeShare * whitened->statistic;
+    };
+    for (const Score* score : OtherScores(scored.whitened, *whitened, which.known)) {
+      if (close(*score)) starts.push_back(StartAt(scored, scored.whitened, which, *score, 1));
+    }
   }
   if (plain != nullptr && plain->statistic > kLarge) {
-    for (const Score& score : scored.plain.scores) {
-      if (score.candidate != candidate || &score == plain) continue;
-      starts.push_back(StartAt(scored, scored.plain, which, score, 1));
-    }
+    for (const Score* score : OtherScores(scored.plain, *plain, which.known))
+      starts.push_back(StartAt(scored, scored.plain, which, *score, 1));
     if (plain->statistic > kVeryLarge) {
       for (const double factor : {0.3, 3.0})
         starts.push_back(StartAt(scored, scored.plain, which, *plain, factor));

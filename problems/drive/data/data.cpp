@@ -21,6 +21,7 @@ void MeasureScales(const std::vector<DriveMotion>& motions, DriveData& data) {
   double low_command = INFINITY;
   double high_command = -INFINITY;
   s.duration = 0;
+  s.samples = 0;
   s.shortest = INFINITY;
   double drive = 0;
   for (const DriveMotion& motion : motions) {
@@ -28,6 +29,7 @@ void MeasureScales(const std::vector<DriveMotion>& motions, DriveData& data) {
       low = std::min(low, q);
       high = std::max(high, q);
     }
+    s.samples += static_cast<double>(motion.position.size());
     for (const double v : motion.speed) speed = std::max(speed, std::abs(v));
     for (const double u : motion.run->input) {
       low_command = std::min(low_command, u);
