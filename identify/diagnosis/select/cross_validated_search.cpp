@@ -348,7 +348,7 @@ Result<std::vector<FittedSet>> CrossValidatedSearch::GrownFrom(const std::vector
 }
 
 void CrossValidatedSearch::Tell(const FittedSet& best) const {
-  if (!options_.progress) return;
+  if (!options_.progress || fitter_.Interrupted()) return;
   DiagnosisProgress progress{DiagnosisStep::kCrossValidate};
   progress.left_out_share = best.left_out_error / judged_.all().front().left_out_error;
   for (const int c : best.released)
