@@ -17,8 +17,6 @@ constexpr double kCostNoiseLevel =
     1e-4;                           // the same, where the steps of the integrator and kinks of contact show
 constexpr double kNothing = 1e-18;  // cost per residual: rounding
 constexpr double kFirstDamping = 1e-6;  // of columns of unit length
-constexpr double kLeastRaisedDamping = 1e-4;
-constexpr double kRaise = 10;  // of the damping, after one refused step; after the next its square
 constexpr double kMaxDamping = 1e6;
 constexpr int kMaxRefinements = 6;
 constexpr double kRank = 1e-7;
@@ -268,7 +266,6 @@ Status WindowFit::Search(const FreeBodyNumbers& numbers, const std::vector<doubl
   SINEW_TRY(Evaluate(numbers, start_));
   Accept(start_);
   double damping = kFirstDamping;
-  double raise = kRaise;
   bool refused = false;  // a step from this point
   for (int iteration = 0; iteration < kMaxIterations && damping <= kMaxDamping && cost_ > Nothing();
        ++iteration) {
@@ -282,20 +279,14 @@ Status WindowFit::Search(const FreeBodyNumbers& numbers, const std::vector<doubl
     const bool better = status && trial_cost_ < cost_;
     if (!better) {
       if (predicted < kCostNoiseLevel * cost_) break;
-      damping = std::max(raise * damping, kLeastRaisedDamping);
-      raise *= kRaise;
+      damping = std::max(10 * damping, 1e-4);
       refused = true;
       continue;
     }
-    if (refused) {
-      SINEW_TRY(Evaluate(numbers, next));
-    } else {
-      damping = std::max(0.1 * damping, kFirstDamping);
-    }
-    // The damping that was too small here is likely to be so at the next point.
+    if (refused) SINEW_TRY(Evaluate(numbers, next));
     refused = false;
-    raise = kRaise;
     Accept(next);
+    damping = std::max(0.1 * damping, kFirstDamping);
   }
   return {};
 }
