@@ -6,7 +6,7 @@ usage: axes.py SEED OUT.h5 [CONFIG.yaml]
 import math
 import random
 import sys
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import h5py
 import numpy
@@ -79,6 +79,15 @@ def draw_axis(seed):
                 noise=(u(0.5e-6, 3e-6) if closed else u(1e-6, 2e-5)), resolution=draw.choice((0.0, 1e-6)), rate=rate, closed=closed,
                 held_stated=draw.random() < 0.6, trials=trials, duration=24.0 if trials == 1 else 12.0, stroke=stroke,
                 position_gain=u(8, 20), velocity_gain=mass * u(20, 40), velocity_filter=u(0.002, 0.006))
+
+
+def draw_rippled_axis(seed):
+    """An axis whose force ripples 12 to 28 times along the stroke, as with the pitch of a screw; two short records, force in."""
+    draw = random.Random(f"ripple {seed}")
+    axis = draw_axis(seed)
+    ripples = draw.uniform(12, 28)
+    return replace(axis, cogging=axis.coulomb * draw.uniform(0.15, 0.3), cogging_period=axis.stroke / ripples, trials=2, duration=8.0, rate=250,
+                   closed=False, resolution=0.0)
 
 
 def reference(axis, draw):

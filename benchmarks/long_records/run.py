@@ -19,6 +19,7 @@ sys.path.insert(0, str(Path(__file__).resolve().parent))
 import axes  # noqa: E402
 import tanks  # noqa: E402
 
+AXES = {"axis": axes.draw_axis, "rippled axis": axes.draw_rippled_axis}
 LONGEST = 3000  # [s] of one command
 MATTERS = 1.1   # growth of the oracle's held-out error without an effect
 # A name stands for all that nothing which is measured here tells from it.
@@ -40,8 +41,8 @@ class Case:
     def __init__(self, options, kind, seed, folder):
         self.kind, self.seed, self.folder = kind, seed, folder
         self.data = folder / "case.h5"
-        if kind == "axis":
-            self.machine = axes.draw_axis(seed)
+        if kind in AXES:
+            self.machine = AXES[kind](seed)
             axes.write(self.machine, self.data)
             (folder / "drive.yaml").write_text(self.machine.settings())
             self.program, self.model, self.channel = options.sinew, ["drive"], "position"
@@ -129,6 +130,7 @@ def tell(results, each):
     print(f"{len(results)} cases, {len(results) - len(done)} failed")
     groups = {"axes": lambda r: r["kind"] == "axis", "axes, open loop": lambda r: r["kind"] == "axis" and not r["machine"]["closed"],
               "axes, closed loop": lambda r: r["kind"] == "axis" and r["machine"]["closed"],
+              "axes with a fine ripple": lambda r: r["kind"] == "rippled axis",
               "tanks": lambda r: r["kind"] == "tanks" and not r["outsider"],
               "tanks, outsider": lambda r: r["kind"] == "tanks" and r["outsider"]}
     for title, wanted in groups.items():
@@ -148,7 +150,7 @@ def tell(results, each):
         for r, j in done:
             d, m = r["diagnosis"], r["machine"]
             what = f"{m['trials']} x {m['duration']:.0f} s, {m['rate']:.0f} Hz, {'closed' if m['closed'] else 'open'}" \
-                if r["kind"] == "axis" else f"{m['records']} x {m['samples']} samples, {m['interval']:.0f} s"
+                if r["kind"] in AXES else f"{m['records']} x {m['samples']} samples, {m['interval']:.0f} s"
             missing = f", missing {', '.join(j['missed'])}" if j["missed"] else ""
             beside = f" + {r['outsider'][0]}" if r["outsider"] else ""
             print(f"{r['kind']} {r['seed']}: {what}; ratio {j['ratio']:.2f}, left {j['left']:.2f} x the noise, {d['verdict']}"
@@ -171,6 +173,7 @@ def main():
     parser.add_argument("--sinew", type=Path)
     parser.add_argument("--two-tanks", type=Path, help="the program of two_tanks.cpp")
     parser.add_argument("--axes", type=seeds, default=[], help="seeds, first:last")
+    parser.add_argument("--rippled-axes", type=seeds, default=[], help="seeds, first:last")
     parser.add_argument("--tanks", type=seeds, default=[], help="seeds, first:last")
     parser.add_argument("--program-seed", type=int, default=1, help="of the diagnosis")
     parser.add_argument("--no-oracle", action="store_true")
@@ -186,7 +189,7 @@ def main():
     known = json.loads(options.reuse.read_text()) if options.reuse else []
     oracles = {(r["kind"], r["seed"]): r["oracle"] for r in known if "oracle" in r}
     results = []
-    for kind, seed in [("axis", s) for s in options.axes] + [("tanks", s) for s in options.tanks]:
+    for kind, seed in [("axis", s) for s in options.axes] + [("rippled axis", s) for s in options.rippled_axes] + [("tanks", s) for s in options.tanks]:
         results.append(study(options, kind, seed, oracles))
         options.out.write_text(json.dumps(results, indent=1))
         tell(results[-1:], True)

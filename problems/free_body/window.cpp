@@ -244,7 +244,7 @@ Status WindowFit::Refine(const FreeBodyNumbers& numbers) {
   AcceptValues(start_);
   const StateSteps steps(jacobian_, kFirstDamping);
   for (int iteration = 0; iteration < kMaxRefinements; ++iteration) {
-    const Vector gradient = jacobian_.transpose() * residual_;
+    const StartLanes gradient = jacobian_.transpose() * residual_;
     Vector step = steps.From(gradient);
     Clamp(data_.body.size, step);
     const double predicted = -gradient.dot(step) - 0.5 * (jacobian_ * step).squaredNorm();
@@ -269,21 +269,20 @@ Status WindowFit::Search(const FreeBodyNumbers& numbers, const std::vector<doubl
   bool refused = false;  // a step from this point
   for (int iteration = 0; iteration < kMaxIterations && damping <= kMaxDamping && cost_ > Nothing();
        ++iteration) {
-    const Vector gradient = jacobian_.transpose() * residual_;
+    const StartLanes gradient = jacobian_.transpose() * residual_;
     Vector step = StateSteps(jacobian_, damping).From(gradient);
     Clamp(data_.body.size, step);
     const double predicted = -gradient.dot(step) - 0.5 * (jacobian_ * step).squaredNorm();
     if (!(predicted > enough * cost_)) break;
     const FlightStart next = start_.Moved(step);
     const Status status = refused ? EvaluateValues(numbers, next) : Evaluate(numbers, next);
-    const bool better = status && trial_cost_ < cost_;
+    const bool better = status && trial_cost_ < cost_ && (!refused || Evaluate(numbers, next));
     if (!better) {
       if (predicted < kCostNoiseLevel * cost_) break;
       damping = std::max(10 * damping, 1e-4);
       refused = true;
       continue;
     }
-    if (refused) SINEW_TRY(Evaluate(numbers, next));
     refused = false;
     Accept(next);
     damping = std::max(0.1 * damping, kFirstDamping);
