@@ -51,7 +51,7 @@ void AddContact(const FreeBody& body, double speed, Builder& add) {
                   "Walton, Braun 1986")
       .Number(kReboundLoss, "rebound_loss", "1", "share of the force that is lost on the way out", 0, 0.99);
   // Down to a force that is linear in the depth of a corner: a power below 1 would be infinitely stiff at the
-  // first touch.
+  // first touch. (The elements of an elastic foundation are entered one after the other.)
   add.BeginEffect("contact_exponent", Level::kBoundary,
                   "the force does not grow with the stated power of the depth",
                   "pressing the body on the table slowly, force against depth")

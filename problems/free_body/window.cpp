@@ -157,7 +157,7 @@ double WindowFit::Nothing() const {
 void WindowFit::Accept(const FlightStart& start) {
   AcceptValues(start);
   jacobian_.swap(trial_jacobian_);
-  jacobian_is_here_ = true;
+  jacobian_is_at_start_ = true;
 }
 
 void WindowFit::AcceptValues(const FlightStart& start) {
@@ -165,7 +165,7 @@ void WindowFit::AcceptValues(const FlightStart& start) {
   cost_ = trial_cost_;
   poses_.swap(trial_poses_);
   residual_.swap(trial_residual_);
-  jacobian_is_here_ = false;
+  jacobian_is_at_start_ = false;
 }
 
 // A search evaluates the derivatives at a point after the cost there.
@@ -326,7 +326,7 @@ Status WindowFit::Pass(const FreeBodyNumbers& numbers, const std::vector<int>& s
 
 Status WindowFit::Differentiate(const FreeBodyNumbers& numbers, const std::vector<int>& slots,
                                 Matrix& derivatives) {
-  if (!jacobian_is_here_) {
+  if (!jacobian_is_at_start_) {
     times_ = &window_.times;
     SINEW_TRY(Evaluate(numbers, start_));
     Accept(start_);

@@ -108,8 +108,8 @@ class WindowFit {
   std::vector<Pose> poses_;
   Vector weight_;    // [7 frames]
   Vector residual_;  // [7 frames] weighted, at start_
-  Matrix jacobian_;  // [7 frames x kStartLanes] weighted, at start_, or near it
-  bool jacobian_is_here_ = false;
+  Matrix jacobian_;  // [7 frames x kStartLanes] weighted, at start_ or near it
+  bool jacobian_is_at_start_ = false;
   double trial_cost_ = 0;
   std::vector<Pose> trial_poses_;
   Vector trial_residual_;

@@ -78,6 +78,17 @@ TEST(FreeBodyFlightTest, FliesLikeAThrownStoneUntilItTouches) {
 }
 
 // Euler's equations: the angular momentum in the world stays, though the body's axes tumble.
+TEST(FreeBodyFlightTest, AStateIsMovedToAnotherOneByTheirDifference) {
+  FlightStart from;
+  from.pose = {0.1, -0.2, 0.3, 0.5, 0.5, -0.5, 0.5};
+  from.velocity = Vec3(1, 2, -3);
+  from.spin = Vec3(-4, 5, 6);
+  Vector by(kStartLanes);
+  by << 0.01, -0.02, 0.03, 0.5, -0.4, 0.3, 0.1, 0.2, -0.3, 1, -2, 3;
+  const FlightStart to = from.Moved(by);
+  EXPECT_LT((from.MoveTo(to) - by).cwiseAbs().maxCoeff(), 1e-14);
+}
+
 TEST(FreeBodyFlightTest, KeepsItsAngularMomentum) {
   const FreeBody body = Cube();
   const FreeBodyNumbers numbers = Ordinary();
