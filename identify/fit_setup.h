@@ -43,9 +43,9 @@ struct FitSetup {
 
 /// By default all base parameters, and the nuisance parameters of training trials, are free, and all effects
 /// are held at their null. A released effect whose parameters all have probe values has no slope at its null,
-/// so it starts at its middle probe value unless the request gives bounds or a start. Errors: unknown names
-/// (with a suggestion), bounds that exclude the start, a fixed value outside the bounds, a parameter both
-/// free and fixed.
+/// so it starts at its middle probe value unless the request gives bounds or a start; searches begin at the
+/// best of all probe values (solvers::BestStart). Errors: unknown names (with a suggestion), bounds that
+/// exclude the start, a fixed value outside the bounds, a parameter both free and fixed.
 Result<FitSetup> MakeFitSetup(const Problem& problem, const FitRequest& request);
 
 }  // namespace sinew

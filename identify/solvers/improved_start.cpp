@@ -3,6 +3,8 @@
 #include <algorithm>
 #include <vector>
 
+#include "identify/solvers/probed_start.h"
+
 namespace sinew::solvers {
 namespace {
 
@@ -43,7 +45,9 @@ std::optional<Vector> ImprovedStart(const LeastSquares& fit, const Vector& param
   return improved;
 }
 
-Vector BestStart(const LeastSquares& fit) {
+namespace {
+
+Vector LowerStart(const LeastSquares& fit) {
   Vector start = fit.Start();
   const auto improved = ImprovedStart(fit, fit.Parameters(start));
   if (!improved) return start;
@@ -52,6 +56,12 @@ Vector BestStart(const LeastSquares& fit) {
   const auto here = fit.Cost(start, workspace);
   const auto there = fit.Cost(second, workspace);
   return there && (!here || *there < *here) ? second : start;
+}
+
+}  // namespace
+
+Vector BestStart(const LeastSquares& fit, const std::function<bool()>& stop) {
+  return ProbedStart(fit, LowerStart(fit), stop);
 }
 
 }  // namespace sinew::solvers

@@ -13,6 +13,8 @@
 #include "identify/execution/executor.h"
 #include "identify/execution/shared_loop.h"
 #include "identify/keep_samples.h"
+#include "identify/solvers/fit_in_turns.h"
+#include "identify/solvers/probed_start.h"
 
 namespace sinew::diagnosis {
 namespace {
@@ -26,6 +28,8 @@ constexpr std::size_t kMaxSearchedTrials = 20;  // two in each fold
 constexpr int kMaxSearchedSamples = 6000;
 constexpr long kFoldEvaluations = 80;      // of a fit without a fold ...
 constexpr long kRoughFoldEvaluations = 8;  // ... a few steps: most of the way
+constexpr std::size_t kManyProbes = 13;    // values of an effect of which the scores single out too few
+constexpr double kClearlyLower = 0.995;    // error after a fit in turns over that before
 constexpr double kIdle = 1e-4;  // relative change of the fitted error without a member that changes nothing
 
 std::set<std::string> SearchedTrials(const Problem& problem) {
@@ -205,6 +209,30 @@ void SetFitter::Fit(std::vector<FittedSet>& sets, const std::vector<std::vector<
     sets[i].point = searches[i].fit->Parameters(found.x);
     sets[i].fitted_error = std::sqrt(2 * found.cost / Rows());
   }
+}
+
+void SetFitter::FitInTurns(std::vector<FittedSet>& sets) const {
+  const auto stop = [&] { return Interrupted(); };
+  ForEachShared(options_.record, options_.threads, sets.size(), [&](std::size_t i, std::size_t) {
+    FittedSet& one = sets[i];
+    if (stop() || !std::isfinite(one.fitted_error)) return;
+    FitSetup setup = SetupWith(one.released);
+    setup.rest = one.point;
+    LeastSquares fit(searched_, setup);
+    auto found = solvers::FitInTurns(fit, fit.Variables(one.point), {0, kTolerance}, stop);
+    const Vector probed = solvers::ProbedStart(fit, found.x, stop, kManyProbes);
+    if (probed != found.x && !stop()) {
+      auto other = solvers::FitInTurns(fit, probed, {0, kTolerance}, stop);
+      if (other.failure.empty() && !(found.failure.empty() && found.cost <= other.cost))
+        found = std::move(other);
+    }
+    const double error = std::sqrt(2 * found.cost / Rows());
+    if (!found.failure.empty() || !(error < kClearlyLower * one.fitted_error)) return;
+    one = FittedSet(one.released);
+    one.point = fit.Parameters(found.x);
+    one.fitted_error = error;
+    one.left_out_error = std::numeric_limits<double>::infinity();
+  });
 }
 
 void SetFitter::LeaveOut(std::vector<FittedSet>& sets) const {

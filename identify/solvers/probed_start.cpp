@@ -1,0 +1,271 @@
+#include "identify/solvers/probed_start.h"
+
+#include <algorithm>
+#include <cmath>
+#include <map>
+#include <memory>
+#include <optional>
+#include <string>
+#include <utility>
+#include <vector>
+
+#include "base/constants.h"
+#include "identify/solvers/box_quadratic_model.h"
+#include "identify/solvers/fit_in_turns.h"
+#include "identify/solvers/local_fit.h"
+#include "identify/solvers/residual_whitening.h"
+
+namespace sinew::solvers {
+namespace {
+
+constexpr double kDampingAtProbe = 1e-3;
+constexpr LocalFit::Tolerance kProbedTolerance{0, 1e-6};
+constexpr long kProbedEvaluations = 60;
+// Minima along the probe values that a fit is tried from.
+constexpr std::size_t kTriedProbes = 4;
+constexpr long kLongEvaluations = 200;
+
+// The free parameters of an effect, and values of those that have probe values.
+struct ProbedEffect {
+  std::vector<int> parameters;
+  std::vector<std::vector<std::pair<int, double>>> probes;
+};
+
+const Parameter& ParameterOf(const FitSetup& setup, int index) {
+  return setup.parameters[static_cast<std::size_t>(index)];
+}
+
+bool StartsWhereDeclared(const FitSetup& setup, int index) {
+  const Parameter& p = ParameterOf(setup, index);
+  return p.start == p.null_value || std::count(p.probes.begin(), p.probes.end(), p.start) > 0;
+}
+
+void AddProbes(const Parameter& p, int index, ProbedEffect& effect) {
+  std::vector<std::vector<std::pair<int, double>>> grid;
+  for (const auto& probe : effect.probes) {
+    for (const double value : p.probes) {
+      if (value < p.lower || value > p.upper) continue;
+      grid.push_back(probe);
+      grid.back().emplace_back(index, value);
+    }
+  }
+  if (!grid.empty()) effect.probes = std::move(grid);
+}
+
+std::vector<ProbedEffect> ProbedEffects(const FitSetup& setup, std::size_t least_probes) {
+  std::map<std::string, ProbedEffect> by_name;
+  for (const int index : setup.free) {
+    const Parameter& p = ParameterOf(setup, index);
+    if (p.kind == ParameterKind::kEffect) by_name[p.effect].parameters.push_back(index);
+  }
+  std::vector<ProbedEffect> effects;
+  for (auto& [name, effect] : by_name) {
+    effect.probes = {{}};
+    for (const int index : effect.parameters) AddProbes(ParameterOf(setup, index), index, effect);
+    const bool probed = !effect.probes.front().empty() && effect.probes.size() >= least_probes;
+    const bool declared = std::all_of(effect.parameters.begin(), effect.parameters.end(),
+                                      [&](int index) { return StartsWhereDeclared(setup, index); });
+    if (probed && declared) effects.push_back(std::move(effect));
+  }
+  return effects;
+}
+
+// The fit with some effects at their null.
+FitSetup Without(const std::vector<ProbedEffect>& effects, FitSetup setup) {
+  for (const ProbedEffect& effect : effects) {
+    for (const int index : effect.parameters) {
+      setup.free.erase(std::remove(setup.free.begin(), setup.free.end(), index), setup.free.end());
+      setup.rest[index] = ParameterOf(setup, index).null_value;
+    }
+  }
+  return setup;
+}
+
+// Costs that a Gauss-Newton step from each probe promises; infinite where there is no prediction.
+struct PromisedCosts {
+  std::vector<double> plain;
+  std::vector<double> whitened;
+};
+
+double AfterStep(const Vector& x, const Vector& residuals, const SparseJacobian& jacobian) {
+  BoxQuadraticModel model;
+  if (!model.Set(x.size(), residuals, jacobian)) return kInfinity;
+  double fall = 0;
+  (void)model.BoxStep(x, -1, kDampingAtProbe, fall);
+  return 0.5 * residuals.squaredNorm() - fall;
+}
+
+PromisedCosts CostsAtProbes(const LeastSquares& fit, const ProbedEffect& effect, const Vector& point,
+                            const RowTransform* whitening, const std::function<bool()>& stop) {
+  auto workspace = fit.NewWorkspace();
+  SparseJacobian jacobian = fit.NewJacobian();
+  Vector residuals;
+  PromisedCosts costs;
+  for (const auto& probe : effect.probes) {
+    costs.plain.push_back(kInfinity);
+    costs.whitened.push_back(kInfinity);
+    if (stop()) continue;
+    Vector at = point;
+    for (const auto& [index, value] : probe) at[index] = value;
+    const Vector x = fit.Variables(at);
+    if (!fit.Evaluate(x, workspace, residuals, &jacobian)) continue;
+    costs.plain.back() = AfterStep(x, residuals, jacobian);
+    if (!whitening) continue;
+    for (std::size_t b = 0; b < fit.train_blocks().size(); ++b) {
+      SparseJacobian::Piece& piece = jacobian.pieces[b];
+      whitening->Apply(static_cast<int>(b), piece.values);
+      whitening->Apply(static_cast<int>(b), residuals.segment(piece.first_row, piece.values.rows()));
+    }
+    costs.whitened.back() = AfterStep(x, residuals, jacobian);
+  }
+  return costs;
+}
+
+// The lowest minima along the probes, lowest first.
+std::vector<std::size_t> LowestMinima(const std::vector<double>& costs) {
+  std::vector<std::size_t> minima;
+  for (std::size_t i = 0; i < costs.size(); ++i) {
+    const bool below_last = i == 0 || costs[i] < costs[i - 1];
+    const bool below_next = i + 1 == costs.size() || costs[i] <= costs[i + 1];
+    if (costs[i] < kInfinity && below_last && below_next) minima.push_back(i);
+  }
+  std::stable_sort(minima.begin(), minima.end(),
+                   [&](std::size_t a, std::size_t b) { return costs[a] < costs[b]; });
+  if (minima.size() > kTriedProbes) minima.resize(kTriedProbes);
+  return minima;
+}
+
+// Whether a point has the effect, at values nearest to this probe or to one beside it.
+bool IsNear(const FitSetup& setup, const ProbedEffect& effect, std::size_t probe, const Vector& point) {
+  const auto stands = [&](int index) {
+    const Parameter& p = ParameterOf(setup, index);
+    return p.probes.empty() && point[index] != p.null_value;
+  };
+  if (std::none_of(effect.parameters.begin(), effect.parameters.end(), stands)) return false;
+  const auto distance = [&](const auto& values) {
+    double sum = 0;
+    for (const auto& [index, value] : values) {
+      const Parameter& p = ParameterOf(setup, index);
+      sum += std::abs(point[index] - value) / (p.upper - p.lower);
+    }
+    return sum;
+  };
+  std::size_t nearest = 0;
+  for (std::size_t i = 1; i < effect.probes.size(); ++i) {
+    if (distance(effect.probes[i]) < distance(effect.probes[nearest])) nearest = i;
+  }
+  return nearest + 1 >= probe && nearest <= probe + 1;
+}
+
+double Lowest(const std::vector<double>& costs) {
+  return *std::min_element(costs.begin(), costs.end());
+}
+
+class Probing {
+ public:
+  Probing(const LeastSquares& fit, const std::function<bool()>& stop, std::size_t least_probes)
+      : fit_(fit), stop_(stop), left_(ProbedEffects(fit.setup(), least_probes)) {}
+
+  [[nodiscard]] bool HasEffects() const { return !left_.empty(); }
+
+  // [P]; nothing if it was stopped, if nothing can be predicted, or if the point has the best probe values.
+  std::optional<Vector> Run(const Vector& point) {
+    start_ = point;
+    const FitSetup without = Without(left_, fit_.setup());
+    LeastSquares fit(fit_.problem(), without);
+    auto end = Fit(fit, fit.Parameters(fit.Variables(point)), nullptr, kLongEvaluations);
+    while (end && !left_.empty()) end = Release(*end);
+    return end;
+  }
+
+ private:
+  [[nodiscard]] std::optional<Vector> Fit(LeastSquares& fit, const Vector& point,
+                                          const RowTransform* transform, long evaluations) {
+    if (stop_()) return {};
+    fit.set_transform(transform);
+    const LocalFit::Outcome outcome =
+        LocalFit(fit).Minimize(fit.Variables(point), -1, kProbedTolerance, evaluations);
+    cost_ = outcome.cost;
+    if (!outcome.failure.empty()) return {};
+    return fit.Parameters(outcome.x);
+  }
+
+  // The fit with the one of the effects left that lowers the cost the most.
+  std::optional<Vector> Release(const Vector& point) {
+    const auto whitening = ResidualWhitening(fit_, point);
+    std::size_t best = 0;
+    PromisedCosts costs;
+    for (std::size_t i = 0; i < left_.size(); ++i) {
+      const FitSetup setup = WithOneMore(i);
+      const LeastSquares fit(fit_.problem(), setup);
+      PromisedCosts promised = CostsAtProbes(fit, left_[i], point, whitening.get(), stop_);
+      if (stop_()) return {};
+      if (i > 0 && !(Lowest(promised.plain) < Lowest(costs.plain))) continue;
+      best = i;
+      costs = std::move(promised);
+    }
+    const FitSetup setup = WithOneMore(best);
+    LeastSquares fit(fit_.problem(), setup);
+    const std::vector<std::size_t> plain_minima = LowestMinima(costs.plain);
+    const std::vector<std::size_t> whitened_minima = LowestMinima(costs.whitened);
+    const auto& minima = whitened_minima.empty() ? plain_minima : whitened_minima;
+    if (!minima.empty() && IsNear(fit_.setup(), left_[best], minima.front(), start_)) return {};
+    auto plain = BestOf(fit, point, left_[best], plain_minima, nullptr);
+    const double plain_cost = cost_;
+    auto whitened = BestOf(fit, point, left_[best], whitened_minima, whitening.get());
+    if (whitened) {
+      const LocalFit::Outcome end = FitInTurns(fit, fit.Variables(*whitened), kProbedTolerance, stop_);
+      cost_ = end.cost;
+      whitened = fit.Parameters(end.x);
+    }
+    left_.erase(left_.begin() + static_cast<std::ptrdiff_t>(best));
+    return whitened && (!plain || cost_ < plain_cost) ? whitened : plain;
+  }
+
+  // The lowest end of fits from some probes.
+  std::optional<Vector> BestOf(LeastSquares& fit, const Vector& point, const ProbedEffect& effect,
+                               const std::vector<std::size_t>& probes, const RowTransform* transform) {
+    std::optional<Vector> lowest;
+    double lowest_cost = kInfinity;
+    for (const std::size_t probe : probes) {
+      Vector from = point;
+      for (const auto& [index, value] : effect.probes[probe]) from[index] = value;
+      auto end = Fit(fit, from, transform, kProbedEvaluations);
+      if (!end || !(cost_ < lowest_cost)) continue;
+      lowest = std::move(end);
+      lowest_cost = cost_;
+    }
+    cost_ = lowest_cost;
+    return lowest;
+  }
+
+  [[nodiscard]] FitSetup WithOneMore(std::size_t effect) const {
+    std::vector<ProbedEffect> others = left_;
+    others.erase(others.begin() + static_cast<std::ptrdiff_t>(effect));
+    return Without(others, fit_.setup());
+  }
+
+  const LeastSquares& fit_;
+  const std::function<bool()>& stop_;
+  std::vector<ProbedEffect> left_;
+  Vector start_;
+  double cost_ = 0;  // of the last fit
+};
+
+}  // namespace
+
+Vector ProbedStart(const LeastSquares& fit, const Vector& start, const std::function<bool()>& stop,
+                   std::size_t least_probes) {
+  if (fit.setup().HasNuisancePriors()) return start;
+  Probing probing(fit, stop, least_probes);
+  if (!probing.HasEffects()) return start;
+  const auto point = probing.Run(fit.Parameters(start));
+  if (!point) return start;
+  auto workspace = fit.NewWorkspace();
+  Vector probed = fit.Variables(*point);
+  const auto here = fit.Cost(start, workspace);
+  const auto there = fit.Cost(probed, workspace);
+  return there && (!here || *there < *here) ? probed : start;
+}
+
+}  // namespace sinew::solvers
