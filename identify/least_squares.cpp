@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <utility>
 
 #include "identify/guarded.h"
 
@@ -341,6 +342,13 @@ Status LeastSquares::Constraints(const Vector& x, Workspace& workspace, Vector& 
       (*jacobian)(i, piece.variables[k]) = piece.values(0, static_cast<Eigen::Index>(k));
   }
   return {};
+}
+
+Vector LowerOf(const LeastSquares& fit, Vector first, Vector second) {
+  auto workspace = fit.NewWorkspace();
+  const auto here = fit.Cost(first, workspace);
+  const auto there = fit.Cost(second, workspace);
+  return there && !(here && *here <= *there) ? std::move(second) : std::move(first);
 }
 
 }  // namespace sinew

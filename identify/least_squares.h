@@ -175,4 +175,7 @@ class LeastSquares {
   const RowTransform* transform_ = nullptr;
 };
 
+/// The point of lower cost [n]; the first one if the costs are equal, or if neither can be predicted.
+[[nodiscard]] Vector LowerOf(const LeastSquares& fit, Vector first, Vector second);
+
 }  // namespace sinew

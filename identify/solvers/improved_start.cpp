@@ -1,6 +1,7 @@
 #include "identify/solvers/improved_start.h"
 
 #include <algorithm>
+#include <utility>
 #include <vector>
 
 #include "identify/solvers/probed_start.h"
@@ -33,6 +34,12 @@ std::optional<Vector> RecordedStart(const LeastSquares& fit, const Vector& param
   return improved;
 }
 
+Vector LowerStart(const LeastSquares& fit) {
+  Vector start = fit.Start();
+  const auto improved = ImprovedStart(fit, fit.Parameters(start));
+  return improved ? LowerOf(fit, std::move(start), fit.Variables(*improved)) : start;
+}
+
 }  // namespace
 
 std::optional<Vector> ImprovedStart(const LeastSquares& fit, const Vector& parameters) {
@@ -44,21 +51,6 @@ std::optional<Vector> ImprovedStart(const LeastSquares& fit, const Vector& param
   }
   return improved;
 }
-
-namespace {
-
-Vector LowerStart(const LeastSquares& fit) {
-  Vector start = fit.Start();
-  const auto improved = ImprovedStart(fit, fit.Parameters(start));
-  if (!improved) return start;
-  auto workspace = fit.NewWorkspace();
-  Vector second = fit.Variables(*improved);
-  const auto here = fit.Cost(start, workspace);
-  const auto there = fit.Cost(second, workspace);
-  return there && (!here || *there < *here) ? second : start;
-}
-
-}  // namespace
 
 Vector BestStart(const LeastSquares& fit, const std::function<bool()>& stop) {
   return ProbedStart(fit, LowerStart(fit), stop);

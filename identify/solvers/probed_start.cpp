@@ -135,28 +135,6 @@ std::vector<std::size_t> LowestMinima(const std::vector<double>& costs) {
   return minima;
 }
 
-// Whether a point has the effect, at values nearest to this probe or to one beside it.
-bool IsNear(const FitSetup& setup, const ProbedEffect& effect, std::size_t probe, const Vector& point) {
-  const auto stands = [&](int index) {
-    const Parameter& p = ParameterOf(setup, index);
-    return p.probes.empty() && point[index] != p.null_value;
-  };
-  if (std::none_of(effect.parameters.begin(), effect.parameters.end(), stands)) return false;
-  const auto distance = [&](const auto& values) {
-    double sum = 0;
-    for (const auto& [index, value] : values) {
-      const Parameter& p = ParameterOf(setup, index);
-      sum += std::abs(point[index] - value) / (p.upper - p.lower);
-    }
-    return sum;
-  };
-  std::size_t nearest = 0;
-  for (std::size_t i = 1; i < effect.probes.size(); ++i) {
-    if (distance(effect.probes[i]) < distance(effect.probes[nearest])) nearest = i;
-  }
-  return nearest + 1 >= probe && nearest <= probe + 1;
-}
-
 double Lowest(const std::vector<double>& costs) {
   return *std::min_element(costs.begin(), costs.end());
 }
@@ -168,9 +146,8 @@ class Probing {
 
   [[nodiscard]] bool HasEffects() const { return !left_.empty(); }
 
-  // [P]; nothing if it was stopped, if nothing can be predicted, or if the point has the best probe values.
+  // [P]; nothing if it was stopped, or if nothing can be predicted.
   std::optional<Vector> Run(const Vector& point) {
-    start_ = point;
     const FitSetup without = Without(left_, fit_.setup());
     LeastSquares fit(fit_.problem(), without);
     auto end = Fit(fit, fit.Parameters(fit.Variables(point)), nullptr, kLongEvaluations);
@@ -206,13 +183,9 @@ class Probing {
     }
     const FitSetup setup = WithOneMore(best);
     LeastSquares fit(fit_.problem(), setup);
-    const std::vector<std::size_t> plain_minima = LowestMinima(costs.plain);
-    const std::vector<std::size_t> whitened_minima = LowestMinima(costs.whitened);
-    const auto& minima = whitened_minima.empty() ? plain_minima : whitened_minima;
-    if (!minima.empty() && IsNear(fit_.setup(), left_[best], minima.front(), start_)) return {};
-    auto plain = BestOf(fit, point, left_[best], plain_minima, nullptr);
+    auto plain = BestOf(fit, point, left_[best], LowestMinima(costs.plain), nullptr);
     const double plain_cost = cost_;
-    auto whitened = BestOf(fit, point, left_[best], whitened_minima, whitening.get());
+    auto whitened = BestOf(fit, point, left_[best], LowestMinima(costs.whitened), whitening.get());
     if (whitened) {
       const LocalFit::Outcome end = FitInTurns(fit, fit.Variables(*whitened), kProbedTolerance, stop_);
       cost_ = end.cost;
@@ -248,7 +221,6 @@ class Probing {
   const LeastSquares& fit_;
   const std::function<bool()>& stop_;
   std::vector<ProbedEffect> left_;
-  Vector start_;
   double cost_ = 0;  // of the last fit
 };
 
@@ -261,11 +233,7 @@ Vector ProbedStart(const LeastSquares& fit, const Vector& start, const std::func
   if (!probing.HasEffects()) return start;
   const auto point = probing.Run(fit.Parameters(start));
   if (!point) return start;
-  auto workspace = fit.NewWorkspace();
-  Vector probed = fit.Variables(*point);
-  const auto here = fit.Cost(start, workspace);
-  const auto there = fit.Cost(probed, workspace);
-  return there && (!here || *there < *here) ? probed : start;
+  return LowerOf(fit, start, fit.Variables(*point));
 }
 
 }  // namespace sinew::solvers

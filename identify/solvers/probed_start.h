@@ -16,10 +16,10 @@ namespace sinew::solvers {
 /// step of all parameters of the fit says how far the cost would fall; the effect whose fall is the largest
 /// is fitted from its best probe values, and so on with the effects that are left.
 ///
-/// A start that has an effect near its best probe value, by the whitened cost, is kept. So are effects one of
-/// whose free parameters starts neither at its null nor at a probe value: the request has stated where to
-/// begin. In fits whose nuisance parameters have priors all are. Evaluations are not counted: one for each
-/// probe value as often as effects are left, and some hundred for each effect.
+/// Effects one of whose free parameters starts neither at its null nor at a probe value are fitted as they
+/// start: the request has stated where to begin. In fits whose nuisance parameters have priors all are.
+/// Evaluations are not counted: one for each probe value as often as effects are left, and some hundred for
+/// each effect.
 /// @param start [n] @param stop whether to end early @param least_probes effects with fewer are fitted as
 /// they start @return [n] a point of lower cost, or the start
 [[nodiscard]] Vector ProbedStart(const LeastSquares& fit, const Vector& start,

@@ -308,5 +308,29 @@ TEST(LeastSquares, ConstraintsAreExpressedInTheVariables) {
   EXPECT_NEAR(jacobian(0, 0), 10 * std::log(1e4), 100 * kRounding);
 }
 
+TEST(LowerOf, IsThePointOfLowerCostAndTheFirstOneInDoubt) {
+  FunctionProblem problem;
+  problem.Add("a", -4, 4, 0);
+  problem.AddBlock("trial", {0.0}, {0},
+                   [](const Vector& p, Eigen::Ref<Vector> values, Matrix* derivatives) -> Status {
+                     if (p[0] > 2) return Fail("no prediction");
+                     values[0] = p[0];
+                     if (derivatives != nullptr) (*derivatives)(0, 0) = 1;
+                     return {};
+                   });
+  const Fit fit(problem);
+  const auto lower = [&](double first, double second) {
+    const LeastSquares& least = fit.least_squares;
+    const auto at = [&](double a) { return least.Variables(Values({a})); };
+    return least.Parameters(LowerOf(least, at(first), at(second)))[0];
+  };
+  EXPECT_NEAR(lower(1, 0.5), 0.5, 1e-12);
+  EXPECT_NEAR(lower(0.5, 1), 0.5, 1e-12);
+  EXPECT_NEAR(lower(1, -1), 1, 1e-12) << "equal";
+  EXPECT_NEAR(lower(3, 1), 1, 1e-12) << "the first fails";
+  EXPECT_NEAR(lower(1, 3), 1, 1e-12) << "the second fails";
+  EXPECT_NEAR(lower(3, 4), 3, 1e-12) << "both fail";
+}
+
 }  // namespace
 }  // namespace sinew

@@ -147,17 +147,6 @@ Vector SetFitter::ColumnNorms(const FitSetup& setup) const {
   return squares.cwiseSqrt();
 }
 
-// The lower cost of the two.
-Vector BetterStart(const LeastSquares& fit, const Vector& start, const Vector* before) {
-  const Vector here = fit.Variables(start);
-  if (before == nullptr) return here;
-  const Vector there = fit.Variables(*before);
-  auto workspace = fit.NewWorkspace();
-  const auto cost_here = fit.Cost(here, workspace);
-  const auto cost_there = fit.Cost(there, workspace);
-  return cost_there && !(cost_here && *cost_here <= *cost_there) ? there : here;
-}
-
 // A fit without a fold, and the error of what that leaves out.
 // @param all as released, at the point from which the fit starts @param norms ColumnNorms of it
 // @param before [P] where a fit without the fold ended before, may be null
@@ -166,9 +155,10 @@ Result<SetFitter::LeftOut> SetFitter::LeaveOutFold(const FitSetup& all, const Ve
   const FoldView view(searched_, fold);
   const FitSetup setup = WithTiedNuisance(WithoutLeftOut(all, fold), fold, norms, all.rest);
   const LeastSquares fit(view, setup);
+  const Vector here = fit.Variables(all.rest);
   solvers::LocalFit search(fit);
-  const auto found =
-      search.Minimize(BetterStart(fit, all.rest, before), -1, {0, effort.tolerance}, effort.evaluations);
+  const auto found = search.Minimize(before == nullptr ? here : LowerOf(fit, here, fit.Variables(*before)),
+                                     -1, {0, effort.tolerance}, effort.evaluations);
   if (!found.failure.empty()) return Fail("{}", found.failure);
   if (!std::isfinite(found.cost)) return Fail("the fit has no cost");
   LeftOut out{{}, fit.Parameters(found.x)};
@@ -219,9 +209,10 @@ void SetFitter::FitInTurns(std::vector<FittedSet>& sets) const {
     FitSetup setup = SetupWith(one.released);
     setup.rest = one.point;
     LeastSquares fit(searched_, setup);
-    auto found = solvers::FitInTurns(fit, fit.Variables(one.point), {0, kTolerance}, stop);
-    const Vector probed = solvers::ProbedStart(fit, found.x, stop, kManyProbes);
-    if (probed != found.x && !stop()) {
+    const Vector x = fit.Variables(one.point);
+    auto found = solvers::FitInTurns(fit, x, {0, kTolerance}, stop);
+    const Vector probed = solvers::ProbedStart(fit, x, stop, kManyProbes);
+    if (probed != x && !stop()) {
       auto other = solvers::FitInTurns(fit, probed, {0, kTolerance}, stop);
       if (other.failure.empty() && !(found.failure.empty() && found.cost <= other.cost))
         found = std::move(other);
