@@ -10,8 +10,8 @@
 #include <vector>
 
 #include "base/constants.h"
+#include "identify/solvers/alternating_fit.h"
 #include "identify/solvers/box_quadratic_model.h"
-#include "identify/solvers/fit_in_turns.h"
 #include "identify/solvers/local_fit.h"
 #include "identify/solvers/residual_whitening.h"
 
@@ -81,8 +81,8 @@ FitSetup Without(const std::vector<ProbedEffect>& effects, FitSetup setup) {
   return setup;
 }
 
-// Costs that a Gauss-Newton step from each probe promises; infinite where there is no prediction.
-struct PromisedCosts {
+// Costs that a Gauss-Newton step from each probe predicts; infinite where there is no prediction.
+struct PredictedCosts {
   std::vector<double> plain;
   std::vector<double> whitened;
 };
@@ -95,12 +95,12 @@ double AfterStep(const Vector& x, const Vector& residuals, const SparseJacobian&
   return 0.5 * residuals.squaredNorm() - fall;
 }
 
-PromisedCosts CostsAtProbes(const LeastSquares& fit, const ProbedEffect& effect, const Vector& point,
-                            const RowTransform* whitening, const std::function<bool()>& stop) {
+PredictedCosts CostsAtProbes(const LeastSquares& fit, const ProbedEffect& effect, const Vector& point,
+                             const RowTransform* whitening, const std::function<bool()>& stop) {
   auto workspace = fit.NewWorkspace();
   SparseJacobian jacobian = fit.NewJacobian();
   Vector residuals;
-  PromisedCosts costs;
+  PredictedCosts costs;
   for (const auto& probe : effect.probes) {
     costs.plain.push_back(kInfinity);
     costs.whitened.push_back(kInfinity);
@@ -171,15 +171,15 @@ class Probing {
   std::optional<Vector> Release(const Vector& point) {
     const auto whitening = ResidualWhitening(fit_, point);
     std::size_t best = 0;
-    PromisedCosts costs;
+    PredictedCosts costs;
     for (std::size_t i = 0; i < left_.size(); ++i) {
       const FitSetup setup = WithOneMore(i);
       const LeastSquares fit(fit_.problem(), setup);
-      PromisedCosts promised = CostsAtProbes(fit, left_[i], point, whitening.get(), stop_);
+      PredictedCosts predicted = CostsAtProbes(fit, left_[i], point, whitening.get(), stop_);
       if (stop_()) return {};
-      if (i > 0 && !(Lowest(promised.plain) < Lowest(costs.plain))) continue;
+      if (i > 0 && !(Lowest(predicted.plain) < Lowest(costs.plain))) continue;
       best = i;
-      costs = std::move(promised);
+      costs = std::move(predicted);
     }
     const FitSetup setup = WithOneMore(best);
     LeastSquares fit(fit_.problem(), setup);
@@ -187,7 +187,7 @@ class Probing {
     const double plain_cost = cost_;
     auto whitened = BestOf(fit, point, left_[best], LowestMinima(costs.whitened), whitening.get());
     if (whitened) {
-      const LocalFit::Outcome end = FitInTurns(fit, fit.Variables(*whitened), kProbedTolerance, stop_);
+      const LocalFit::Outcome end = AlternatingFit(fit, fit.Variables(*whitened), kProbedTolerance, stop_);
       cost_ = end.cost;
       whitened = fit.Parameters(end.x);
     }

@@ -13,7 +13,7 @@
 #include "identify/execution/executor.h"
 #include "identify/execution/shared_loop.h"
 #include "identify/keep_samples.h"
-#include "identify/solvers/fit_in_turns.h"
+#include "identify/solvers/alternating_fit.h"
 #include "identify/solvers/probed_start.h"
 
 namespace sinew::diagnosis {
@@ -29,7 +29,7 @@ constexpr int kMaxSearchedSamples = 6000;
 constexpr long kFoldEvaluations = 80;      // of a fit without a fold ...
 constexpr long kRoughFoldEvaluations = 8;  // ... a few steps: most of the way
 constexpr std::size_t kManyProbes = 13;    // values of an effect of which the scores single out too few
-constexpr double kClearlyLower = 0.995;    // error after a fit in turns over that before
+constexpr double kClearlyLower = 0.995;    // error after an alternating fit over that before
 constexpr double kIdle = 1e-4;  // relative change of the fitted error without a member that changes nothing
 
 std::set<std::string> SearchedTrials(const Problem& problem) {
@@ -201,7 +201,7 @@ void SetFitter::Fit(std::vector<FittedSet>& sets, const std::vector<std::vector<
   }
 }
 
-void SetFitter::FitInTurns(std::vector<FittedSet>& sets) const {
+void SetFitter::FitAlternately(std::vector<FittedSet>& sets) const {
   const auto stop = [&] { return Interrupted(); };
   ForEachShared(options_.record, options_.threads, sets.size(), [&](std::size_t i, std::size_t) {
     FittedSet& one = sets[i];
@@ -210,10 +210,10 @@ void SetFitter::FitInTurns(std::vector<FittedSet>& sets) const {
     setup.rest = one.point;
     LeastSquares fit(searched_, setup);
     const Vector x = fit.Variables(one.point);
-    auto found = solvers::FitInTurns(fit, x, {0, kTolerance}, stop);
+    auto found = solvers::AlternatingFit(fit, x, {0, kTolerance}, stop);
     const Vector probed = solvers::ProbedStart(fit, x, stop, kManyProbes);
     if (probed != x && !stop()) {
-      auto other = solvers::FitInTurns(fit, probed, {0, kTolerance}, stop);
+      auto other = solvers::AlternatingFit(fit, probed, {0, kTolerance}, stop);
       if (other.failure.empty() && !(found.failure.empty() && found.cost <= other.cost))
         found = std::move(other);
     }

@@ -110,7 +110,7 @@ TEST(CrossValidatedSearch, LeftOutErrorMatchesAHandCalculation) {
   EXPECT_NEAR(one.LeftOut({}, one.setup.rest).left_out_error, by_hand, 1e-4 * by_hand);
 }
 
-TEST(CrossValidatedSearch, AFitInTurnsChangesOnlySetsThatItLowers) {
+TEST(CrossValidatedSearch, AnAlternatingFitChangesOnlySetsThatItLowers) {
   const LinearLaws problem(Hidden(), 2, 6, 2, 100);
   const Case one(problem);
   const SetFitter& fitter = one.search->fitter();
@@ -125,7 +125,7 @@ TEST(CrossValidatedSearch, AFitInTurnsChangesOnlySetsThatItLowers) {
   }
   missed.fitted_error = 10 * fitted.fitted_error;
   sets = {fitted, missed};
-  fitter.FitInTurns(sets);
+  fitter.FitAlternately(sets);
   EXPECT_EQ(sets[0].left_out_error, fitted.left_out_error);
   EXPECT_EQ(sets[0].point, fitted.point);
   EXPECT_NEAR(sets[1].fitted_error, fitted.fitted_error, 1e-3 * fitted.fitted_error);

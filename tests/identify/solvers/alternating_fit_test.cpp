@@ -1,4 +1,4 @@
-#include "identify/solvers/fit_in_turns.h"
+#include "identify/solvers/alternating_fit.h"
 
 #include <gtest/gtest.h>
 
@@ -44,19 +44,19 @@ void AddDriftingSine(FunctionProblem& problem, double first_rate) {
                    });
 }
 
-solvers::LocalFit::Outcome InTurns(Fit& fit, bool stopped = false) {
-  return solvers::FitInTurns(fit.least_squares, fit.least_squares.Start(), {0, 1e-9},
-                             [=] { return stopped; });
+solvers::LocalFit::Outcome Alternately(Fit& fit, bool stopped = false) {
+  return solvers::AlternatingFit(fit.least_squares, fit.least_squares.Start(), {0, 1e-9},
+                                 [=] { return stopped; });
 }
 
-TEST(FitInTurns, LeavesAMinimumThatADriftMakes) {
+TEST(AlternatingFit, LeavesAMinimumThatADriftMakes) {
   FunctionProblem problem;
   AddDriftingSine(problem, 13);
   Fit fit(problem);
   const auto alone =
       solvers::LocalFit(fit.least_squares).Minimize(fit.least_squares.Start(), -1, {0, 1e-9}, 500);
   EXPECT_LT(fit.least_squares.Parameters(alone.x)[kRate], 13.2) << "the search alone should miss it";
-  const auto found = InTurns(fit);
+  const auto found = Alternately(fit);
   EXPECT_TRUE(found.failure.empty());
   EXPECT_LT(found.cost, 0.99 * alone.cost);
   EXPECT_NEAR(fit.least_squares.Parameters(found.x)[kRate], kCycles, 0.4);
@@ -65,17 +65,17 @@ TEST(FitInTurns, LeavesAMinimumThatADriftMakes) {
       << "the cost is the plain one, and no transform is left behind";
 }
 
-TEST(FitInTurns, EndsWhereTheLocalFitDoesIfTurnsDoNotHelpOrWhenStopped) {
+TEST(AlternatingFit, EndsWhereTheLocalFitDoesIfWhiteningDoesNotHelpOrWhenStopped) {
   FunctionProblem near;
   AddDriftingSine(near, 14);
   Fit fit(near);
   const auto alone =
       solvers::LocalFit(fit.least_squares).Minimize(fit.least_squares.Start(), -1, {0, 1e-9}, 200);
-  EXPECT_EQ(InTurns(fit).x, alone.x);
+  EXPECT_EQ(Alternately(fit).x, alone.x);
   FunctionProblem far;
   AddDriftingSine(far, 13);
   Fit stopped(far);
-  EXPECT_LT(stopped.least_squares.Parameters(InTurns(stopped, true).x)[kRate], 13.2);
+  EXPECT_LT(stopped.least_squares.Parameters(Alternately(stopped, true).x)[kRate], 13.2);
 }
 
 }  // namespace
