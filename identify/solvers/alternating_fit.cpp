@@ -18,7 +18,8 @@ constexpr LocalFit::Tolerance kWhitenedCostTolerance{0, 1e-6};
 LocalFit::Outcome AlternatingFit(LeastSquares& fit, const Vector& x, LocalFit::Tolerance tolerance,
                                  const std::function<bool()>& stop) {
   fit.set_transform(nullptr);
-  LocalFit::Outcome lowest = LocalFit(fit).Minimize(x, -1, tolerance, kEvaluationsOfEach);
+  LocalFit first(fit);
+  LocalFit::Outcome lowest = first.Minimize(x, -1, tolerance, kEvaluationsOfEach);
   for (int round = 0; lowest.failure.empty() && round < kMostRounds && !stop(); ++round) {
     const auto whitening = ResidualWhitening(fit, fit.Parameters(lowest.x));
     if (!whitening) break;
@@ -27,7 +28,9 @@ LocalFit::Outcome AlternatingFit(LeastSquares& fit, const Vector& x, LocalFit::T
         LocalFit(fit).Minimize(lowest.x, -1, kWhitenedCostTolerance, kEvaluationsOfEach);
     fit.set_transform(nullptr);
     if (!whitened.failure.empty() || stop()) break;
-    LocalFit::Outcome plain = LocalFit(fit).Minimize(whitened.x, -1, tolerance, kEvaluationsOfEach);
+    // With the same penalty, so that costs can be compared.
+    LocalFit::Outcome plain =
+        LocalFit(fit, first.penalty()).Minimize(whitened.x, -1, tolerance, kEvaluationsOfEach);
     const bool falls = plain.failure.empty() && plain.cost < (1 - kLeastFall) * lowest.cost;
     if (!falls) break;
     lowest = std::move(plain);

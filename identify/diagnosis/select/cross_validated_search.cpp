@@ -384,7 +384,7 @@ Result<std::optional<CrossValidatedSearch::Outcome>> CrossValidatedSearch::Run(c
     }
     Shorten(made);
     FitFromEachOther(fitter_, judged_.all(), options_.seed, made);
-    fitter_.FitAlternately(made);
+    fitter_.FitFromProbes(made);
     SINEW_ASSIGN(std::vector<FittedSet> others,
                  Imitating(*std::min_element(made.begin(), made.end(), FitsBetter)));
     std::move(others.begin(), others.end(), std::back_inserter(made));

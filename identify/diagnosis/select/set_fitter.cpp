@@ -201,10 +201,14 @@ void SetFitter::Fit(std::vector<FittedSet>& sets, const std::vector<std::vector<
   }
 }
 
-void SetFitter::FitAlternately(std::vector<FittedSet>& sets) const {
+void SetFitter::FitFromProbes(std::vector<FittedSet>& sets) const {
   const auto stop = [&] { return Interrupted(); };
+  const auto has_many_probes = [&](int c) {
+    return candidates_[static_cast<std::size_t>(c)].probes.size() >= kManyProbes;
+  };
   ForEachShared(options_.record, options_.threads, sets.size(), [&](std::size_t i, std::size_t) {
     FittedSet& one = sets[i];
+    if (std::none_of(one.released.begin(), one.released.end(), has_many_probes)) return;
     if (stop() || !std::isfinite(one.fitted_error)) return;
     FitSetup setup = SetupWith(one.released);
     setup.rest = one.point;

@@ -65,10 +65,11 @@ class SetFitter {
   /// @param continued see ManyStarts
   void Fit(std::vector<FittedSet>& sets, const std::vector<std::vector<Vector>>& starts, double tolerance,
            std::size_t continued) const;
-  /// Fits every set further by solvers::AlternatingFit, those with an effect of many probe values also from
-  /// the best of these (solvers::ProbedStart). One that this does not lower by a hundredth of its cost stays
-  /// as it is; of the others the errors of left-out data become unknown. @pre the sets are fitted
-  void FitAlternately(std::vector<FittedSet>& sets) const;
+  /// Fits sets with an effect of more than twelve probe values again by solvers::AlternatingFit, from where
+  /// they are and from the best probe values (solvers::ProbedStart): a ripple's period that fits best without
+  /// the other causes is often not the one beside them. A set that this does not lower by a hundredth of its
+  /// cost stays as it is; of the others the errors of left-out data become unknown. @pre the sets are fitted
+  void FitFromProbes(std::vector<FittedSet>& sets) const;
   /// Fills the errors of left-out data, of sets that are fitted: the root mean square of the weighted
   /// residuals of each fold, left out of a fit that starts at the set's point, or where it ended before (none
   /// if a fit failed), and their geometric mean (infinite if a fit failed, or after an interruption).
