@@ -100,6 +100,7 @@ Result<FitSetup> MakeFitSetup(const Problem& problem, const FitRequest& request)
   for (const auto& [name, value] : request.start) {
     SINEW_ASSIGN(const int index, FindParameter(setup.parameters, name));
     setup.parameters[static_cast<std::size_t>(index)].start = value;
+    setup.stated_starts.push_back(index);
   }
   for (const auto& [name, value] : request.fix) {
     SINEW_ASSIGN(const int index, FindParameter(setup.parameters, name));

@@ -27,6 +27,7 @@ struct FitSetup {
   std::vector<Parameter> parameters;  ///< as the problem's, with the requested bounds and starts
   std::vector<int> free;              ///< indices, increasing
   std::vector<int> held;              ///< indices that the request fixes at a value, increasing
+  std::vector<int> stated_starts;     ///< indices for which the request states a start, in its order
   Vector rest;                        ///< [P] start of every free parameter, value of every other one
   /// Local fits that have been done, of this setup and of all that are made from it; may be null. No part of
   /// what is asked: the answers are the same without it.

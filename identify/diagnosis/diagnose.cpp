@@ -121,8 +121,7 @@ class DiagnosisRun {
       out_.base = std::move(*known);
       evaluator.RestoreAll();
     } else {
-      out_.base =
-          solver->Solve(evaluator, solvers::BestStart(fit, [&] { return evaluator.StopRequested(); }));
+      out_.base = solver->Solve(evaluator, solvers::BestStart(evaluator));
       kept.Keep(out_.base);
     }
     out_.base_point = fit.Parameters(out_.base.x);

@@ -105,8 +105,7 @@ Result<Identification> Identify(const Problem& problem, FitSetup setup, Identifi
   const LeastSquares least_squares(problem, out.setup);
   const auto* interrupt = options.evaluator.interrupt;
   Evaluator evaluator(least_squares, std::move(options.evaluator));
-  out.result =
-      solver->Solve(evaluator, solvers::BestStart(least_squares, [&] { return evaluator.StopRequested(); }));
+  out.result = solver->Solve(evaluator, solvers::BestStart(evaluator));
   out.seconds = evaluator.seconds();
   if (options.after_search) options.after_search(out.result);
   if (out.result.stop.usable() && !out.setup.free.empty()) {

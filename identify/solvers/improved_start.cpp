@@ -52,8 +52,17 @@ std::optional<Vector> ImprovedStart(const LeastSquares& fit, const Vector& param
   return improved;
 }
 
-Vector BestStart(const LeastSquares& fit, const std::function<bool()>& stop) {
-  return ProbedStart(fit, LowerStart(fit), stop);
+Vector BestStart(Evaluator& evaluator) {
+  const LeastSquares& fit = evaluator.fit();
+  const Vector start = LowerStart(fit);
+  if (!HasProbes(fit.setup())) return start;
+  // What is found before a limit of time ends the search is the answer then.
+  const auto record = [&](const Vector& x) {
+    double cost = 0;
+    evaluator.Cost(x, cost);
+  };
+  record(start);
+  return ProbedStart(fit, start, {[&] { return evaluator.StopRequested(); }, record});
 }
 
 }  // namespace sinew::solvers

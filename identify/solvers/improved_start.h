@@ -1,9 +1,9 @@
 // Where a local fit begins if the problem offers a better start than the given values: multiple shooting.
 #pragma once
 
-#include <functional>
 #include <optional>
 
+#include "identify/execution/evaluator.h"
 #include "identify/least_squares.h"
 
 namespace sinew::solvers {
@@ -13,7 +13,7 @@ namespace sinew::solvers {
 [[nodiscard]] std::optional<Vector> ImprovedStart(const LeastSquares& fit, const Vector& parameters);
 
 /// The start of a fit, or the problem's improved one if its cost is lower, and from there the ProbedStart of
-/// released effects. @param stop whether to end early @return [n]
-[[nodiscard]] Vector BestStart(const LeastSquares& fit, const std::function<bool()>& stop);
+/// released effects, whose points on the way the evaluator records. @return [n]
+[[nodiscard]] Vector BestStart(Evaluator& evaluator);
 
 }  // namespace sinew::solvers

@@ -10,6 +10,7 @@
 #include <vector>
 
 #include "base/constants.h"
+#include "identify/probe_grid.h"
 #include "identify/solvers/alternating_fit.h"
 #include "identify/solvers/box_quadratic_model.h"
 #include "identify/solvers/local_fit.h"
@@ -28,28 +29,29 @@ constexpr long kLongEvaluations = 200;
 // The free parameters of an effect, and values of those that have probe values.
 struct ProbedEffect {
   std::vector<int> parameters;
-  std::vector<std::vector<std::pair<int, double>>> probes;
+  std::vector<ProbeValues> probes;
 };
 
 const Parameter& ParameterOf(const FitSetup& setup, int index) {
   return setup.parameters[static_cast<std::size_t>(index)];
 }
 
-bool StartsWhereDeclared(const FitSetup& setup, int index) {
-  const Parameter& p = ParameterOf(setup, index);
-  return p.start == p.null_value || std::count(p.probes.begin(), p.probes.end(), p.start) > 0;
+bool HasStatedStart(const FitSetup& setup, int index) {
+  return std::count(setup.stated_starts.begin(), setup.stated_starts.end(), index) > 0;
 }
 
-void AddProbes(const Parameter& p, int index, ProbedEffect& effect) {
-  std::vector<std::vector<std::pair<int, double>>> grid;
-  for (const auto& probe : effect.probes) {
-    for (const double value : p.probes) {
-      if (value < p.lower || value > p.upper) continue;
-      grid.push_back(probe);
-      grid.back().emplace_back(index, value);
-    }
-  }
-  if (!grid.empty()) effect.probes = std::move(grid);
+std::vector<ProbeValues> ProbesWithinBounds(const FitSetup& setup, const std::vector<int>& group) {
+  std::vector<ProbeValues> probes = ProbeGrid(setup.parameters, group);
+  const auto is_outside = [&](const auto& one) {
+    const Parameter& p = ParameterOf(setup, one.first);
+    return one.second < p.lower || one.second > p.upper;
+  };
+  probes.erase(std::remove_if(probes.begin(), probes.end(),
+                              [&](const ProbeValues& values) {
+                                return std::any_of(values.begin(), values.end(), is_outside);
+                              }),
+               probes.end());
+  return probes;
 }
 
 std::vector<ProbedEffect> ProbedEffects(const FitSetup& setup, std::size_t least_probes) {
@@ -60,12 +62,12 @@ std::vector<ProbedEffect> ProbedEffects(const FitSetup& setup, std::size_t least
   }
   std::vector<ProbedEffect> effects;
   for (auto& [name, effect] : by_name) {
-    effect.probes = {{}};
-    for (const int index : effect.parameters) AddProbes(ParameterOf(setup, index), index, effect);
-    const bool probed = !effect.probes.front().empty() && effect.probes.size() >= least_probes;
-    const bool declared = std::all_of(effect.parameters.begin(), effect.parameters.end(),
-                                      [&](int index) { return StartsWhereDeclared(setup, index); });
-    if (probed && declared) effects.push_back(std::move(effect));
+    effect.probes = ProbesWithinBounds(setup, effect.parameters);
+    const bool probed =
+        !effect.probes.empty() && !effect.probes.front().empty() && effect.probes.size() >= least_probes;
+    const bool stated = std::any_of(effect.parameters.begin(), effect.parameters.end(),
+                                    [&](int index) { return HasStatedStart(setup, index); });
+    if (probed && !stated) effects.push_back(std::move(effect));
   }
   return effects;
 }
@@ -141,8 +143,8 @@ double Lowest(const std::vector<double>& costs) {
 
 class Probing {
  public:
-  Probing(const LeastSquares& fit, const std::function<bool()>& stop, std::size_t least_probes)
-      : fit_(fit), stop_(stop), left_(ProbedEffects(fit.setup(), least_probes)) {}
+  Probing(const LeastSquares& fit, const ProbedSearch& search)
+      : fit_(fit), search_(search), left_(ProbedEffects(fit.setup(), search.least_probes)) {}
 
   [[nodiscard]] bool HasEffects() const { return !left_.empty(); }
 
@@ -151,14 +153,17 @@ class Probing {
     const FitSetup without = Without(left_, fit_.setup());
     LeastSquares fit(fit_.problem(), without);
     auto end = Fit(fit, fit.Parameters(fit.Variables(point)), nullptr, kLongEvaluations);
-    while (end && !left_.empty()) end = Release(*end);
+    while (end && !left_.empty()) {
+      if (search_.found) search_.found(fit_.Variables(*end));
+      end = Release(*end);
+    }
     return end;
   }
 
  private:
   [[nodiscard]] std::optional<Vector> Fit(LeastSquares& fit, const Vector& point,
                                           const RowTransform* transform, long evaluations) {
-    if (stop_()) return {};
+    if (search_.stop()) return {};
     fit.set_transform(transform);
     const LocalFit::Outcome outcome =
         LocalFit(fit).Minimize(fit.Variables(point), -1, kProbedTolerance, evaluations);
@@ -175,8 +180,8 @@ class Probing {
     for (std::size_t i = 0; i < left_.size(); ++i) {
       const FitSetup setup = WithOneMore(i);
       const LeastSquares fit(fit_.problem(), setup);
-      PredictedCosts predicted = CostsAtProbes(fit, left_[i], point, whitening.get(), stop_);
-      if (stop_()) return {};
+      PredictedCosts predicted = CostsAtProbes(fit, left_[i], point, whitening.get(), search_.stop);
+      if (search_.stop()) return {};
       if (i > 0 && !(Lowest(predicted.plain) < Lowest(costs.plain))) continue;
       best = i;
       costs = std::move(predicted);
@@ -187,7 +192,8 @@ class Probing {
     const double plain_cost = cost_;
     auto whitened = BestOf(fit, point, left_[best], LowestMinima(costs.whitened), whitening.get());
     if (whitened) {
-      const LocalFit::Outcome end = AlternatingFit(fit, fit.Variables(*whitened), kProbedTolerance, stop_);
+      const LocalFit::Outcome end =
+          AlternatingFit(fit, fit.Variables(*whitened), kProbedTolerance, search_.stop);
       cost_ = end.cost;
       whitened = fit.Parameters(end.x);
     }
@@ -219,21 +225,21 @@ class Probing {
   }
 
   const LeastSquares& fit_;
-  const std::function<bool()>& stop_;
+  const ProbedSearch& search_;
   std::vector<ProbedEffect> left_;
   double cost_ = 0;  // of the last fit
 };
 
 }  // namespace
 
-Vector ProbedStart(const LeastSquares& fit, const Vector& start, const std::function<bool()>& stop,
-                   std::size_t least_probes) {
-  if (fit.setup().HasNuisancePriors()) return start;
-  Probing probing(fit, stop, least_probes);
-  if (!probing.HasEffects()) return start;
-  const auto point = probing.Run(fit.Parameters(start));
-  if (!point) return start;
-  return LowerOf(fit, start, fit.Variables(*point));
+bool HasProbes(const FitSetup& setup, std::size_t least_probes) {
+  return !setup.HasNuisancePriors() && !ProbedEffects(setup, least_probes).empty();
+}
+
+Vector ProbedStart(const LeastSquares& fit, const Vector& start, const ProbedSearch& search) {
+  if (!HasProbes(fit.setup(), search.least_probes)) return start;
+  const auto point = Probing(fit, search).Run(fit.Parameters(start));
+  return point ? LowerOf(fit, start, fit.Variables(*point)) : start;
 }
 
 }  // namespace sinew::solvers

@@ -27,7 +27,7 @@ Parameter LogParameter(const std::string& name, double lower, double upper, doub
 }
 
 // y = a exp(-b t): a on a linear scale, b on a logarithmic one.
-Result<double> Decay(const Block& /*block*/, double t, const Vector& p, Vector* gradient) {
+Result<double> DecayAt(const Block& /*block*/, double t, const Vector& p, Vector* gradient) {
   const double e = std::exp(-p[1] * t);
   if (gradient != nullptr) *gradient << e, -p[0] * t * e;
   return p[0] * e;
@@ -35,7 +35,7 @@ Result<double> Decay(const Block& /*block*/, double t, const Vector& p, Vector* 
 
 ToyProblem DecayProblem(Layout layout) {
   return ToyProblem({MakeParameter("a", -2, 6, 1), LogParameter("b", 0.01, 100, 1)}, std::move(layout),
-                    Decay);
+                    DecayAt);
 }
 
 TEST(LeastSquaresVariables, LogScaleMapsEqualRatiosToEqualSteps) {
@@ -53,7 +53,7 @@ TEST(LeastSquaresVariables, LogScaleMapsEqualRatiosToEqualSteps) {
 TEST(LeastSquaresVariables, BoundsAreExactAtZeroAndOneAndClampedBeyond) {
   const ToyProblem problem({MakeParameter("a", -0.1, 0.3, 0), LogParameter("b", 0.017, 1234.5, 1),
                             LogParameter("c", 1e4, 1e9, 1e6)},
-                           {MakeBlock("t", "y", 2, 1)}, Decay);
+                           {MakeBlock("t", "y", 2, 1)}, DecayAt);
   const ToyFit fit(problem);
   const Vector lower = Values({-0.1, 0.017, 1e4});
   const Vector upper = Values({0.3, 1234.5, 1e9});
@@ -75,7 +75,7 @@ TEST(LeastSquaresVariables, NoPointOfTheBoxLeavesTheBounds) {
     const double offset = random.Uniform(-1, 1);
     const ToyProblem problem({LogParameter("a", lower, upper, lower),
                               MakeParameter("b", offset, offset + random.Uniform(0.01, 1), offset)},
-                             {}, Decay);
+                             {}, DecayAt);
     const ToyFit fit(problem);
     for (const double x :
          {std::numeric_limits<double>::min(), 1e-17, random.Uniform(), 1 - 1e-15, near_one}) {
@@ -173,7 +173,7 @@ TEST(LeastSquares, JacobianAgreesWithDifferences) {
   gappy.measured = {0.1, 0.2, 0.3};
   gappy.weight = 3;
   gappy.relative_weight = {0.5, 2, 1.5};
-  const ToyProblem problem({a, b}, {MakeBlock("t", "y", 9, 1), gappy}, Decay);
+  const ToyProblem problem({a, b}, {MakeBlock("t", "y", 9, 1), gappy}, DecayAt);
   const ToyFit fit(problem);
   ASSERT_EQ(fit.view.residuals(), 9 + 3 + 2);
 
@@ -251,7 +251,7 @@ TEST(LeastSquares, PriorsAreResidualsInTheScaleOfTheirParameter) {
   a.prior = GaussianPrior{3, 0.5};
   Parameter b = LogParameter("b", 0.01, 100, 1);
   b.prior = GaussianPrior{std::log(10.0), 2};
-  const ToyProblem problem({a, b}, {MakeBlock("t", "y", 2, 1)}, Decay);
+  const ToyProblem problem({a, b}, {MakeBlock("t", "y", 2, 1)}, DecayAt);
   const ToyFit fit(problem);
   auto workspace = fit.view.NewWorkspace();
   Vector residuals;
@@ -293,7 +293,7 @@ TEST(LeastSquares, ConstraintsAreExpressedInTheVariables) {
   constexpr double kRounding = 1e-13;
   // b <= a + 1 with a fixed.
   const ToyProblem problem({MakeParameter("a", -2, 6, 1), LogParameter("b", 0.01, 100, 1)},
-                           {MakeBlock("t", "y", 2, 1)}, Decay, {{"b at most a + 1", Values({-1, 1}), -1}});
+                           {MakeBlock("t", "y", 2, 1)}, DecayAt, {{"b at most a + 1", Values({-1, 1}), -1}});
   FitRequest request;
   request.fix = {{"a", 2}};
   const Fit fit(problem, request);

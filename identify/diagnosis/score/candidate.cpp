@@ -2,26 +2,17 @@
 
 #include <algorithm>
 #include <iterator>
+#include <utility>
+
+#include "identify/probe_grid.h"
 
 namespace sinew::diagnosis {
 namespace {
 
 std::vector<Candidate::Probe> ProbesOf(const std::vector<Parameter>& parameters,
                                        const std::vector<int>& group) {
-  std::vector<Candidate::Probe> probes{{}};
-  for (const int index : group) {
-    const Parameter& p = parameters[static_cast<std::size_t>(index)];
-    if (p.probes.empty()) continue;
-    std::vector<Candidate::Probe> grid;
-    for (const Candidate::Probe& probe : probes) {
-      for (const double value : p.probes) {
-        Candidate::Probe next = probe;
-        next.at.emplace_back(index, value);
-        grid.push_back(std::move(next));
-      }
-    }
-    probes = std::move(grid);
-  }
+  std::vector<Candidate::Probe> probes;
+  for (ProbeValues& values : ProbeGrid(parameters, group)) probes.push_back({std::move(values)});
   return probes;
 }
 

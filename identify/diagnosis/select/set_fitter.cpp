@@ -215,7 +215,7 @@ void SetFitter::FitFromProbes(std::vector<FittedSet>& sets) const {
     LeastSquares fit(searched_, setup);
     const Vector x = fit.Variables(one.point);
     auto found = solvers::AlternatingFit(fit, x, {0, kTolerance}, stop);
-    const Vector probed = solvers::ProbedStart(fit, x, stop, kManyProbes);
+    const Vector probed = solvers::ProbedStart(fit, x, {stop, {}, kManyProbes});
     if (probed != x && !stop()) {
       auto other = solvers::AlternatingFit(fit, probed, {0, kTolerance}, stop);
       if (other.failure.empty() && !(found.failure.empty() && found.cost <= other.cost))

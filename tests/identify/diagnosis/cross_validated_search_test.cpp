@@ -12,6 +12,7 @@
 
 #include "base/decompositions.h"
 #include "tests/identify/diagnosis/linear_laws.h"
+#include "tests/identify/support/rippled_problem.h"
 
 namespace sinew::diagnosis {
 namespace {
@@ -134,6 +135,23 @@ TEST(CrossValidatedSearch, OnlySetsWithManyProbesThatALowerCostIsFoundForAreFitt
   EXPECT_NEAR(sets[1].fitted_error, fitted.fitted_error, 1e-3 * fitted.fitted_error);
   EXPECT_LT((sets[1].point - fitted.point).norm(), 1e-2);
   EXPECT_TRUE(std::isinf(sets[1].left_out_error)) << "of the point before";
+}
+
+TEST(CrossValidatedSearch, ARippleIsFittedAgainFromOtherPeriods) {
+  const rippled::Rippled problem;
+  const FitSetup setup = *MakeFitSetup(problem, {});
+  const std::vector<Candidate> candidates = ListCandidates(problem, setup);
+  const Refitter refitter(problem, setup, candidates);
+  const DiagnosisOptions options;
+  const SetFitter fitter(problem, refitter, candidates, options);
+  ASSERT_EQ(candidates.front().effect, "ripple");
+  std::vector<FittedSet> sets{FittedSet({0})};
+  Vector start = setup.rest;
+  start[rippled::kRipplePeriod] = 0.5;
+  fitter.Fit(sets, {{start}}, SetFitter::kTolerance, 1);
+  EXPECT_GT(sets.front().point[rippled::kRipplePeriod], 0.2) << "the search alone should miss it";
+  fitter.FitFromProbes(sets);
+  EXPECT_NEAR(sets.front().point[rippled::kRipplePeriod], rippled::kPeriod, 1e-4);
 }
 
 TEST(CrossValidatedSearch, AnInterruptionLeavesNoErrorOfLeftOutData) {

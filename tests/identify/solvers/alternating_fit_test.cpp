@@ -44,6 +44,10 @@ void AddDriftingSine(FunctionProblem& problem, double first_rate) {
                    });
 }
 
+solvers::LocalFit::Outcome Alone(const Fit& fit) {
+  return solvers::LocalFit(fit.least_squares).Minimize(fit.least_squares.Start(), -1, {0, 1e-9}, 200);
+}
+
 solvers::LocalFit::Outcome Alternately(Fit& fit, bool stopped = false) {
   return solvers::AlternatingFit(fit.least_squares, fit.least_squares.Start(), {0, 1e-9},
                                  [=] { return stopped; });
@@ -53,8 +57,7 @@ TEST(AlternatingFit, LeavesAMinimumThatADriftMakes) {
   FunctionProblem problem;
   AddDriftingSine(problem, 13);
   Fit fit(problem);
-  const auto alone =
-      solvers::LocalFit(fit.least_squares).Minimize(fit.least_squares.Start(), -1, {0, 1e-9}, 500);
+  const auto alone = Alone(fit);
   EXPECT_LT(fit.least_squares.Parameters(alone.x)[kRate], 13.2) << "the search alone should miss it";
   const auto found = Alternately(fit);
   EXPECT_TRUE(found.failure.empty());
@@ -69,8 +72,7 @@ TEST(AlternatingFit, EndsWhereTheLocalFitDoesIfWhiteningDoesNotHelpOrWhenStopped
   FunctionProblem near;
   AddDriftingSine(near, 14);
   Fit fit(near);
-  const auto alone =
-      solvers::LocalFit(fit.least_squares).Minimize(fit.least_squares.Start(), -1, {0, 1e-9}, 200);
+  const auto alone = Alone(fit);
   EXPECT_EQ(Alternately(fit).x, alone.x);
   FunctionProblem far;
   AddDriftingSine(far, 13);

@@ -5,74 +5,19 @@
 #include <cmath>
 #include <vector>
 
-#include "base/constants.h"
-#include "base/random.h"
+#include "identify/solvers/improved_start.h"
 #include "identify/solvers/local_fit.h"
 #include "tests/identify/support/function_problem.h"
+#include "tests/identify/support/rippled_problem.h"
 
 namespace sinew {
 namespace {
 
-constexpr int kInstants = 400;
-constexpr double kPeriod = 0.0731;
-constexpr double kCos = 0.3;
-constexpr double kSin = -0.2;
-enum : int { kSlope, kRippleCos, kRippleSin, kRipplePeriod, kStep };
-
-double Time(int i) {
-  return static_cast<double>(i) / kInstants;
-}
-
-// A line with a ripple of an unknown period, and a step whose size is unknown and whose slope at the null is
-// 0.
-class Rippled final : public FunctionProblem {
- public:
-  Rippled() {
-    Add(BaseParameter("slope", "1", "of the line", -10, 10, 1));
-    Add(EffectParameter("ripple_cos", "1", "of the ripple", -2, 2, 0, "ripple"));
-    Add(EffectParameter("ripple_sin", "1", "of the ripple", -2, 2, 0, "ripple"));
-    Parameter period = EffectParameter("ripple_period", "1", "of the ripple", 0.02, 1, 1, "ripple");
-    period.start = 1;
-    for (int cycles = 1; cycles <= 40; ++cycles) period.probes.push_back(1.0 / cycles);
-    Add(period);
-    Parameter step = EffectParameter("step", "1", "cubic", -1, 1, 0, "step");
-    step.probes = {-0.5, 0.5};
-    Add(step);
-    Random random(3);
-    std::vector<double> measured;
-    for (int i = 0; i < kInstants; ++i) {
-      const double angle = 2 * kPi * Time(i) / kPeriod;
-      measured.push_back(2 * Time(i) + kCos * std::cos(angle) + kSin * std::sin(angle) +
-                         1e-3 * random.Normal());
-    }
-    AddBlock("trial", measured, {0, 1, 2, 3, 4},
-             [](const Vector& p, Eigen::Ref<Vector> values, Matrix* derivatives) -> Status {
-               for (int i = 0; i < kInstants; ++i) {
-                 const double t = Time(i);
-                 const double late = i > kInstants / 2 ? 1 : 0;
-                 const double angle = 2 * kPi * t / p[kRipplePeriod];
-                 const double c = std::cos(angle);
-                 const double s = std::sin(angle);
-                 values[i] =
-                     p[kSlope] * t + p[kRippleCos] * c + p[kRippleSin] * s + late * std::pow(p[kStep], 3);
-                 if (derivatives == nullptr) continue;
-                 (*derivatives)(i, kSlope) = t;
-                 (*derivatives)(i, kRippleCos) = c;
-                 (*derivatives)(i, kRippleSin) = s;
-                 (*derivatives)(i, kRipplePeriod) =
-                     (p[kRippleCos] * s - p[kRippleSin] * c) * angle / p[kRipplePeriod];
-                 (*derivatives)(i, kStep) = 3 * late * p[kStep] * p[kStep];
-               }
-               return {};
-             });
-  }
-  [[nodiscard]] const std::vector<Effect>& effects() const override { return effects_; }
-
- private:
-  std::vector<Effect> effects_{
-      {"ripple", Level::kRobot, "it ripples", "slow motion", {kRippleCos, kRippleSin, kRipplePeriod}},
-      {"step", Level::kRobot, "it steps", "long motion", {kStep}}};
-};
+using rippled::kCostOfNoise;
+using rippled::kPeriod;
+using rippled::kRipplePeriod;
+using rippled::kStep;
+using rippled::Rippled;
 
 FitRequest Release(const std::vector<std::string>& effects) {
   FitRequest request;
@@ -81,14 +26,12 @@ FitRequest Release(const std::vector<std::string>& effects) {
 }
 
 Vector Probed(const Fit& fit, bool stopped = false) {
-  return solvers::ProbedStart(fit.least_squares, fit.least_squares.Start(), [=] { return stopped; });
+  return solvers::ProbedStart(fit.least_squares, fit.least_squares.Start(), {[=] { return stopped; }, {}});
 }
 
 double EndOfLocalFit(const Fit& fit, const Vector& start) {
   return solvers::LocalFit(fit.least_squares).Minimize(start, -1, {0, 1e-9}, 500).cost;
 }
-
-constexpr double kCostOfNoise = 0.5 * kInstants * 1e-6;
 
 TEST(ProbedStart, FindsThePeriodOfARippleThatALocalSearchMisses) {
   const Rippled problem;
@@ -110,9 +53,12 @@ TEST(ProbedStart, OfSeveralEffectsTheOneThatExplainsMoreComesFirst) {
 TEST(ProbedStart, AStatedStartIsKept) {
   const Rippled problem;
   FitRequest request = Release({"ripple"});
-  request.start = {{"ripple_period", 0.3}};
-  const Fit fit(problem, request);
-  EXPECT_EQ(Probed(fit), fit.least_squares.Start());
+  // 0.25 and 1 are a probe value and the null.
+  for (const double stated : {0.3, 0.25, 1.0}) {
+    request.start = {{"ripple_period", stated}};
+    const Fit fit(problem, request);
+    EXPECT_EQ(Probed(fit), fit.least_squares.Start()) << stated;
+  }
 }
 
 TEST(ProbedStart, WithoutSuchEffectsOrWhenStoppedItIsTheStart) {
@@ -129,6 +75,21 @@ TEST(ProbedStart, ProbeValuesOutsideTheFitsBoundsAreLeftOut) {
   request.bounds = {{"ripple_period", {0.2, 1}}};
   const Fit fit(problem, request);
   EXPECT_GE(fit.least_squares.Parameters(Probed(fit))[kRipplePeriod], 0.2);
+}
+
+TEST(ProbedStart, TheEvaluatorRecordsTheGivenStartAndPointsOnTheWay) {
+  const Rippled problem;
+  const Fit fit(problem, Release({"ripple"}));
+  Evaluator evaluator(fit.least_squares, {});
+  const Vector start = solvers::BestStart(evaluator);
+  EXPECT_EQ(start, Probed(fit));
+  ASSERT_EQ(evaluator.evaluations(), 2) << "an answer where a limit of time ends the search";
+  EXPECT_EQ(evaluator.trace().front().x, fit.least_squares.Start());
+  EXPECT_LT(evaluator.best().cost, evaluator.trace().front().cost);
+  const Fit base(problem);
+  Evaluator of_base(base.least_squares, {});
+  EXPECT_EQ(solvers::BestStart(of_base), base.least_squares.Start());
+  EXPECT_EQ(of_base.evaluations(), 0);
 }
 
 }  // namespace
